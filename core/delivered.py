@@ -1,0 +1,152 @@
+"""Images that come out of a chain: the spectrum, the product of its factors, one inverse."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import DataError
+from core.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
+from core.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
+from core.product import Product
+from core.recipes import Recipe, Step
+from core.values import Image, Magnitude, Phase
+from core.work import Work
+
+Array = NDArray[Any]
+BinMode = Literal["mean", "sum"]
+
+
+def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = None) -> Image:
+    """The image of a magnitude and a phase, which may stem from different images.
+
+    Raises
+    ------
+    DataError
+        If the two do not have the same size.
+    """
+    if magnitude.grid.shape != phase.grid.shape:
+        raise DataError(
+            f"magnitude is {magnitude.grid.columns} × {magnitude.grid.rows} samples and phase "
+            f"{phase.grid.columns} × {phase.grid.rows}: only equal sizes combine"
+        )
+    grid = magnitude.grid
+    like = magnitude.image or phase.image
+    recipe = Delivered(magnitude, phase, node=node)
+    unit = like.unit if like is not None else ""
+    return Image(
+        recipe,
+        grid.rows,
+        grid.columns,
+        grid.interval_x_mrad,
+        grid.interval_y_mrad,
+        unit=unit,
+        band_um=like.band_um if like is not None else None,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Delivered(Recipe):
+    """Pixels of a filtered image, blocks of them combined if a factor says so."""
+
+    magnitude: Magnitude
+    phase: Phase
+    factor_x: int = 1
+    factor_y: int = 1
+    mode: BinMode = "mean"
+    node: str | None = field(default=None, compare=False)
+
+    def _content(self) -> tuple[object, ...]:
+        return self.magnitude.key, self.phase.key, self.factor_x, self.factor_y, self.mode
+
+    @property
+    def one_source(self) -> bool:
+        """Whether magnitude and phase belong to the same image."""
+        a, b = self.magnitude, self.phase
+        return (
+            a.image is not None
+            and b.image is not None
+            and a.image.key == b.image.key
+            and a.edges == b.edges
+        )
+
+    def compute(self, work: Work) -> Array:
+        """One multiplication of the spectrum and one inverse transform."""
+        product = Product((*self.magnitude.factors, *self.phase.factors))
+        grid = self.magnitude.grid
+        source = self.magnitude.image
+        if source is not None and self.one_source:
+            mirrored = self.magnitude.edges == "reflect"
+            transform = mirrored_spectrum if mirrored else periodic_spectrum
+            spectrum = work.value(Step.of(transform, source.recipe, node=self.node))
+            apply = mirrored_filter if mirrored else periodic_filter
+        else:
+            spectrum, apply = self._crossed(work), periodic_filter
+        work.check()
+        result = apply(work, spectrum, product, grid, self.factor_x, self.factor_y)
+        if self.mode == "sum":
+            result *= result.dtype.type(self.factor_x * self.factor_y)
+        return result
+
+    def _crossed(self, work: Work) -> MeanFree:
+        a, b = self.magnitude.image, self.phase.image
+        return crossed_spectrum(
+            work,
+            None if a is None else work.value(a.recipe),
+            None if b is None else work.value(b.recipe),
+            self.magnitude.grid,
+        )
+
+
+def combine_pixels(
+    image: Image, *, factor_x: int, factor_y: int, mode: BinMode = "mean", node: str | None = None
+) -> Image:
+    """Mean or sum of blocks of `factor_y` × `factor_x` samples; what is left over is cropped.
+
+    Straight after a back transform, and where the factors divide the size, the spectrum is folded
+    and a smaller inverse transform taken; otherwise the pixels are combined.
+
+    Raises
+    ------
+    DataError
+        If a factor exceeds the image's size.
+    """
+    if factor_x > image.columns or factor_y > image.rows:
+        raise DataError(
+            f"blocks of {factor_x} × {factor_y} do not fit an image of "
+            f"{image.columns} × {image.rows} samples"
+        )
+    recipe = image.recipe
+    whole = image.columns % factor_x == 0 and image.rows % factor_y == 0
+    if isinstance(recipe, Delivered) and whole and recipe.factor_x == recipe.factor_y == 1:
+        combined: Recipe = Delivered(
+            recipe.magnitude, recipe.phase, factor_x, factor_y, mode, node=recipe.node
+        )
+    else:
+        combined = Step.of(
+            block_combine, recipe, factor_x=factor_x, factor_y=factor_y, mode=mode, node=node
+        )
+    x, y = image.interval_x_mrad, image.interval_y_mrad
+    return image.with_recipe(
+        combined,
+        rows=image.rows // factor_y,
+        columns=image.columns // factor_x,
+        interval_x_mrad=None if x is None else x * factor_x,
+        interval_y_mrad=None if y is None else y * factor_y,
+    )
+
+
+def block_combine(work: Work, image: Array, *, factor_x: int, factor_y: int, mode: str) -> Array:
+    """Mean or sum of whole blocks, sums in double."""
+    rows, columns = image.shape[0] // factor_y, image.shape[1] // factor_x
+    total = np.zeros((rows, columns))
+    for y in range(factor_y):
+        for x in range(factor_x):
+            work.check()
+            total += image[y : rows * factor_y : factor_y, x : columns * factor_x : factor_x]
+    if mode == "mean":
+        total /= factor_x * factor_y
+    return total.astype(work.policy.dtype)

@@ -1,0 +1,205 @@
+"""Evaluating a network: plan every node in microseconds, then compute only what is asked for."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from core.declaration import Declaration, Here, Module, declaration
+from core.errors import ImagechainError, NetworkError
+from core.library import Library
+from core.network import Network, Node
+from core.policy import Policy
+from core.realize import realize
+from core.recipes import Recipe
+from core.store import Store
+from core.work import Work
+
+
+@dataclass(frozen=True)
+class PlannedNode:
+    """A node with its module, what comes in and what goes out; or why it has none."""
+
+    node: Node
+    module: Module | None = None
+    inputs: Mapping[str, Any] = field(default_factory=dict)
+    outputs: Mapping[str, Any] = field(default_factory=dict)
+    result: Any = None
+    error: ImagechainError | None = None
+
+    @property
+    def declaration(self) -> Declaration:
+        """Declaration of the node's module."""
+        assert self.module is not None
+        return declaration(type(self.module))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Every node of a network planned: recipes, no arrays."""
+
+    network: Network
+    nodes: Mapping[str, PlannedNode]
+
+    def output(self, port: str) -> Any:
+        """The value on ``node.port``.
+
+        Raises
+        ------
+        ImagechainError
+            The node's own error, or that there is no such port.
+        """
+        name, _, output = port.rpartition(".")
+        planned = self.nodes.get(name)
+        if planned is None:
+            known = ", ".join(self.nodes) or "none"
+            raise NetworkError(f"{port}: the network has no node {name!r}; it has {known}")
+        if planned.error is not None:
+            raise planned.error
+        if output not in planned.outputs:
+            known = ", ".join(planned.outputs) or "none"
+            raise NetworkError(f"{port}: {name} has no output {output!r}; it has {known}")
+        return planned.outputs[output]
+
+    def errors(self) -> list[ImagechainError]:
+        """Errors of the nodes, each once, in order."""
+        found: list[ImagechainError] = []
+        for planned in self.nodes.values():
+            if planned.error is not None and planned.error not in found:
+                found.append(planned.error)
+        return found
+
+
+class Engine:
+    """Plans and evaluates networks over one store.
+
+    Parameters
+    ----------
+    library : mapping of key to module class
+        The modules a network may use.
+    store : Store, optional
+        Where computed values are kept between evaluations.
+    """
+
+    def __init__(self, library: Library, store: Store | None = None) -> None:
+        self.library = library
+        self.store = store if store is not None else Store()
+
+    def plan(self, network: Network, *, folder: Path | None = None) -> Plan:
+        """Run every module's planning in order; an error stays on its node.
+
+        Nodes that hang on a failed one carry that node's error.
+        """
+        planned: dict[str, PlannedNode] = {}
+        for name in network.order():
+            planned[name] = self._plan_node(network, name, planned, folder or Path())
+        return Plan(network, planned)
+
+    def work(
+        self,
+        policy: Policy,
+        *,
+        cancel: threading.Event | None = None,
+        progress: Callable[[str | None], None] | None = None,
+    ) -> Work:
+        """One evaluation over this engine's store."""
+        return Work(policy, self.store, cancel, progress)
+
+    def values(self, plan: Plan, ports: Iterable[str], work: Work) -> dict[str, Any]:
+        """Computed values of the ports: arrays, curves or tables.
+
+        Raises
+        ------
+        ImagechainError
+            The first error met, with its node.
+        """
+        return {port: self.value(plan, port, work) for port in ports}
+
+    def value(self, plan: Plan, port: str, work: Work) -> Any:
+        """The computed value of one ``node.port``."""
+        value = plan.output(port)
+        node = port.rpartition(".")[0]
+        try:
+            return realize(value, work)
+        except ImagechainError as error:
+            raise error.at(node) from error
+
+    def readouts(self, plan: Plan, node: str, work: Work) -> dict[str, Any]:
+        """Values of a node's read-outs by name.
+
+        Raises
+        ------
+        ImagechainError
+            The node's own error, or one met while computing.
+        """
+        planned = plan.nodes[node]
+        if planned.error is not None:
+            raise planned.error
+        found = {}
+        for readout in planned.declaration.readouts:
+            known = {**planned.inputs, "outputs": planned.result}
+            arguments = {name: known[name] for name in readout.needs}
+            try:
+                value = getattr(planned.module, readout.name)(**arguments)
+                found[readout.name] = work.value(value) if isinstance(value, Recipe) else value
+            except ImagechainError as error:
+                raise error.at(node) from error
+        return found
+
+    def _plan_node(
+        self, network: Network, name: str, planned: Mapping[str, PlannedNode], folder: Path
+    ) -> PlannedNode:
+        node = network.nodes[name]
+        inputs: dict[str, Any] = {}
+        try:
+            module_class = self.library.get(node.module)
+            if module_class is None:
+                raise NetworkError(f"module {node.module!r} is not in the library", node=name)
+            module = module_class.build(node.params)
+            module.check()
+            described = declaration(module_class)
+            for link in network.links_into(name):
+                source = planned[link.source]
+                if source.error is not None:
+                    return PlannedNode(node, module, error=source.error)
+                if link.output not in source.outputs:
+                    raise NetworkError(f"{link.source} has no output {link.output!r}", node=name)
+                inputs[link.input] = source.outputs[link.output]
+            for port in described.inputs:
+                if port.name not in inputs:
+                    if port.required:
+                        raise NetworkError(f"input {port.name} is not connected", node=name)
+                    inputs[port.name] = None
+            if node.disabled:
+                return PlannedNode(node, module, inputs, _passed(described, inputs))
+            result = _run(module, inputs, Here(name, network.seed, folder))
+            outputs = result._asdict() if result is not None else {}
+            return PlannedNode(node, module, inputs, outputs, result)
+        except ImagechainError as error:
+            return PlannedNode(node, inputs=inputs, error=error.at(name))
+
+
+def _run(module: Module, inputs: Mapping[str, Any], here: Here) -> Any:
+    hints = module.run.__annotations__
+    extra = {name: here for name, hint in hints.items() if hint in (Here, "Here")}
+    return module.run(**inputs, **extra)
+
+
+def _passed(described: Declaration, inputs: Mapping[str, Any]) -> dict[str, Any]:
+    """Outputs of a disabled node: each the input of its own name, else the first of its type."""
+    passed = {}
+    for port in described.outputs:
+        same = inputs.get(port.name)
+        if same is None:
+            fitting = [
+                value
+                for value in inputs.values()
+                if value is not None and value.port_type in port.types
+            ]
+            same = fitting[0] if fitting else None
+        if same is not None:
+            passed[port.name] = same
+    return passed

@@ -1,0 +1,90 @@
+"""The errors a user can meet, each one line that says what, where, the value and what is allowed.
+
+Which to raise:
+
+- `ParameterError`: a number, choice or combination of them that the physics cannot use.
+- `DataError`: samples that cannot be used (not finite, wrong shape, no samples at all).
+- `FileError`: a file that is missing, damaged, of an unknown kind, or cannot be written.
+- `NetworkError`: a network document that is not one, or whose modules and links do not fit.
+- `UsageError`: a command line that cannot be carried out.
+- `Cancelled`: the caller asked to stop.
+
+All but `Cancelled` are faults of the input: the command line ends with exit code 2 for them.
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import Self
+
+
+class ImagechainError(Exception):
+    """Base of every error this program raises on purpose.
+
+    `node` is the id of the network's node the error belongs to, once known.
+    """
+
+    exit_code = 1
+
+    def __init__(self, message: str, *, node: str | None = None) -> None:
+        super().__init__(message)
+        self.message = " ".join(message.split())
+        self.node = node
+
+    def at(self, node: str) -> Self:
+        """The same error, placed on `node` unless it already has a place."""
+        if self.node is not None:
+            return self
+        placed = copy.copy(self)
+        placed.node = node
+        placed.__cause__ = self.__cause__
+        return placed
+
+    def __str__(self) -> str:
+        return f"{self.node}: {self.message}" if self.node else self.message
+
+
+class InputError(ImagechainError):
+    """The input is at fault; the message says how to mend it."""
+
+    exit_code = 2
+
+
+class ParameterError(InputError):
+    """A parameter whose value is not allowed: name, value, unit and range in one line."""
+
+    def __init__(
+        self,
+        parameter: str,
+        value: object,
+        allowed: str,
+        *,
+        unit: str = "",
+        node: str | None = None,
+    ) -> None:
+        shown = f"{value!r:.80}" + (f" {unit}" if unit else "")
+        super().__init__(f"{parameter} = {shown} is not allowed: {allowed}", node=node)
+        self.parameter = parameter
+        self.value = value
+        self.allowed = allowed
+        self.unit = unit
+
+
+class DataError(InputError):
+    """Samples that cannot be used."""
+
+
+class FileError(InputError):
+    """A file that cannot be read or written."""
+
+
+class NetworkError(InputError):
+    """A network document that cannot be used."""
+
+
+class UsageError(InputError):
+    """A command line that cannot be carried out."""
+
+
+class Cancelled(ImagechainError):
+    """The caller asked to stop before the work was done."""

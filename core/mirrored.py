@@ -1,0 +1,216 @@
+"""Filtering a frame that is mirrored at its edges without end (half-sample symmetric).
+
+The mirrored frame's spectrum is a DCT-II. Acting on cos(ax)·cos(by), a real filter's
+H = R + iI with parts even (e) or odd (o) in each axis gives
+
+    R_ee·cos·cos − R_oo·sin·sin − I_oe·sin·cos − I_eo·cos·sin,
+
+so the even part comes back by the inverse DCT-II and an odd part, moved by one index, by the
+inverse DST-II. Nothing is padded and nothing wraps round. Pixel means fold here as on any
+spectrum: index k = 2M·j ± k' acts as ±(−1)^j at k' on a frame of M samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from core.grid import Grid
+from core.product import Product
+from core.work import Work
+
+Array = NDArray[Any]
+BLOCK_SAMPLES = 1 << 16  # spectrum samples per block of rows, to stay in a core's cache
+
+
+@dataclass(frozen=True)
+class MeanFree:
+    """A spectrum without its mean, and the mean in double precision."""
+
+    values: Array
+    mean: float
+
+
+def mirrored_spectrum(work: Work, image: Array) -> MeanFree:
+    """DCT-II of the frame less its mean; taking the mean off in double keeps single precise."""
+    mean = float(np.mean(image, dtype=np.float64))
+    values = np.subtract(image, mean, dtype=work.policy.dtype)
+    values = scipy.fft.dctn(values, type=2, overwrite_x=True, workers=work.policy.workers)
+    return MeanFree(values, mean)
+
+
+def mirrored_filter(
+    work: Work,
+    spectrum: MeanFree,
+    product: Product,
+    grid: Grid,
+    factor_x: int = 1,
+    factor_y: int = 1,
+) -> Array:
+    """The filtered frame, its `factor_y` × `factor_x` blocks averaged.
+
+    Parameters
+    ----------
+    work : Work
+        Threads and precision.
+    spectrum : MeanFree
+        From `mirrored_spectrum`.
+    product : Product
+        The transfer function.
+    grid : Grid
+        Sampling of the unfiltered frame.
+    factor_x, factor_y : int
+        Block size; each divides the frame's size.
+
+    Returns
+    -------
+    ndarray, shape (rows // factor_y, columns // factor_x)
+    """
+    terms = _Terms(work, product, grid, factor_x, factor_y)
+    total: Array | None = None
+    for odd_y in terms.odd_y:
+        folded = _fold(work, spectrum.values, terms, odd_y)
+        for odd_x in list(folded):
+            part = _inverse(folded.pop(odd_x), odd_y, odd_x, work.policy.workers)
+            total = part if total is None else np.add(total, part, out=total)
+    assert total is not None
+    total += np.asarray(spectrum.mean * product.at_zero(work), total.dtype)
+    return total
+
+
+class _Terms:
+    """The even and odd parts of H, with the pixel mean's kernel, applied to blocks of rows."""
+
+    def __init__(
+        self, work: Work, product: Product, grid: Grid, factor_x: int, factor_y: int
+    ) -> None:
+        self.work, self.product = work, product
+        self.factor_y = factor_y
+        self.shape = grid.rows // factor_y, grid.columns // factor_x
+        self.xi, self.eta = grid.xi_mirrored(), grid.eta_mirrored()
+        # 1/f undoes the difference between the forward and the smaller inverse transform.
+        self.across = product.across(work, self.xi) * mean_kernel(grid.columns, factor_x) / factor_x
+        self.along = product.along(work, self.eta) * mean_kernel(grid.rows, factor_y) / factor_y
+        self.general = not product.symmetric
+        self.odd_x = (False, True) if self.general or product.has_phase_x else (False,)
+        self.odd_y = (False, True) if self.general or product.has_phase_y else (False,)
+
+    def apply(
+        self, values: Array, rows: slice, weights: Array, odd_y: bool
+    ) -> Iterator[tuple[bool, Array]]:
+        """Each term's coefficients times a block of the spectrum."""
+        if self.general:
+            for odd_x, block in self._general(rows, odd_y):
+                yield odd_x, values * (block * weights[:, np.newaxis]).astype(values.dtype)
+            return
+        along = (np.imag if odd_y else np.real)(self.along[rows]) * weights
+        plane = self.product.plane(self.work, self.xi, self.eta[rows])
+        shared = along[:, np.newaxis] if plane is None else along[:, np.newaxis] * plane
+        values = values * shared.astype(values.dtype)
+        for odd_x in self.odd_x:
+            # i·i = −1 turns −sin·sin round; a single odd part keeps its minus.
+            sign = -1.0 if odd_x != odd_y else 1.0
+            across = (np.imag if odd_x else np.real)(self.across) * sign
+            last = odd_x == self.odd_x[-1]
+            yield (
+                odd_x,
+                np.multiply(values, across.astype(values.dtype), out=values if last else None),
+            )
+
+    def _general(self, rows: slice, odd_y: bool) -> Iterator[tuple[bool, Array]]:
+        eta = self.eta[rows]
+        up = self.product.plane(self.work, self.xi, eta)
+        down = self.product.plane(self.work, self.xi, -eta)
+        along, across = self.along[rows][:, np.newaxis], self.across
+        plus = along * across if up is None else along * across * up
+        minus = along.conj() * across if down is None else along.conj() * across * down
+        for odd_x in self.odd_x:
+            if odd_x == odd_y:
+                value = np.real(plus - minus if odd_x else plus + minus)
+            else:
+                value = np.imag(plus + minus if odd_x else plus - minus)
+            yield odd_x, 0.5 * (-value if odd_x or odd_y else value)
+
+
+def mean_kernel(size: int, factor: int) -> Array:
+    """Response of the mean of `factor` samples at the mirrored frequencies k/(2·size)."""
+    kernel = np.ones(size)
+    if factor > 1:
+        half = np.pi * np.arange(1, size) / (2 * size)
+        kernel[1:] = np.sin(half * factor) / (factor * np.sin(half))
+    return kernel
+
+
+def _fold(work: Work, spectrum: Array, terms: _Terms, odd_y: bool) -> dict[bool, Array]:
+    """Multiply and fold in one pass over the spectrum, by blocks of output rows."""
+    rows_out, columns_out = terms.shape
+    folded = {odd_x: np.zeros(terms.shape, spectrum.dtype) for odd_x in terms.odd_x}
+    height = max(1, BLOCK_SAMPLES // spectrum.shape[1])
+
+    def one(start: int) -> None:
+        stop = min(start + height, rows_out)
+        for places, rows, weights in alias_rows(start, stop, rows_out, terms.factor_y, odd_y):
+            for odd_x, values in terms.apply(spectrum[rows], rows, weights, odd_y):
+                target = folded[odd_x][places]
+                np.add(target, fold_columns(values, columns_out, odd_x), out=target)
+
+    work.each(one, range(0, rows_out, height))
+    return folded
+
+
+def alias_rows(
+    start: int, stop: int, size: int, factor: int, odd: bool
+) -> Iterator[tuple[slice, slice, Array]]:
+    """Which indices k of a mirrored spectrum fold into places start … stop − 1.
+
+    A place is k' for the even part and k' − 1 for the odd part. Yields (places, indices k,
+    weights); the one place that an inverse transform counts once gets weight 2.
+    """
+    for segment in range(factor):
+        j, backward = (segment + 1) // 2, segment % 2 == 1
+        # A forward segment holds k' = 0 … size − 1, a backward one k' = size … 1. Even terms
+        # have nothing at k' = size, odd ones nothing at 0.
+        low, high = (1, size) if backward else (0, size - 1)
+        low, high = (max(low, 1), high) if odd else (low, min(high, size - 1))
+        shift = 1 if odd else 0
+        first, last = max(low, start + shift), min(high, stop - 1 + shift)
+        if first > last:
+            continue
+        wanted = np.arange(first, last + 1)
+        sign = (-1.0) ** j * (-1.0 if backward and odd else 1.0)
+        weights = np.full(len(wanted), sign)
+        if odd or segment > 0:
+            weights[wanted == (size if odd else 0)] *= 2.0
+        if backward:
+            end = 2 * size * j - last - 1
+            rows = slice(2 * size * j - first, end if end >= 0 else None, -1)
+        else:
+            rows = slice(2 * size * j + first, 2 * size * j + last + 1)
+        yield slice(first - shift, last - shift + 1), rows, weights
+
+
+def fold_columns(values: Array, size: int, odd: bool) -> Array:
+    """Fold columns k of a mirrored spectrum into `size` places; see `alias_rows`."""
+    if values.shape[1] == size and not odd:
+        return values
+    folded = np.zeros((values.shape[0], size), values.dtype)
+    for places, columns, weights in alias_rows(0, size, size, values.shape[1] // size, odd):
+        target = folded[:, places]
+        part = values[:, columns]
+        sign = 1.0 if weights[0] > 0 else -1.0
+        (np.add if sign > 0 else np.subtract)(target, part, out=target)
+        for edge in np.flatnonzero(np.abs(weights) == 2.0):
+            target[:, edge] += part[:, edge] * values.dtype.type(sign)
+    return folded
+
+
+def _inverse(values: Array, odd_y: bool, odd_x: bool, workers: int) -> Array:
+    for axis, odd in ((0, odd_y), (1, odd_x)):
+        transform = scipy.fft.idst if odd else scipy.fft.idct
+        values = transform(values, type=2, axis=axis, overwrite_x=True, workers=workers)
+    return np.asarray(values)

@@ -1,0 +1,200 @@
+"""Parameters of modules: what is allowed, and turning what a file or a person says into it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from core.errors import ParameterError
+
+Kind = Literal["number", "integer", "switch", "choice", "text", "path", "numbers"]
+LARGEST_INTEGER = 2**63 - 1
+
+
+@dataclass(frozen=True)
+class Param:
+    """What a module's author says of a parameter.
+
+    Parameters
+    ----------
+    text : str
+        What it means, for panel and reference.
+    unit : str
+        Unit, empty for a pure number.
+    low, high : float, optional
+        Range, both ends allowed unless `above`/`below` is set.
+    above, below : bool
+        The range's low or high end itself is not allowed.
+    slider : (float, float), optional
+        The part of the range a slider should cover.
+    zero_is_empty : bool
+        For a number that may be empty: whether 0 means empty.
+    """
+
+    text: str
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
+    above: bool = False
+    below: bool = False
+    slider: tuple[float, float] | None = None
+    zero_is_empty: bool = True
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter as derived from the module's class."""
+
+    name: str
+    kind: Kind
+    default: Any
+    choices: tuple[Any, ...]
+    empty: bool
+    param: Param
+
+    @property
+    def required(self) -> bool:
+        """Whether there is no default."""
+        return self.default is MISSING
+
+    def allowed(self) -> str:
+        """The allowed values in words."""
+        if self.kind == "choice":
+            return "one of " + ", ".join(str(choice) for choice in self.choices)
+        words = {
+            "number": "a number",
+            "integer": "a whole number",
+            "switch": "true or false",
+            "text": "a text",
+            "path": "a file name",
+            "numbers": "a list of numbers",
+        }[self.kind]
+        low, high = self.param.low, self.param.high
+        if low is not None and high is not None:
+            signs = ("above" if self.param.above else "from", "below" if self.param.below else "to")
+            words += f" {signs[0]} {low:g} {signs[1]} {high:g}"
+        elif low is not None:
+            words += f" above {low:g}" if self.param.above else f" of at least {low:g}"
+        elif high is not None:
+            words += f" below {high:g}" if self.param.below else f" of at most {high:g}"
+        return words + (" or empty" if self.empty else "")
+
+    def coerce(self, value: object) -> Any:
+        """The value in its declared kind, so that 1 and 1.0 are the same network.
+
+        Raises
+        ------
+        ParameterError
+            Naming the parameter, the value, its unit and what is allowed.
+        """
+        if self.empty and (value is None or value == ""):
+            return None
+        convert = getattr(self, f"_as_{self.kind}")
+        return convert(value)
+
+    def _refuse(self, value: object) -> ParameterError:
+        return ParameterError(self.name, value, self.allowed(), unit=self.param.unit)
+
+    def _in_range(self, number: float) -> bool:
+        low, high = self.param.low, self.param.high
+        if low is not None and (number <= low if self.param.above else number < low):
+            return False
+        return high is None or (number < high if self.param.below else number <= high)
+
+    def _as_number(self, value: object) -> float | None:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self._refuse(value)
+        try:
+            number = float(value)
+        except OverflowError:
+            raise self._refuse(value) from None
+        if not math.isfinite(number):
+            raise self._refuse(value)
+        if self.empty and number == 0 and self.param.zero_is_empty:
+            return None
+        if not self._in_range(number):
+            raise self._refuse(value)
+        return number + 0.0  # −0.0 and 0.0 are one value
+
+    def _as_integer(self, value: object) -> int | None:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self._refuse(value)
+        if not math.isfinite(value) or value != int(value) or abs(value) > LARGEST_INTEGER:
+            raise self._refuse(value)
+        number = int(value)
+        if self.empty and number == 0 and self.param.zero_is_empty:
+            return None
+        if not self._in_range(number):
+            raise self._refuse(value)
+        return number
+
+    def _as_switch(self, value: object) -> bool:
+        if not isinstance(value, bool):
+            raise self._refuse(value)
+        return value
+
+    def _as_choice(self, value: object) -> Any:
+        for choice in self.choices:
+            if value == choice and isinstance(value, bool) == isinstance(choice, bool):
+                return choice
+        raise self._refuse(value)
+
+    def _as_text(self, value: object) -> str:
+        if not isinstance(value, str) or "\0" in value:
+            raise self._refuse(value)
+        return value
+
+    def _as_path(self, value: object) -> Path:
+        if not isinstance(value, str | Path) or "\0" in str(value) or str(value) == "":
+            raise self._refuse(value)
+        return Path(value)
+
+    def _as_numbers(self, value: object) -> tuple[float, ...]:
+        if not isinstance(value, list | tuple):
+            raise self._refuse(value)
+        numbers = []
+        for item in value:
+            if isinstance(item, bool) or not isinstance(item, int | float):
+                raise self._refuse(value)
+            if not math.isfinite(item) or not self._in_range(item):
+                raise self._refuse(value)
+            numbers.append(float(item) + 0.0)
+        return tuple(numbers)
+
+
+def coerce_all(
+    parameters: tuple[Parameter, ...], values: Mapping[str, object], title: str
+) -> dict[str, Any]:
+    """Coerce what is given and fill in the defaults.
+
+    Raises
+    ------
+    ParameterError
+        For a name that no parameter has, a missing one without default, or a value not allowed.
+    """
+    names = [parameter.name for parameter in parameters]
+    for name in values:
+        if name not in names:
+            known = ", ".join(names) or "none"
+            raise ParameterError(name, values[name], f"{title} has the parameters {known}")
+    result = {}
+    for parameter in parameters:
+        if parameter.name in values:
+            result[parameter.name] = parameter.coerce(values[parameter.name])
+        elif parameter.required:
+            raise ParameterError(parameter.name, None, parameter.allowed())
+        else:
+            result[parameter.name] = parameter.default
+    return result
+
+
+def plain(value: Any) -> Any:
+    """The JSON form of a coerced value."""
+    if isinstance(value, Path):
+        return value.as_posix()
+    if isinstance(value, tuple):
+        return list(value)
+    return value

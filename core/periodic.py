@@ -1,0 +1,195 @@
+"""Filtering a frame that repeats without end, as the plain FFT sees it (the 1996 way).
+
+At the Nyquist row or column of an even size the Hermitian part of H acts: the mean of H at +Nyquist
+and −Nyquist, for a separable factor the real part of its axis.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from core.grid import Grid
+from core.mirrored import BLOCK_SAMPLES, MeanFree
+from core.product import Product
+from core.work import Work
+
+Array = NDArray[Any]
+
+
+def periodic_spectrum(work: Work, image: Array) -> MeanFree:
+    """Half spectrum (rows, columns // 2 + 1) of the frame less its mean."""
+    mean = float(np.mean(image, dtype=np.float64))
+    values = np.subtract(image, mean, dtype=work.policy.dtype)
+    return MeanFree(scipy.fft.rfft2(values, overwrite_x=True, workers=work.policy.workers), mean)
+
+
+def crossed_spectrum(
+    work: Work, modulus: Array | None, phase: Array | None, grid: Grid
+) -> MeanFree:
+    """|A|·exp(i·∠B) of two different frames; a missing one has modulus 1 or phase 0.
+
+    The mean is the modulus at zero frequency with the sign of B's mean.
+    """
+    size, workers = grid.rows * grid.columns, work.policy.workers
+    if modulus is None:
+        mean = 1.0 / size
+        values: Array = np.ones((grid.rows, grid.columns // 2 + 1), work.policy.dtype)
+    else:
+        mean = abs(float(np.mean(modulus, dtype=np.float64)))
+        values = np.abs(periodic_spectrum(work, modulus).values)
+    if phase is not None:
+        other = scipy.fft.rfft2(phase, overwrite_x=False, workers=workers)
+        other[0, 0] = np.sum(phase, dtype=np.float64)
+        size_of = np.abs(other)
+        # A frequency that is absent has phase 0.
+        values = values * np.where(size_of > 0, other / np.where(size_of > 0, size_of, 1), 1)
+        mean *= -1.0 if other[0, 0].real < 0 else 1.0
+    values = values.astype(np.result_type(work.policy.dtype, np.complex64))
+    values[0, 0] = 0
+    return MeanFree(values, mean)
+
+
+def periodic_filter(
+    work: Work,
+    spectrum: MeanFree,
+    product: Product,
+    grid: Grid,
+    factor_x: int = 1,
+    factor_y: int = 1,
+) -> Array:
+    """The filtered frame, its `factor_y` × `factor_x` blocks averaged.
+
+    Parameters and result as for `core.mirrored.mirrored_filter`.
+    """
+    rows, columns = grid.rows // factor_y, grid.columns // factor_x
+    direct, turned = _fold(work, spectrum.values, product, grid, factor_x, factor_y)
+    if turned is not None:
+        # An alias beyond Nyquist is the conjugate of the mirrored frequency's value.
+        flip = -np.arange(rows) % rows
+        direct += turned[flip].conj()
+    if rows == 1 and columns == 1:
+        image = np.real(direct)
+    else:
+        image = scipy.fft.irfft2(
+            direct, s=(rows, columns), overwrite_x=True, workers=work.policy.workers
+        )
+    image += np.asarray(spectrum.mean * product.at_zero(work), image.dtype)
+    return np.asarray(image)
+
+
+def _fold(
+    work: Work, spectrum: Array, product: Product, grid: Grid, factor_x: int, factor_y: int
+) -> tuple[Array, Array | None]:
+    """Multiply and fold: the aliases up to Nyquist, and those beyond it, still unturned."""
+    rows, columns = grid.rows // factor_y, grid.columns // factor_x
+    width = columns // 2 + 1
+    response = _Response(work, product, grid)
+    kernel_x = mean_kernel(grid.columns, factor_x)[: spectrum.shape[1]] / factor_x
+    kernel_y = mean_kernel(grid.rows, factor_y) / factor_y
+    direct = np.zeros((rows, width), spectrum.dtype)
+    turned = np.zeros((rows, width), spectrum.dtype) if factor_x > 1 else None
+    height = max(1, BLOCK_SAMPLES // spectrum.shape[1])
+
+    def one(start: int) -> None:
+        stop = min(start + height, rows)
+        for alias in range(factor_y):
+            lines = slice(alias * rows + start, alias * rows + stop)
+            values = response.apply(spectrum[lines], lines)
+            if factor_x > 1:
+                values *= kernel_x.astype(values.dtype)
+            if factor_y > 1:
+                values *= kernel_y[lines, np.newaxis].astype(values.dtype)
+            direct[start:stop] += _aliases_up(values, columns, width)
+            if turned is not None:
+                turned[start:stop] += _aliases_beyond(values, grid.columns, columns, width)
+
+    work.each(one, range(0, rows, height))
+    return direct, turned
+
+
+def mean_kernel(size: int, factor: int) -> Array:
+    """Response of the mean of samples n … n + factor − 1 at the FFT's frequencies."""
+    kernel = np.ones(size, np.complex128)
+    if factor > 1:
+        half = np.pi * np.arange(1, size) / size
+        kernel[1:] = (
+            np.sin(half * factor) / (factor * np.sin(half)) * np.exp(1j * half * (factor - 1))
+        )
+    return kernel
+
+
+def _aliases_up(values: Array, columns: int, width: int) -> Array:
+    """Sum the columns k' + j·columns that lie in the half spectrum."""
+    folded = values[:, :width].copy()
+    for first in range(columns, values.shape[1], columns):
+        part = values[:, first : first + width]
+        folded[:, : part.shape[1]] += part
+    return folded
+
+
+def _aliases_beyond(values: Array, size: int, columns: int, width: int) -> Array:
+    """Sum the columns j·columns − k' that stand for the other half of the spectrum."""
+    folded = np.zeros((values.shape[0], width), values.dtype)
+    place = np.arange(width)
+    for multiple in range(columns, size + 1, columns):
+        source = multiple - place
+        # The other half is size/2 < size − source, that is 0 < source < size/2.
+        inside = (source > 0) & (2 * source < size)
+        folded[:, place[inside]] += values[:, source[inside]]
+    return folded
+
+
+class _Response:
+    """H on blocks of rows of the half spectrum, Hermitian at Nyquist."""
+
+    def __init__(self, work: Work, product: Product, grid: Grid) -> None:
+        self.work, self.product, self.grid = work, product, grid
+        self.xi, self.eta = grid.xi_half(), grid.eta()
+        self.across = product.across(work, self.xi)
+        self.along = product.along(work, self.eta)
+        if product.symmetric:
+            if grid.columns % 2 == 0:
+                self.across[-1] = self.across[-1].real
+            if grid.rows % 2 == 0:
+                self.along[grid.rows // 2] = self.along[grid.rows // 2].real
+
+    def apply(self, values: Array, rows: slice) -> Array:
+        """H times a block of the spectrum; a new array."""
+        real = values.real.dtype
+        if not self.product.symmetric:
+            return values * self._general(rows).astype(values.dtype)
+        plane = self.product.plane(self.work, self.xi, self.eta[rows])
+        shared = self.along[rows, np.newaxis]
+        if plane is not None:
+            shared = shared * plane
+        result = values * _narrow(shared, real)
+        result *= _narrow(self.across, real)
+        return np.asarray(result)
+
+    def _general(self, rows: slice) -> Array:
+        total = self._plane(self.xi, self.eta[rows])
+        size_y, size_x = self.grid.shape
+        nyquist = np.arange(size_y)[rows] * 2 == size_y
+        if nyquist.any():
+            other = self._plane(self.xi, -self.eta[rows][nyquist])
+            total[nyquist] = 0.5 * (total[nyquist] + other)
+        if size_x % 2 == 0:
+            last = self.xi[-1:]
+            column = self._plane(-last, self.eta[rows])[:, 0]
+            if nyquist.any():
+                turned = self._plane(-last, -self.eta[rows][nyquist])[:, 0]
+                column[nyquist] = 0.5 * (column[nyquist] + turned)
+            total[:, -1] = 0.5 * (total[:, -1] + column)
+        return total
+
+    def _plane(self, xi: Array, eta: Array) -> Array:
+        return np.asarray(self.product.total(self.work, xi, eta), np.complex128)
+
+
+def _narrow(values: Array, real: np.dtype[Any]) -> Array:
+    kind = np.result_type(real, np.complex64) if np.iscomplexobj(values) else real
+    return np.asarray(values.astype(kind))

@@ -1,0 +1,56 @@
+"""How accurately and with how many threads to compute: one immutable value, passed along."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from core.errors import ParameterError
+
+Precision = Literal["single", "double"]
+
+
+@dataclass(frozen=True)
+class Policy:
+    """Numerical policy of one evaluation.
+
+    Parameters
+    ----------
+    precision : "single" or "double"
+        Type of the pictures and spectra; vectors and sums are always double.
+    tolerance : float
+        Error budget: stages whose effect, as a fraction of the picture's range, stays below it are
+        skipped. 0 skips exact identities only.
+    threads : int
+        Worker threads; 0 takes as many as the process may use. Results do not depend on it.
+    """
+
+    precision: Precision = "single"
+    tolerance: float = 0.0
+    threads: int = 0
+
+    def __post_init__(self) -> None:
+        if self.precision not in ("single", "double"):
+            raise ParameterError("precision", self.precision, "single or double")
+        if not 0 <= self.tolerance < 1:
+            raise ParameterError("tolerance", self.tolerance, "0 ≤ tolerance < 1")
+        if not 0 <= self.threads <= 1024:
+            raise ParameterError("threads", self.threads, "0 (all) to 1024")
+
+    @property
+    def dtype(self) -> np.dtype[np.floating]:
+        """Type of real samples."""
+        return np.dtype(np.float32 if self.precision == "single" else np.float64)
+
+    @property
+    def workers(self) -> int:
+        """Number of threads to use."""
+        return self.threads or len(os.sched_getaffinity(0))
+
+    @property
+    def key(self) -> str:
+        """What of the policy a result depends on."""
+        return f"{self.precision}/{self.tolerance!r}"

@@ -1,0 +1,80 @@
+"""Carrying recipes out: the store, the numerical policy, threads, progress and cancelling."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from core.errors import Cancelled
+from core.policy import Policy
+from core.recipes import Recipe
+from core.store import Store
+
+Progress = Callable[[str | None], None]
+
+
+class Work:
+    """One evaluation: turns recipes into values.
+
+    Parameters
+    ----------
+    policy : Policy
+        Precision, tolerance and number of threads.
+    store : Store
+        Where values are kept; may be shared by several evaluations.
+    cancel : threading.Event, optional
+        Set from another thread to stop at the next block of work.
+    progress : callable, optional
+        Called with a node's id whenever one of its recipes is about to be computed.
+    """
+
+    def __init__(
+        self,
+        policy: Policy,
+        store: Store,
+        cancel: threading.Event | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        self.policy = policy
+        self.store = store
+        self._cancel = cancel
+        self._progress = progress
+
+    def value(self, recipe: Recipe) -> Any:
+        """The value of a recipe, from the store or computed now.
+
+        Raises
+        ------
+        Cancelled
+            When the caller has asked to stop.
+        """
+        return self.store.get(f"{recipe.key}/{self.policy.key}", lambda: self._compute(recipe))
+
+    def check(self) -> None:
+        """Raise `Cancelled` if the caller has asked to stop."""
+        if self._cancel is not None and self._cancel.is_set():
+            raise Cancelled("stopped on request")
+
+    def each(self, function: Callable[[Any], None], items: Sequence[Any]) -> None:
+        """Call `function` on every item, in threads; items must write to different places."""
+
+        def one(item: Any) -> None:
+            self.check()
+            function(item)
+
+        workers = min(self.policy.workers, len(items))
+        if workers <= 1:
+            for item in items:
+                one(item)
+            return
+        with ThreadPoolExecutor(workers) as pool:
+            for done in [pool.submit(one, item) for item in items]:
+                done.result()
+
+    def _compute(self, recipe: Recipe) -> Any:
+        self.check()
+        if self._progress is not None:
+            self._progress(recipe.node)
+        return recipe.compute(self)
