@@ -1,0 +1,59 @@
+"""Names and plain JSON data of network documents."""
+
+from __future__ import annotations
+
+import difflib
+import unicodedata
+from collections.abc import Iterable, Mapping
+from pathlib import PurePath
+from types import MappingProxyType
+from typing import Any
+
+from core.errors import NetworkError
+
+
+def check_id(name: str) -> None:
+    """Refuse a node id that is empty or has a dot, an equals sign or a control character.
+
+    Raises
+    ------
+    NetworkError
+        Saying what is allowed.
+    """
+    # Cs: half a surrogate pair cannot be saved; Zl and Zp break lines as control characters do.
+    barred = (c in ".=" or unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") for c in name)
+    if not name.strip() or any(barred):
+        raise NetworkError(
+            f"{name!r:.80} is not allowed as the id of a node: it must not be blank, nor hold "
+            "'.', '=' or a control character"
+        )
+
+
+def shown(text: str) -> str:
+    """A name as it is where that is harmless in one line of text, else quoted."""
+    return text if text and text.isprintable() and len(text) <= 80 else f"{text!r:.80}"
+
+
+def close(name: str, known: Iterable[str]) -> str:
+    """A suggestion to end an error with, empty when nothing is like `name`."""
+    # Comparing is quadratic in the length; no name is that long.
+    alike = difflib.get_close_matches(name, known, n=1) if len(name) <= 64 else []
+    return f"; did you mean {alike[0]}?" if alike else ""
+
+
+def freeze(value: Any) -> Any:
+    """Plain JSON data that cannot be changed: tuples and read-only mappings."""
+    if isinstance(value, Mapping):
+        return MappingProxyType({name: freeze(item) for name, item in value.items()})
+    if isinstance(value, list | tuple):
+        return tuple(freeze(item) for item in value)
+    return value.as_posix() if isinstance(value, PurePath) else value
+
+
+def thaw(value: Any) -> Any:
+    """Lists and dicts again; what is no plain data stays as it is."""
+    if isinstance(value, Mapping):
+        return {name: thaw(item) for name, item in value.items()}
+    if isinstance(value, list) or type(value) is tuple:
+        return [thaw(item) for item in value]
+    return value

@@ -1,0 +1,194 @@
+import os
+import signal
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from core.atomic import atomic_file, write_bytes, write_text
+from core.errors import FileError
+
+ROOT = Path(__file__).parents[2]
+
+# As root nothing is forbidden: the child becomes an ordinary user first.
+AS_ORDINARY_USER = """
+import os, sys, tempfile
+from pathlib import Path
+from core.atomic import write_text
+from core.errors import FileError
+if os.getuid() == 0:
+    os.setuid(65534)
+with tempfile.TemporaryDirectory() as name:
+    folder = Path(name)
+    case = sys.argv[1]
+    target = folder / "a.txt"
+    target.write_text("old")
+    if case == "folder":
+        folder.chmod(0o500)
+        target = folder / "b.txt"
+    else:
+        target.chmod(0o400)
+    try:
+        write_text(target, "new")
+        print("written")
+    except FileError as error:
+        print(error.message)
+    folder.chmod(0o700)
+    print(sorted(entry.name for entry in folder.iterdir()), (folder / "a.txt").read_text())
+"""
+
+HALF_WRITTEN = """
+import sys, time
+from core.atomic import atomic_file
+with atomic_file(sys.argv[1]) as temporary, temporary.open("wb") as file:
+    file.write(b"n" * 500_000)
+    file.flush()
+    print("half", flush=True)
+    time.sleep(60)
+"""
+
+FULL_DISK = """
+import resource, sys
+from core.atomic import write_bytes
+from core.errors import FileError
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+try:
+    write_bytes(sys.argv[1], bytes(5000))
+except FileError as error:
+    print(error.message)
+"""
+
+
+def run(program: str, *arguments: str) -> list[str]:
+    done = subprocess.run(
+        [sys.executable, "-c", program, *arguments],
+        cwd=ROOT,
+        check=True,
+        capture_output=True,
+        text=True,
+        timeout=30,
+    )
+    return done.stdout.splitlines()
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(entry.name for entry in folder.iterdir())
+
+
+def test_writes_a_new_file_and_leaves_nothing_else(tmp_path):
+    write_text(tmp_path / "a.txt", "µm\n")
+    assert (tmp_path / "a.txt").read_bytes() == b"\xc2\xb5m\n"
+    assert names(tmp_path) == ["a.txt"]
+
+
+def test_new_file_follows_the_umask_and_replaced_one_keeps_its_mode(tmp_path):
+    old = os.umask(0o027)
+    try:
+        write_bytes(tmp_path / "new", b"1")
+    finally:
+        os.umask(old)
+    assert stat.S_IMODE((tmp_path / "new").stat().st_mode) == 0o640
+    (tmp_path / "new").chmod(0o604)
+    write_bytes(tmp_path / "new", b"2")
+    assert stat.S_IMODE((tmp_path / "new").stat().st_mode) == 0o604
+
+
+def test_temporary_file_has_the_same_suffix_and_folder(tmp_path):
+    with atomic_file(tmp_path / "a.exr") as temporary:
+        assert temporary.parent == tmp_path
+        assert temporary.suffix == ".exr"
+        temporary.write_bytes(b"x")
+
+
+def test_symbolic_link_stays_a_link(tmp_path):
+    (tmp_path / "real").write_text("old")
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    write_text(tmp_path / "link", "new")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "real").read_text() == "new"
+
+
+@pytest.mark.parametrize("fault", [ValueError("mine"), KeyboardInterrupt()])
+def test_failure_in_the_block_leaves_the_old_file(tmp_path, fault):
+    (tmp_path / "a").write_text("old")
+
+    def write_half():
+        with atomic_file(tmp_path / "a") as temporary:
+            temporary.write_text("half")
+            raise fault
+
+    with pytest.raises(type(fault)):
+        write_half()
+    assert names(tmp_path) == ["a"]
+    assert (tmp_path / "a").read_text() == "old"
+
+
+def test_system_error_in_the_block_is_one_clear_line(tmp_path):
+    with (
+        pytest.raises(FileError, match=r"cannot write .*a: No space left on device"),
+        atomic_file(tmp_path / "a"),
+    ):
+        raise OSError(28, "No space left on device")
+    assert names(tmp_path) == []
+
+
+def test_long_names_work(tmp_path):
+    name = "n" * 251 + ".txt"
+    write_text(tmp_path / name, "x")
+    assert names(tmp_path) == [name]
+
+
+def test_refuses_what_is_no_file(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    cases = {
+        "": "path is empty",
+        str(tmp_path): "it is a folder",
+        f"{tmp_path}/new/": "names a folder",
+        str(tmp_path / "none" / "a.txt"): "there is no folder",
+        str(tmp_path / "pipe"): "not a regular file",
+        "a\0b": "null character",
+        str(tmp_path / "pipe" / "a"): "Not a directory",
+        str(tmp_path / ("n" * 300)): "File name too long",
+    }
+    for path, message in cases.items():
+        with pytest.raises(FileError, match=message) as caught:
+            write_text(path, "x")
+        assert "\n" not in caught.value.message
+    assert names(tmp_path) == ["pipe"]
+
+
+def test_folder_without_permission():
+    message, left = run(AS_ORDINARY_USER, "folder")
+    assert "Permission denied" in message
+    assert left == "['a.txt'] old"
+
+
+def test_read_only_file_is_not_replaced():
+    message, left = run(AS_ORDINARY_USER, "file")
+    assert "read-only" in message
+    assert left == "['a.txt'] old"
+
+
+def test_full_disk_leaves_the_old_file(tmp_path):
+    (tmp_path / "a").write_text("old")
+    (message,) = run(FULL_DISK, str(tmp_path / "a"))
+    assert message.startswith(f"cannot write {tmp_path / 'a'}: File too large")
+    assert names(tmp_path) == ["a"]
+    assert (tmp_path / "a").read_text() == "old"
+
+
+def test_killed_in_the_midst_of_writing_leaves_the_old_file(tmp_path):
+    target = tmp_path / "a.bin"
+    target.write_bytes(b"old" * 1000)
+    with subprocess.Popen(
+        [sys.executable, "-c", HALF_WRITTEN, str(target)], cwd=ROOT, stdout=subprocess.PIPE
+    ) as child:
+        assert child.stdout is not None
+        assert child.stdout.readline() == b"half\n"
+        child.send_signal(signal.SIGKILL)
+        assert child.wait(10) == -signal.SIGKILL
+    assert target.read_bytes() == b"old" * 1000
+    write_bytes(target, b"next")
+    assert target.read_bytes() == b"next"
