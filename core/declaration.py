@@ -61,6 +61,7 @@ class Readout:
     unit: str
     meaning: str
     needs: tuple[str, ...]
+    method: str
 
 
 @dataclass(frozen=True)
@@ -93,15 +94,18 @@ class Declaration:
         return next((p for p in self.outputs if p.name == name), None)
 
 
-def readout(unit: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def readout(
+    unit: str = "", *, name: str = ""
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Mark a method as a read-out in `unit`; its docstring says what it means.
 
     Its arguments are named after the input ports it needs, or `outputs` for what `run` returned.
-    It returns a value, or the recipe of one.
+    It returns a value, or the recipe of one. `name` is for a read-out named like a parameter.
     """
 
     def mark(method: Callable[..., Any]) -> Callable[..., Any]:
         method.readout_unit = unit  # type: ignore[attr-defined]
+        method.readout_name = name  # type: ignore[attr-defined]
         return method
 
     return mark
@@ -111,7 +115,8 @@ def readout(unit: str = "") -> Callable[[Callable[..., Any]], Callable[..., Any]
 class Module:
     """Base of every module; a subclass with a `key` is one of the library.
 
-    A class without a key only shares parameters between modules.
+    A class without a key only shares parameters between modules. `replaces` lists keys the module
+    had in old files, `renamed` the old names of parameters and ports.
     """
 
     key: ClassVar[str] = ""
@@ -119,6 +124,7 @@ class Module:
     group: ClassVar[str] = ""
     version: ClassVar[int] = 1
     replaces: ClassVar[tuple[str, ...]] = ()
+    renamed: ClassVar[Mapping[str, str]] = {}
     sink: ClassVar[bool] = False
     run: ClassVar[Callable[..., Any]]
 
@@ -249,11 +255,12 @@ def _outputs(module: type[Module]) -> tuple[Port, ...]:
 
 
 def _readouts(module: type[Module]) -> tuple[Readout, ...]:
-    found = []
+    found = {}
     for klass in reversed(module.__mro__):
-        for name, method in vars(klass).items():
+        for attribute, method in vars(klass).items():
             if hasattr(method, "readout_unit"):
+                name = method.readout_name or attribute
                 needs = tuple(inspect.signature(method).parameters)[1:]
                 meaning = " ".join(inspect.cleandoc(method.__doc__ or "").split())
-                found.append(Readout(name, method.readout_unit, meaning, needs))
-    return tuple(found)
+                found[name] = Readout(name, method.readout_unit, meaning, needs, attribute)
+    return tuple(found.values())

@@ -11,11 +11,12 @@ from typing import Any
 from core.declaration import Declaration, Here, Module, declaration
 from core.errors import ImagechainError, NetworkError
 from core.library import Library
-from core.network import Network, Node
+from core.network import Network, Node, passed_through
 from core.policy import Policy
 from core.realize import realize
 from core.recipes import Recipe
 from core.store import Store
+from core.values import SpectrumWire, Transfer
 from core.work import Work
 
 
@@ -143,7 +144,7 @@ class Engine:
             known = {**planned.inputs, "outputs": planned.result}
             arguments = {name: known[name] for name in readout.needs}
             try:
-                value = getattr(planned.module, readout.name)(**arguments)
+                value = getattr(planned.module, readout.method)(**arguments)
                 found[readout.name] = work.value(value) if isinstance(value, Recipe) else value
             except ImagechainError as error:
                 raise error.at(node) from error
@@ -189,17 +190,11 @@ def _run(module: Module, inputs: Mapping[str, Any], here: Here) -> Any:
 
 
 def _passed(described: Declaration, inputs: Mapping[str, Any]) -> dict[str, Any]:
-    """Outputs of a disabled node: each the input of its own name, else the first of its type."""
-    passed = {}
+    """Outputs of a disabled node: what passes through, and transfer functions of 1 or 0."""
+    through = passed_through(described)
+    passed = {output: inputs[source] for output, source in through.items()}
+    grids = [value.grid for value in inputs.values() if isinstance(value, SpectrumWire)]
     for port in described.outputs:
-        same = inputs.get(port.name)
-        if same is None:
-            fitting = [
-                value
-                for value in inputs.values()
-                if value is not None and value.port_type in port.types
-            ]
-            same = fitting[0] if fitting else None
-        if same is not None:
-            passed[port.name] = same
-    return passed
+        if port.name in ("mtf", "ptf") and port.name not in passed and grids:
+            passed[port.name] = Transfer(grids[0], "ptf" if port.name == "ptf" else "mtf")
+    return {name: value for name, value in passed.items() if value is not None}

@@ -14,8 +14,9 @@ All but `Cancelled` are faults of the input: the command line ends with exit cod
 
 from __future__ import annotations
 
-import copy
-from typing import Self
+from typing import Any, Self, TypeVar
+
+E = TypeVar("E", bound="ImagechainError")
 
 
 class ImagechainError(Exception):
@@ -35,13 +36,24 @@ class ImagechainError(Exception):
         """The same error, placed on `node` unless it already has a place."""
         if self.node is not None:
             return self
-        placed = copy.copy(self)
+        placed = _rebuilt(type(self), self.args, self.__dict__)
         placed.node = node
         placed.__cause__ = self.__cause__
         return placed
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, (type(self), self.args, self.__dict__)
+
     def __str__(self) -> str:
         return f"{self.node}: {self.message}" if self.node else self.message
+
+
+def _rebuilt(kind: type[E], args: tuple[Any, ...], state: dict[str, Any]) -> E:
+    """Copy an error without its constructor, whose arguments are long gone."""
+    error = kind.__new__(kind, *args)
+    error.args = args
+    error.__dict__.update(state)
+    return error
 
 
 class InputError(ImagechainError):
@@ -62,12 +74,19 @@ class ParameterError(InputError):
         unit: str = "",
         node: str | None = None,
     ) -> None:
-        shown = f"{value!r:.80}" + (f" {unit}" if unit else "")
+        shown = _shown(value) + (f" {unit}" if unit else "")
         super().__init__(f"{parameter} = {shown} is not allowed: {allowed}", node=node)
         self.parameter = parameter
         self.value = value
         self.allowed = allowed
         self.unit = unit
+
+
+def _shown(value: object) -> str:
+    """The value as typed, shortened; Python refuses to print integers of thousands of digits."""
+    if isinstance(value, int) and abs(value) >= 10**80:
+        return f"an integer of {value.bit_length()} bits"
+    return f"{value!r:.80}"
 
 
 class DataError(InputError):

@@ -21,6 +21,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from core.grid import Grid
+from core.planes import Planes
 from core.product import Product
 from core.work import Work
 
@@ -97,6 +98,7 @@ class _Terms:
         self.across = product.across(work, self.xi) * mean_kernel(grid.columns, factor_x) / factor_x
         self.along = product.along(work, self.eta) * mean_kernel(grid.rows, factor_y) / factor_y
         self.general = not product.symmetric
+        self.planes = None if self.general else Planes(work, product, grid, "mirrored")
         self.odd_x = (False, True) if self.general or product.has_phase_x else (False,)
         self.odd_y = (False, True) if self.general or product.has_phase_y else (False,)
 
@@ -104,12 +106,12 @@ class _Terms:
         self, values: Array, rows: slice, weights: Array, odd_y: bool
     ) -> Iterator[tuple[bool, Array]]:
         """Each term's coefficients times a block of the spectrum."""
-        if self.general:
+        if self.planes is None:
             for odd_x, block in self._general(rows, odd_y):
                 yield odd_x, values * (block * weights[:, np.newaxis]).astype(values.dtype)
             return
         along = (np.imag if odd_y else np.real)(self.along[rows]) * weights
-        plane = self.product.plane(self.work, self.xi, self.eta[rows])
+        plane = self.planes.block(rows)
         shared = along[:, np.newaxis] if plane is None else along[:, np.newaxis] * plane
         values = values * shared.astype(values.dtype)
         for odd_x in self.odd_x:

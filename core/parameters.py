@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
 from pathlib import Path
@@ -12,6 +12,7 @@ from core.errors import ParameterError
 
 Kind = Literal["number", "integer", "switch", "choice", "text", "path", "numbers"]
 LARGEST_INTEGER = 2**63 - 1
+LARGEST_NUMBER = sys.float_info.max
 
 
 @dataclass(frozen=True)
@@ -107,12 +108,9 @@ class Parameter:
     def _as_number(self, value: object) -> float | None:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self._refuse(value)
-        try:
-            number = float(value)
-        except OverflowError:
-            raise self._refuse(value) from None
-        if not math.isfinite(number):
+        if not abs(value) <= LARGEST_NUMBER:  # neither too large nor NaN
             raise self._refuse(value)
+        number = float(value)
         if self.empty and number == 0 and self.param.zero_is_empty:
             return None
         if not self._in_range(number):
@@ -122,7 +120,7 @@ class Parameter:
     def _as_integer(self, value: object) -> int | None:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self._refuse(value)
-        if not math.isfinite(value) or value != int(value) or abs(value) > LARGEST_INTEGER:
+        if not abs(value) <= LARGEST_INTEGER or value != int(value):
             raise self._refuse(value)
         number = int(value)
         if self.empty and number == 0 and self.param.zero_is_empty:
@@ -159,7 +157,7 @@ class Parameter:
         for item in value:
             if isinstance(item, bool) or not isinstance(item, int | float):
                 raise self._refuse(value)
-            if not math.isfinite(item) or not self._in_range(item):
+            if not abs(item) <= LARGEST_NUMBER or not self._in_range(item):
                 raise self._refuse(value)
             numbers.append(float(item) + 0.0)
         return tuple(numbers)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from core.grid import Grid
 from core.mirrored import BLOCK_SAMPLES, MeanFree
+from core.planes import Planes
 from core.product import Product
 from core.work import Work
 
@@ -151,6 +152,7 @@ class _Response:
         self.xi, self.eta = grid.xi_half(), grid.eta()
         self.across = product.across(work, self.xi)
         self.along = product.along(work, self.eta)
+        self.planes = Planes(work, product, grid, "periodic") if product.symmetric else None
         if product.symmetric:
             if grid.columns % 2 == 0:
                 self.across[-1] = self.across[-1].real
@@ -160,9 +162,9 @@ class _Response:
     def apply(self, values: Array, rows: slice) -> Array:
         """H times a block of the spectrum; a new array."""
         real = values.real.dtype
-        if not self.product.symmetric:
-            return values * self._general(rows).astype(values.dtype)
-        plane = self.product.plane(self.work, self.xi, self.eta[rows])
+        if self.planes is None:
+            return np.asarray(values * self._general(rows).astype(values.dtype))
+        plane = self.planes.block(rows)
         shared = self.along[rows, np.newaxis]
         if plane is not None:
             shared = shared * plane

@@ -10,6 +10,7 @@ from core.errors import DataError
 from core.factors import Factor
 from core.grid import Grid
 from core.keys import content_key
+from core.physics.pupil_shapes import PupilShape
 from core.recipes import Recipe
 
 Edges = Literal["reflect", "periodic"]
@@ -218,3 +219,50 @@ class Table:
     def key(self) -> str:
         """Content key."""
         return self.recipe.key
+
+
+@dataclass(frozen=True)
+class Pupil:
+    """An exit pupil: a geometric shape, or samples, with a wavefront error in waves.
+
+    Parameters
+    ----------
+    samples : Recipe
+        Makes the amplitude transmission, shape (rows, columns).
+    rows, columns : int
+        Size of the pupil array.
+    shape : PupilShape or None
+        The geometry, where there is one.
+    radius : float
+        Radius of the disc on which the wavefront is defined, samples.
+    defocus_waves : float
+        W20 at the rim.
+    zernike_waves : tuple of float
+        Coefficients in Noll's order from piston on, waves rms.
+    """
+
+    port_type: ClassVar[str] = "pupil"
+
+    samples: Recipe
+    rows: int
+    columns: int
+    shape: PupilShape | None
+    radius: float
+    defocus_waves: float = 0.0
+    zernike_waves: tuple[float, ...] = ()
+
+    @cached_property
+    def key(self) -> str:
+        """Content key."""
+        return content_key(
+            "pupil",
+            self.samples.key,
+            self.shape,
+            (self.rows, self.columns, self.radius, self.defocus_waves),
+            self.zernike_waves,
+        )
+
+    @property
+    def aberrated(self) -> bool:
+        """Whether there is a wavefront error."""
+        return self.defocus_waves != 0 or any(self.zernike_waves)

@@ -1,0 +1,87 @@
+"""Blocks of rows of the planar factors, by low rank where that is accurate enough."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.cross import cross_approximation
+from core.factors import Planar
+from core.grid import Grid
+from core.product import Product
+from core.recipes import Recipe
+from core.work import Work
+
+Array = NDArray[Any]
+Axes = Literal["mirrored", "periodic"]
+
+SINGLE_TOLERANCE = 1e-7  # below the rounding of single-precision samples
+SMALLEST = 128  # smaller planes are evaluated sooner than approximated
+
+
+class Planes:
+    """The product of a chain's planar factors, symmetric ones only, by blocks of rows."""
+
+    def __init__(self, work: Work, product: Product, grid: Grid, axes: Axes) -> None:
+        self._work = work
+        self._parts: list[tuple[Planar, tuple[Array, Array] | None]] = []
+        self.xi, self.eta = axes_of(grid, axes)
+        for factor in product.planar:
+            self._parts.append((factor, self._low_rank(factor, grid, axes)))
+
+    def block(self, rows: slice) -> Array | None:
+        """Product at all columns of these rows; None without planar factors."""
+        result: Array | None = None
+        for factor, thin in self._parts:
+            if thin is None:
+                eta = self.eta[rows]
+                part = factor.transfer(self._work, self.xi[np.newaxis, :], eta[:, np.newaxis])
+            else:
+                part = thin[0][rows] @ thin[1]
+            result = part if result is None else result * part
+        return result
+
+    def _low_rank(self, factor: Planar, grid: Grid, axes: Axes) -> tuple[Array, Array] | None:
+        # Kinks that lie between the probes can cost 1e-7: too much for double precision.
+        single = self._work.policy.precision == "single"
+        if not single or min(len(self.xi), len(self.eta)) < SMALLEST:
+            return None
+        found: tuple[Array, ...] = self._work.value(LowRank(factor, grid, axes, node=factor.node))
+        return (found[0], found[1]) if found else None
+
+
+@dataclass(frozen=True, eq=False)
+class LowRank(Recipe):
+    """Thin matrices of one factor on one grid; empty where the rank is not low."""
+
+    factor: Planar
+    grid: Grid
+    axes: Axes
+    node: str | None = field(default=None, compare=False)
+
+    def _content(self) -> tuple[object, ...]:
+        return self.factor.key, self.grid, self.axes
+
+    def compute(self, work: Work) -> tuple[Array, ...]:
+        """Approximate in double, keep in the evaluation's precision."""
+        xi, eta = axes_of(self.grid, self.axes)
+
+        def evaluate(rows: Array, columns: Array) -> Array:
+            work.check()
+            value = self.factor.transfer(work, xi[columns][np.newaxis, :], eta[rows][:, np.newaxis])
+            return np.asarray(value, np.float64)
+
+        thin = cross_approximation(evaluate, len(eta), len(xi), SINGLE_TOLERANCE)
+        if thin is None:
+            return ()
+        return tuple(part.astype(work.policy.dtype) for part in thin)
+
+
+def axes_of(grid: Grid, axes: Axes) -> tuple[Array, Array]:
+    """The frequencies across and along of a mirrored or a periodic spectrum."""
+    if axes == "mirrored":
+        return grid.xi_mirrored(), grid.eta_mirrored()
+    return grid.xi_half(), grid.eta()

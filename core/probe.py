@@ -1,0 +1,30 @@
+"""One value of a transfer function, for read-outs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.realize import transfer_plane
+from core.recipes import Recipe
+from core.values import Transfer
+from core.work import Work
+
+
+@dataclass(frozen=True, eq=False)
+class TransferAt(Recipe):
+    """MTF or PTF (rad) at one frequency pair, cycles/mrad."""
+
+    transfer: Transfer
+    xi: float
+    eta: float
+    node: str | None = None
+
+    def _content(self) -> tuple[object, ...]:
+        return self.transfer.key, self.xi, self.eta
+
+    def compute(self, work: Work) -> float:
+        """Evaluate the factors at that point alone."""
+        xi, eta = np.array([self.xi]), np.array([self.eta])
+        return float(transfer_plane(work, self.transfer, xi, eta)[0, 0])
