@@ -1,0 +1,1 @@
+"""The module library: declarations over core, test scenes and file formats."""

@@ -1,0 +1,290 @@
+"""Arrays without a picture format: ``.npy``, plain text matrices and curves as CSV."""
+
+from __future__ import annotations
+
+import io
+import os
+import tokenize
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.atomic import atomic_file, write_text
+from core.errors import DataError, FileError, ParameterError
+from nodes.files.paths import checked_band, first_bytes, readable_file
+from nodes.files.picture_info import PictureInfo, Samples, delivered_dtype
+
+TEXT_SUFFIXES = (".txt", ".csv", ".prn")
+# numpy evaluates the header as a Python literal, and lets pass whatever that raises.
+_HEADER_FAULTS = (
+    OSError,
+    ValueError,
+    EOFError,
+    SyntaxError,
+    TypeError,
+    OverflowError,
+    RecursionError,
+    tokenize.TokenError,
+)
+_NPY_MAGIC = b"\x93NUMPY"
+
+
+def is_npy(path: Path) -> bool:
+    """Whether the file begins as numpy's arrays do."""
+    return first_bytes(path, len(_NPY_MAGIC)) == _NPY_MAGIC
+
+
+def read_npy_info(path: str | os.PathLike[str]) -> PictureInfo:
+    """Read shape and type of a ``.npy`` file; errors as `read_npy`."""
+    file = readable_file(path)
+    mapped = _mapped(file)
+    return _info(file, mapped.shape, mapped.dtype, "npy")
+
+
+def read_npy(path: str | os.PathLike[str], band: int = 0) -> Samples:
+    """Read one band of a ``.npy`` file by way of a memory map.
+
+    Parameters
+    ----------
+    path
+        A file of a real array (rows, columns) or (rows, columns, bands).
+    band
+        Counted from 0.
+
+    Returns
+    -------
+    numpy.ndarray
+        (rows, columns); float64 when the file holds doubles or integers of 32 or more bits,
+        else float32; native byte order, C order.
+
+    Raises
+    ------
+    FileError
+        The file is missing or damaged, holds Python objects, records, complex numbers or text,
+        is not 2-D or 3-D, is empty of samples, or has no such band.
+    """
+    file = readable_file(path)
+    mapped = _mapped(file)
+    info = _info(file, mapped.shape, mapped.dtype, "npy")
+    band = checked_band(band, info.bands, file)
+    samples = mapped if mapped.ndim == 2 else mapped[:, :, band]
+    return np.array(samples, dtype=delivered_dtype(mapped.dtype), order="C")
+
+
+def write_npy(path: str | os.PathLike[str], array: ArrayLike) -> None:
+    """Write an array as ``.npy``: float32 as it is, every other real type as float64; C order.
+
+    Raises
+    ------
+    DataError
+        The array is not real.
+    FileError
+        The file cannot be written.
+    """
+    samples = _real(array)
+    # ascontiguousarray would make a single number 1-D.
+    samples = np.asarray(samples, order="C")
+    with atomic_file(path) as temporary, temporary.open("wb") as file:
+        np.lib.format.write_array(file, samples, allow_pickle=False)
+
+
+def read_matrix_info(path: str | os.PathLike[str]) -> PictureInfo:
+    """Read the size of a text matrix, for which all of it must be read; errors as `read_matrix`."""
+    matrix = read_matrix(path)
+    return _info(Path(os.fspath(path)), matrix.shape, matrix.dtype, "text")
+
+
+def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
+    """Read a matrix of numbers separated by blanks or by commas, a row on each line.
+
+    Lines that begin with ``#`` are comments.
+
+    Returns
+    -------
+    numpy.ndarray
+        (rows, columns), float64.
+
+    Raises
+    ------
+    FileError
+        The file is missing, holds no numbers, something else than numbers, or rows of unequal
+        length.
+    """
+    file = readable_file(path)
+    return _parsed(_text(file), file)
+
+
+def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
+    """Write a matrix as plain numbers, which MathCad's READPRN reads.
+
+    Each number is the shortest text that reads back to the same bits in the array's precision.
+    Commas separate them where the path ends in ``.csv``, else blanks.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    array
+        (rows, columns), or (columns,) for a single row; real and finite.
+
+    Raises
+    ------
+    DataError
+        The array is not real, not 2-D, empty or not finite.
+    FileError
+        The file cannot be written.
+    """
+    samples = np.atleast_2d(_real(array))
+    if samples.ndim != 2 or samples.size == 0:
+        raise DataError(f"an array of shape {samples.shape} is no matrix: (rows, columns)")
+    _refuse_not_finite(samples, "the matrix")
+    separator = "," if Path(os.fspath(path)).suffix.lower() == ".csv" else " "
+    lines = io.StringIO()
+    for row in samples:
+        lines.write(separator.join(_numbers(row)) + "\n")
+    write_text(path, lines.getvalue())
+
+
+def read_curves(path: str | os.PathLike[str]) -> dict[str, NDArray[np.float64]]:
+    """Read a CSV file whose first line names the columns.
+
+    Returns
+    -------
+    dict
+        Columns (n,) by name, in the file's order.
+
+    Raises
+    ------
+    FileError
+        As `read_matrix`, or the names do not fit the columns.
+    """
+    file = readable_file(path)
+    head, _, body = _text(file).partition("\n")
+    names = [name.strip() for name in head.split(",")]
+    columns = _parsed(body, file).T
+    if len(names) != len(columns) or len(set(names)) != len(names):
+        raise FileError(f"{file}: its first line must name each of the {len(columns)} columns once")
+    return dict(zip(names, columns, strict=True))
+
+
+def write_curves(path: str | os.PathLike[str], columns: Mapping[str, ArrayLike]) -> None:
+    """Write curves as CSV: a line of names, then a line for each sample.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    columns
+        Columns (n,) by name, such as ``xi (cyc/mrad)``; the first is the axis. Each number is
+        the shortest text that reads back to the same bits.
+
+    Raises
+    ------
+    ParameterError
+        No columns, or a name that would break the line of names.
+    DataError
+        Columns of unequal length, not 1-D, not real or not finite.
+    FileError
+        The file cannot be written.
+    """
+    if not columns:
+        raise ParameterError("columns", {}, "one or more")
+    texts = []
+    for name, column in columns.items():
+        if not name or name != name.strip() or any(sign in name for sign in ',"\r\n'):
+            raise ParameterError("columns", name, "a name without commas, quotes or line ends")
+        samples = _real(column)
+        if samples.ndim != 1:
+            raise DataError(f"column {name} has shape {samples.shape}; allowed: (n,)")
+        _refuse_not_finite(samples, f"column {name}")
+        texts.append(_numbers(samples))
+    lengths = {name: len(text) for name, text in zip(columns, texts, strict=True)}
+    if len(set(lengths.values())) > 1:
+        raise DataError(f"the columns have unequal lengths: {lengths}")
+    lines = [",".join(columns), *(",".join(row) for row in zip(*texts, strict=True))]
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def _mapped(path: Path) -> NDArray[Any]:
+    if not is_npy(path):
+        raise FileError(f"{path}: is not a .npy file; it must begin with \\x93NUMPY")
+    try:
+        mapped = np.load(path, mmap_mode="r", allow_pickle=False)
+    except _HEADER_FAULTS as error:
+        if "objects" in str(error):
+            raise FileError(
+                f"{path}: holds Python objects; allowed: an array of numbers"
+            ) from error
+        raise FileError(f"{path}: is damaged or truncated: {error}") from error
+    return np.asarray(mapped)
+
+
+def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -> PictureInfo:
+    if dtype.kind not in "buif":
+        raise FileError(f"{path}: holds samples of type {dtype}; allowed: real numbers")
+    if len(shape) not in (2, 3) or 0 in shape:
+        raise FileError(
+            f"{path}: holds an array of shape {shape}; allowed: (rows, columns) or "
+            "(rows, columns, bands), none of them 0"
+        )
+    return PictureInfo(
+        path=path,
+        rows=shape[0],
+        columns=shape[1],
+        bands=shape[2] if len(shape) == 3 else 1,
+        unit=None,
+        wavelengths_um=None,
+        fwhm_um=None,
+        focal_length_mm=None,
+        fov_x_deg=None,
+        fov_y_deg=None,
+        dtype=dtype.newbyteorder("=").name,
+        kind=kind,
+    )
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FileError(f"{path}: is not a text of numbers") from error
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from error
+
+
+def _parsed(text: str, path: Path) -> NDArray[np.float64]:
+    rows = [line.strip() for line in text.splitlines()]
+    rows = [line for line in rows if line and not line.startswith("#")]
+    if not rows:
+        raise FileError(f"{path}: holds no numbers")
+    separator = "," if "," in rows[0] else None
+    try:
+        return np.loadtxt(rows, dtype=np.float64, delimiter=separator, ndmin=2)
+    except ValueError as error:
+        reason = str(error).split(";")[0].rstrip(".")
+        raise FileError(f"{path}: is no matrix of numbers: {reason}") from error
+
+
+def _real(array: ArrayLike) -> NDArray[Any]:
+    samples = np.asarray(array)
+    if samples.dtype.kind not in "buif":
+        raise DataError(f"samples of type {samples.dtype} cannot be written: not real numbers")
+    wanted = np.float32 if samples.dtype == np.float32 else np.float64
+    return samples.astype(wanted, copy=False)
+
+
+def _refuse_not_finite(samples: NDArray[Any], what: str) -> None:
+    wrong = ~np.isfinite(samples)
+    if wrong.any():
+        place = tuple(int(index) for index in np.argwhere(wrong)[0])
+        raise DataError(f"{what} has {int(wrong.sum())} samples not finite, the first at {place}")
+
+
+def _numbers(row: NDArray[Any]) -> list[str]:
+    """Shortest texts that give back the same bits in the row's own precision."""
+    if row.dtype == np.float32:
+        return [str(text) for text in row.astype(str)]
+    return [repr(value) for value in row.tolist()]

@@ -1,0 +1,60 @@
+"""Damage that a picture decoder would not report, or only on stderr."""
+
+from __future__ import annotations
+
+import mmap
+import struct
+import zlib
+from pathlib import Path
+
+from core.errors import FileError
+
+_PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_JPEG_START = b"\xff\xd8\xff"
+_JPEG_SCAN = b"\xff\xda"
+_JPEG_END = b"\xff\xd9"
+
+
+def refuse_damaged(path: Path) -> None:
+    """Raise `FileError` for a PNG with a broken chunk or a JPEG that was cut off.
+
+    A JPEG decoder fills what is missing with grey and says nothing.
+    """
+    try:
+        with (
+            path.open("rb") as file,
+            mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
+        ):
+            if content[:8] == _PNG_SIGNATURE:
+                _check_png(content, path)
+            elif content[:3] == _JPEG_START and content.rfind(_JPEG_END) < content.rfind(
+                _JPEG_SCAN
+            ):
+                raise FileError(f"{path}: this JPEG file is truncated: its end marker is missing")
+    except (OSError, ValueError) as error:
+        raise FileError(f"{path}: cannot be read: {error}") from error
+
+
+def png_bit_depth(head: bytes) -> int | None:
+    """Bits of a sample of a greyscale PNG given its first bytes; None for every other file."""
+    if len(head) < 26 or not head.startswith(_PNG_SIGNATURE) or head[25] not in (0, 4):
+        return None
+    return head[24]
+
+
+def _check_png(content: mmap.mmap, path: Path) -> None:
+    place = len(_PNG_SIGNATURE)
+    while place + 12 <= len(content):
+        length, kind = struct.unpack_from(">I4s", content, place)
+        end = place + 12 + length
+        if end > len(content):
+            break
+        with memoryview(content) as view, view[place + 4 : end - 4] as covered:
+            checksum = zlib.crc32(covered)
+        if checksum != int.from_bytes(content[end - 4 : end], "big"):
+            name = kind.decode("ascii", "replace")
+            raise FileError(f"{path}: this PNG file is damaged: wrong checksum in chunk {name}")
+        if kind == b"IEND":
+            return
+        place = end
+    raise FileError(f"{path}: this PNG file is truncated: its end chunk is missing")

@@ -1,0 +1,62 @@
+"""Checks of a path before a reader sees it."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+from core.errors import FileError
+
+
+def readable_file(path: str | os.PathLike[str]) -> Path:
+    """Return `path` once it is known to be a regular, readable file that is not empty.
+
+    Raises
+    ------
+    FileError
+        The path is empty or malformed, or names nothing, a folder, a device or pipe, an empty
+        file or one without permission to read.
+    """
+    text = os.fspath(path)
+    if not text:
+        raise FileError("no file to read: the path is empty")
+    if "\0" in text:
+        raise FileError(f"{text!r}: the path contains a null character")
+    status = _status(text)
+    if stat.S_ISDIR(status.st_mode):
+        raise FileError(f"{text}: is a folder, not a file")
+    # Opening a pipe would wait for ever.
+    if not stat.S_ISREG(status.st_mode):
+        raise FileError(f"{text}: is not a regular file")
+    if not os.access(text, os.R_OK):
+        raise FileError(f"{text}: no permission to read this file")
+    if status.st_size == 0:
+        raise FileError(f"{text}: the file is empty")
+    return Path(text)
+
+
+def _status(text: str) -> os.stat_result:
+    try:
+        return Path(text).stat()
+    except FileNotFoundError as error:
+        raise FileError(f"{text}: no such file") from error
+    except OSError as error:
+        raise FileError(f"{text}: {error.strerror or error}") from error
+
+
+def first_bytes(path: Path, count: int) -> bytes:
+    """Return the first `count` bytes of `path`, fewer when the file is shorter."""
+    try:
+        with path.open("rb") as file:
+            return file.read(count)
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from error
+
+
+def checked_band(band: int, bands: int, path: Path) -> int:
+    """Return `band` as a plain int once it is one of the file's `bands`, counted from 0."""
+    allowed = "0" if bands == 1 else f"0 to {bands - 1}"
+    if isinstance(band, bool) or int(band) != band or not 0 <= band < bands:
+        raise FileError(f"{path}: there is no band {band!r}; allowed: {allowed}")
+    return int(band)

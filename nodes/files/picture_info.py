@@ -1,0 +1,64 @@
+"""What is known of a picture before its samples are read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Samples = NDArray[np.floating[Any]]  # float32 or float64, (rows, columns), C order
+
+
+@dataclass(frozen=True)
+class PictureInfo:
+    """Size, kind and header of a picture file.
+
+    What the file does not say is None.
+
+    Attributes
+    ----------
+    path
+        The file that holds the samples (for ENVI the data file, not the header).
+    rows, columns, bands
+        Size; a band is a channel of a colour picture or a spectral band.
+    unit
+        Unit of the samples as the file words it.
+    wavelengths_um, fwhm_um
+        Centre and full width at half maximum of every band, µm.
+    focal_length_mm
+        Focal length, mm.
+    fov_x_deg, fov_y_deg
+        Field of view of the whole frame, degrees.
+    dtype
+        numpy's name of the stored samples, such as ``uint16``.
+    kind
+        ``envi``, ``npy``, ``text`` or the picture format (``tiff``, ``openexr``, ``png``, …).
+    """
+
+    path: Path
+    rows: int
+    columns: int
+    bands: int
+    unit: str | None
+    wavelengths_um: tuple[float, ...] | None
+    fwhm_um: tuple[float, ...] | None
+    focal_length_mm: float | None
+    fov_x_deg: float | None
+    fov_y_deg: float | None
+    dtype: str
+    kind: str
+
+
+def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:
+    """Return the precision samples are delivered in.
+
+    Double for doubles and for integers of 32 or more bits, which single precision would round;
+    else single, which holds every 16-bit integer and half exactly. Integers of 64 bits beyond
+    2⁵³ are rounded to the nearest double.
+    """
+    if stored.kind == "f":
+        return np.dtype(np.float64 if stored.itemsize > 4 else np.float32)
+    return np.dtype(np.float64 if stored.itemsize >= 4 else np.float32)

@@ -1,0 +1,250 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.errors import DataError, FileError, ParameterError
+from nodes.files import arrays
+from nodes.files.read import check_finite, read_info, read_pixels
+
+
+@pytest.mark.parametrize(
+    ("dtype", "wanted"),
+    [
+        ("f2", "f4"),
+        ("<f4", "f4"),
+        (">f4", "f4"),
+        (">f8", "f8"),
+        ("u1", "f4"),
+        ("?", "f4"),
+        (">i2", "f4"),
+        ("u2", "f4"),
+        ("i4", "f8"),
+        ("u8", "f8"),
+    ],
+)
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_npy_of_every_real_type(tmp_path, dtype, wanted, order):
+    truth = np.arange(12).reshape(3, 4).astype(dtype)
+    np.save(tmp_path / "a.npy", np.asarray(truth, order=order))
+    read = read_pixels(tmp_path / "a.npy")
+    assert read.dtype == np.dtype(wanted)
+    assert read.dtype.isnative
+    assert read.flags.c_contiguous
+    assert type(read) is np.ndarray
+    assert np.array_equal(read, truth.astype(wanted))
+    info = read_info(tmp_path / "a.npy")
+    assert (info.rows, info.columns, info.bands, info.kind) == (3, 4, 1, "npy")
+
+
+def test_npy_band(tmp_path):
+    truth = np.random.default_rng(0).random((3, 4, 2))
+    np.save(tmp_path / "a.npy", truth)
+    assert np.array_equal(read_pixels(tmp_path / "a.npy", 1), truth[:, :, 1])
+    with pytest.raises(FileError, match="no band 2; allowed: 0 to 1"):
+        read_pixels(tmp_path / "a.npy", 2)
+
+
+@pytest.mark.parametrize(
+    ("array", "message"),
+    [
+        (np.array([[{}, 1]], dtype=object), "holds Python objects"),
+        (np.ones((2, 2), dtype=complex), "samples of type complex128"),
+        (np.array([["a"]]), "samples of type <U1"),
+        (np.zeros((2, 2), dtype=[("x", "f4")]), "samples of type"),
+        (np.zeros((2, 2), dtype="M8[s]"), "samples of type datetime64"),
+        (np.zeros(5), r"array of shape \(5,\); allowed: \(rows, columns\)"),
+        (np.zeros((2, 0)), r"array of shape \(2, 0\)"),
+        (np.zeros((1, 1, 1, 1)), "array of shape"),
+        (np.float64(3), r"array of shape \(\)"),
+    ],
+)
+def test_npy_that_is_no_picture(tmp_path, array, message):
+    np.save(tmp_path / "a.npy", array, allow_pickle=True)
+    for read in (read_info, read_pixels):
+        with pytest.raises(FileError, match=message):
+            read(tmp_path / "a.npy")
+
+
+def test_damaged_npy(tmp_path):
+    path = tmp_path / "a.npy"
+    np.save(path, np.zeros((30, 40)))
+    whole = path.read_bytes()
+    for length in (len(whole) - 1, 130, 100, 20, 9, 7, 3):
+        path.write_bytes(whole[:length])
+        with pytest.raises(FileError, match=r"truncated|is not a \.npy"):
+            read_pixels(path)
+    path.write_bytes(whole.replace(b"'descr': '<f8'", b"'descr': [[[[[["))
+    with pytest.raises(FileError, match="damaged"):
+        read_pixels(path)
+    path.write_bytes(b"pickle" * 50)
+    with pytest.raises(FileError, match=r"is not a \.npy file"):
+        read_pixels(path)
+
+
+def test_npy_is_written_as_promised(tmp_path):
+    path = tmp_path / "a.npy"
+    for dtype, wanted in (("f4", "f4"), ("f8", "f8"), ("i2", "f8"), ("f2", "f8"), (">f8", "f8")):
+        truth = np.asfortranarray(np.arange(6).reshape(2, 3).astype(dtype))
+        arrays.write_npy(path, truth)
+        read = np.load(path)
+        assert read.dtype == np.dtype(wanted)
+        assert read.flags.c_contiguous
+        assert np.array_equal(read, truth)
+    with pytest.raises(DataError, match="not real"):
+        arrays.write_npy(path, np.ones(2, dtype=complex))
+
+
+@pytest.mark.parametrize("suffix", [".txt", ".csv", ".prn"])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_text_matrix_reads_back_bit_for_bit(tmp_path, suffix, dtype):
+    values = [[0.1, 1 / 3, -0.0], [3e38, 1e-38, 16777217]]
+    truth = np.array(values, dtype=dtype)
+    path = tmp_path / f"m{suffix}"
+    arrays.write_matrix(path, truth)
+    assert np.array_equal(read_pixels(path).astype(dtype).tobytes(), truth.tobytes())
+    assert (read_info(path).rows, read_info(path).columns) == (2, 3)
+    # An independent reading, number by number.
+    separator = "," if suffix == ".csv" else None
+    lines = path.read_text().splitlines()
+    assert [[dtype(word) for word in line.split(separator)] for line in lines] == truth.tolist()
+
+
+def test_text_matrix_written_by_others(tmp_path):
+    path = tmp_path / "m.txt"
+    path.write_text("# comment\n  1\t2  3\r\n\n 4 5e0 -6.\n")
+    assert np.array_equal(arrays.read_matrix(path), [[1, 2, 3], [4, 5, -6]])
+    path.write_text("7")
+    assert np.array_equal(arrays.read_matrix(path), [[7]])
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"1 2\n3\n", "no matrix of numbers: the number of columns changed from 2 to 1 at row 2"),
+        (b"1 2\n3 x\n", "could not convert string 'x'"),
+        (b"1;2\n", "could not convert string"),
+        (b"\n# nothing\n", "holds no numbers"),
+        (b"\xff\xfe\x00", "is not a text of numbers"),
+    ],
+)
+def test_text_that_is_no_matrix(tmp_path, content, message):
+    (tmp_path / "m.txt").write_bytes(content)
+    with pytest.raises(FileError, match=message):
+        read_pixels(tmp_path / "m.txt")
+
+
+def test_curves(tmp_path):
+    path = tmp_path / "c.csv"
+    columns = {"xi (cyc/mrad)": np.linspace(0, 1, 5), "optics": np.float32([1, 0.9, 0.1, 0, -0.1])}
+    arrays.write_curves(path, columns)
+    assert path.read_text().splitlines()[:3] == ["xi (cyc/mrad),optics", "0.0,1.0", "0.25,0.9"]
+    read = arrays.read_curves(path)
+    assert list(read) == list(columns)
+    assert all(np.array_equal(read[k].astype(columns[k].dtype), columns[k]) for k in columns)
+    path.write_text("a,b\n1,2,3\n")
+    with pytest.raises(FileError, match="first line must name each of the 3 columns"):
+        arrays.read_curves(path)
+
+
+def test_what_cannot_be_written_leaves_no_file(tmp_path):
+    path = tmp_path / "m.txt"
+    with pytest.raises(DataError, match=r"1 samples not finite, the first at \(0, 1\)"):
+        arrays.write_matrix(path, [[0, np.nan]])
+    with pytest.raises(DataError, match="is no matrix"):
+        arrays.write_matrix(path, np.zeros((2, 2, 2)))
+    with pytest.raises(DataError, match="unequal lengths"):
+        arrays.write_curves(path, {"a": [1.0], "b": [1.0, 2.0]})
+    with pytest.raises(DataError, match="column b"):
+        arrays.write_curves(path, {"a": [1.0], "b": [np.inf]})
+    with pytest.raises(ParameterError, match="without commas"):
+        arrays.write_curves(path, {"a,b": [1.0]})
+    with pytest.raises(ParameterError, match="one or more"):
+        arrays.write_curves(path, {})
+    assert not list(tmp_path.iterdir())
+
+
+def test_finite_samples_pass():
+    check_finite(np.zeros((3, 4)), "x")
+    check_finite(np.full((1, 1), 3e38, dtype=np.float32), "x")
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_samples_not_finite_are_counted_and_the_first_is_named(dtype):
+    samples = np.zeros((3001, 1000), dtype=dtype)
+    samples[2999, 7] = np.nan
+    samples[2999, 5] = -np.inf
+    samples[3000, 0] = np.inf
+    with pytest.raises(
+        DataError, match=r"^scene: 3 samples are not finite .*\(-inf\) at row 2999, column 5$"
+    ):
+        check_finite(samples, "scene")
+    with pytest.raises(DataError, match=r"1 sample is not finite .*at row 0, column 2"):
+        check_finite(np.array([[0, 1, np.nan]], dtype=dtype), "scene")
+
+
+def test_paths_that_cannot_be_read(tmp_path):
+    (tmp_path / "empty.img").touch()
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "x.foo").write_bytes(b"some text" * 30)
+    (tmp_path / "x.img").write_bytes(b"some text" * 30)
+    (tmp_path / "x.null").write_bytes(b"some text" * 30)
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    cases = {
+        "": "path is empty",
+        "a\0b": "null character",
+        tmp_path / "none.tif": "no such file",
+        tmp_path / "x.foo" / "a": "Not a directory",
+        tmp_path: "is a folder, not a file",
+        tmp_path / "pipe": "is not a regular file",
+        tmp_path / "empty.img": "the file is empty",
+        tmp_path / "x.foo": r"x\.foo: cannot be opened: .*format",
+        tmp_path / "x.null": r"unknown format \.null",
+        tmp_path / "x.img": "ENVI header is missing",
+        tmp_path / "loop": "symbolic links",
+        tmp_path / ("n" * 300): "name too long",
+    }
+    for path, message in cases.items():
+        for read in (read_info, read_pixels):
+            with pytest.raises(FileError, match=message) as caught:
+                read(path)
+            assert "\n" not in caught.value.message
+
+
+# As root nothing is forbidden: the child becomes an ordinary user first.
+FORBIDDEN = """
+import os, tempfile
+from pathlib import Path
+from core.errors import FileError
+from nodes.files.read import read_pixels
+if os.getuid() == 0:
+    os.setuid(65534)
+with tempfile.TemporaryDirectory() as name:
+    folder = Path(name)
+    (folder / "in").mkdir()
+    for path in (folder / "a.tif", folder / "in" / "a.tif"):
+        path.write_bytes(b"II")
+    (folder / "a.tif").chmod(0)
+    (folder / "in").chmod(0)
+    for path in (folder / "a.tif", folder / "in" / "a.tif"):
+        try:
+            read_pixels(path)
+        except FileError as error:
+            print(error.message.removeprefix(f"{path}: "))
+    (folder / "in").chmod(0o700)
+"""
+
+
+def test_files_without_permission():
+    done = subprocess.run(
+        [sys.executable, "-c", FORBIDDEN],
+        cwd=Path(__file__).parents[2],
+        check=True,
+        capture_output=True,
+        text=True,
+        timeout=30,
+    )
+    assert done.stdout == "no permission to read this file\nPermission denied\n"

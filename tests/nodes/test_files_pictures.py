@@ -1,0 +1,262 @@
+import struct
+import zlib
+
+import numpy as np
+import pytest
+
+from core.errors import FileError
+from nodes.files.pictures import read_band, read_info, write_picture
+from nodes.files.read import read_pixels
+
+SPECIAL = [np.nan, np.inf, -np.inf, -0.0, 1e-45, 3.4e38, 0.1]
+KINDS = {"u1": 1, "u2": 1, "u4": 1, "i1": 2, "i2": 2, "i4": 2, "f2": 3, "f4": 3, "f8": 3}
+
+
+def tiff_bytes(samples, kind, order="<", big=False, tile=0):
+    """A TIFF from scratch: one strip, or tiles of `tile` samples square; classic or big."""
+    rows, columns = samples.shape
+    if tile:
+        down, across = -(-rows // tile), -(-columns // tile)
+        padded = np.zeros((down * tile, across * tile), samples.dtype)
+        padded[:rows, :columns] = samples
+        tiles = padded.reshape(down, tile, across, tile).swapaxes(1, 2).reshape(-1, tile, tile)
+    else:
+        tiles = samples[None]
+    blocks = [block.astype(samples.dtype.newbyteorder(order)).tobytes() for block in tiles]
+    start = 16 if big else 8
+    places = [start + index * len(blocks[0]) for index in range(len(blocks))]
+    position = places[-1] + len(blocks[-1])
+    word, entry, count = ("Q", "HHQ8s", "Q") if big else ("I", "HHI4s", "H")
+    width = struct.calcsize(word)
+    tail = b""
+    fields = [(256, columns), (257, rows), (258, 8 * samples.itemsize), (259, 1), (262, 1)]
+    fields += [(277, 1), (339, KINDS[kind])]
+    sizes = [len(block) for block in blocks]
+    if tile:
+        fields += [(322, tile), (323, tile), (324, places), (325, sizes)]
+    else:
+        fields += [(273, places), (278, rows), (279, sizes)]
+    entries = b""
+    directory = position
+    beyond = directory + struct.calcsize(order + count) + len(fields) * (20 if big else 12) + width
+    for tag, value in sorted(fields):
+        values = value if isinstance(value, list) else [value]
+        packed = struct.pack(f"{order}{len(values)}I", *values)
+        if len(packed) > width:
+            packed, tail = struct.pack(order + word, beyond + len(tail)), tail + packed
+        entries += struct.pack(order + entry, tag, 4, len(values), packed.ljust(width, b"\0"))
+    directory_bytes = struct.pack(order + count, len(fields)) + entries + bytes(width) + tail
+    mark = b"II" if order == "<" else b"MM"
+    head = (
+        struct.pack(order + "HHHQ", 43, 8, 0, position)
+        if big
+        else struct.pack(order + "HI", 42, position)
+    )
+    return mark + head + b"".join(blocks) + directory_bytes
+
+
+def fits_bytes(stored, bits, **cards):
+    header = {"SIMPLE": "T", "BITPIX": bits, "NAXIS": stored.ndim}
+    header |= {f"NAXIS{axis + 1}": size for axis, size in enumerate(stored.shape[::-1])}
+    text = "".join(f"{k:<8}= {v!s:>20}".ljust(80) for k, v in (header | cards).items())
+    text += "END".ljust(80)
+    data = stored.astype(stored.dtype.newbyteorder(">")).tobytes()
+    pad = -len(data) % 2880
+    return text.ljust(-(-len(text) // 2880) * 2880).encode() + data + bytes(pad)
+
+
+def png_bytes(lines, columns, depth, colour):
+    """A PNG from scratch; `lines` are the packed bytes of each row."""
+
+    def chunk(kind, content):
+        checksum = zlib.crc32(kind + content)
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", checksum)
+
+    head = struct.pack(">IIBBBBB", columns, len(lines), depth, colour, 0, 0, 0)
+    body = zlib.compress(b"".join(b"\0" + line for line in lines))
+    chunks = chunk(b"IHDR", head) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + chunks
+
+
+def samples_of(kind, rows=5, columns=7):
+    values = np.arange(rows * columns).reshape(rows, columns)
+    if kind[0] == "f":
+        return (values / 8 - 1).astype(kind)
+    info = np.iinfo(kind)
+    values = values.astype(kind)
+    values[0, :2] = info.min, info.max
+    return values
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("layout", [{}, {"order": ">"}, {"big": True}, {"tile": 16}])
+def test_tiff_of_every_type_delivers_the_stored_numbers(tmp_path, kind, layout):
+    truth = samples_of(kind, 20, 35)
+    (tmp_path / "a.tif").write_bytes(tiff_bytes(truth, kind, **layout))
+    wanted = np.float64 if kind in ("f8", "u4", "i4") else np.float32
+    read = read_band(tmp_path / "a.tif")
+    assert read.dtype == wanted
+    assert read.flags.c_contiguous
+    assert np.array_equal(read, truth.astype(wanted))
+    info = read_info(tmp_path / "a.tif")
+    assert (info.rows, info.columns, info.bands) == (20, 35, 1)
+    assert (info.dtype, info.kind) == (truth.dtype.name, "tiff")
+
+
+@pytest.mark.parametrize("compression", ["none", "zip"])
+@pytest.mark.parametrize("predictor", [1, 2, 3])
+@pytest.mark.parametrize("planes", ["contig", "separate"])
+def test_tiles_of_doubles_as_another_program_writes_them(tmp_path, compression, predictor, planes):
+    import OpenImageIO
+
+    truth = np.random.default_rng(0).normal(size=(40, 51, 3))
+    truth[0, : len(SPECIAL), 0] = SPECIAL
+    spec = OpenImageIO.ImageSpec(51, 40, 3, "double")
+    spec.tile_width, spec.tile_height = 32, 16
+    spec.attribute("compression", compression)
+    spec.attribute("tiff:predictor", predictor)
+    spec.attribute("planarconfig", planes)
+    output = OpenImageIO.ImageOutput.create("tif")
+    assert output.open(str(tmp_path / "a.tif"), spec)
+    assert output.write_image(truth)
+    assert output.close()
+    output.geterror()
+    for band in range(3):
+        read = read_band(tmp_path / "a.tif", band)
+        assert np.array_equal(read.view("u8"), truth[:, :, band].copy().view("u8"))
+
+
+def test_damaged_tiles_of_doubles(tmp_path):
+    path = tmp_path / "a.tif"
+    whole = tiff_bytes(samples_of("f8", 20, 35), "f8", tile=16)
+    path.write_bytes(whole.replace(struct.pack("<HHII", 325, 4, 6, 0)[:8], bytes(8)))
+    with pytest.raises(FileError, match=r"damaged|cannot be opened"):
+        read_band(path)
+    lzw = struct.pack("<HHII", 259, 4, 1, 5)
+    path.write_bytes(whole.replace(struct.pack("<HHII", 259, 4, 1, 1), lzw))
+    with pytest.raises(FileError, match="TIFF compression 5 cannot be read; allowed: none or"):
+        read_band(path)
+    places = np.frombuffer(whole, np.uint8).copy()
+    for index in range(len(whole) - 160, len(whole)):
+        damaged = places.copy()
+        damaged[index] ^= 0xFF
+        path.write_bytes(damaged.tobytes())
+        try:
+            assert read_band(path).ndim == 2
+        except FileError:
+            continue
+
+
+def test_colour_is_not_multiplied_by_alpha(tmp_path):
+    lines = [bytes([200, 100, 50, 10] * 3)] * 2
+    (tmp_path / "a.png").write_bytes(png_bytes(lines, 3, 8, 6))
+    for band, value in enumerate((200, 100, 50, 10)):
+        assert np.all(read_band(tmp_path / "a.png", band) == value)
+
+
+@pytest.mark.parametrize(
+    ("depth", "line", "truth"),
+    [(1, b"\xa0", [1, 0, 1]), (2, b"\xe4", [3, 2, 1]), (4, b"\xf5\x30", [15, 5, 3])],
+)
+def test_packed_png_keeps_its_own_numbers(tmp_path, depth, line, truth):
+    (tmp_path / "a.png").write_bytes(png_bytes([line], 3, depth, 0))
+    assert read_band(tmp_path / "a.png").tolist() == [truth]
+
+
+def test_packed_12_bit_tiff_keeps_its_own_numbers(tmp_path):
+    content = bytearray(tiff_bytes(np.array([[0x12, 0x3A, 0xBC]], dtype="u1"), "u1"))
+    # Two 12-bit samples, 0x123 and 0xABC, in the three bytes of the strip.
+    content = bytes(content).replace(
+        struct.pack("<HHII", 258, 4, 1, 8), struct.pack("<HHII", 258, 4, 1, 12)
+    )
+    content = content.replace(
+        struct.pack("<HHII", 256, 4, 1, 3), struct.pack("<HHII", 256, 4, 1, 2)
+    )
+    (tmp_path / "a.tif").write_bytes(content)
+    assert read_band(tmp_path / "a.tif").tolist() == [[0x123, 0xABC]]
+
+
+@pytest.mark.parametrize(
+    ("kind", "bits"), [("u1", 8), ("i2", 16), ("i4", 32), ("f4", -32), ("f8", -64)]
+)
+def test_fits(tmp_path, kind, bits):
+    truth = samples_of(kind)
+    (tmp_path / "a.fits").write_bytes(fits_bytes(truth[::-1], bits, FOCALLEN=38.0))
+    read = read_band(tmp_path / "a.fits")
+    assert read.dtype == (np.float64 if kind in ("i4", "f8") else np.float32)
+    assert np.array_equal(read, truth)
+    assert read_info(tmp_path / "a.fits").focal_length_mm == 38
+
+
+def test_fits_scaling(tmp_path):
+    truth = np.array([[0, 1, 32768, 65535]])
+    stored = (truth - 32768).astype("i2")
+    (tmp_path / "a.fits").write_bytes(fits_bytes(stored, 16, BZERO=32768, BSCALE=1))
+    assert np.array_equal(read_band(tmp_path / "a.fits"), truth)
+    (tmp_path / "a.fits").write_bytes(fits_bytes(stored, 16, BZERO=10.5, BSCALE=0.25))
+    assert np.array_equal(read_band(tmp_path / "a.fits"), stored * 0.25 + 10.5)
+
+
+def radiance_hdr(rows, columns, pixel):
+    head = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {rows} +X {columns}\n".encode()
+    return head + bytes(pixel) * (rows * columns)
+
+
+def test_radiance_hdr_is_told_from_an_envi_header(tmp_path):
+    path = tmp_path / "a.hdr"
+    path.write_bytes(radiance_hdr(2, 3, (128, 64, 32, 129)))  # value = byte/256·2^(e−128)
+    assert read_info(path).kind == "hdr"
+    assert np.all(read_pixels(path, 0) == 1.0)
+    assert np.all(read_pixels(path, 2) == 0.25)
+
+
+@pytest.mark.parametrize("name", ["a.tif", "a.exr", "a.png", "a.fits", "a.hdr", "a.jpg"])
+def test_truncated_files_are_refused_in_silence(tmp_path, name, capfd):
+    import OpenImageIO
+
+    rng = np.random.default_rng(0)
+    path = tmp_path / name
+    if name == "a.fits":
+        path.write_bytes(fits_bytes(rng.random((60, 48)), -64))
+    elif name == "a.hdr":
+        path.write_bytes(radiance_hdr(60, 50, (128, 64, 32, 129)))
+    elif name == "a.jpg":
+        spec = OpenImageIO.ImageSpec(50, 60, 1, "uint8")
+        output = OpenImageIO.ImageOutput.create(str(path))
+        output.open(str(path), spec)
+        output.write_image(rng.integers(0, 255, (60, 50, 1), dtype=np.uint8))
+        output.close()
+    else:
+        dtype = "uint16" if name == "a.png" else "float"
+        scale = {"low": 0, "high": 1} if name == "a.png" else {}
+        write_picture(path, rng.random((60, 50)), dtype=dtype, **scale)
+    whole = path.read_bytes()
+    assert read_band(path).shape[0] == 60
+    for length in (1, 9, 100, len(whole) // 2, len(whole) * 9 // 10, len(whole) - 300):
+        path.write_bytes(whole[:length])
+        with pytest.raises(FileError) as caught:
+            read_band(path)
+        assert "\n" not in caught.value.message
+        assert str(path) in caught.value.message
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("name", ["a.tif", "a.exr", "a.png"])
+def test_damaged_files_give_one_clear_error_or_numbers(tmp_path, name, capfd):
+    rng = np.random.default_rng(5)
+    path = tmp_path / name
+    dtype, scale = ("uint8", {"low": 0, "high": 1}) if name == "a.png" else ("float", {})
+    write_picture(path, rng.random((20, 30)), dtype=dtype, metadata={"unit": "W"}, **scale)
+    whole = np.frombuffer(path.read_bytes(), np.uint8)
+    messages = []
+    for _ in range(60):
+        damaged = whole.copy()
+        damaged[rng.integers(0, 400, 8)] = rng.integers(0, 256, 8)
+        path.write_bytes(damaged.tobytes())
+        try:
+            read_band(path)
+        except FileError as error:
+            messages.append(error.message)
+    assert messages
+    assert not any("\n" in message for message in messages)
+    assert capfd.readouterr() == ("", "")
