@@ -1,0 +1,1 @@
+"""Modules that judge and compare."""

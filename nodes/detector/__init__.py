@@ -1,0 +1,1 @@
+"""Modules of the detector: its aperture and charge transfer."""

@@ -1,0 +1,32 @@
+"""Charge Eff MTF: contrast lost by incomplete charge transfer."""
+
+from __future__ import annotations
+
+from core.declaration import Here
+from core.physics.charge_transfer import charge_transfer_mtf
+from core.values import Context, Magnitude
+from nodes.detector.charge_transfer import ChargeTransfer
+from nodes.laws import separable
+from nodes.ports import MtfModule, MtfOutputs
+
+
+class ChargeEffMTF(
+    ChargeTransfer, MtfModule, key="charge_eff_mtf", title="Charge Eff MTF", group="Detector"
+):
+    """Lose contrast across by incomplete charge transfer.
+
+    With w = 2π·xi·Δ: exact |ε/(1 − (1−ε)e^{−iw})|^N; published and leading
+    exp(−N(1−ε)(1 − cos w)). Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.
+    """
+
+    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+        """Plan the loss."""
+        factors = separable(
+            charge_transfer_mtf,
+            x=None if self.neutral() else self.law(),
+            argument="phase_per_transfer",
+            scale_x=self.phase_per_frequency(context),
+            label=self.title,
+            node=here.node,
+        )
+        return self.mtf_outputs(magnitude, *factors)

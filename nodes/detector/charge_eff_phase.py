@@ -1,0 +1,34 @@
+"""Charge Eff Phase: delay by incomplete charge transfer."""
+
+from __future__ import annotations
+
+from core.declaration import Here
+from core.physics.charge_transfer import charge_transfer_ptf
+from core.values import Context, Phase
+from nodes.detector.charge_transfer import ChargeTransfer
+from nodes.laws import separable
+from nodes.ports import PtfModule, PtfOutputs
+
+
+class ChargeEffPhase(
+    ChargeTransfer, PtfModule, key="charge_eff_phase", title="Charge Eff Phase", group="Detector"
+):
+    """Shift phases across by incomplete charge transfer.
+
+    With w = 2π·xi·Δ and k = N(1−ε): exact, the argument of [ε/(1 − (1−ε)e^{−iw})]^N; published
+    −k(w − sin w); leading −k·sin w. Source: Tantalo 1996, eq. 4.58. Erratum: the published form
+    starts with w³, that of N transfers with −k·w.
+    """
+
+    def run(self, context: Context, phase: Phase, here: Here) -> PtfOutputs:
+        """Plan the shift."""
+        factors = separable(
+            charge_transfer_ptf,
+            x=None if self.neutral() else self.law(),
+            part="ptf",
+            argument="phase_per_transfer",
+            scale_x=self.phase_per_frequency(context),
+            label=self.title,
+            node=here.node,
+        )
+        return self.ptf_outputs(phase, *factors)

@@ -1,0 +1,73 @@
+"""Detector MTF: the detector averages over its sensitive area."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from core.declaration import Here, readout
+from core.parameters import Param
+from core.physics.detector import aperture_mtf, first_zero_cyc_per_mrad
+from core.physics.sampling import ifov_mrad
+from core.values import Context, Magnitude
+from nodes.given import given
+from nodes.laws import separable
+from nodes.ports import MtfModule, MtfOutputs
+
+
+class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="Detector"):
+    """Average over the sensitive area of a detector element.
+
+    sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), signed. Empty parameters are those of Init &
+    Trans. Source: Tantalo 1996, eqs. 4.41 to 4.50.
+    """
+
+    detector_x_um: Annotated[
+        float | None, Param("detector pitch across", unit="µm", low=0, slider=(1, 1000))
+    ] = None
+    detector_y_um: Annotated[
+        float | None, Param("detector pitch along", unit="µm", low=0, slider=(1, 1000))
+    ] = None
+    focal_length_mm: Annotated[
+        float | None, Param("effective focal length", unit="mm", low=0, slider=(10, 1000))
+    ] = None
+    fill_x: Annotated[float | None, Param("fill factor across", low=0, high=1)] = None
+    fill_y: Annotated[float | None, Param("fill factor along", low=0, high=1)] = None
+
+    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+        """Plan the average."""
+        factors = separable(
+            aperture_mtf,
+            x={"effective_ifov_mrad": self.ifov_x_mrad(context)},
+            y={"effective_ifov_mrad": self.ifov_y_mrad(context)},
+            label=self.title,
+            node=here.node,
+        )
+        return self.mtf_outputs(magnitude, *factors)
+
+    @readout("mrad")
+    def ifov_x_mrad(self, context: Context) -> float:
+        """Instantaneous field of view across, with the fill factor."""
+        return self._ifov("x", context)
+
+    @readout("mrad")
+    def ifov_y_mrad(self, context: Context) -> float:
+        """Instantaneous field of view along, with the fill factor."""
+        return self._ifov("y", context)
+
+    @readout("cyc/mrad")
+    def first_zero_x(self, context: Context) -> float:
+        """First zero of the MTF across."""
+        return first_zero_cyc_per_mrad(effective_ifov_mrad=self._ifov("x", context))
+
+    @readout("cyc/mrad")
+    def first_zero_y(self, context: Context) -> float:
+        """First zero of the MTF along."""
+        return first_zero_cyc_per_mrad(effective_ifov_mrad=self._ifov("y", context))
+
+    def _ifov(self, axis: str, context: Context) -> float:
+        pitch, fill = f"detector_{axis}_um", f"fill_{axis}"
+        return ifov_mrad(
+            pitch_um=given(pitch, getattr(self, pitch), context, unit="µm"),
+            focal_length_mm=given("focal_length_mm", self.focal_length_mm, context, unit="mm"),
+            fill=given(fill, getattr(self, fill), context, unit=""),
+        )

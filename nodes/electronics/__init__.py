@@ -1,0 +1,1 @@
+"""Modules of detector noise, electronics and quantization."""

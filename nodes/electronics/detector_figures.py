@@ -1,0 +1,132 @@
+"""Figures of a detector and its amplifier, from the mean of what they see."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.data import TableData, TableRow
+from core.errors import DataError, ParameterError
+from core.physics.detectivity import band_d_star, cold_shield_half_angle_deg
+from core.physics.materials import find_material
+from core.physics.noise_equivalent import (
+    amplifier_noise_radiance,
+    g_number,
+    nep_W,
+    ner_W_m2_sr,
+    netd_K,
+    system_netd_K,
+)
+from core.physics.planck import brightness_temperature
+from core.work import Work
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Detector:
+    """What the figures need to know; the cone of a cold shield is matched to the optics."""
+
+    cut_on_um: float
+    cut_off_um: float
+    region: str
+    material: str
+    d_star: float | None
+    f_number: float
+    optics_transmission: float
+    filter_transmission: float
+    area_cm2: float
+    bandwidth_Hz: float
+    background_K: float | None
+    amplifier_snr: float | None
+    snr_reference: str
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Mean and extremes of a picture."""
+
+    mean: float
+    low: float
+    high: float
+
+
+def statistics(work: Work, image: Array) -> Statistics:
+    """Mean (in double) and extremes."""
+    return Statistics(
+        float(np.mean(image, dtype=np.float64)), float(np.min(image)), float(np.max(image))
+    )
+
+
+def figures(work: Work, seen: Statistics, *, detector: Detector) -> TableData:
+    """All read-outs of noise, in the order of the panel."""
+    band = {"cut_on_um": detector.cut_on_um, "cut_off_um": detector.cut_off_um}
+    background = detector.background_K
+    if background is None:
+        if seen.mean <= 0:
+            raise DataError(
+                f"the image's mean {seen.mean:.6g} is no radiance of a background: "
+                "give background_K"
+            )
+        background = float(brightness_temperature(radiance=seen.mean, **band))
+    d_star = detector.d_star or _band_d_star(detector, background)
+    throughput = g_number(
+        f_number=detector.f_number,
+        filter_transmission=detector.filter_transmission,
+        optics_transmission=detector.optics_transmission,
+    )
+    nep = nep_W(area_cm2=detector.area_cm2, bandwidth_Hz=detector.bandwidth_Hz, d_star=d_star)
+    ner = ner_W_m2_sr(nep_W=nep, area_cm2=detector.area_cm2, g_number=throughput)
+    sigma = amplifier_sigma(seen, snr=detector.amplifier_snr, reference=detector.snr_reference)
+    netd_detector = netd_K(noise_radiance=ner, background_K=background, **band)
+    netd_amplifier = netd_K(noise_radiance=sigma, background_K=background, **band)
+    noise = float(np.hypot(ner, sigma))
+    rows = (
+        ("background_K", background, "K", "background that weights D* and gives dL/dT"),
+        ("bandwidth_Hz", detector.bandwidth_Hz, "Hz", "noise bandwidth"),
+        ("g_number", throughput, "1/sr", "optical throughput"),
+        ("d_star", d_star, "cm √Hz/W", "specific detectivity of the band"),
+        ("nep_W", nep, "W", "noise equivalent power"),
+        ("ner", ner, "W/m²/sr", "noise equivalent radiance of the detector"),
+        ("amplifier_noise", sigma, "W/m²/sr", "rms noise of the amplifier"),
+        ("netd_detector_K", netd_detector, "K", "NETD of the detector"),
+        ("netd_amplifier_K", netd_amplifier, "K", "NETD of the amplifier"),
+        (
+            "netd_system_K",
+            system_netd_K(amplifier_netd_K=netd_amplifier, detector_netd_K=netd_detector),
+            "K",
+            "NETD of detector and amplifier together",
+        ),
+        ("snr", seen.mean / noise, "", "mean over rms noise of detector and amplifier"),
+    )
+    return TableData(tuple(TableRow(*row) for row in rows))
+
+
+def amplifier_sigma(seen: Statistics, *, snr: float | None, reference: str) -> float:
+    """Rms noise of the amplifier: the reference over its SNR; none without an SNR."""
+    if snr is None:
+        return 0.0
+    level = abs(seen.mean) if reference == "mean" else seen.high - seen.low
+    return float(amplifier_noise_radiance(reference_radiance=level, snr=snr))
+
+
+def _band_d_star(detector: Detector, background_K: float) -> float:
+    if detector.material == "manual":
+        raise ParameterError("d_star", None, "the material `manual` needs it", unit="cm √Hz/W")
+    found = band_d_star(
+        material=find_material(region=detector.region, material=detector.material),
+        cut_on_um=detector.cut_on_um,
+        cut_off_um=detector.cut_off_um,
+        background_K=background_K,
+        half_angle_deg=cold_shield_half_angle_deg(f_number=detector.f_number),
+    )
+    if found <= 0:
+        raise ParameterError(
+            "material",
+            detector.material,
+            f"it does not respond between {detector.cut_on_um:g} and {detector.cut_off_um:g} µm",
+        )
+    return float(found)

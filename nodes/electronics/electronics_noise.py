@@ -1,0 +1,306 @@
+"""Electronics & Noise: what detectors, amplifier and quantizer do to the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Literal, NamedTuple
+
+from core.declaration import Here, Module, readout
+from core.errors import ParameterError
+from core.factors import Separable
+from core.parameters import Param
+from core.physics.electronics import (
+    dwell_time_s,
+    lowpass_mtf,
+    lowpass_ptf,
+    mirror_scan_velocity_mrad_per_s,
+    noise_bandwidth_hz,
+)
+from core.physics.noise_equivalent import detector_area_cm2
+from core.physics.post_filter import corner_in_cyc_per_mrad, post_filter_mtf, post_filter_ptf
+from core.recipes import Recipe, Step
+from core.values import Context, Image, Table, Transfer
+from nodes.electronics import noise_steps as steps
+from nodes.electronics.detector_figures import Detector, figures, statistics
+from nodes.given import given
+from nodes.laws import separable
+from nodes.noise_seed import SeededModule
+
+
+class ElectronicsOutputs(NamedTuple):
+    """The sensor's picture, its noises, the filters and the figures."""
+
+    image: Image
+    noise: Image
+    detector_noise: Image
+    quantization_error: Image
+    mtf: Transfer
+    ptf: Transfer
+    table: Table
+
+
+def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
+    """A read-out that is one figure of the table."""
+
+    def method(self: Module, outputs: ElectronicsOutputs) -> Step:
+        return Step.of(steps.pick, outputs.table.recipe, name=name)
+
+    method.__doc__ = meaning
+    return readout(unit, name=name)(method)
+
+
+class ElectronicsNoise(
+    SeededModule, key="electronics_noise", title="Electronics & Noise", group="Electronics"
+):
+    """Read the picture out: gain and bias, detector noise, pre-amplifier, amplifier noise, bits.
+
+    In this order: gain and bias errors of each detector; detector noise of rms NER; the
+    pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise of rms
+    reference/SNR; a post filter; quantization. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and
+    4.10. Erratum: eq. 4.59 as printed scales the picture by the gain error (`literal`).
+    """
+
+    cut_on_um: Annotated[
+        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
+    ] = None
+    cut_off_um: Annotated[
+        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
+    ] = None
+    region: Annotated[Literal["VIS", "MWIR", "LWIR"], Param("wavelength region")] = "VIS"
+    material: Annotated[
+        Literal["HgCdTe", "InSb", "PtSi", "Si", "Si:Ga", "Si:As", "manual"],
+        Param("detector material, for D*"),
+    ] = "HgCdTe"
+    d_star: Annotated[
+        float | None,
+        Param("D* typed in, in place of the material's", unit="cm √Hz/W", low=0),
+    ] = None
+    optics_transmission: Annotated[
+        float, Param("transmission of the optics", low=0, high=1, above=True)
+    ] = 1.0
+    filter_transmission: Annotated[
+        float, Param("transmission of the filter", low=0, high=1, above=True)
+    ] = 1.0
+    scan_mirror_rate_Hz: Annotated[
+        float | None,
+        Param("turns of the scan mirror; empty: scan velocity of Init & Trans", unit="Hz", low=0),
+    ] = None
+    time_constant_s: Annotated[
+        float | None, Param("detector time constant; empty: the dwell time", unit="s", low=0)
+    ] = None
+    bandwidth_Hz: Annotated[
+        float | None, Param("noise bandwidth; empty: 1/(2τ)", unit="Hz", low=0)
+    ] = None
+    amplifier_snr: Annotated[
+        float | None, Param("SNR of the amplifier; empty: no amplifier noise", low=0)
+    ] = None
+    snr_reference: Annotated[
+        Literal["mean", "contrast"], Param("what the SNR refers to: mean, or max − min")
+    ] = "mean"
+    gain_percent: Annotated[float, Param("spread of gain", unit="%", low=0, slider=(0, 10))] = 0.0
+    bias_percent: Annotated[
+        float, Param("spread of bias, of the mean", unit="%", low=0, slider=(0, 10))
+    ] = 0.0
+    gain_model: Annotated[
+        Literal["per_pixel", "published", "literal"],
+        Param("gain scales each pixel, adds a share of the mean, or eq. 4.59 as printed"),
+    ] = "per_pixel"
+    noise_variability_percent: Annotated[
+        float, Param("spread of the noise among detectors", unit="%", low=0, slider=(0, 100))
+    ] = 0.0
+    use_mtf: Annotated[bool, Param("apply the pre-amplifier's MTF and PTF")] = False
+    post_filter: Annotated[
+        Literal["none", "lowpass", "highpass", "boost"], Param("filter after the amplifier")
+    ] = "none"
+    post_corner_Hz: Annotated[
+        float | None, Param("corner, or boost frequency, of the post filter", unit="Hz", low=0)
+    ] = None
+    post_poles: Annotated[int, Param("poles of the post filter", low=1, high=100)] = 1
+    post_gain: Annotated[float, Param("gain of the boost", low=1, high=1e6)] = 2.0
+    bits: Annotated[
+        Literal[0, 4, 6, 8, 12, 16, 24, 32, 64], Param("bits per pixel, 0 for none", unit="bit")
+    ] = 0
+    range_low: Annotated[
+        float | None,
+        Param("lowest level; empty: the picture's least", unit="W/m²/sr", zero_is_empty=False),
+    ] = None
+    range_high: Annotated[
+        float | None,
+        Param("highest level; empty: the picture's greatest", unit="W/m²/sr", zero_is_empty=False),
+    ] = None
+    background_K: Annotated[
+        float | None,
+        Param("background; empty: brightness temperature of the mean", unit="K", low=0),
+    ] = None
+
+    def check(self) -> None:
+        """Refuse an empty range of quantization; two zeros mean automatic."""
+        low, high = self._range()
+        if low is not None and high is not None and low >= high:
+            raise ParameterError("range_high", high, f"above range_low = {low:g}", unit="W/m²/sr")
+
+    def run(self, image: Image, context: Context, here: Here) -> ElectronicsOutputs:
+        """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
+        node = here.node
+        seen = Step.of(statistics, image.recipe, node=node)
+        table = Step.of(figures, seen, node=node, detector=self._detector(context))
+        plan = steps.NoisePlan(image, context.platform, node, lambda name: self.stream(here, name))
+        filters = self._pre_amplifier(image, context)
+        post = self._post_filter(context)
+
+        gained = plan.gain_and_bias(
+            image.recipe, seen, self.gain_percent, self.bias_percent, self.gain_model
+        )
+        field = plan.detector_noise(table, self.noise_variability_percent)
+        detected = plan.sum(gained, field)
+        filtered = plan.filter(detected, filters, context.edges)
+        amplified = filtered
+        if self.amplifier_snr is not None:
+            amplified = plan.amplifier_noise(filtered, table)
+        shaped = plan.filter(amplified, post, context.edges)
+        clean = plan.filter(plan.filter(image.recipe, filters, context.edges), post, context.edges)
+        final = self._quantized(shaped, node)
+
+        grid, all_filters = image.grid(), (*filters, *post)
+        parts = {p: tuple(f for f in all_filters if f.part == p) for p in ("mtf", "ptf")}
+        return ElectronicsOutputs(
+            image=image.with_recipe(final),
+            noise=image.with_recipe(plan.difference(shaped, clean)),
+            detector_noise=image.with_recipe(field),
+            quantization_error=image.with_recipe(plan.difference(final, shaped)),
+            mtf=Transfer(grid, "mtf", parts["mtf"], label=self.title),
+            ptf=Transfer(grid, "ptf", parts["ptf"], label=self.title),
+            table=Table(Step.of(steps.with_quantization, table, final, shaped, node=node)),
+        )
+
+    def scan_velocity(self, context: Context) -> float:
+        """Velocity of the scan, mrad/s; 0 where nothing scans."""
+        if self.scan_mirror_rate_Hz is not None:
+            return mirror_scan_velocity_mrad_per_s(scan_mirror_rate_Hz=self.scan_mirror_rate_Hz)
+        return context.scan_velocity_mrad_per_s
+
+    def _tau(self, context: Context) -> float | None:
+        if self.time_constant_s is not None:
+            return self.time_constant_s
+        velocity = self.scan_velocity(context)
+        if velocity == 0:
+            return None
+        return dwell_time_s(
+            interval_mrad=context.grid.interval_x_mrad, scan_velocity_mrad_per_s=velocity
+        )
+
+    def _bandwidth(self, context: Context) -> float:
+        if self.bandwidth_Hz is not None:
+            return self.bandwidth_Hz
+        tau = self._tau(context)
+        if tau is None:
+            raise ParameterError(
+                "bandwidth_Hz",
+                None,
+                "give it, or time_constant_s, or scan_mirror_rate_Hz, or the scan velocity on "
+                "Init & Trans",
+                unit="Hz",
+            )
+        return noise_bandwidth_hz(time_constant_s=tau)
+
+    def _band(self, context: Context) -> tuple[float, float]:
+        band = context.band_um or (None, None)
+        found = []
+        for name, own, of_image in zip(
+            ("cut_on_um", "cut_off_um"), (self.cut_on_um, self.cut_off_um), band, strict=True
+        ):
+            value = own if own is not None else of_image
+            if value is None:
+                raise ParameterError(
+                    name, None, "the image does not say its band: give it here", unit="µm"
+                )
+            found.append(value)
+        if found[0] >= found[1]:
+            raise ParameterError("cut_off_um", found[1], f"above {found[0]:g}", unit="µm")
+        return found[0], found[1]
+
+    def _detector(self, context: Context) -> Detector:
+        cut_on, cut_off = self._band(context)
+        return Detector(
+            cut_on_um=cut_on,
+            cut_off_um=cut_off,
+            region=self.region,
+            material=self.material,
+            d_star=self.d_star,
+            f_number=given("f_number", None, context, unit=""),
+            optics_transmission=self.optics_transmission,
+            filter_transmission=self.filter_transmission,
+            area_cm2=detector_area_cm2(
+                pitch_x_um=given("detector_x_um", None, context, unit="µm"),
+                pitch_y_um=given("detector_y_um", None, context, unit="µm"),
+                fill_x=context.fill_x,
+                fill_y=context.fill_y,
+            ),
+            bandwidth_Hz=self._bandwidth(context),
+            background_K=self.background_K,
+            amplifier_snr=self.amplifier_snr,
+            snr_reference=self.snr_reference,
+        )
+
+    def _pre_amplifier(self, image: Image, context: Context) -> tuple[Separable, ...]:
+        if not self.use_mtf:
+            return ()
+        tau, velocity = self._tau(context), self.scan_velocity(context)
+        if tau is None or velocity == 0:
+            raise ParameterError(
+                "use_mtf",
+                True,
+                "the pre-amplifier's MTF needs scan_mirror_rate_Hz or a scan velocity",
+            )
+        law = {"scan_velocity_mrad_per_s": velocity, "time_constant_s": tau}
+        return (
+            *separable(lowpass_mtf, x=law, label="Pre-amplifier"),
+            *separable(lowpass_ptf, x=law, part="ptf", label="Pre-amplifier"),
+        )
+
+    def _post_filter(self, context: Context) -> tuple[Separable, ...]:
+        if self.post_filter == "none":
+            return ()
+        velocity = self.scan_velocity(context)
+        if self.post_corner_Hz is None or velocity == 0:
+            raise ParameterError(
+                "post_corner_Hz",
+                self.post_corner_Hz,
+                "a post filter needs its corner, and a scan rate or velocity",
+                unit="Hz",
+            )
+        law = {
+            "kind": self.post_filter,
+            "corner_cyc_per_mrad": corner_in_cyc_per_mrad(
+                corner_Hz=self.post_corner_Hz, scan_velocity_mrad_per_s=velocity
+            ),
+            "poles": self.post_poles,
+        }
+        gain = {"max_gain": self.post_gain}
+        return (
+            *separable(post_filter_mtf, x={**law, **gain}, label="Post filter"),
+            *separable(post_filter_ptf, x=law, part="ptf", label="Post filter"),
+        )
+
+    def _range(self) -> tuple[float | None, float | None]:
+        if not self.range_low and not self.range_high:
+            return None, None
+        return self.range_low, self.range_high
+
+    def _quantized(self, picture: Recipe, node: str) -> Recipe:
+        if self.bits == 0:
+            return picture
+        low, high = self._range()
+        return Step.of(steps.quantized, picture, node=node, bits=self.bits, low=low, high=high)
+
+    bandwidth_figure = _figure("bandwidth_Hz", "Hz", "Noise bandwidth.")
+    g_number = _figure("g_number", "1/sr", "Optical throughput number G#.")
+    d_star_figure = _figure("d_star", "cm √Hz/W", "Specific detectivity of the band.")
+    nep_W = _figure("nep_W", "W", "Noise equivalent power of a detector.")
+    ner = _figure("ner", "W/m²/sr", "Noise equivalent radiance: rms of the detector noise.")
+    netd_detector_K = _figure("netd_detector_K", "K", "NETD of the detector.")
+    netd_amplifier_K = _figure("netd_amplifier_K", "K", "NETD of the amplifier.")
+    netd_system_K = _figure("netd_system_K", "K", "NETD of detector and amplifier together.")
+    snr = _figure("snr", "", "Mean over rms noise of detector and amplifier.")
+    quantization_rms = _figure("quantization_rms", "W/m²/sr", "Rms error of the quantizer.")
+    background = _figure("background_K", "K", "Background that weights D* and gives dL/dT.")

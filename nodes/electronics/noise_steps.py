@@ -1,0 +1,173 @@
+"""The stages of Electronics & Noise as recipes, and the functions that carry them out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.data import TableData, TableRow
+from core.factors import Separable
+from core.line_filter import filter_lines
+from core.physics.gain_bias import apply_gain_bias
+from core.physics.quantization import quantization_rms, quantize
+from core.recipes import Recipe, Step
+from core.streams import Stream, normal_field
+from core.values import Edges, Image, Platform
+from core.work import Work
+from nodes.electronics.detector_figures import Statistics
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class NoisePlan:
+    """Plans the stages of one node; unit deviates are values of their own.
+
+    Changing an SNR or a gain therefore draws nothing again.
+    """
+
+    image: Image
+    platform: Platform
+    node: str
+    stream: Callable[[str], Stream]
+
+    def gain_and_bias(
+        self, picture: Recipe, seen: Recipe, gain_percent: float, bias_percent: float, model: str
+    ) -> Recipe:
+        """Gain and bias errors of each detector, constant along the direction of collection."""
+        if gain_percent == 0 and bias_percent == 0 and model != "literal":
+            return picture
+        return Step.of(
+            _gain_and_bias,
+            picture,
+            seen,
+            self._pattern("gain"),
+            self._pattern("bias"),
+            node=self.node,
+            gain_percent=gain_percent,
+            bias_percent=bias_percent,
+            model=model,
+        )
+
+    def detector_noise(self, table: Recipe, variability_percent: float) -> Recipe:
+        """Noise of rms NER, its rms varied from detector to detector."""
+        inputs = [table, self._deviates("detector", self.image.shape)]
+        if variability_percent:
+            inputs.append(self._pattern("variability"))
+        return Step.of(
+            _detector_noise, *inputs, node=self.node, variability_percent=variability_percent
+        )
+
+    def amplifier_noise(self, picture: Recipe, table: Recipe) -> Recipe:
+        """The picture with the amplifier's noise."""
+        deviates = self._deviates("amplifier", self.image.shape)
+        return Step.of(_amplifier_noise, picture, table, deviates, node=self.node)
+
+    def filter(self, picture: Recipe, factors: tuple[Separable, ...], edges: Edges) -> Recipe:
+        """The picture filtered along its lines."""
+        if not factors:
+            return picture
+        grid = self.image.grid()
+        plain = tuple(replace(f, label="", node=None) for f in factors)
+        return Step.of(_filtered, picture, node=self.node, factors=plain, grid=grid, edges=edges)
+
+    def sum(self, picture: Recipe, noise: Recipe) -> Recipe:
+        """Picture plus noise."""
+        return Step.of(_sum, picture, noise, node=self.node)
+
+    def difference(self, picture: Recipe, other: Recipe) -> Recipe:
+        """Picture less another."""
+        return Step.of(_difference, picture, other, node=self.node)
+
+    def _pattern(self, name: str) -> Recipe:
+        rows, columns = self.image.shape
+        shapes = {"line": (1, 1), "push": (1, columns), "array": (rows, columns)}
+        return self._deviates(name, shapes[self.platform])
+
+    def _deviates(self, name: str, shape: tuple[int, int]) -> Recipe:
+        return Step.of(unit_deviates, node=self.node, stream=self.stream(name), shape=shape)
+
+
+def unit_deviates(work: Work, *, stream: Stream, shape: tuple[int, int]) -> Array:
+    """Standard normal deviates."""
+    policy = work.policy
+    return normal_field(stream, shape, dtype=policy.dtype, threads=policy.workers, check=work.check)
+
+
+def quantized(
+    work: Work, picture: Array, *, bits: int, low: float | None, high: float | None
+) -> Array:
+    """Nearest of 2^bits levels over the range, by default the picture's own."""
+    lowest = float(picture.min()) if low is None else low
+    highest = float(picture.max()) if high is None else high
+    return quantize(picture, bits=bits, low=lowest, high=max(lowest, highest))
+
+
+def with_quantization(work: Work, table: TableData, final: Array, before: Array) -> TableData:
+    """The figures with the rms error of the quantizer."""
+    rms = 0.0 if final is before else quantization_rms(original=before, quantized=final)
+    row = TableRow("quantization_rms", rms, "W/m²/sr", "rms error of the quantizer")
+    return TableData((*table.rows, row))
+
+
+def pick(work: Work, table: TableData, *, name: str) -> Any:
+    """One figure of a table."""
+    return table.as_dict()[name]
+
+
+def _gain_and_bias(
+    work: Work,
+    picture: Array,
+    seen: Statistics,
+    gain_pattern: Array,
+    bias_pattern: Array,
+    *,
+    gain_percent: float,
+    bias_percent: float,
+    model: Any,
+) -> Array:
+    return apply_gain_bias(
+        picture,
+        gain_pattern=gain_pattern,
+        bias_pattern=bias_pattern,
+        gain_percent=gain_percent,
+        bias_percent=bias_percent,
+        mean_radiance=seen.mean,
+        model=model,
+    )
+
+
+def _detector_noise(
+    work: Work,
+    table: TableData,
+    deviates: Array,
+    pattern: Array | None = None,
+    *,
+    variability_percent: float,
+) -> Array:
+    sigma: Any = table.as_dict()["ner"]
+    if pattern is not None:
+        # A spread wide enough to turn a deviation negative is still a spread: take its size.
+        sigma = np.abs(sigma * (1.0 + variability_percent / 100.0 * pattern))
+    return np.asarray(deviates * np.asarray(sigma, deviates.dtype))
+
+
+def _amplifier_noise(work: Work, picture: Array, table: TableData, deviates: Array) -> Array:
+    sigma: Any = table.as_dict()["amplifier_noise"]
+    return np.asarray(picture + deviates * deviates.dtype.type(sigma))
+
+
+def _filtered(work: Work, picture: Array, **how: Any) -> Array:
+    return filter_lines(work, picture, **how)
+
+
+def _sum(work: Work, picture: Array, noise: Array) -> Array:
+    return np.asarray(picture + noise)
+
+
+def _difference(work: Work, picture: Array, other: Array) -> Array:
+    return np.asarray(picture - other)

@@ -1,0 +1,1 @@
+"""Modules that read, draw, look at and write images."""

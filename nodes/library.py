@@ -1,0 +1,53 @@
+"""The explicit list of modules, in the order the library shows them."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from core.declaration import Module
+from core.library import Library, library_of
+from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
+from nodes.detector.charge_eff_mtf import ChargeEffMTF
+from nodes.detector.charge_eff_phase import ChargeEffPhase
+from nodes.detector.detector_mtf import DetectorMTF
+from nodes.electronics.electronics_noise import ElectronicsNoise
+from nodes.input_output.test_scene import TestScene
+from nodes.motion.alongtrack_mtf import AlongtrackMTF
+from nodes.motion.crosstrack_mtf import CrosstrackMTF
+from nodes.motion.jitter_mtf import JitterMTF
+from nodes.motion.relative_motion_mtf import RelativeMotionMTF
+from nodes.motion.vibration_mtf import VibrationMTF
+from nodes.optics.exit_pupil import ExitPupil
+from nodes.optics.exit_pupil_mtf import ExitPupilMTF
+from nodes.optics.gaussian_mtf import GaussianMTF
+from nodes.optics.poisson_noise import PoissonNoise
+from nodes.transform.back_transform import BackTransform
+from nodes.transform.combine_pixels import CombinePixels
+from nodes.transform.init_trans import InitTrans
+
+MODULES: tuple[type[Module], ...] = (
+    TestScene,
+    InitTrans,
+    BackTransform,
+    CombinePixels,
+    AtmosphereMTF,
+    ExitPupil,
+    ExitPupilMTF,
+    GaussianMTF,
+    PoissonNoise,
+    CrosstrackMTF,
+    AlongtrackMTF,
+    RelativeMotionMTF,
+    JitterMTF,
+    VibrationMTF,
+    DetectorMTF,
+    ChargeEffMTF,
+    ChargeEffPhase,
+    ElectronicsNoise,
+)
+
+
+@cache
+def standard_library() -> Library:
+    """Every module by its key."""
+    return library_of(MODULES)

@@ -1,0 +1,1 @@
+"""Modules of motion within an exposure."""

@@ -1,0 +1,51 @@
+"""Alongtrack MTF: smear by the platform's forward motion."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from core.declaration import Here, readout
+from core.parameters import Param
+from core.physics.motion import blur_mrad, motion_mtf
+from core.values import Context, Magnitude
+from nodes.given import given
+from nodes.laws import separable
+from nodes.ports import MtfModule, MtfOutputs
+
+
+class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", group="Motion"):
+    """Smear along track by the platform's forward motion while a sample is collected.
+
+    sinc(b·eta), b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28. Erratum: the
+    width 134 of eq. 4.28 is in cycles/rad.
+    """
+
+    velocity_m_per_s: Annotated[
+        float | None, Param("velocity of the platform; empty: of Init & Trans", unit="m/s")
+    ] = None
+    integration_time_s: Annotated[float, Param("integration time", unit="s", low=0)] = 0.0
+    range_m: Annotated[
+        float | None, Param("altitude or distance; empty: of Init & Trans", unit="m", low=0)
+    ] = None
+
+    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+        """Plan the smear."""
+        blur = self.blur_y_mrad(context)
+        y = {"blur_mrad": blur} if blur else None
+        return self.mtf_outputs(
+            magnitude, *separable(motion_mtf, y=y, label=self.title, node=here.node)
+        )
+
+    @readout("mrad")
+    def blur_y_mrad(self, context: Context) -> float:
+        """Width of the smear along track."""
+        velocity = self.velocity_m_per_s
+        if velocity is None:
+            velocity = context.velocity_m_per_s
+        if velocity == 0 or self.integration_time_s == 0:
+            return 0.0
+        return blur_mrad(
+            velocity_m_per_s=velocity,
+            time_s=self.integration_time_s,
+            range_m=given("range_m", self.range_m, context, unit="m"),
+        )

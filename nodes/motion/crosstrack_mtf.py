@@ -1,0 +1,41 @@
+"""Crosstrack MTF: smear by the scan within one dwell time."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from core.declaration import Here, readout
+from core.parameters import Param
+from core.physics.motion import motion_mtf, scan_blur_mrad
+from core.values import Context, Magnitude
+from nodes.laws import separable
+from nodes.ports import MtfModule, MtfOutputs
+
+
+class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):
+    """Smear across by the scan within one dwell time; off until a dwell time is given.
+
+    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects it.
+    """
+
+    dwell_time_s: Annotated[float, Param("time one sample is collected", unit="s", low=0)] = 0.0
+    scan_velocity_mrad_per_s: Annotated[
+        float | None,
+        Param("velocity of the scan; empty: of Init & Trans", unit="mrad/s", low=0),
+    ] = None
+
+    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+        """Plan the smear."""
+        blur = self.blur_mrad(context)
+        x = {"blur_mrad": blur} if blur else None
+        return self.mtf_outputs(
+            magnitude, *separable(motion_mtf, x=x, label=self.title, node=here.node)
+        )
+
+    @readout("mrad")
+    def blur_mrad(self, context: Context) -> float:
+        """Width of the smear across."""
+        velocity = self.scan_velocity_mrad_per_s
+        if velocity is None:
+            velocity = context.scan_velocity_mrad_per_s
+        return scan_blur_mrad(scan_velocity_mrad_per_s=velocity, dwell_time_s=self.dwell_time_s)

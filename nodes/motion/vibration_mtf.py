@@ -1,0 +1,59 @@
+"""Vibration MTF: sinusoidal line-of-sight motion."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from core.declaration import Here, readout
+from core.parameters import Param
+from core.physics.vibration import vibration_mtf
+from core.values import Context, Magnitude
+from nodes.laws import separable
+from nodes.ports import MtfModule, MtfOutputs
+
+
+class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group="Motion"):
+    """Blur by sinusoidal vibration of the line of sight.
+
+    Whole periods give J0(2πA·xi); what remains of a period is its integral from phase 0, weighted
+    by time. Without a frequency or an integration time, many periods are taken. The two axes are
+    independent. Source: Kopeika 1998.
+    """
+
+    amplitude_x_mrad: Annotated[
+        float, Param("amplitude across", unit="mrad", low=0, slider=(0, 1))
+    ] = 0.0
+    amplitude_y_mrad: Annotated[
+        float, Param("amplitude along", unit="mrad", low=0, slider=(0, 1))
+    ] = 0.0
+    frequency_Hz: Annotated[float | None, Param("frequency of the vibration", unit="Hz", low=0)] = (
+        None
+    )
+    integration_time_s: Annotated[float | None, Param("integration time", unit="s", low=0)] = None
+
+    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+        """Plan the blur."""
+        factors = separable(
+            vibration_mtf,
+            x=self._parameters(self.amplitude_x_mrad),
+            y=self._parameters(self.amplitude_y_mrad),
+            label=self.title,
+            node=here.node,
+        )
+        return self.mtf_outputs(magnitude, *factors)
+
+    def _parameters(self, amplitude_mrad: float) -> dict[str, Any] | None:
+        if amplitude_mrad == 0:
+            return None
+        return {
+            "amplitude_mrad": amplitude_mrad,
+            "vibration_frequency_Hz": self.frequency_Hz,
+            "integration_time_s": self.integration_time_s,
+        }
+
+    @readout("periods")
+    def periods(self) -> float | None:
+        """Periods in one exposure; empty for many."""
+        if self.frequency_Hz is None or self.integration_time_s is None:
+            return None
+        return self.frequency_Hz * self.integration_time_s

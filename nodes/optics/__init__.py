@@ -1,0 +1,1 @@
+"""Modules of the optics: pupils, blur, photon noise."""

@@ -1,0 +1,127 @@
+"""Exit Pupils: apertures by geometry or from a file, with a wavefront error."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.declaration import Here, Module
+from core.errors import DataError, ParameterError
+from core.parameters import Param
+from core.physics.pupil_shapes import PupilShape, sample_pupil
+from core.recipes import Step
+from core.values import Pupil
+from core.work import Work
+
+Array = NDArray[Any]
+
+
+class PupilOutput(NamedTuple):
+    """The pupil."""
+
+    pupil: Pupil
+
+
+class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
+    """Make an exit pupil: 1 transparent, 0 opaque.
+
+    Lengths are in samples and centred; their scale is set in Exit Pupil MTF. `clear` and
+    `half_moon` (x ≥ 0) ignore the obscuration; `hinged` is a disc with an opaque bar over the full
+    height, `cassegrain_slit` the same bar on an annulus, `spider` an annulus with vanes at
+    360°/n from +x. The wavefront error is in waves at the band's mean wavelength. Source: Tantalo
+    1996, section 4.3.2.
+    """
+
+    shape: Annotated[
+        Literal["clear", "half_moon", "cassegrain", "hinged", "cassegrain_slit", "spider", "file"],
+        Param("form of the aperture"),
+    ] = "clear"
+    size_x: Annotated[int, Param("samples of the pupil array across", low=2, high=8192)] = 512
+    size_y: Annotated[int, Param("samples of the pupil array along", low=2, high=8192)] = 512
+    radius: Annotated[
+        float, Param("radius of the aperture", unit="samples", low=0, above=True, slider=(1, 256))
+    ] = 75.0
+    obscuration_radius: Annotated[
+        float, Param("radius of the central obscuration", unit="samples", low=0, slider=(0, 256))
+    ] = 25.0
+    slit_width: Annotated[
+        float, Param("width of the opaque bar", unit="samples", low=0, slider=(0, 256))
+    ] = 20.0
+    vanes: Annotated[int, Param("number of vanes", low=0, high=60)] = 3
+    vane_width: Annotated[
+        float, Param("width of a vane", unit="samples", low=0, slider=(0, 64))
+    ] = 4.0
+    path: Annotated[Path | None, Param("image of the pupil, for `file`")] = None
+    defocus_waves: Annotated[
+        float, Param("defocus W20 at the rim", unit="waves", low=-100, high=100, slider=(-2, 2))
+    ] = 0.0
+    zernike_waves: Annotated[
+        tuple[float, ...],
+        Param(
+            "Zernike coefficients from Noll's 1 (piston) on", unit="waves rms", low=-100, high=100
+        ),
+    ] = ()
+
+    def run(self, here: Here) -> PupilOutput:
+        """Plan the samples."""
+        if self.shape == "file":
+            return PupilOutput(self._from_file(here))
+        shape = PupilShape(
+            self.shape,
+            radius=self.radius,
+            obscuration_radius=self.obscuration_radius,
+            slit_width=self.slit_width,
+            vanes=self.vanes,
+            vane_width=self.vane_width,
+        )
+        extent = 2 * self.radius
+        for name, size in (("size_x", self.size_x), ("size_y", self.size_y)):
+            if extent > size:
+                raise ParameterError(
+                    name, size, f"at least the aperture's diameter {extent:g}", unit="samples"
+                )
+        samples = Step.of(
+            _sampled, node=here.node, shape=shape, rows=self.size_y, columns=self.size_x
+        )
+        return PupilOutput(self._pupil(samples, self.size_y, self.size_x, shape))
+
+    def _from_file(self, here: Here) -> Pupil:
+        from nodes.files.read import read_info
+
+        if self.path is None:
+            raise ParameterError("path", None, "the shape `file` needs the image of a pupil")
+        path = here.folder / self.path
+        info = read_info(path)
+        found = path.stat()
+        samples = Step.of(
+            _loaded, node=here.node, path=path, stamp=(found.st_size, found.st_mtime_ns)
+        )
+        return self._pupil(samples, info.rows, info.columns, None)
+
+    def _pupil(self, samples: Step, rows: int, columns: int, shape: PupilShape | None) -> Pupil:
+        return Pupil(
+            samples,
+            rows,
+            columns,
+            shape,
+            self.radius,
+            self.defocus_waves,
+            self.zernike_waves if any(self.zernike_waves) else (),
+        )
+
+
+def _sampled(work: Work, *, shape: PupilShape, rows: int, columns: int) -> Array:
+    return sample_pupil(shape, rows=rows, columns=columns)
+
+
+def _loaded(work: Work, *, path: Path, stamp: object) -> Array:
+    from nodes.files.read import check_finite, read_pixels
+
+    samples = np.asarray(read_pixels(path, 0), np.float64)
+    check_finite(samples, path.name)
+    if samples.min() < 0 or not samples.any():
+        raise DataError(f"{path.name}: a pupil needs transmissions of 0 and above, and not 0 alone")
+    return np.asarray(samples / samples.max())

@@ -1,0 +1,201 @@
+"""Exit Pupil MTF: diffraction by the aperture."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.declaration import Here, Module, readout
+from core.errors import ParameterError
+from core.factors import Factor
+from core.parameters import Param
+from core.physics.polychromatic import band_wavelengths
+from core.probe import TransferAt
+from core.recipes import Step
+from core.values import Context, Magnitude, Phase, Pupil, Transfer
+from core.work import Work
+from nodes.optics.pupil_factor import (
+    PupilScale,
+    exact_factor,
+    raw_transfer,
+    sampled_error,
+    sampled_factors,
+)
+from nodes.ports import Apply
+
+EXACT_ERROR = 1e-12  # of the closed forms, as tested
+
+
+class PupilOutputs(NamedTuple):
+    """Both halves of the spectrum, and the OTF's modulus and phase."""
+
+    magnitude: Magnitude
+    phase: Phase
+    mtf: Transfer
+    ptf: Transfer
+
+
+class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="Optics"):
+    """Multiply by the incoherent OTF of an exit pupil: its normalised autocorrelation.
+
+    Geometric shapes are exact, for one wavelength or a band; files and wavefront errors are
+    autocorrelated from their samples. Interpolation `none` shows the raw autocorrelation at the
+    pupil's own frequency intervals and multiplies nothing. Sizes are those of the whole pupil
+    array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ; the 12.8 of
+    eq. 4.21 is the array's half width over λ.
+    """
+
+    cut_on_um: Annotated[
+        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
+    ] = None
+    cut_off_um: Annotated[
+        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
+    ] = None
+    size_x_cm: Annotated[
+        float, Param("width of the whole pupil array", unit="cm", low=0, above=True)
+    ] = 25.6
+    size_y_cm: Annotated[
+        float, Param("height of the whole pupil array", unit="cm", low=0, above=True)
+    ] = 25.6
+    method: Annotated[
+        Literal["exact", "autocorrelation"],
+        Param("closed form where there is one, or always the sampled pupil"),
+    ] = "exact"
+    interpolation: Annotated[
+        Literal["none", "linear", "bilinear"], Param("from the sampled pupil's lags to the image's")
+    ] = "bilinear"
+    wavelengths: Annotated[
+        int, Param("wavelengths over the band; 1 is the band's mean", low=1, high=256)
+    ] = 1
+    apply: Apply = "multiply"
+
+    def run(
+        self,
+        context: Context,
+        magnitude: Magnitude,
+        pupil: Pupil,
+        here: Here,
+        phase: Phase | None = None,
+    ) -> PupilOutputs:
+        """Plan the OTF."""
+        scale = self._scale(context, pupil)
+        if phase is None:
+            phase = Phase(None, magnitude.grid, magnitude.edges)
+        label, node = self.title, here.node
+        grid = magnitude.grid
+        if self.interpolation == "none":
+            raw = [
+                Transfer(grid, part, label=label, own=raw_transfer(pupil, scale, part, node))
+                for part in ("mtf", "ptf")
+            ]
+            return PupilOutputs(magnitude, phase, raw[0], raw[1])
+        shift: Factor | None = None
+        blur: Factor | None = None
+        if self.method == "exact":
+            blur = exact_factor(pupil, scale, label, node)
+        if blur is None:
+            blur, shift = sampled_factors(pupil, scale, self.interpolation, label, node)
+        shifts = () if shift is None else (shift,)
+        mtf = Transfer(grid, "mtf", (blur,), label=label)
+        ptf = Transfer(grid, "ptf", shifts, label=label)
+        if self.apply == "filter_only":
+            return PupilOutputs(magnitude.only(blur), phase.only(*shifts), mtf, ptf)
+        return PupilOutputs(magnitude.times(blur), phase.plus(*shifts), mtf, ptf)
+
+    def _scale(self, context: Context, pupil: Pupil) -> PupilScale:
+        cut_on, cut_off = self._band(context)
+        wavelengths, weights = band_wavelengths(
+            cut_on_um=cut_on, cut_off_um=cut_off, count=self.wavelengths
+        )
+        return PupilScale(
+            10 * self.size_x_cm / pupil.columns,
+            10 * self.size_y_cm / pupil.rows,
+            tuple(map(float, wavelengths)),
+            tuple(map(float, weights)),
+        )
+
+    def _band(self, context: Context) -> tuple[float, float]:
+        band = context.band_um or (None, None)
+        cut_on = self.cut_on_um if self.cut_on_um is not None else band[0]
+        cut_off = self.cut_off_um if self.cut_off_um is not None else band[1]
+        for name, value in (("cut_on_um", cut_on), ("cut_off_um", cut_off)):
+            if value is None:
+                raise ParameterError(
+                    name, None, "the image does not say its band: give it here", unit="µm"
+                )
+        assert cut_on is not None
+        assert cut_off is not None
+        if cut_on > cut_off:
+            raise ParameterError(
+                "cut_off_um", cut_off, f"at least cut_on_um = {cut_on:g}", unit="µm"
+            )
+        return cut_on, cut_off
+
+    @readout("cyc/mrad")
+    def pupil_interval_x(self, context: Context, pupil: Pupil) -> float:
+        """Frequency interval across that belongs to one pupil sample."""
+        scale = self._scale(context, pupil)
+        return scale.pitch_x_mm / scale.mean_um
+
+    @readout("cyc/mrad")
+    def pupil_interval_y(self, context: Context, pupil: Pupil) -> float:
+        """Frequency interval along that belongs to one pupil sample."""
+        scale = self._scale(context, pupil)
+        return scale.pitch_y_mm / scale.mean_um
+
+    @readout("cyc/mrad")
+    def image_interval_x(self, context: Context) -> float:
+        """Frequency interval of the image across."""
+        return context.grid.frequency_interval_x
+
+    @readout("cyc/mrad")
+    def image_interval_y(self, context: Context) -> float:
+        """Frequency interval of the image along."""
+        return context.grid.frequency_interval_y
+
+    @readout("cyc/mrad")
+    def cutoff_x(self, context: Context, pupil: Pupil) -> Step | float:
+        """Cutoff across: width of the aperture over the mean wavelength."""
+        return _cutoff(pupil, 1, self.pupil_interval_x(context, pupil))
+
+    @readout("cyc/mrad")
+    def cutoff_y(self, context: Context, pupil: Pupil) -> Step | float:
+        """Cutoff along: height of the aperture over the mean wavelength."""
+        return _cutoff(pupil, 0, self.pupil_interval_y(context, pupil))
+
+    @readout()
+    def estimated_error(self, context: Context, pupil: Pupil) -> Step | float:
+        """Estimate that covers the OTF's error."""
+        scale = self._scale(context, pupil)
+        if self.method == "exact" and exact_factor(pupil, scale, "", "") is not None:
+            return EXACT_ERROR
+        return sampled_error(pupil, scale, self.title)
+
+    @readout()
+    def mtf_at_nyquist_x(self, outputs: PupilOutputs) -> TransferAt | None:
+        """MTF at the image's Nyquist frequency across."""
+        if outputs.mtf.own is not None:
+            return None
+        return TransferAt(outputs.mtf, outputs.mtf.grid.nyquist_x, 0.0)
+
+    @readout()
+    def mtf_at_nyquist_y(self, outputs: PupilOutputs) -> TransferAt | None:
+        """MTF at the image's Nyquist frequency along."""
+        if outputs.mtf.own is not None:
+            return None
+        return TransferAt(outputs.mtf, 0.0, outputs.mtf.grid.nyquist_y)
+
+
+def _cutoff(pupil: Pupil, axis: int, interval: float) -> Step | float:
+    if pupil.shape is None:
+        return Step.of(_lit_extent, pupil.samples, axis=axis, interval=interval)
+    half = axis == 1 and pupil.shape.shape == "half_moon"
+    return interval * pupil.shape.radius * (1 if half else 2)
+
+
+def _lit_extent(work: Work, samples: NDArray[np.float64], *, axis: int, interval: float) -> float:
+    """From the first to the last transparent sample."""
+    lit = np.flatnonzero(samples.any(axis=1 - axis))
+    return float(lit[-1] - lit[0] + 1) * interval

@@ -1,0 +1,120 @@
+"""Poisson Noise: photon noise of the scene."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.declaration import Here
+from core.errors import ParameterError
+from core.factors import Law, Separable
+from core.grid import Grid
+from core.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
+from core.parameters import Param
+from core.physics.gaussian import gaussian_mtf
+from core.physics.poisson_noise import photon_means, published_means, radiance_of_photons
+from core.product import Product
+from core.recipes import Recipe, Step
+from core.streams import Stream, poisson_field
+from core.values import Image
+from core.work import Work
+from nodes.noise_seed import SeededModule
+
+Array = NDArray[Any]
+
+
+class NoiseOutputs(NamedTuple):
+    """The noisy image and the noise that was added."""
+
+    image: Image
+    noise: Image
+
+
+class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", group="Optics"):
+    """Add the noise of photons that arrive one by one.
+
+    `published`: a percentage of the Gaussian-weighted local mean is the mean of a Poisson deviate,
+    which is added. `photon`: radiance becomes a number of photons, and a Poisson deviate takes its
+    place. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+    """
+
+    width_px: Annotated[
+        float,
+        Param("standard deviation of the local mean's weights", unit="px", low=0, slider=(0, 50)),
+    ] = 5.0
+    percent: Annotated[
+        float, Param("share of the local mean", unit="%", low=0, slider=(0, 100))
+    ] = 1.0
+    photons_per_unit: Annotated[
+        float | None, Param("photons per unit of radiance, for `photon`", low=0)
+    ] = None
+    mode: Annotated[Literal["published", "photon"], Param("add a deviate, or replace by one")] = (
+        "published"
+    )
+
+    def run(self, image: Image, here: Here) -> NoiseOutputs:
+        """Plan the noise."""
+        stream = self.stream(here, "photons")
+        if self.mode == "published":
+            if self.percent == 0:
+                noise: Recipe = Step.of(_nothing, rows=image.rows, columns=image.columns)
+                return NoiseOutputs(image, image.with_recipe(noise))
+            noise = Step.of(
+                _published,
+                self._local_mean(image, here.node),
+                node=here.node,
+                percent=self.percent,
+                stream=stream,
+            )
+            noisy = Step.of(_sum, image.recipe, noise, node=here.node)
+        else:
+            if self.photons_per_unit is None:
+                raise ParameterError("photons_per_unit", None, "the mode `photon` needs it")
+            noisy = Step.of(
+                _photons,
+                image.recipe,
+                node=here.node,
+                photons_per_unit=self.photons_per_unit,
+                stream=stream,
+            )
+            noise = Step.of(_difference, noisy, image.recipe, node=here.node)
+        return NoiseOutputs(image.with_recipe(noisy), image.with_recipe(noise))
+
+    def _local_mean(self, image: Image, node: str) -> Recipe:
+        if self.width_px == 0:
+            return image.recipe
+        spectrum = Step.of(mirrored_spectrum, image.recipe, node=node)
+        return Step.of(_smoothed, spectrum, node=node, sigma_px=self.width_px)
+
+
+def _smoothed(work: Work, spectrum: MeanFree, *, sigma_px: float) -> Array:
+    rows, columns = spectrum.values.shape
+    law = Law.of(gaussian_mtf, sigma_mrad=sigma_px)
+    return mirrored_filter(
+        work, spectrum, Product([Separable(law, law)]), Grid(rows, columns, 1.0, 1.0)
+    )
+
+
+def _published(work: Work, local_mean: Array, *, percent: float, stream: Stream) -> Array:
+    means = published_means(local_mean, percent=percent)
+    return poisson_field(means, stream, threads=work.policy.workers, check=work.check)
+
+
+def _photons(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
+    means = photon_means(image, photons_per_unit=photons_per_unit)
+    counts = poisson_field(means, stream, threads=work.policy.workers, check=work.check)
+    return radiance_of_photons(counts, photons_per_unit=photons_per_unit)
+
+
+def _sum(work: Work, image: Array, noise: Array) -> Array:
+    return np.asarray(image + noise)
+
+
+def _difference(work: Work, noisy: Array, image: Array) -> Array:
+    return np.asarray(noisy - image)
+
+
+def _nothing(work: Work, *, rows: int, columns: int) -> Array:
+    return np.zeros((rows, columns), work.policy.dtype)

@@ -1,0 +1,180 @@
+"""The transfer factors of a pupil: exact for geometry, by autocorrelation for samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.data import SampledTransfer
+from core.factors import Law, Planar
+from core.physics.pupil_otf import defocused_disc_otf, geometric_pupil_otf, sampled_pupil_otf
+from core.physics.sampled_otf import autocorrelation, complex_pupil
+from core.physics.sampling_error import error_estimate
+from core.physics.zernike import wavefront_waves
+from core.recipes import Recipe, Step
+from core.values import Pupil
+from core.work import Work
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class PupilScale:
+    """Size of a pupil sample and the wavelengths of a band with their weights."""
+
+    pitch_x_mm: float
+    pitch_y_mm: float
+    wavelengths_um: tuple[float, ...]
+    weights: tuple[float, ...]
+
+    @property
+    def mean_um(self) -> float:
+        """Mean wavelength."""
+        return sum(w * q for w, q in zip(self.wavelengths_um, self.weights, strict=True))
+
+
+def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Planar | None:
+    """The factor in closed form, or None where only samples will do."""
+    if pupil.shape is None or any(pupil.zernike_waves):
+        return None
+    if not pupil.defocus_waves:
+        law = Law.of(
+            geometric_pupil_otf,
+            shape=pupil.shape,
+            pitch_x_mm=scale.pitch_x_mm,
+            pitch_y_mm=scale.pitch_y_mm,
+            wavelengths_um=scale.wavelengths_um,
+            weights=scale.weights,
+        )
+        return Planar(law, label=label, node=node)
+    if pupil.shape.shape != "clear" or scale.pitch_x_mm != scale.pitch_y_mm:
+        return None
+    law = Law.of(
+        defocused_disc_otf,
+        diameter_mm=2 * pupil.shape.radius * scale.pitch_x_mm,
+        w20_waves=pupil.defocus_waves,
+        reference_um=scale.mean_um,
+        wavelengths_um=scale.wavelengths_um,
+        weights=scale.weights,
+    )
+    return Planar(law, radial=True, label=label, node=node)
+
+
+def sampled_factors(
+    pupil: Pupil, scale: PupilScale, interpolation: str, label: str, node: str
+) -> tuple[Planar, Planar | None]:
+    """The MTF factor, and the PTF factor where a wavefront error makes the OTF complex."""
+    real = not pupil.aberrated
+    law = Law.of(
+        sampled_pupil_otf,
+        correlations=correlations(pupil, scale, node),
+        pitch_x_mm=scale.pitch_x_mm,
+        pitch_y_mm=scale.pitch_y_mm,
+        wavelengths_um=scale.wavelengths_um,
+        weights=scale.weights,
+        interpolation=interpolation,
+        real=real,
+    )
+    if real:
+        return Planar(law, symmetric=False, label=label, node=node), None
+    return (
+        Planar(law, symmetric=False, take="modulus", label=label, node=node),
+        Planar(law, symmetric=False, take="phase", label=label, node=node),
+    )
+
+
+def correlations(pupil: Pupil, scale: PupilScale, node: str) -> Step:
+    """Recipe of the autocorrelations: one for the band, or one a wavelength with a wavefront."""
+    ratios: tuple[float, ...] = (1.0,)
+    if pupil.aberrated:
+        ratios = tuple(scale.mean_um / wavelength for wavelength in scale.wavelengths_um)
+    return Step.of(
+        _correlations,
+        pupil.samples,
+        node=node,
+        ratios=ratios,
+        radius=pupil.radius,
+        defocus_waves=pupil.defocus_waves,
+        zernike_waves=pupil.zernike_waves,
+    )
+
+
+def raw_transfer(pupil: Pupil, scale: PupilScale, part: str, node: str) -> Recipe:
+    """Recipe of the raw autocorrelation at the pupil's own frequency intervals."""
+    return Step.of(
+        _raw,
+        correlations(pupil, scale, node),
+        node=node,
+        interval_x=scale.pitch_x_mm / scale.mean_um,
+        interval_y=scale.pitch_y_mm / scale.mean_um,
+        part=part,
+        real=not pupil.aberrated,
+    )
+
+
+def sampled_error(pupil: Pupil, scale: PupilScale, node: str) -> Step:
+    """Recipe of the estimate that covers the sampled OTF's error."""
+    return Step.of(
+        _error,
+        pupil.samples,
+        node=node,
+        radius=pupil.radius,
+        defocus_waves=pupil.defocus_waves,
+        zernike_waves=pupil.zernike_waves,
+    )
+
+
+def _complex_samples(
+    samples: Array,
+    ratio: float,
+    radius: float,
+    defocus_waves: float,
+    zernike_waves: tuple[float, ...],
+) -> Array:
+    if not (defocus_waves or zernike_waves):
+        return samples
+    rows, columns = samples.shape
+    wavefront = ratio * wavefront_waves(
+        x=(np.arange(columns) - (columns - 1) / 2)[np.newaxis, :] / radius,
+        y=(np.arange(rows) - (rows - 1) / 2)[:, np.newaxis] / radius,
+        coefficients_waves=zernike_waves,
+        defocus_waves=defocus_waves,
+    )
+    return complex_pupil(transmission=samples, wavefront_waves=wavefront)
+
+
+def _correlations(
+    work: Work, samples: Array, *, ratios: tuple[float, ...], **wavefront: Any
+) -> tuple[Array, ...]:
+    found = []
+    for ratio in ratios:
+        work.check()
+        pupil = _complex_samples(samples, ratio, **wavefront)
+        found.append(autocorrelation(pupil, workers=work.policy.workers))
+    return tuple(found)
+
+
+def _raw(
+    work: Work,
+    found: tuple[Array, ...],
+    *,
+    interval_x: float,
+    interval_y: float,
+    part: str,
+    real: bool,
+) -> SampledTransfer:
+    otf = np.fft.ifftshift(found[len(found) // 2])
+    if part == "ptf":
+        values = np.zeros(otf.shape) if real else np.angle(otf)
+    else:
+        values = np.real(otf) if real else np.abs(otf)
+    return SampledTransfer(values.astype(work.policy.dtype), interval_x, interval_y)
+
+
+def _error(work: Work, samples: Array, **wavefront: Any) -> float:
+    pupil = _complex_samples(samples, 1.0, **wavefront)
+    correlation = autocorrelation(pupil, workers=work.policy.workers)
+    return float(error_estimate(pupil, correlation=correlation))

@@ -1,0 +1,1 @@
+"""Modules between an image and its spectrum, and between samplings."""

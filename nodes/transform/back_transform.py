@@ -1,0 +1,20 @@
+"""Back Transform: one inverse transform for the whole cascade."""
+
+from __future__ import annotations
+
+from core.declaration import Here, Module
+from core.delivered import back_transform
+from core.values import Magnitude, Phase
+from nodes.ports import ImageOutput
+
+
+class BackTransform(Module, key="back_transform", title="Back Transform", group="Transform"):
+    """Make the image of a magnitude and a phase.
+
+    The two may stem from different images of one size: then |A|·exp(i·∠B) is taken, periodically.
+    Source: Tantalo 1996, section 4.1.
+    """
+
+    def run(self, magnitude: Magnitude, phase: Phase, here: Here) -> ImageOutput:
+        """Plan the inverse transform."""
+        return ImageOutput(back_transform(magnitude, phase, node=here.node))

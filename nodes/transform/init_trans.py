@@ -1,0 +1,165 @@
+"""Init & Trans: the sensor's geometry, and the image's magnitude and phase."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from core.declaration import Module, readout
+from core.errors import ParameterError
+from core.grid import Grid
+from core.parameters import Param
+from core.physics.sampling import ifov_mrad, interval_mrad, oversampling
+from core.values import Context, Edges, Image, Magnitude, Phase, Platform
+
+
+class InitOutputs(NamedTuple):
+    """The data structure and the two halves of the spectrum."""
+
+    context: Context
+    magnitude: Magnitude
+    phase: Phase
+
+
+class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform"):
+    """Take the image to magnitude and phase, and tell every other module the sensor's geometry.
+
+    An empty field of view, focal length or band is taken from the image's own header.
+    Source: Tantalo 1996, section 4.1.
+    """
+
+    detector_x_um: Annotated[
+        float | None, Param("detector pitch across", unit="µm", low=0, slider=(1, 1000))
+    ] = None
+    detector_y_um: Annotated[
+        float | None, Param("detector pitch along", unit="µm", low=0, slider=(1, 1000))
+    ] = None
+    focal_length_mm: Annotated[
+        float | None, Param("effective focal length", unit="mm", low=0, slider=(10, 1000))
+    ] = None
+    f_number: Annotated[float | None, Param("F number", low=0, slider=(0.5, 32))] = None
+    range_m: Annotated[
+        float | None, Param("altitude or distance", unit="m", low=0, slider=(10, 10000))
+    ] = None
+    fill_x: Annotated[float, Param("fill factor across", low=0, high=1, above=True)] = 1.0
+    fill_y: Annotated[float, Param("fill factor along", low=0, high=1, above=True)] = 1.0
+    fov_x_deg: Annotated[
+        float | None, Param("field of view across", unit="deg", low=0, high=180, below=True)
+    ] = None
+    fov_y_deg: Annotated[
+        float | None, Param("field of view along", unit="deg", low=0, high=180, below=True)
+    ] = None
+    platform: Annotated[
+        Platform, Param("line scanner, pushbroom line or staring array: how detectors collect")
+    ] = "line"
+    velocity_m_per_s: Annotated[
+        float, Param("velocity of platform or object", unit="m/s", slider=(0, 300))
+    ] = 0.0
+    scan_velocity_mrad_per_s: Annotated[
+        float, Param("velocity of the scan", unit="mrad/s", low=0, slider=(0, 1e5))
+    ] = 0.0
+    edges: Annotated[
+        Edges, Param("frame mirrored without end, or repeated as the plain FFT sees it")
+    ] = "reflect"
+
+    def run(self, image: Image) -> InitOutputs:
+        """Plan the transform."""
+        grid = Grid(
+            image.rows,
+            image.columns,
+            self._interval("fov_x_deg", image.columns, image.interval_x_mrad),
+            self._interval("fov_y_deg", image.rows, image.interval_y_mrad),
+        )
+        context = Context(
+            grid=grid,
+            edges=self.edges,
+            platform=self.platform,
+            detector_x_um=self.detector_x_um,
+            detector_y_um=self.detector_y_um,
+            focal_length_mm=self.focal_length_mm or image.header.focal_length_mm,
+            f_number=self.f_number,
+            range_m=self.range_m,
+            fill_x=self.fill_x,
+            fill_y=self.fill_y,
+            velocity_m_per_s=self.velocity_m_per_s,
+            scan_velocity_mrad_per_s=self.scan_velocity_mrad_per_s,
+            band_um=image.band_um,
+        )
+        return InitOutputs(
+            context, Magnitude(image, grid, self.edges), Phase(image, grid, self.edges)
+        )
+
+    def _interval(self, name: str, samples: int, of_image: float | None) -> float:
+        fov_deg = getattr(self, name)
+        if fov_deg is not None:
+            return interval_mrad(fov_deg=fov_deg, samples=samples)
+        if of_image is None:
+            raise ParameterError(
+                name, None, "the image does not say its field of view: give it here", unit="deg"
+            )
+        return of_image
+
+    @readout("mrad")
+    def interval_x_mrad(self, outputs: InitOutputs) -> float:
+        """Sampling interval across."""
+        return outputs.context.grid.interval_x_mrad
+
+    @readout("mrad")
+    def interval_y_mrad(self, outputs: InitOutputs) -> float:
+        """Sampling interval along."""
+        return outputs.context.grid.interval_y_mrad
+
+    @readout("mrad")
+    def ifov_x_mrad(self, outputs: InitOutputs) -> float | None:
+        """Instantaneous field of view of a detector across, with its fill factor."""
+        return _ifov(outputs.context.focal_length_mm, self.detector_x_um, self.fill_x)
+
+    @readout("mrad")
+    def ifov_y_mrad(self, outputs: InitOutputs) -> float | None:
+        """Instantaneous field of view of a detector along, with its fill factor."""
+        return _ifov(outputs.context.focal_length_mm, self.detector_y_um, self.fill_y)
+
+    @readout("cyc/mrad")
+    def frequency_interval_x(self, outputs: InitOutputs) -> float:
+        """Spacing of the image's frequencies across."""
+        return outputs.context.grid.frequency_interval_x
+
+    @readout("cyc/mrad")
+    def frequency_interval_y(self, outputs: InitOutputs) -> float:
+        """Spacing of the image's frequencies along."""
+        return outputs.context.grid.frequency_interval_y
+
+    @readout("cyc/mrad")
+    def nyquist_x(self, outputs: InitOutputs) -> float:
+        """Nyquist frequency across."""
+        return outputs.context.grid.nyquist_x
+
+    @readout("cyc/mrad")
+    def nyquist_y(self, outputs: InitOutputs) -> float:
+        """Nyquist frequency along."""
+        return outputs.context.grid.nyquist_y
+
+    @readout("samples")
+    def oversampling_x(self, outputs: InitOutputs) -> float | None:
+        """Samples per detector pitch across."""
+        interval = outputs.context.grid.interval_x_mrad
+        return _oversampling(outputs.context.focal_length_mm, self.detector_x_um, interval)
+
+    @readout("samples")
+    def oversampling_y(self, outputs: InitOutputs) -> float | None:
+        """Samples per detector pitch along."""
+        interval = outputs.context.grid.interval_y_mrad
+        return _oversampling(outputs.context.focal_length_mm, self.detector_y_um, interval)
+
+
+def _ifov(focal_length_mm: float | None, pitch_um: float | None, fill: float) -> float | None:
+    if focal_length_mm is None or pitch_um is None:
+        return None
+    return ifov_mrad(pitch_um=pitch_um, focal_length_mm=focal_length_mm, fill=fill)
+
+
+def _oversampling(
+    focal_length_mm: float | None, pitch_um: float | None, interval: float
+) -> float | None:
+    if focal_length_mm is None or pitch_um is None:
+        return None
+    return oversampling(pitch_um=pitch_um, focal_length_mm=focal_length_mm, interval_mrad=interval)
