@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-DEFAULT_BYTES = 1 << 30
+DEFAULT_BYTES = 1 << 29
 
 
 def size_in_bytes(value: object) -> int:

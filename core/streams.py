@@ -112,7 +112,12 @@ def uniform_field(
 
 
 def poisson_field(
-    mean: Floats, stream: Stream, *, threads: int = 1, check: Check | None = None
+    mean: Floats,
+    stream: Stream,
+    *,
+    threads: int = 1,
+    check: Check | None = None,
+    in_place: bool = False,
 ) -> Floats:
     """Poisson deviates, one for each mean.
 
@@ -126,6 +131,8 @@ def poisson_field(
         float32 or float64 of any shape, 0 or above.
     stream, threads, check
         As in `normal_field`.
+    in_place
+        The counts take the place of the means, whose array must be contiguous.
 
     Returns
     -------
@@ -146,11 +153,12 @@ def poisson_field(
             f"Poisson means: {len(faulty)} of {mean.size} samples are negative or not finite,"
             f" the first is {float(mean[first])!r} at {first}"
         )
-    counts = np.empty(mean.shape, mean.dtype)
+    counts = mean if in_place else np.empty(mean.shape, mean.dtype)
     flat_counts, flat_means = counts.reshape(counts.size), np.ravel(mean)
 
     def draw(generator: Generator, block: slice) -> None:
-        _poisson(generator, flat_means[block], flat_counts[block])
+        means = flat_means[block].copy() if in_place else flat_means[block]
+        _poisson(generator, means, flat_counts[block])
 
     _for_each_block(stream, counts.size, draw, threads, check)
     return counts

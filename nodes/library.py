@@ -6,12 +6,20 @@ from functools import cache
 
 from core.declaration import Module
 from core.library import Library, library_of
+from nodes.analysis.compare_images import CompareImages
+from nodes.analysis.mtf_slices import MtfSlices
 from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
 from nodes.detector.charge_eff_mtf import ChargeEffMTF
 from nodes.detector.charge_eff_phase import ChargeEffPhase
 from nodes.detector.detector_mtf import DetectorMTF
 from nodes.electronics.electronics_noise import ElectronicsNoise
+from nodes.electronics.noise_file import NoiseFile
+from nodes.electronics.periodic_noise import PeriodicNoise
+from nodes.input_output.examine_image import ExamineImage
+from nodes.input_output.read_image import ReadImage
 from nodes.input_output.test_scene import TestScene
+from nodes.input_output.write_image import WriteImage
+from nodes.input_output.write_matrix import WriteMatrix
 from nodes.motion.alongtrack_mtf import AlongtrackMTF
 from nodes.motion.crosstrack_mtf import CrosstrackMTF
 from nodes.motion.jitter_mtf import JitterMTF
@@ -21,15 +29,23 @@ from nodes.optics.exit_pupil import ExitPupil
 from nodes.optics.exit_pupil_mtf import ExitPupilMTF
 from nodes.optics.gaussian_mtf import GaussianMTF
 from nodes.optics.poisson_noise import PoissonNoise
+from nodes.transform.anti_alias import AntiAlias
 from nodes.transform.back_transform import BackTransform
 from nodes.transform.combine_pixels import CombinePixels
 from nodes.transform.init_trans import InitTrans
+from nodes.transform.interpolate import Interpolate
 
 MODULES: tuple[type[Module], ...] = (
+    ReadImage,
     TestScene,
+    WriteImage,
+    WriteMatrix,
+    ExamineImage,
     InitTrans,
     BackTransform,
     CombinePixels,
+    AntiAlias,
+    Interpolate,
     AtmosphereMTF,
     ExitPupil,
     ExitPupilMTF,
@@ -44,6 +60,10 @@ MODULES: tuple[type[Module], ...] = (
     ChargeEffMTF,
     ChargeEffPhase,
     ElectronicsNoise,
+    PeriodicNoise,
+    NoiseFile,
+    MtfSlices,
+    CompareImages,
 )
 
 

@@ -90,4 +90,4 @@ def _without_undershoot(means: Floats) -> Floats:
             f"Poisson noise: {np.count_nonzero(means < 0.0)} of {means.size} means are below 0,"
             f" the lowest is {lowest:.6g}: photons cannot be counted below 0"
         )
-    return np.maximum(means, means.dtype.type(0.0)) if lowest < 0.0 else means
+    return np.maximum(means, means.dtype.type(0.0), out=means) if lowest < 0.0 else means

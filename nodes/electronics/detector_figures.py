@@ -81,8 +81,8 @@ def figures(work: Work, seen: Statistics, *, detector: Detector) -> TableData:
     nep = nep_W(area_cm2=detector.area_cm2, bandwidth_Hz=detector.bandwidth_Hz, d_star=d_star)
     ner = ner_W_m2_sr(nep_W=nep, area_cm2=detector.area_cm2, g_number=throughput)
     sigma = amplifier_sigma(seen, snr=detector.amplifier_snr, reference=detector.snr_reference)
-    netd_detector = netd_K(noise_radiance=ner, background_K=background, **band)
-    netd_amplifier = netd_K(noise_radiance=sigma, background_K=background, **band)
+    netd_detector = float(netd_K(noise_radiance=ner, background_K=background, **band))
+    netd_amplifier = float(netd_K(noise_radiance=sigma, background_K=background, **band))
     noise = float(np.hypot(ner, sigma))
     rows = (
         ("background_K", background, "K", "background that weights D* and gives dL/dT"),

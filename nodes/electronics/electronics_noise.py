@@ -50,7 +50,7 @@ def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
 
 
 class ElectronicsNoise(
-    SeededModule, key="electronics_noise", title="Electronics & Noise", group="Electronics"
+    SeededModule, key="electronics_noise", title="Electronics & Noise", group="Electronics & Noise"
 ):
     """Read the picture out: gain and bias, detector noise, pre-amplifier, amplifier noise, bits.
 

@@ -20,6 +20,7 @@ from nodes.optics.pupil_factor import (
     PupilScale,
     exact_factor,
     raw_transfer,
+    refined,
     sampled_error,
     sampled_factors,
 )
@@ -96,6 +97,8 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
         if self.method == "exact":
             blur = exact_factor(pupil, scale, label, node)
         if blur is None:
+            if self.method == "exact":
+                pupil, scale = refined(pupil, scale, node)
             blur, shift = sampled_factors(pupil, scale, self.interpolation, label, node)
         shifts = () if shift is None else (shift,)
         mtf = Transfer(grid, "mtf", (blur,), label=label)
@@ -171,7 +174,9 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
         scale = self._scale(context, pupil)
         if self.method == "exact" and exact_factor(pupil, scale, "", "") is not None:
             return EXACT_ERROR
-        return sampled_error(pupil, scale, self.title)
+        if self.method == "exact":
+            pupil, scale = refined(pupil, scale, self.title)
+        return sampled_error(pupil, self.title)
 
     @readout()
     def mtf_at_nyquist_x(self, outputs: PupilOutputs) -> TransferAt | None:

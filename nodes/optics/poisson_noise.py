@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.declaration import Here
+from core.declaration import Here, readout
 from core.errors import ParameterError
 from core.factors import Law, Separable
 from core.grid import Grid
-from core.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
+from core.mirrored import mirrored_filter, mirrored_spectrum
 from core.parameters import Param
 from core.physics.gaussian import gaussian_mtf
 from core.physics.poisson_noise import photon_means, published_means, radiance_of_photons
@@ -63,8 +63,9 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
                 return NoiseOutputs(image, image.with_recipe(noise))
             noise = Step.of(
                 _published,
-                self._local_mean(image, here.node),
+                image.recipe,
                 node=here.node,
+                sigma_px=self.width_px,
                 percent=self.percent,
                 stream=stream,
             )
@@ -82,24 +83,34 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
             noise = Step.of(_difference, noisy, image.recipe, node=here.node)
         return NoiseOutputs(image.with_recipe(noisy), image.with_recipe(noise))
 
-    def _local_mean(self, image: Image, node: str) -> Recipe:
-        if self.width_px == 0:
-            return image.recipe
-        spectrum = Step.of(mirrored_spectrum, image.recipe, node=node)
-        return Step.of(_smoothed, spectrum, node=node, sigma_px=self.width_px)
+    @readout("W/m²/sr")
+    def noise_mean(self, outputs: NoiseOutputs) -> Step:
+        """Mean of the noise."""
+        return Step.of(_moment, outputs.noise.recipe, which="mean")
+
+    @readout("W/m²/sr")
+    def noise_sigma(self, outputs: NoiseOutputs) -> Step:
+        """Standard deviation of the noise."""
+        return Step.of(_moment, outputs.noise.recipe, which="sigma")
 
 
-def _smoothed(work: Work, spectrum: MeanFree, *, sigma_px: float) -> Array:
-    rows, columns = spectrum.values.shape
-    law = Law.of(gaussian_mtf, sigma_mrad=sigma_px)
-    return mirrored_filter(
-        work, spectrum, Product([Separable(law, law)]), Grid(rows, columns, 1.0, 1.0)
+def _published(
+    work: Work, image: Array, *, sigma_px: float, percent: float, stream: Stream
+) -> Array:
+    """The added deviates; one array serves as local mean, means and counts in turn."""
+    means = published_means(_local_mean(work, image, sigma_px), percent=percent)
+    return poisson_field(
+        means, stream, threads=work.policy.workers, check=work.check, in_place=True
     )
 
 
-def _published(work: Work, local_mean: Array, *, percent: float, stream: Stream) -> Array:
-    means = published_means(local_mean, percent=percent)
-    return poisson_field(means, stream, threads=work.policy.workers, check=work.check)
+def _local_mean(work: Work, image: Array, sigma_px: float) -> Array:
+    if sigma_px == 0:
+        return image
+    law = Law.of(gaussian_mtf, sigma_mrad=sigma_px)
+    grid = Grid(image.shape[0], image.shape[1], 1.0, 1.0)
+    spectrum = mirrored_spectrum(work, image)
+    return mirrored_filter(work, spectrum, Product([Separable(law, law)]), grid)
 
 
 def _photons(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
@@ -114,6 +125,12 @@ def _sum(work: Work, image: Array, noise: Array) -> Array:
 
 def _difference(work: Work, noisy: Array, image: Array) -> Array:
     return np.asarray(noisy - image)
+
+
+def _moment(work: Work, noise: Array, *, which: str) -> float:
+    if which == "mean":
+        return float(np.mean(noise, dtype=np.float64))
+    return float(np.std(noise, dtype=np.float64))
 
 
 def _nothing(work: Work, *, rows: int, columns: int) -> Array:

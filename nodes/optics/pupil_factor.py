@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from core.data import SampledTransfer
 from core.factors import Law, Planar
 from core.physics.pupil_otf import defocused_disc_otf, geometric_pupil_otf, sampled_pupil_otf
+from core.physics.pupil_shapes import PupilShape, edge_offset_samples, sample_pupil
 from core.physics.sampled_otf import autocorrelation, complex_pupil
 from core.physics.sampling_error import error_estimate
 from core.physics.zernike import wavefront_waves
@@ -19,6 +20,7 @@ from core.values import Pupil
 from core.work import Work
 
 Array = NDArray[Any]
+LARGEST_REFINED = 1024  # samples across beyond which finer ones cost more than they gain
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,29 @@ class PupilScale:
     def mean_um(self) -> float:
         """Mean wavelength."""
         return sum(w * q for w, q in zip(self.wavelengths_um, self.weights, strict=True))
+
+
+def refined(pupil: Pupil, scale: PupilScale, node: str) -> tuple[Pupil, PupilScale]:
+    """A geometric pupil sampled twice as finely.
+
+    Plain samples at 512 across err by 0.6e-4 to 2e-4 where edges follow the samples, and more
+    elsewhere; twice as fine ones by 3e-5 to 5e-5.
+    """
+    if pupil.shape is None or max(pupil.rows, pupil.columns) > LARGEST_REFINED:
+        return pupil, scale
+    samples = Step.of(
+        _finely_sampled, node=node, shape=pupil.shape, rows=pupil.rows, columns=pupil.columns
+    )
+    finer = replace(
+        pupil,
+        samples=samples,
+        rows=2 * pupil.rows,
+        columns=2 * pupil.columns,
+        radius=2 * pupil.radius,
+    )
+    return finer, replace(
+        scale, pitch_x_mm=scale.pitch_x_mm / 2, pitch_y_mm=scale.pitch_y_mm / 2
+    )
 
 
 def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Planar | None:
@@ -115,12 +140,13 @@ def raw_transfer(pupil: Pupil, scale: PupilScale, part: str, node: str) -> Recip
     )
 
 
-def sampled_error(pupil: Pupil, scale: PupilScale, node: str) -> Step:
+def sampled_error(pupil: Pupil, node: str) -> Step:
     """Recipe of the estimate that covers the sampled OTF's error."""
     return Step.of(
         _error,
         pupil.samples,
         node=node,
+        shape=pupil.shape,
         radius=pupil.radius,
         defocus_waves=pupil.defocus_waves,
         zernike_waves=pupil.zernike_waves,
@@ -174,7 +200,20 @@ def _raw(
     return SampledTransfer(values.astype(work.policy.dtype), interval_x, interval_y)
 
 
-def _error(work: Work, samples: Array, **wavefront: Any) -> float:
+def _finely_sampled(work: Work, *, shape: PupilShape, rows: int, columns: int) -> Array:
+    return sample_pupil(shape, rows=rows, columns=columns, oversampling=2)
+
+
+def _error(work: Work, samples: Array, *, shape: PupilShape | None, **wavefront: Any) -> float:
     pupil = _complex_samples(samples, 1.0, **wavefront)
     correlation = autocorrelation(pupil, workers=work.policy.workers)
-    return float(error_estimate(pupil, correlation=correlation))
+    uncertainty = 0.5  # samples of unknown edges may be off by half their size
+    if shape is not None:
+        fineness = max(1, round(wavefront["radius"] / shape.radius))
+        rows, columns = samples.shape[0] // fineness, samples.shape[1] // fineness
+        uncertainty = edge_offset_samples(
+            shape, rows=rows, columns=columns, oversampling=fineness
+        )
+    return float(
+        error_estimate(pupil, correlation=correlation, edge_uncertainty_samples=uncertainty)
+    )
