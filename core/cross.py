@@ -17,7 +17,8 @@ Array = NDArray[Any]
 Evaluate = Callable[[Array, Array], Array]  # (rows indices, columns indices) → block
 
 HIGHEST_RANK = 96
-PROBES = 40  # rows and columns of the grid on which the result is checked
+PROBES = 40  # rows and columns of each set on which the error is sought
+LINES = 4  # whole rows and columns on which the result is checked
 
 
 def cross_approximation(
@@ -33,12 +34,12 @@ def cross_approximation(
         Size of the plane.
     tolerance : float
         Largest absolute error on the probes, which are drawn evenly and include the first rows and
-        columns, where an OTF has its cusp.
+        columns, where an OTF has its cusp, and on some whole lines between them.
 
     Returns
     -------
     (U, V) or None
-        None where the rank is not low: then the plane is better evaluated directly.
+        None where the rank is not low or the plane has zeros: then it is evaluated directly.
     """
     highest = min(HIGHEST_RANK, min(rows, columns) // 4)
     every_row, every_column = np.arange(rows), np.arange(columns)
@@ -47,7 +48,10 @@ def cross_approximation(
     for shift in (0.0, 0.5, 0.25, 0.75):
         # Each set of probes lies between the ones before: a kink that one misses, another meets.
         i_probes, j_probes = _probes(rows, shift), _probes(columns, shift)
-        residual = evaluate(i_probes, j_probes) - u[i_probes, :rank] @ v[:rank, j_probes]
+        values = evaluate(i_probes, j_probes)
+        if not np.all(values):
+            return None  # the edge of the support is in the plane, and it is no low-rank curve
+        residual = values - u[i_probes, :rank] @ v[:rank, j_probes]
         while True:
             at = np.unravel_index(int(np.argmax(np.abs(residual))), residual.shape)
             if abs(residual[at]) <= 0.5 * tolerance:
@@ -62,7 +66,20 @@ def cross_approximation(
             u[:, rank], v[rank] = column, row / row[j]
             residual = residual - np.outer(column[i_probes], v[rank, j_probes])
             rank += 1
-    return u[:, :rank].copy(), v[:rank].copy()
+    u, v = u[:, :rank].copy(), v[:rank].copy()
+    if _lines_fit(evaluate, u, v, tolerance):
+        return u, v
+    return None
+
+
+def _lines_fit(evaluate: Evaluate, u: Array, v: Array, tolerance: float) -> bool:
+    """Whether whole rows and columns between the probes agree."""
+    rows, columns = len(u), v.shape[1]
+    golden = (np.arange(1, LINES + 1) * 0.6180339887498949) % 1.0
+    i, j = (golden * rows).astype(np.int64), (golden * columns).astype(np.int64)
+    across = evaluate(i, np.arange(columns)) - u[i] @ v
+    along = evaluate(np.arange(rows), j) - u @ v[:, j]
+    return bool(max(np.abs(across).max(), np.abs(along).max()) <= tolerance)
 
 
 def _probes(size: int, shift: float) -> Array:

@@ -139,7 +139,9 @@ class Engine:
         planned = plan.nodes[node]
         if planned.error is not None:
             raise planned.error
-        found = {}
+        found: dict[str, Any] = {}
+        if planned.result is None and planned.node.disabled:
+            return found
         for readout in planned.declaration.readouts:
             known = {**planned.inputs, "outputs": planned.result}
             arguments = {name: known[name] for name in readout.needs}

@@ -74,8 +74,12 @@ class ParameterError(InputError):
         unit: str = "",
         node: str | None = None,
     ) -> None:
-        shown = _shown(value) + (f" {unit}" if unit else "")
-        super().__init__(f"{parameter} = {shown} is not allowed: {allowed}", node=node)
+        if value is None:
+            text = f"{parameter} is empty: {allowed}" + (f" ({unit})" if unit else "")
+        else:
+            shown = _shown(value) + (f" {unit}" if unit else "")
+            text = f"{parameter} = {shown} is not allowed: {allowed}"
+        super().__init__(text, node=node)
         self.parameter = parameter
         self.value = value
         self.allowed = allowed

@@ -139,6 +139,8 @@ class Planar:
         Which aspect of the law's value this factor carries. A magnitude wire carries "real" or
         "modulus", a phase wire "phase"; where modulus and phase of one law meet again they become
         "complex".
+    smooth : bool
+        Smooth inside its support but for the centre, so that a low rank may serve there.
     label, node : str
         The stage's title and its node. Not part of the key.
     """
@@ -147,6 +149,7 @@ class Planar:
     radial: bool = False
     symmetric: bool = True
     take: Take = "real"
+    smooth: bool = False
     label: str = field(default="", compare=False)
     node: str | None = field(default=None, compare=False)
 
@@ -158,7 +161,9 @@ class Planar:
     @cached_property
     def key(self) -> str:
         """Content key."""
-        return content_key("planar", self.law, self.radial, self.symmetric, self.take)
+        return content_key(
+            "planar", self.law, self.radial, self.symmetric, self.take, self.smooth
+        )
 
     def transfer(self, work: Work | None, xi: Array, eta: Array) -> Array:
         """What multiplies the spectrum, real or complex: a phase φ gives exp(iφ).

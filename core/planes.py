@@ -47,7 +47,7 @@ class Planes:
     def _low_rank(self, factor: Planar, grid: Grid, axes: Axes) -> tuple[Array, Array] | None:
         # Kinks that lie between the probes can cost 1e-7: too much for double precision.
         single = self._work.policy.precision == "single"
-        if not single or min(len(self.xi), len(self.eta)) < SMALLEST:
+        if not (single and factor.smooth) or min(len(self.xi), len(self.eta)) < SMALLEST:
             return None
         found: tuple[Array, ...] = self._work.value(LowRank(factor, grid, axes, node=factor.node))
         return (found[0], found[1]) if found else None

@@ -74,7 +74,7 @@ def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Plan
             wavelengths_um=scale.wavelengths_um,
             weights=scale.weights,
         )
-        return Planar(law, label=label, node=node)
+        return Planar(law, smooth=True, label=label, node=node)
     if pupil.shape.shape != "clear" or scale.pitch_x_mm != scale.pitch_y_mm:
         return None
     law = Law.of(

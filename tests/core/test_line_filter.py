@@ -1,0 +1,76 @@
+"""Filtering along lines against sums written out."""
+
+import numpy as np
+import pytest
+
+from core.factors import Law, Separable
+from core.grid import Grid
+from core.line_filter import filter_lines
+from core.policy import Policy
+from core.store import Store
+from core.work import Work
+
+TOLERANCE = {"double": 1e-12, "single": 2e-6}
+
+
+def modulus(frequency, tau):
+    return 1 / np.hypot(1, 2 * np.pi * frequency * tau)
+
+
+def angle(frequency, tau):
+    return -np.arctan(2 * np.pi * frequency * tau)
+
+
+POLE = (
+    Separable(Law.of(modulus, tau=0.7), None),
+    Separable(Law.of(angle, tau=0.7), None, part="ptf"),
+)
+
+
+def direct_line(line, interval, doubled):
+    """Fourier sum of one line, term by term, with 1/(1 + 2πi·τ·ξ)."""
+    whole = np.concatenate([line, line[::-1]]) if doubled else line
+    size = len(whole)
+    n = np.arange(size)
+    result = np.zeros(len(line), complex)
+    for k in range(size):
+        xi = (k if 2 * k <= size else k - size) / (size * interval)
+        h = 1 / (1 + 2j * np.pi * 0.7 * xi)
+        if 2 * k == size:
+            h = h.real
+        amplitude = np.sum(whole * np.exp(-2j * np.pi * k * n / size)) / size
+        result += h * amplitude * np.exp(2j * np.pi * k * n[: len(line)] / size)
+    return result.real
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize("edges", ["reflect", "periodic"])
+@pytest.mark.parametrize("shape", [(1, 1), (3, 2), (4, 9), (2, 16)])
+def test_equals_the_sum_written_out(shape, edges, precision):
+    work = Work(Policy(precision=precision), Store())
+    image = np.random.default_rng(5).uniform(30, 50, shape).astype(work.policy.dtype)
+    grid = Grid(*shape, 0.9, 0.9)
+    got = filter_lines(work, image, factors=POLE, grid=grid, edges=edges)
+    expected = [direct_line(line.astype(float), 0.9, edges == "reflect") for line in image]
+    assert got.dtype == work.policy.dtype
+    assert np.abs(got - expected).max() <= TOLERANCE[precision] * 50
+
+
+def test_a_scan_towards_plus_x_delays_towards_plus_x():
+    work = Work(Policy(precision="double"), Store())
+    line = np.zeros((1, 65))
+    line[0, 20] = 1.0
+    got = filter_lines(work, line, factors=POLE, grid=Grid(1, 65, 0.9, 0.9), edges="reflect")[0]
+    assert got[21:30].sum() > 3 * got[11:20].sum()
+
+
+def test_threads_change_no_bit():
+    image = np.random.default_rng(5).uniform(30, 50, (700, 301)).astype(np.float32)
+    grid = Grid(700, 301, 0.9, 0.9)
+    one, two = (
+        filter_lines(
+            Work(Policy(threads=n), Store()), image, factors=POLE, grid=grid, edges="reflect"
+        )
+        for n in (1, 2)
+    )
+    assert np.array_equal(one, two)
