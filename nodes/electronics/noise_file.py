@@ -1,0 +1,45 @@
+"""Noise File: any picture as noise."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from core.declaration import Here, Module
+from core.errors import DataError
+from core.parameters import Param
+from core.recipes import Step
+from core.values import Image
+from nodes.electronics.periodic_noise import NoiseOutputs, summed
+from nodes.files.paths import checked_band
+from nodes.input_output.source_file import picture_source, read_step
+
+
+class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics & Noise"):
+    """Add the samples of a file, times `scale`, to a picture of the same size.
+
+    The file may be of every kind that Read Image reads. Its mean is added too. A scale of 0
+    passes the picture on. Source: Tantalo 1996, chapter 3.
+    """
+
+    path: Annotated[Path | None, Param("noise file, relative to the network file's folder")] = None
+    band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0
+    scale: Annotated[
+        float, Param("factor that brings the noise to the picture's unit", slider=(0, 10))
+    ] = 1.0
+
+    def run(self, image: Image, here: Here) -> NoiseOutputs:
+        """Read the header and plan the sum."""
+        source = picture_source(self.path, here)
+        info = source.info
+        checked_band(self.band, info.bands, info.path)
+        if (info.rows, info.columns) != image.shape:
+            raise DataError(
+                f"the noise of {info.path.name} is {info.columns} × {info.rows} samples and the "
+                f"picture {image.columns} × {image.rows}: give a noise file of the same size"
+            )
+        noise = read_step(source, band=self.band, scale=self.scale, node=here.node)
+        if self.scale == 0.0:
+            return NoiseOutputs(image, image.with_recipe(noise))
+        total = Step.of(summed, image.recipe, noise, node=here.node)
+        return NoiseOutputs(image.with_recipe(total), image.with_recipe(noise))

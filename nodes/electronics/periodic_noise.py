@@ -1,0 +1,95 @@
+"""Periodic Noise: a sinusoid over the picture, plain or modulated."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.declaration import Here, Module
+from core.grid import Grid
+from core.parameters import Param
+from core.physics.periodic_noise import periodic_pattern
+from core.recipes import Step
+from core.values import Image
+from core.work import Work
+
+Array = NDArray[Any]
+_BLOCK_SAMPLES = 1 << 16
+
+
+class NoiseOutputs(NamedTuple):
+    """The picture with its noise, and the noise alone."""
+
+    image: Image
+    noise: Image
+
+
+class PeriodicNoise(
+    Module, key="periodic_noise", title="Periodic Noise", group="Electronics & Noise"
+):
+    """Add a sinusoid, such as pick-up from a supply, modulated in amplitude if asked.
+
+    amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ) with x and y from the
+    first sample on. What lies beyond the Nyquist frequency shows as its alias, as it would.
+    An amplitude of 0 passes the picture on. Source: Tantalo 1996, chapter 3.
+    """
+
+    amplitude: Annotated[float, Param("amplitude, in the unit of the picture", slider=(0, 10))] = (
+        0.0
+    )
+    xi: Annotated[float, Param("frequency across", unit="cyc/mrad", slider=(-1, 1))] = 0.1
+    eta: Annotated[float, Param("frequency along", unit="cyc/mrad", slider=(-1, 1))] = 0.0
+    phase_deg: Annotated[
+        float, Param("phase at the first sample", unit="deg", slider=(-180, 180))
+    ] = 0.0
+    modulation: Annotated[float, Param("depth of the modulation", low=0, high=1)] = 0.0
+    modulation_xi: Annotated[
+        float, Param("frequency of the modulation across", unit="cyc/mrad", slider=(-1, 1))
+    ] = 0.01
+    modulation_eta: Annotated[
+        float, Param("frequency of the modulation along", unit="cyc/mrad", slider=(-1, 1))
+    ] = 0.0
+    modulation_phase_deg: Annotated[
+        float,
+        Param("phase of the modulation at the first sample", unit="deg", slider=(-180, 180)),
+    ] = 0.0
+
+    def run(self, image: Image, here: Here) -> NoiseOutputs:
+        """Plan the pattern and the sum."""
+        values = self.values()
+        for name in ("phase", "modulation_phase"):
+            values[f"{name}_rad"] = math.radians(values.pop(f"{name}_deg"))
+        if self.amplitude == 0.0:
+            # No interval is needed where there is nothing to draw.
+            flat = Step.of(silence, rows=image.rows, columns=image.columns, node=here.node)
+            return NoiseOutputs(image, image.with_recipe(flat))
+        pattern = Step.of(drawn, node=here.node, grid=image.grid(), **values)
+        total = Step.of(summed, image.recipe, pattern, node=here.node)
+        return NoiseOutputs(image.with_recipe(total), image.with_recipe(pattern))
+
+
+def silence(work: Work, *, rows: int, columns: int) -> Array:
+    """No noise."""
+    return np.zeros((rows, columns), work.policy.dtype)
+
+
+def drawn(work: Work, *, grid: Grid, **values: float) -> Array:
+    """The pattern on the picture's samples, computed in double by blocks of rows."""
+    pattern = np.empty(grid.shape, work.policy.dtype)
+    x_mrad = np.arange(grid.columns) * grid.interval_x_mrad
+
+    def block(rows: slice) -> None:
+        y_mrad = np.arange(grid.rows)[rows, np.newaxis] * grid.interval_y_mrad
+        pattern[rows] = periodic_pattern(x_mrad=x_mrad, y_mrad=y_mrad, **values)
+
+    step = max(1, _BLOCK_SAMPLES // grid.columns)
+    work.each(block, [slice(start, start + step) for start in range(0, grid.rows, step)])
+    return pattern
+
+
+def summed(work: Work, image: Array, noise: Array) -> Array:
+    """Picture and noise."""
+    return np.add(image, noise, dtype=work.policy.dtype)

@@ -1,0 +1,210 @@
+"""Examine Image: figures, histogram and pixel probe of what is on a wire."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from core.data import CurveData, Series, TableData, TableRow
+from core.declaration import Here, Module, readout
+from core.errors import DataError, ParameterError
+from core.parameters import Param
+from core.physics.planck import brightness_temperature
+from core.realize import realize, spectrum
+from core.recipes import Recipe, Step
+from core.values import Curve, Image, Magnitude, Phase, Table, Transfer
+from core.work import Work
+from nodes.input_output.sample_statistics import histogram, statistics
+
+Array = NDArray[Any]
+Display = Literal["linear", "log", "centred_spectrum"]
+Band = tuple[float, float]
+_RADIANCE = ("W/m²/sr", "W/m2/sr", "W/m^2/sr", "W m⁻² sr⁻¹", "W m-2 sr-1", "W/(m²·sr)", "W/(m2 sr)")
+
+
+class ExamineOutputs(NamedTuple):
+    """The figures, and the histogram of what is displayed."""
+
+    table: Table
+    curve: Curve
+
+
+class ExamineImage(
+    Module, key="examine_image", title="Examine Image", group="Input and output", sink=True
+):
+    """Tell minimum, maximum, mean, standard deviation, histogram and single samples.
+
+    For radiance in a known band the apparent temperature is told too: that of the blackbody with
+    the same band radiance. Figures and probe are of the samples themselves (spectra in the order
+    of the FFT), the histogram of what is displayed; the centred spectrum of a picture is the
+    logarithm of its modulus.
+    """
+
+    renamed = MappingProxyType({"magnitude": "image", "phase": "image", "transfer": "image"})
+
+    display: Annotated[Display, Param("how the samples are shown")] = "linear"
+    probe_x: Annotated[
+        int | None, Param("column of the sample to tell, from 0", low=0, zero_is_empty=False)
+    ] = None
+    probe_y: Annotated[
+        int | None, Param("row of the sample to tell, from 0", low=0, zero_is_empty=False)
+    ] = None
+    bins: Annotated[int, Param("bins of the histogram", low=1, high=65536)] = 256
+
+    def check(self) -> None:
+        """Refuse half a probe."""
+        if (self.probe_x is None) != (self.probe_y is None):
+            name = "probe_x" if self.probe_x is None else "probe_y"
+            raise ParameterError(name, None, "given together with the other coordinate")
+
+    def run(self, image: Image | Magnitude | Phase | Transfer, here: Here) -> ExamineOutputs:
+        """Plan the figures."""
+        band, unit = None, ""
+        if isinstance(image, Image):
+            recipe, unit = image.recipe, image.unit
+            band = image.band_um if unit in _RADIANCE else None
+        else:
+            recipe = Step.of(realized, node=here.node, value=image)
+        table = Step.of(
+            figures,
+            recipe,
+            node=here.node,
+            unit=unit,
+            band_um=band,
+            probe_x=self.probe_x,
+            probe_y=self.probe_y,
+        )
+        curve = Step.of(
+            displayed_histogram,
+            recipe,
+            node=here.node,
+            display=self.display,
+            bins=self.bins,
+            label=_label(image),
+            is_image=isinstance(image, Image),
+        )
+        return ExamineOutputs(Table(table), Curve(curve))
+
+    def files(
+        self, inputs: Mapping[str, Any], here: Here, work: Work
+    ) -> list[tuple[Path, Callable[[Path], None]]]:
+        """Nothing to write: examined in every run."""
+        return []
+
+    @readout()
+    def minimum(self, outputs: ExamineOutputs) -> Recipe:
+        """Least sample."""
+        return Step.of(figure, outputs.table.recipe, name="minimum")
+
+    @readout()
+    def maximum(self, outputs: ExamineOutputs) -> Recipe:
+        """Greatest sample."""
+        return Step.of(figure, outputs.table.recipe, name="maximum")
+
+    @readout()
+    def mean(self, outputs: ExamineOutputs) -> Recipe:
+        """Mean of the samples."""
+        return Step.of(figure, outputs.table.recipe, name="mean")
+
+    @readout()
+    def sigma(self, outputs: ExamineOutputs) -> Recipe:
+        """Standard deviation of the samples."""
+        return Step.of(figure, outputs.table.recipe, name="sigma")
+
+
+def realized(work: Work, *, value: Any) -> Array:
+    """Samples of a magnitude, phase or transfer function; of a complex one the modulus."""
+    samples: Array = realize(value, work)
+    return np.abs(samples) if np.iscomplexobj(samples) else samples
+
+
+def figure(work: Work, table: TableData, *, name: str) -> float | int | str | None:
+    """One value of a table."""
+    return table.as_dict()[name]
+
+
+def figures(
+    work: Work,
+    samples: Array,
+    *,
+    unit: str,
+    band_um: Band | None,
+    probe_x: int | None,
+    probe_y: int | None,
+) -> TableData:
+    """Statistics and probe as a table, with apparent temperatures where `band_um` is known."""
+    found = statistics(samples, check=work.check)
+    values = {"minimum": found.minimum, "maximum": found.maximum, "mean": found.mean}
+    meanings = {"minimum": "least sample", "maximum": "greatest sample", "mean": "mean"}
+    rows = [TableRow(name, value, unit, meanings[name]) for name, value in values.items()]
+    rows.append(TableRow("sigma", found.sigma, unit, "standard deviation"))
+    if probe_x is not None and probe_y is not None:
+        for name, index, size in (
+            ("probe_x", probe_x, samples.shape[1]),
+            ("probe_y", probe_y, samples.shape[0]),
+        ):
+            if index >= size:
+                raise ParameterError(name, index, f"0 to {size - 1}")
+        values["probe"] = float(samples[probe_y, probe_x])
+        where = f"sample at column {probe_x}, row {probe_y}"
+        rows.append(TableRow("probe", values["probe"], unit, where))
+    if band_um is not None:
+        for name, value in values.items():
+            meaning = f"apparent temperature of {name}, {band_um[0]:g} to {band_um[1]:g} µm"
+            rows.append(TableRow(f"{name}_K", apparent_temperature(value, band_um), "K", meaning))
+    return TableData(tuple(rows))
+
+
+def apparent_temperature(radiance: float, band_um: Band) -> float | None:
+    """Brightness temperature, K; None for what no temperature radiates, such as noise below 0."""
+    try:
+        found = brightness_temperature(
+            radiance=radiance, cut_on_um=band_um[0], cut_off_um=band_um[1]
+        )
+    except DataError:
+        return None
+    return float(found)
+
+
+def displayed_histogram(
+    work: Work, samples: Array, *, display: Display, bins: int, label: str, is_image: bool
+) -> CurveData:
+    """Histogram of the samples as they are displayed."""
+    logarithmic = display == "log" or (display == "centred_spectrum" and is_image)
+    shown = displayed(work, samples, display=display, is_image=is_image)
+    centres, counts = histogram(shown, bins=bins, check=work.check)
+    named = "modulus of the spectrum" if display == "centred_spectrum" and is_image else label
+    x_label = f"log10 |{named}|" if logarithmic else named
+    return CurveData("Histogram", x_label, "samples", (Series("samples", centres, counts),))
+
+
+def displayed(work: Work, samples: Array, *, display: Display, is_image: bool) -> Array:
+    """The samples as a viewer shows them; a logarithm of 0 becomes the least other one."""
+    if display == "linear":
+        return samples
+    if display == "log":
+        return _logarithm(samples)
+    if is_image:
+        samples = _logarithm(spectrum(work, samples))
+    return np.asarray(scipy.fft.fftshift(samples))
+
+
+def _logarithm(samples: Array) -> Array:
+    modulus = np.abs(samples)
+    lit = modulus > 0
+    least = float(modulus[lit].min()) if lit.any() else 1.0
+    return np.asarray(np.log10(np.where(lit, modulus, modulus.dtype.type(least))))
+
+
+def _label(value: Image | Magnitude | Phase | Transfer) -> str:
+    if isinstance(value, Image):
+        return f"value ({value.unit})" if value.unit else "value"
+    if isinstance(value, Phase) or (isinstance(value, Transfer) and value.part == "ptf"):
+        return "phase (rad)"
+    return "MTF" if isinstance(value, Transfer) else "magnitude"

@@ -1,0 +1,128 @@
+"""A picture file that a network names: found, described and read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.declaration import Here
+from core.errors import FileError, ParameterError
+from core.recipes import Step
+from core.work import Work
+from nodes.files.envi_bands import integrate_bands
+from nodes.files.envi_header import header_beside
+from nodes.files.paths import readable_file
+from nodes.files.picture_info import PictureInfo
+from nodes.files.read import check_finite, read_info, read_pixels
+
+Stamp = tuple[str, int, int]
+_BLOCK_SAMPLES = 1 << 20
+
+
+@dataclass(frozen=True)
+class Source:
+    """A picture file with what its header says and the state its files were found in."""
+
+    file: Path
+    info: PictureInfo
+    stamps: tuple[Stamp, ...]
+
+
+def picture_source(path: Path | None, here: Here) -> Source:
+    """Find and describe the file of a `path` parameter, relative to the network's folder.
+
+    Raises
+    ------
+    ParameterError
+        No path is given.
+    FileError
+        The file is missing, damaged or of an unknown format.
+    """
+    if path is None:
+        raise ParameterError("path", None, "a picture file, relative to the network file's folder")
+    # Not resolved: an ENVI header lies beside the link, not beside what the link points to.
+    file = readable_file((here.folder / path).absolute())
+    header = header_beside(file)
+    stamps = tuple(_stamp(each) for each in (file, header) if each is not None)
+    info = _described(file, stamps)
+    if info.path != file:
+        stamps += (_stamp(info.path),)
+    return Source(file, info, stamps)
+
+
+def read_step(
+    source: Source,
+    *,
+    band: int,
+    scale: float,
+    node: str,
+    interval_um: tuple[float, float] | None = None,
+) -> Step:
+    """Recipe of the samples of a band, or integrated over an interval, times `scale`."""
+    return Step.of(
+        read_scaled,
+        node=node,
+        file=source.file,
+        stamps=source.stamps,
+        band=band,
+        scale=scale,
+        interval_um=interval_um,
+    )
+
+
+def read_scaled(
+    work: Work,
+    *,
+    file: Path,
+    stamps: tuple[Stamp, ...],
+    band: int,
+    scale: float,
+    interval_um: tuple[float, float] | None,
+) -> NDArray[np.floating]:
+    """Samples in the evaluation's precision.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or is another one than was planned with.
+    DataError
+        Samples that are not finite, or not any more after scaling.
+    """
+    if tuple(_stamp(Path(name)) for name, _, _ in stamps) != stamps:
+        raise FileError(f"{file}: has changed since the network was planned: run it again")
+    if interval_um is None:
+        samples = read_pixels(file, band)
+    else:
+        samples = integrate_bands(file, *interval_um)
+    check_finite(samples, str(file))
+    if scale == 1.0 and samples.dtype == work.policy.dtype:
+        return samples
+    return _scaled(work, samples, scale, file)
+
+
+def _scaled(work: Work, samples: NDArray[Any], scale: float, file: Path) -> NDArray[np.floating]:
+    scaled = np.empty(samples.shape, work.policy.dtype)
+    step = max(1, _BLOCK_SAMPLES // samples.shape[1])
+    with np.errstate(over="ignore"):  # reported below, with the place
+        for start in range(0, samples.shape[0], step):
+            work.check()
+            rows = slice(start, start + step)
+            scaled[rows] = samples[rows].astype(np.float64) * scale
+    check_finite(scaled, f"{file} times scale = {scale:g} in {work.policy.precision} precision")
+    return scaled
+
+
+@lru_cache(maxsize=256)
+def _described(file: Path, stamps: tuple[Stamp, ...]) -> PictureInfo:
+    """Description of the file in the state the stamps tell, so that planning again costs less."""
+    return read_info(file)
+
+
+def _stamp(file: Path) -> Stamp:
+    status = readable_file(file).stat()
+    return str(file), status.st_size, status.st_mtime_ns

@@ -1,0 +1,107 @@
+"""Write Matrix: samples, curves or a transfer function as plain text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from types import MappingProxyType
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.data import CurveData
+from core.declaration import Here, Module
+from core.errors import ParameterError
+from core.parameters import Param
+from core.realize import realize
+from core.values import Curve, Image, Transfer
+from core.work import Work
+from nodes.files.arrays import write_curves, write_matrix
+
+Files = list[tuple[Path, Callable[[Path], None]]]
+_SUFFIXES = (".csv", ".txt", ".prn")
+
+
+class WriteMatrix(
+    Module, key="write_matrix", title="Write Matrix", group="Input and output", sink=True
+):
+    """Write plain numbers, a row on each line, as MathCad's READPRN reads them.
+
+    A name that ends in .csv separates them by commas and names the columns of curves; .txt and
+    .prn by blanks. A transfer function is written in the order of the FFT, zero frequency
+    first. Only when a run asks for outputs.
+    """
+
+    renamed = MappingProxyType({"curve": "image", "transfer": "image"})
+
+    path: Annotated[Path | None, Param("file to write, relative to the network file's folder")] = (
+        None
+    )
+
+    def run(self, image: Image | Curve | Transfer, here: Here) -> None:
+        """Check where to write."""
+        self.target(here)
+
+    def target(self, here: Here) -> Path:
+        """The file.
+
+        Raises
+        ------
+        ParameterError
+            No path, or a suffix that is not one of text.
+        """
+        if self.path is None:
+            allowed = "a file name, relative to the network file's folder"
+            raise ParameterError("path", None, allowed)
+        if self.path.suffix.lower() not in _SUFFIXES:
+            allowed = f"a name that ends in {', '.join(_SUFFIXES)}"
+            raise ParameterError("path", self.path.as_posix(), allowed)
+        return here.folder / self.path
+
+    def files(self, inputs: Mapping[str, Any], here: Here, work: Work) -> Files:
+        """Compute the values; the file and what writes it."""
+        target = self.target(here)
+        value = realize(inputs["image"], work)
+        if not isinstance(value, CurveData):
+            return [(target, partial(write_matrix, array=value))]
+        columns = curve_columns(value)
+        if target.suffix.lower() == ".csv":
+            return [(target, partial(write_curves, columns=columns))]
+        matrix = np.stack(list(columns.values()), axis=1)
+        return [(target, partial(write_matrix, array=matrix))]
+
+
+def curve_columns(curves: CurveData) -> dict[str, NDArray[np.float64]]:
+    """Columns of equal length for curves, by unique names.
+
+    One abscissa and a column for each curve where all share it; else pairs of columns where all
+    are equally long; else one curve below the other, with its number in the first column.
+    """
+    series = curves.series
+    columns: dict[str, NDArray[np.float64]] = {}
+    if series and all(np.array_equal(each.x, series[0].x) for each in series):
+        columns[_name(curves.x_label, columns)] = series[0].x
+        for each in series:
+            columns[_name(each.label or curves.y_label, columns)] = each.y
+        return columns
+    if series and len({len(each.x) for each in series}) == 1:
+        for each in series:
+            columns[_name(f"{each.label}: {curves.x_label}", columns)] = each.x
+            columns[_name(each.label, columns)] = each.y
+        return columns
+    numbers = [np.full(len(each.x), float(n)) for n, each in enumerate(series, 1)]
+    columns["curve"] = np.concatenate([*numbers, np.empty(0)])
+    columns[_name(curves.x_label, columns)] = np.concatenate([*(s.x for s in series), np.empty(0)])
+    columns[_name(curves.y_label, columns)] = np.concatenate([*(s.y for s in series), np.empty(0)])
+    return columns
+
+
+def _name(wanted: str, taken: Mapping[str, object]) -> str:
+    """`wanted` without the signs that end a name in CSV, numbered if it is taken."""
+    plain = " ".join(wanted.replace(",", ";").replace('"', "'").split()) or "value"
+    name, number = plain, 2
+    while name in taken:
+        name, number = f"{plain} ({number})", number + 1
+    return name
