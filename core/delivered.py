@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
+from core.factors import Factor
 from core.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
 from core.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
 from core.product import Product
@@ -75,7 +76,7 @@ class Delivered(Recipe):
 
     def compute(self, work: Work) -> Array:
         """One multiplication of the spectrum and one inverse transform."""
-        product = Product((*self.magnitude.factors, *self.phase.factors))
+        product = Product((*self.magnitude.factors, *self._phase_factors()))
         grid = self.magnitude.grid
         source = self.magnitude.image
         if source is not None and self.one_source:
@@ -90,6 +91,14 @@ class Delivered(Recipe):
         if self.mode == "sum":
             result *= result.dtype.type(self.factor_x * self.factor_y)
         return result
+
+    def _phase_factors(self) -> tuple[Factor, ...]:
+        """PTFs as functions of the magnitude's frequencies, sample by sample of the spectrum."""
+        a, b = self.magnitude.grid, self.phase.grid
+        ratios = a.interval_x_mrad / b.interval_x_mrad, a.interval_y_mrad / b.interval_y_mrad
+        if ratios == (1.0, 1.0):
+            return self.phase.factors
+        return tuple(factor.rescaled(*ratios) for factor in self.phase.factors)
 
     def _crossed(self, work: Work) -> MeanFree:
         a, b = self.magnitude.image, self.phase.image

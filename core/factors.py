@@ -8,7 +8,7 @@ in radians, or a complex H of which a wire carries the modulus or the phase.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -99,6 +99,14 @@ class Separable:
         """Content key."""
         return content_key("separable", self.x, self.y, self.part, self.argument)
 
+    def rescaled(self, ratio_x: float, ratio_y: float) -> Separable:
+        """The factor with its frequency axes multiplied."""
+        x, y = (
+            law and replace(law, scale=law.scale * ratio)
+            for law, ratio in ((self.x, ratio_x), (self.y, ratio_y))
+        )
+        return replace(self, x=x, y=y)
+
     def axis(self, work: Work | None, law: Law | None, frequency: Array) -> Array | None:
         """Values of one axis' law at `frequency`, or None where there is none."""
         if law is None:
@@ -141,6 +149,8 @@ class Planar:
         "complex".
     smooth : bool
         Smooth inside its support but for the centre, so that a low rank may serve there.
+    ratios : (float, float)
+        What xi and eta are multiplied by first: see `rescaled`.
     label, node : str
         The stage's title and its node. Not part of the key.
     """
@@ -150,6 +160,7 @@ class Planar:
     symmetric: bool = True
     take: Take = "real"
     smooth: bool = False
+    ratios: tuple[float, float] = (1.0, 1.0)
     label: str = field(default="", compare=False)
     node: str | None = field(default=None, compare=False)
 
@@ -162,8 +173,15 @@ class Planar:
     def key(self) -> str:
         """Content key."""
         return content_key(
-            "planar", self.law, self.radial, self.symmetric, self.take, self.smooth
+            "planar",
+            self.law,
+            (self.radial, self.symmetric, self.take, self.smooth),
+            self.ratios,
         )
+
+    def rescaled(self, ratio_x: float, ratio_y: float) -> Planar:
+        """The factor with its frequency axes multiplied."""
+        return replace(self, ratios=(self.ratios[0] * ratio_x, self.ratios[1] * ratio_y))
 
     def transfer(self, work: Work | None, xi: Array, eta: Array) -> Array:
         """What multiplies the spectrum, real or complex: a phase φ gives exp(iφ).
@@ -189,6 +207,8 @@ class Planar:
         return np.broadcast_to(shown, shape)
 
     def _evaluate(self, work: Work | None, xi: Array, eta: Array) -> Array:
+        if self.ratios != (1.0, 1.0):
+            xi, eta = xi * self.ratios[0], eta * self.ratios[1]
         try:
             if self.radial:
                 return np.asarray(self.law(work, rho=np.hypot(xi, eta)))

@@ -95,7 +95,8 @@ def _rejoin(planar: list[Planar]) -> tuple[Planar, ...]:
     for factor in planar:
         other = {"modulus": "phase", "phase": "modulus"}.get(factor.take)
         for index, earlier in enumerate(joined):
-            if other and earlier.take == other and earlier.law.key == factor.law.key:
+            same = earlier.law.key == factor.law.key and earlier.ratios == factor.ratios
+            if other and earlier.take == other and same:
                 joined[index] = replace(earlier, take="complex")
                 break
         else:

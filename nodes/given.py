@@ -1,4 +1,4 @@
-"""A parameter of the module, else of Init & Trans, else an error that names both."""
+"""A parameter of the module, else what Init & Trans or the image says, else an error."""
 
 from __future__ import annotations
 
@@ -18,3 +18,29 @@ def given(name: str, own: float | None, context: Context, *, unit: str) -> float
     if value is None:
         raise ParameterError(name, None, "give it here or on Init & Trans", unit=unit)
     return float(value)
+
+
+def given_band(
+    cut_on_um: float | None, cut_off_um: float | None, context: Context
+) -> tuple[float, float]:
+    """The module's own band, each empty end from the image's.
+
+    Raises
+    ------
+    ParameterError
+        If an end is not given, or the band is reversed.
+    """
+    of_image = context.band_um or (None, None)
+    cut_on = cut_on_um if cut_on_um is not None else of_image[0]
+    cut_off = cut_off_um if cut_off_um is not None else of_image[1]
+    if cut_on is None:
+        raise _no_band("cut_on_um")
+    if cut_off is None:
+        raise _no_band("cut_off_um")
+    if cut_on > cut_off:
+        raise ParameterError("cut_off_um", cut_off, f"at least cut_on_um = {cut_on:g}", unit="µm")
+    return cut_on, cut_off
+
+
+def _no_band(name: str) -> ParameterError:
+    return ParameterError(name, None, "the image does not say its band: give it here", unit="µm")

@@ -42,4 +42,10 @@ def band_wavelengths(
         raise ParameterError("wavelengths", count, f"1 to {MOST_WAVELENGTHS}")
     nodes, weights = np.polynomial.legendre.leggauss(count)
     middle, half = 0.5 * (cut_on_um + cut_off_um), 0.5 * (cut_off_um - cut_on_um)
-    return middle + half * nodes, weights / np.sum(weights)
+    weights = weights / np.sum(weights)
+    # Added in their order the weights give 1 exactly, and an OTF made with them H(0) = 1.
+    before = 0.0
+    for weight in weights[:-1]:
+        before += float(weight)
+    weights[-1] = 1.0 - before
+    return middle + half * nodes, weights

@@ -22,7 +22,7 @@ from core.recipes import Recipe, Step
 from core.values import Context, Image, Table, Transfer
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import Detector, figures, statistics
-from nodes.given import given
+from nodes.given import given, given_band
 from nodes.laws import separable
 from nodes.noise_seed import SeededModule
 
@@ -203,24 +203,8 @@ class ElectronicsNoise(
             )
         return noise_bandwidth_hz(time_constant_s=tau)
 
-    def _band(self, context: Context) -> tuple[float, float]:
-        band = context.band_um or (None, None)
-        found = []
-        for name, own, of_image in zip(
-            ("cut_on_um", "cut_off_um"), (self.cut_on_um, self.cut_off_um), band, strict=True
-        ):
-            value = own if own is not None else of_image
-            if value is None:
-                raise ParameterError(
-                    name, None, "the image does not say its band: give it here", unit="µm"
-                )
-            found.append(value)
-        if found[0] >= found[1]:
-            raise ParameterError("cut_off_um", found[1], f"above {found[0]:g}", unit="µm")
-        return found[0], found[1]
-
     def _detector(self, context: Context) -> Detector:
-        cut_on, cut_off = self._band(context)
+        cut_on, cut_off = given_band(self.cut_on_um, self.cut_off_um, context)
         return Detector(
             cut_on_um=cut_on,
             cut_off_um=cut_off,

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.data import TableData, TableRow
+from core.errors import ParameterError
 from core.factors import Separable
 from core.line_filter import filter_lines
 from core.physics.gain_bias import apply_gain_bias
@@ -104,7 +105,16 @@ def quantized(
     """Nearest of 2^bits levels over the range, by default the picture's own."""
     lowest = float(picture.min()) if low is None else low
     highest = float(picture.max()) if high is None else high
-    return quantize(picture, bits=bits, low=lowest, high=max(lowest, highest))
+    if lowest > highest:
+        name, value = ("range_low", low) if high is None else ("range_high", high)
+        raise ParameterError(
+            name,
+            value,
+            f"within reach of the picture, which goes from {picture.min():.6g} to "
+            f"{picture.max():.6g}, or give both ends",
+            unit="W/m²/sr",
+        )
+    return quantize(picture, bits=bits, low=lowest, high=highest)
 
 
 def with_quantization(work: Work, table: TableData, final: Array, before: Array) -> TableData:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.declaration import Here, Module, readout
-from core.errors import ParameterError
 from core.factors import Factor
 from core.parameters import Param
 from core.physics.polychromatic import band_wavelengths
@@ -16,6 +15,7 @@ from core.probe import TransferAt
 from core.recipes import Step
 from core.values import Context, Magnitude, Phase, Pupil, Transfer
 from core.work import Work
+from nodes.given import given_band
 from nodes.optics.pupil_factor import (
     PupilScale,
     exact_factor,
@@ -108,7 +108,7 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
         return PupilOutputs(magnitude.times(blur), phase.plus(*shifts), mtf, ptf)
 
     def _scale(self, context: Context, pupil: Pupil) -> PupilScale:
-        cut_on, cut_off = self._band(context)
+        cut_on, cut_off = given_band(self.cut_on_um, self.cut_off_um, context)
         wavelengths, weights = band_wavelengths(
             cut_on_um=cut_on, cut_off_um=cut_off, count=self.wavelengths
         )
@@ -118,23 +118,6 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
             tuple(map(float, wavelengths)),
             tuple(map(float, weights)),
         )
-
-    def _band(self, context: Context) -> tuple[float, float]:
-        band = context.band_um or (None, None)
-        cut_on = self.cut_on_um if self.cut_on_um is not None else band[0]
-        cut_off = self.cut_off_um if self.cut_off_um is not None else band[1]
-        for name, value in (("cut_on_um", cut_on), ("cut_off_um", cut_off)):
-            if value is None:
-                raise ParameterError(
-                    name, None, "the image does not say its band: give it here", unit="µm"
-                )
-        assert cut_on is not None
-        assert cut_off is not None
-        if cut_on > cut_off:
-            raise ParameterError(
-                "cut_off_um", cut_off, f"at least cut_on_um = {cut_on:g}", unit="µm"
-            )
-        return cut_on, cut_off
 
     @readout("cyc/mrad")
     def pupil_interval_x(self, context: Context, pupil: Pupil) -> float:

@@ -56,9 +56,7 @@ def refined(pupil: Pupil, scale: PupilScale, node: str) -> tuple[Pupil, PupilSca
         columns=2 * pupil.columns,
         radius=2 * pupil.radius,
     )
-    return finer, replace(
-        scale, pitch_x_mm=scale.pitch_x_mm / 2, pitch_y_mm=scale.pitch_y_mm / 2
-    )
+    return finer, replace(scale, pitch_x_mm=scale.pitch_x_mm / 2, pitch_y_mm=scale.pitch_y_mm / 2)
 
 
 def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Planar | None:
@@ -211,9 +209,7 @@ def _error(work: Work, samples: Array, *, shape: PupilShape | None, **wavefront:
     if shape is not None:
         fineness = max(1, round(wavefront["radius"] / shape.radius))
         rows, columns = samples.shape[0] // fineness, samples.shape[1] // fineness
-        uncertainty = edge_offset_samples(
-            shape, rows=rows, columns=columns, oversampling=fineness
-        )
+        uncertainty = edge_offset_samples(shape, rows=rows, columns=columns, oversampling=fineness)
     return float(
         error_estimate(pupil, correlation=correlation, edge_uncertainty_samples=uncertainty)
     )

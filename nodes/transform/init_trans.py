@@ -94,7 +94,10 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
             return interval_mrad(fov_deg=fov_deg, samples=samples)
         if of_image is None:
             raise ParameterError(
-                name, None, "the image does not say its field of view: give it there or on Init & Trans", unit="deg"
+                name,
+                None,
+                "the image does not say its field of view: give it there or on Init & Trans",
+                unit="deg",
             )
         return of_image
 

@@ -157,7 +157,7 @@ FAULTS = [
     ),
     (_choice, "scene: kind = 'dormitry' is not allowed: one of dormitory, point"),
     (_combination, "init: near_m = 3.0 m is not allowed: at most far_m = 2.0"),
-    (_required_parameter, "look: level = None is not allowed: a number"),
+    (_required_parameter, "look: level is empty: a number"),
     (
         _unknown_output,
         "init: Init & Trans has no output magnitud (the link init.magnitud → jitter.magnitude); "
