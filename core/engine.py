@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from core.arithmetic import watched
 from core.declaration import Declaration, Here, Module, declaration
 from core.errors import ImagechainError, NetworkError
 from core.library import Library
-from core.network import Network, Node, passed_through
+from core.network import Link, Network, Node, passed_through
 from core.policy import Policy
 from core.realize import realize
 from core.recipes import Recipe
@@ -54,16 +55,26 @@ class Plan:
             The node's own error, or that there is no such port.
         """
         name, _, output = port.rpartition(".")
-        planned = self.nodes.get(name)
-        if planned is None:
-            known = ", ".join(self.nodes) or "none"
-            raise NetworkError(f"{port}: the network has no node {name!r}; it has {known}")
+        planned = self.node(name)
         if planned.error is not None:
             raise planned.error
         if output not in planned.outputs:
             known = ", ".join(planned.outputs) or "none"
             raise NetworkError(f"{port}: {name} has no output {output!r}; it has {known}")
         return planned.outputs[output]
+
+    def node(self, name: str) -> PlannedNode:
+        """The planned node of that id.
+
+        Raises
+        ------
+        NetworkError
+            If there is none.
+        """
+        if name not in self.nodes:
+            known = ", ".join(self.nodes) or "none"
+            raise NetworkError(f"the network has no node {name!r}; it has {known}")
+        return self.nodes[name]
 
     def errors(self) -> list[ImagechainError]:
         """Errors of the nodes, each once, in order."""
@@ -124,7 +135,8 @@ class Engine:
         value = plan.output(port)
         node = port.rpartition(".")[0]
         try:
-            return realize(value, work)
+            with watched(node):
+                return realize(value, work)
         except ImagechainError as error:
             raise error.at(node) from error
 
@@ -136,7 +148,7 @@ class Engine:
         ImagechainError
             The node's own error, or one met while computing.
         """
-        planned = plan.nodes[node]
+        planned = plan.node(node)
         if planned.error is not None:
             raise planned.error
         found: dict[str, Any] = {}
@@ -146,7 +158,8 @@ class Engine:
             known = {**planned.inputs, "outputs": planned.result}
             arguments = {name: known[name] for name in readout.needs}
             try:
-                value = getattr(planned.module, readout.method)(**arguments)
+                with watched(node):
+                    value = getattr(planned.module, readout.method)(**arguments)
                 found[readout.name] = work.value(value) if isinstance(value, Recipe) else value
             except ImagechainError as error:
                 raise error.at(node) from error
@@ -155,34 +168,61 @@ class Engine:
     def _plan_node(
         self, network: Network, name: str, planned: Mapping[str, PlannedNode], folder: Path
     ) -> PlannedNode:
-        node = network.nodes[name]
         inputs: dict[str, Any] = {}
         try:
-            module_class = self.library.get(node.module)
-            if module_class is None:
-                raise NetworkError(f"module {node.module!r} is not in the library", node=name)
-            module = module_class.build(node.params)
-            module.check()
-            described = declaration(module_class)
-            for link in network.links_into(name):
-                source = planned[link.source]
-                if source.error is not None:
-                    return PlannedNode(node, module, error=source.error)
-                if link.output not in source.outputs:
-                    raise NetworkError(f"{link.source} has no output {link.output!r}", node=name)
-                inputs[link.input] = source.outputs[link.output]
-            for port in described.inputs:
-                if port.name not in inputs:
-                    if port.required:
-                        raise NetworkError(f"input {port.name} is not connected", node=name)
-                    inputs[port.name] = None
-            if node.disabled:
-                return PlannedNode(node, module, inputs, _passed(described, inputs))
-            result = _run(module, inputs, Here(name, network.seed, folder))
-            outputs = result._asdict() if result is not None else {}
-            return PlannedNode(node, module, inputs, outputs, result)
+            with watched(name):
+                return self._planned(network, name, planned, folder, inputs)
         except ImagechainError as error:
-            return PlannedNode(node, inputs=inputs, error=error.at(name))
+            return PlannedNode(network.nodes[name], inputs=inputs, error=error.at(name))
+
+    def _planned(
+        self,
+        network: Network,
+        name: str,
+        planned: Mapping[str, PlannedNode],
+        folder: Path,
+        inputs: dict[str, Any],
+    ) -> PlannedNode:
+        node = network.nodes[name]
+        module_class = self.library.get(node.module)
+        if module_class is None:
+            raise NetworkError(f"module {node.module!r} is not in the library", node=name)
+        module = module_class.build(node.params)
+        module.check()
+        described = declaration(module_class)
+        for link in network.links_into(name):
+            source = planned.get(link.source)
+            if source is not None and source.error is not None:
+                return PlannedNode(node, module, error=source.error)
+            inputs[link.input] = _brought(link, source, described, inputs)
+        for port in described.inputs:
+            if port.name not in inputs:
+                if port.required:
+                    raise NetworkError(f"input {port.name} is not connected", node=name)
+                inputs[port.name] = None
+        if node.disabled:
+            return PlannedNode(node, module, inputs, _passed(described, inputs))
+        result = _run(module, inputs, Here(name, network.seed, folder))
+        outputs = result._asdict() if result is not None else {}
+        return PlannedNode(node, module, inputs, outputs, result)
+
+
+def _brought(
+    link: Link, source: PlannedNode | None, described: Declaration, inputs: Mapping[str, Any]
+) -> Any:
+    """What a link brings to its input; for networks that nobody has validated."""
+    port = described.input(link.input)
+    if port is None:
+        raise NetworkError(f"{described.title} has no input {link.input!r}")
+    if link.input in inputs:
+        raise NetworkError(f"two links come into the input {link.input}")
+    if source is None or link.output not in source.outputs:
+        raise NetworkError(f"the link {link} brings nothing: there is no such output")
+    value = source.outputs[link.output]
+    if value.port_type not in port.types:
+        kinds = " or ".join(port.types)
+        raise NetworkError(f"{link.source}.{link.output} is no {kinds} for the input {link.input}")
+    return value
 
 
 def _run(module: Module, inputs: Mapping[str, Any], here: Here) -> Any:

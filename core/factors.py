@@ -7,7 +7,8 @@ in radians, or a complex H of which a wire carries the modulus or the phase.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.arithmetic import watched
 from core.errors import ImagechainError
 from core.keys import content_key
 from core.recipes import Recipe
@@ -71,6 +73,16 @@ class Law:
         return self.function(**frequencies, **bound)
 
 
+@contextmanager
+def _placed(node: str | None) -> Iterator[None]:
+    """Put errors on the node a factor came from."""
+    try:
+        with watched(node):
+            yield
+    except ImagechainError as error:
+        raise (error.at(node) if node else error) from error
+
+
 @dataclass(frozen=True)
 class Separable:
     """fx(xi)·fy(eta) for an MTF, fx(xi) + fy(eta) for a PTF; a missing law is 1 or 0.
@@ -111,10 +123,8 @@ class Separable:
         """Values of one axis' law at `frequency`, or None where there is none."""
         if law is None:
             return None
-        try:
+        with _placed(self.node):
             return np.asarray(law(work, **{self.argument: frequency}), np.float64)
-        except ImagechainError as error:
-            raise (error.at(self.node) if self.node else error) from error
 
     def plane(self, work: Work | None, xi: Array, eta: Array) -> Array:
         """Values on the plane spanned by `xi` (columns,) and `eta` (rows,)."""
@@ -209,12 +219,10 @@ class Planar:
     def _evaluate(self, work: Work | None, xi: Array, eta: Array) -> Array:
         if self.ratios != (1.0, 1.0):
             xi, eta = xi * self.ratios[0], eta * self.ratios[1]
-        try:
+        with _placed(self.node):
             if self.radial:
                 return np.asarray(self.law(work, rho=np.hypot(xi, eta)))
             return np.asarray(self.law(work, xi=xi, eta=eta))
-        except ImagechainError as error:
-            raise (error.at(self.node) if self.node else error) from error
 
 
 Factor = Separable | Planar

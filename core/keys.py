@@ -32,7 +32,9 @@ def content_key(*parts: object) -> str:
 
 def _feed(write: Callable[[bytes], None], part: Any) -> None:
     if part is None or isinstance(part, bool | int | str | Path):
-        write(f"{type(part).__name__}:{part};".encode("utf-8", "surrogatepass"))
+        text = str(part).encode("utf-8", "surrogatepass")
+        kind = "str" if isinstance(part, str) else type(part).__name__
+        write(f"{kind}{len(text)}:".encode() + text)
     elif isinstance(part, float | np.floating):
         write(b"f" + float(part).hex().encode() + b";")
     elif isinstance(part, np.integer):

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from core.errors import ImagechainError
 from core.keys import content_key
 
 if TYPE_CHECKING:
@@ -77,9 +76,4 @@ class Step(Recipe):
         """Evaluate the inputs, then the function."""
         values = [work.value(recipe) for recipe in self.inputs]
         work.check()
-        try:
-            return self.function(work, *values, **dict(self.parameters))
-        except ImagechainError as error:
-            if self.node is None:
-                raise
-            raise error.at(self.node) from error
+        return self.function(work, *values, **dict(self.parameters))

@@ -40,6 +40,17 @@ def freeze(value: object) -> None:
             freeze(item)
 
 
+_ABSENT = object()
+
+
+class _Running:
+    """A key under computation: its lock, and how many are at it or wait for it."""
+
+    def __init__(self) -> None:
+        self.lock = threading.RLock()
+        self.users = 0
+
+
 class Store:
     """Values by key. One computation per key at a time; safe to share between threads."""
 
@@ -48,7 +59,7 @@ class Store:
         self._values: OrderedDict[str, tuple[Any, int]] = OrderedDict()
         self._bytes = 0
         self._lock = threading.Lock()
-        self._running: dict[str, threading.RLock] = {}
+        self._running: dict[str, _Running] = {}
 
     def __len__(self) -> int:
         return len(self._values)
@@ -58,12 +69,12 @@ class Store:
         """Bytes held now."""
         return self._bytes
 
-    def peek(self, key: str) -> Any | None:
-        """The value of `key` if it is there, else None; never computes."""
+    def peek(self, key: str, default: Any = None) -> Any:
+        """The value of `key` if it is there, else `default`; never computes."""
         with self._lock:
             found = self._values.get(key)
             if found is None:
-                return None
+                return default
             self._values.move_to_end(key)
             return found[0]
 
@@ -73,23 +84,28 @@ class Store:
         A second thread asking for a key under computation waits for it. An error is not kept:
         the next one to ask tries again.
         """
-        found = self.peek(key)
-        if found is not None:
+        found = self.peek(key, _ABSENT)
+        if found is not _ABSENT:
             return found
         with self._lock:
-            running = self._running.setdefault(key, threading.RLock())
-        with running:
-            found = self.peek(key)
-            if found is not None:
-                return found
-            try:
+            running = self._running.setdefault(key, _Running())
+            running.users += 1
+        try:
+            with running.lock:
+                found = self.peek(key, _ABSENT)
+                if found is not _ABSENT:
+                    return found
                 value = compute()
                 freeze(value)
+                if isinstance(value, np.ndarray):
+                    value = value.view()  # a view of a read-only array cannot be made writeable
                 self._put(key, value)
-            finally:
-                with self._lock:
+                return value
+        finally:
+            with self._lock:
+                running.users -= 1
+                if running.users == 0:
                     self._running.pop(key, None)
-        return value
 
     def clear(self) -> None:
         """Forget everything."""
@@ -99,9 +115,12 @@ class Store:
 
     def _put(self, key: str, value: Any) -> None:
         size = size_in_bytes(value)
+        if size > self.capacity_bytes:
+            return
         with self._lock:
+            _, before = self._values.pop(key, (None, 0))
             self._values[key] = (value, size)
-            self._bytes += size
-            while self._bytes > self.capacity_bytes and self._values:
+            self._bytes += size - before
+            while self._bytes > self.capacity_bytes:
                 _, (_, dropped) = self._values.popitem(last=False)
                 self._bytes -= dropped

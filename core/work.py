@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from core.errors import Cancelled
+from core.arithmetic import watched
+from core.errors import Cancelled, ImagechainError
 from core.policy import Policy
 from core.recipes import Recipe
 from core.store import Store
@@ -62,7 +63,8 @@ class Work:
 
         def one(item: Any) -> None:
             self.check()
-            function(item)
+            with watched(None):  # a thread of the pool does not know that it is watched
+                function(item)
 
         workers = min(self.policy.workers, len(items))
         if workers <= 1:
@@ -77,4 +79,10 @@ class Work:
         self.check()
         if self._progress is not None:
             self._progress(recipe.node)
-        return recipe.compute(self)
+        try:
+            with watched(recipe.node):
+                return recipe.compute(self)
+        except ImagechainError as error:
+            if recipe.node is None:
+                raise
+            raise error.at(recipe.node) from error
