@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.errors import DataError
 
@@ -28,3 +30,16 @@ def watched(node: str | None) -> Iterator[None]:
             "a parameter or a sample is too large or too small",
             node=node,
         ) from error
+
+
+def require_finite(values: NDArray[Any]) -> None:
+    """Refuse what a transform has made of numbers too large for it, which it does in silence.
+
+    Raises
+    ------
+    FloatingPointError
+        For `watched` to make a `DataError` of.
+    """
+    # One bad sample spreads over its whole transform, so that the sum cannot miss it.
+    if not np.isfinite(np.sum(values, dtype=np.result_type(values.dtype, np.float64))):
+        raise FloatingPointError("overflow encountered in transform")

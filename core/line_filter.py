@@ -8,6 +8,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from core.arithmetic import require_finite
 from core.factors import Separable
 from core.grid import Grid
 from core.product import Product
@@ -54,6 +55,7 @@ def filter_lines(
         filtered = (
             _mirrored(values, response) if edges == "reflect" else _periodic(values, response)
         )
+        require_finite(filtered)
         np.add(filtered, (mean * response[0].real).astype(result.dtype), out=result[lines])
 
     work.each(one, range(0, image.shape[0], height))

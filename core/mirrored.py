@@ -20,6 +20,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from core.arithmetic import require_finite
 from core.grid import Grid
 from core.planes import Planes
 from core.product import Product
@@ -80,6 +81,7 @@ def mirrored_filter(
             part = _inverse(folded.pop(odd_x), odd_y, odd_x, work.policy.workers)
             total = part if total is None else np.add(total, part, out=total)
     assert total is not None
+    require_finite(total)
     total += np.asarray(spectrum.mean * product.at_zero(work), total.dtype)
     return total
 

@@ -12,6 +12,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from core.arithmetic import require_finite
 from core.grid import Grid
 from core.mirrored import BLOCK_SAMPLES, MeanFree
 from core.planes import Planes
@@ -78,6 +79,7 @@ def periodic_filter(
         image = scipy.fft.irfft2(
             direct, s=(rows, columns), overwrite_x=True, workers=work.policy.workers
         )
+    require_finite(image)
     image += np.asarray(spectrum.mean * product.at_zero(work), image.dtype)
     return np.asarray(image)
 

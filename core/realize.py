@@ -8,6 +8,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from core.arithmetic import require_finite
 from core.data import SampledTransfer
 from core.recipes import Recipe, Step
 from core.values import Context, Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
@@ -59,6 +60,7 @@ def spectrum(work: Work, image: Array) -> Array:
     mean = float(np.mean(image, dtype=np.float64))
     centred = np.subtract(image, mean, dtype=work.policy.dtype)
     values = scipy.fft.fft2(centred, workers=work.policy.workers)
+    require_finite(values)
     values[0, 0] = mean * image.size
     return np.asarray(values)
 

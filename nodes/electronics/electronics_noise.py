@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Annotated, Literal, NamedTuple
 
 from core.declaration import Here, Module, readout
@@ -37,6 +38,18 @@ class ElectronicsOutputs(NamedTuple):
     mtf: Transfer
     ptf: Transfer
     table: Table
+
+
+def _with_interval(image: Image, context: Context) -> Image:
+    """The image with its sampling interval: of the field of view where it does not say."""
+    if image.interval_x_mrad is not None and image.interval_y_mrad is not None:
+        return image
+    grid = context.grid
+    return replace(
+        image,
+        interval_x_mrad=grid.interval_x_mrad * grid.columns / image.columns,
+        interval_y_mrad=grid.interval_y_mrad * grid.rows / image.rows,
+    )
 
 
 def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
@@ -144,6 +157,7 @@ class ElectronicsNoise(
         node = here.node
         seen = Step.of(statistics, image.recipe, node=node)
         table = Step.of(figures, seen, node=node, detector=self._detector(context))
+        image = _with_interval(image, context)
         plan = steps.NoisePlan(image, context.platform, node, lambda name: self.stream(here, name))
         filters = self._pre_amplifier(image, context)
         post = self._post_filter(context)
