@@ -1,0 +1,1 @@
+"""The command line and its reports; no other layer knows this one."""

@@ -1,0 +1,202 @@
+"""The command line's words; a wrong one is a `UsageError`, never a usage text on stderr."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, NoReturn, cast
+
+from core.errors import UsageError
+from core.policy import Precision
+
+REPORT_SUFFIXES = (".json", ".html")
+SAVE_SUFFIXES = (".npy", ".exr", ".tif", ".tiff", ".png", ".csv")
+_LONGEST_NUMBER = 20
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """``NODE.NAME=TEXT``: a parameter and its value, or a port and its file."""
+
+    node: str
+    name: str
+    text: str
+
+    @property
+    def port(self) -> str:
+        """``NODE.NAME``."""
+        return f"{self.node}.{self.name}"
+
+
+@dataclass(frozen=True)
+class Options:
+    """What was asked for."""
+
+    command: Literal["run", "check", "modules"]
+    network: str = ""
+    settings: tuple[Assignment, ...] = ()
+    saves: tuple[Assignment, ...] = ()
+    output_dir: Path | None = None
+    reports: tuple[Path, ...] = ()
+    precision: Precision = "single"
+    seed: int | None = None
+    threads: int = 0
+    as_json: bool = False
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"{message} (imagechain --help)")
+
+
+class _Version(argparse.Action):
+    # Asked of the installation only when wanted: that costs a run 20 ms.
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any, **__: Any) -> None:
+        print(f"imagechain {version()}")
+        parser.exit()
+
+
+def parse(argv: list[str]) -> Options:
+    """Read the command line.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be carried out.
+    SystemExit
+        After printing the help or version asked for.
+    """
+    found = _parser().parse_args(argv)
+    if found.command == "modules":
+        return Options("modules", as_json=found.json)
+    settings = tuple(_assignment("--set", text, "NODE.PARAM=VALUE") for text in found.set)
+    if found.command == "check":
+        return Options("check", found.network, settings)
+    return Options(
+        "run",
+        found.network,
+        settings,
+        saves=tuple(_save(text) for text in found.save),
+        output_dir=_path("--output-dir", found.output_dir),
+        reports=tuple(_report(text) for text in found.report),
+        precision=cast(Precision, found.precision),
+        seed=_whole("--seed", found.seed),
+        threads=_whole("--threads", found.threads) or 0,
+    )
+
+
+def help_text() -> str:
+    """The help as printed for ``--help``."""
+    return _parser().format_help()
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="imagechain",
+        description="Simulate electro-optical and infrared image chains.",
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    _run_words(commands.add_parser("run", help="evaluate a network", allow_abbrev=False))
+    check = commands.add_parser("check", help="validate a network", allow_abbrev=False)
+    _network_words(check)
+    modules = commands.add_parser("modules", help="list the library", allow_abbrev=False)
+    modules.add_argument("--json", action="store_true", help="for programs")
+    return parser
+
+
+def _network_words(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("network", metavar="NETWORK", help="a file, or the name of a shipped one")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NODE.PARAM=VALUE",
+        help="change a parameter for this once",
+    )
+
+
+def _run_words(parser: argparse.ArgumentParser) -> None:
+    _network_words(parser)
+    add: Any = parser.add_argument
+    add(
+        "--save",
+        action="append",
+        default=[],
+        metavar="NODE.PORT=FILE",
+        help="write what a port gives, as " + " ".join(SAVE_SUFFIXES),
+    )
+    add(
+        "--output-dir",
+        metavar="DIR",
+        help="where final.png, mtf.csv and readouts.json go (default ./NAME-output)",
+    )
+    add(
+        "--report",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="write a report, .html or .json",
+    )
+    add("--precision", choices=("single", "double"), default="single", help="default: single")
+    add("--seed", metavar="N", help="of the noise, in place of the network's")
+    add("--threads", metavar="N", help="worker threads (default: all)")
+
+
+def version() -> str:
+    """The installed version of this program."""
+    from importlib import metadata
+
+    try:
+        return metadata.version("imagechain")
+    except metadata.PackageNotFoundError:
+        return "(source tree)"
+
+
+def _assignment(option: str, text: str, form: str) -> Assignment:
+    left, equals, right = text.partition("=")
+    node, dot, name = left.rpartition(".")
+    if not (equals and dot and node and name):
+        raise UsageError(f"{option} {text!r:.120}: write {form}")
+    return Assignment(node, name, right)
+
+
+def _save(text: str) -> Assignment:
+    save = _assignment("--save", text, "NODE.PORT=FILE")
+    _with_suffix("--save", save.text, SAVE_SUFFIXES)
+    return save
+
+
+def _report(text: str) -> Path:
+    return _with_suffix("--report", text, REPORT_SUFFIXES)
+
+
+def _with_suffix(option: str, text: str, allowed: tuple[str, ...]) -> Path:
+    path = _path(option, text)
+    assert path is not None
+    if path.suffix.lower() not in allowed:
+        raise UsageError(f"{option} {text!r:.120}: the file's name must end in {_or(allowed)}")
+    return path
+
+
+def _path(option: str, text: str | None) -> Path | None:
+    if text is None:
+        return None
+    if not text or "\0" in text:
+        raise UsageError(f"{option} {text!r:.120}: give a file name")
+    return Path(text)
+
+
+def _whole(option: str, text: str | None) -> int | None:
+    if text is None:
+        return None
+    if not re.fullmatch(r"[+-]?[0-9]+", text, re.ASCII) or len(text) > _LONGEST_NUMBER:
+        raise UsageError(f"{option} {text!r:.80}: give a whole number")
+    return int(text)
+
+
+def _or(words: tuple[str, ...]) -> str:
+    return ", ".join(words[:-1]) + " or " + words[-1]

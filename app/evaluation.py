@@ -1,0 +1,154 @@
+"""One evaluation of a network for the command line: what it computes and how long it takes."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from app.chain import Chain, find_chain, is_neutral, source_images
+from app.responses import Responses, responses
+from core.engine import Engine, Plan
+from core.errors import ImagechainError
+from core.network import Network
+from core.policy import Policy
+from core.realize import realize
+from core.recipes import Recipe
+from core.store import Store
+from core.validate import NetworkProblems
+from core.values import Image, Magnitude, Phase, Transfer
+from core.work import Work
+from nodes.files.read import check_finite
+
+Readouts = dict[str, dict[str, Any]]
+
+
+class TimedWork(Work):
+    """Work that notes how long each node computes, without the time of what it waits for."""
+
+    def __init__(
+        self, policy: Policy, store: Store, progress: Callable[[str | None], None] | None = None
+    ) -> None:
+        super().__init__(policy, store, progress=progress)
+        self.seconds: dict[str, float] = {}
+        self._lock = threading.Lock()
+        self._local = threading.local()
+
+    def _compute(self, recipe: Recipe) -> Any:
+        inner = getattr(self._local, "inner", 0.0)
+        self._local.inner = 0.0
+        start = time.perf_counter()
+        try:
+            return super()._compute(recipe)
+        finally:
+            whole = time.perf_counter() - start
+            own = whole - self._local.inner
+            self._local.inner = inner + whole
+            name = recipe.node or ""
+            with self._lock:
+                self.seconds[name] = self.seconds.get(name, 0.0) + own
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """A network that has been evaluated."""
+
+    plan: Plan
+    engine: Engine
+    work: TimedWork
+    chain: Chain
+    responses: Responses
+    readouts: Readouts
+    folder: Path
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def network(self) -> Network:
+        """The network as it ran."""
+        return self.plan.network
+
+    def neutral(self) -> list[str]:
+        """Nodes that pass their input on, so that nothing of them was computed."""
+        return [
+            name
+            for name, planned in self.plan.nodes.items()
+            if is_neutral(planned) and not planned.node.disabled
+        ]
+
+    def disabled(self) -> list[str]:
+        """Nodes that are switched off."""
+        return [name for name, planned in self.plan.nodes.items() if planned.node.disabled]
+
+
+def planned(engine: Engine, network: Network, folder: Path) -> Plan:
+    """The network planned.
+
+    Raises
+    ------
+    NetworkProblems
+        With the errors of all nodes.
+    """
+    plan = engine.plan(network, folder=folder)
+    errors = plan.errors()
+    if errors:
+        raise NetworkProblems(errors) from errors[0]
+    return plan
+
+
+def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evaluation:
+    """Compute the input pictures, then every unlinked output and every read-out.
+
+    Raises
+    ------
+    ImagechainError
+        The first one met, with its node.
+    """
+    start = time.perf_counter()
+    for port in source_images(plan):
+        _check_source(plan, port, work)
+    sources = time.perf_counter()
+    for name, output in plan.network.unlinked_outputs(engine.library):
+        _evaluate_output(plan, name, output, work)
+    readouts = {
+        name: engine.readouts(plan, name, work)
+        for name, node in plan.nodes.items()
+        if not node.node.disabled and node.declaration.readouts
+    }
+    chain = find_chain(plan)
+    found = responses(chain, work)
+    if chain.final is not None:
+        engine.value(plan, chain.final, work)
+    seconds = {"sources": sources - start, "evaluation": time.perf_counter() - sources}
+    return Evaluation(plan, engine, work, chain, found, readouts, folder, seconds)
+
+
+def _check_source(plan: Plan, port: str, work: Work) -> None:
+    value: Image = plan.output(port)
+    node = port.rpartition(".")[0]
+    try:
+        check_finite(work.value(value.recipe), port)
+    except ImagechainError as error:
+        raise error.at(node) from error
+
+
+def _evaluate_output(plan: Plan, name: str, output: str, work: Work) -> None:
+    value = plan.nodes[name].outputs.get(output)
+    sampled = isinstance(value, Transfer) and value.own is not None
+    try:
+        if isinstance(value, Transfer | Magnitude | Phase) and not sampled:
+            # Nobody looks at the plane: its factors on two lines tell whether it can be made.
+            _along_axes(value, work)
+        elif value is not None:
+            realize(value, work)
+    except ImagechainError as error:
+        raise error.at(name) from error
+
+
+def _along_axes(value: Transfer | Magnitude | Phase, work: Work) -> None:
+    from app.responses import response
+
+    response(work, value.factors, value.grid.xi_half(), "x")
+    response(work, value.factors, value.grid.eta(), "y")

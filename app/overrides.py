@@ -1,0 +1,66 @@
+"""Changes that the command line makes to a network before it is checked."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Iterable
+from typing import Any
+
+from app.arguments import Assignment
+from core.declaration import declaration
+from core.errors import ImagechainError, ParameterError, UsageError
+from core.library import Library
+from core.network import Network
+from core.parameters import Parameter, plain
+from core.plain import close, shown
+
+
+def with_settings(network: Network, settings: Iterable[Assignment], *, library: Library) -> Network:
+    """The network with every ``--set`` carried out; of two for one parameter the last holds.
+
+    A value is taken as JSON where it is JSON that fits the parameter, else as text.
+
+    Raises
+    ------
+    UsageError, ParameterError
+        For an unknown node or parameter, or a value that does not fit.
+    """
+    for setting in settings:
+        node = network.nodes.get(setting.node)
+        if node is None:
+            known = close(setting.node, network.nodes) or _listed(network.nodes)
+            raise UsageError(f"--set {setting.port}: there is no node {shown(setting.node)}{known}")
+        module = library.get(node.module)
+        if module is None:  # for the check of the whole network to say
+            continue
+        declared = declaration(module)
+        parameter = declared.parameter(setting.name)
+        if parameter is None:
+            names = [each.name for each in declared.parameters]
+            known = close(setting.name, names) or _listed(names)
+            raise UsageError(
+                f"--set {setting.port}: {declared.title} has no parameter "
+                f"{shown(setting.name)}{known}"
+            )
+        value = _fitting(parameter, setting)
+        network = network.with_parameter(setting.node, setting.name, plain(value))
+    return network
+
+
+def _fitting(parameter: Parameter, setting: Assignment) -> Any:
+    readings: list[Any] = [setting.text]
+    with contextlib.suppress(ValueError, RecursionError):  # no JSON, so a text
+        readings.insert(0, json.loads(setting.text))
+    first: ImagechainError | None = None
+    for reading in readings:
+        try:
+            return parameter.coerce(reading)
+        except ParameterError as error:
+            first = first or error.at(setting.node)
+    assert first is not None
+    raise first
+
+
+def _listed(names: Iterable[str]) -> str:
+    return f"; it has {', '.join(names) or 'none'}"

@@ -1,0 +1,155 @@
+"""All figures of a report as plain data."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+import numpy as np
+
+from app.arguments import version
+from app.chain import ending_images, is_neutral
+from app.evaluation import Evaluation
+from app.report.published import conflicts, published_rows
+from app.responses import StageResponse, at_nyquist
+from core.engine import PlannedNode
+from core.parameters import plain
+from core.plain import thaw
+from core.realize import realize
+from core.values import Image, Table
+
+NOISE_PORTS = ("noise", "detector_noise", "quantization_error")
+
+
+def report_facts(found: Evaluation) -> dict[str, Any]:
+    """What a report says, without its pictures."""
+    network, chain = found.network, found.chain
+    nyquist = at_nyquist(chain, found.work)
+    return {
+        "format": "imagechain-report",
+        "version": 1,
+        "network": {
+            "name": network.name,
+            "description": network.description,
+            "nodes": len(network.nodes),
+            "links": [link.text() for link in network.links],
+        },
+        "run": _run(found),
+        "pictures": [
+            *(picture_facts(found, port, "input") for port in chain.sources),
+            *([picture_facts(found, chain.final, "output")] if chain.final else []),
+            *(
+                picture_facts(found, port, "other output")
+                for port in ending_images(found.plan)
+                if port not in (chain.final, *chain.sources)
+            ),
+        ],
+        "noise": [picture_facts(found, port, "noise") for port in noise_ports(found)],
+        "transfer": {
+            "xi_cyc_per_mrad": found.responses.xi,
+            "eta_cyc_per_mrad": found.responses.eta,
+            "stages": [_stage(stage) for stage in found.responses.stages],
+            "beside": [_stage(stage) for stage in found.responses.beside],
+            "products": [_stage(stage) for stage in found.responses.products],
+            "at_nyquist": nyquist,
+        },
+        "nodes": {name: _node(found, name, node) for name, node in found.plan.nodes.items()},
+        "published": published_rows(found, nyquist),
+        "conflicts": conflicts(network),
+        "skipped": {"neutral": found.neutral(), "disabled": found.disabled()},
+    }
+
+
+def noise_ports(found: Evaluation) -> list[str]:
+    """Ports of noise pictures, in the network's order."""
+    return [
+        f"{name}.{port}"
+        for name, node in found.plan.nodes.items()
+        for port in NOISE_PORTS
+        if isinstance(node.outputs.get(port), Image) and not node.node.disabled
+    ]
+
+
+def picture_facts(found: Evaluation, port: str, role: str) -> dict[str, Any]:
+    """Size, sampling and statistics of a picture; σ is of all its samples."""
+    image: Image = found.plan.output(port)
+    samples = realize(image, found.work)
+    return {
+        "port": port,
+        "role": role,
+        "columns": image.columns,
+        "rows": image.rows,
+        "interval_x_mrad": image.interval_x_mrad,
+        "interval_y_mrad": image.interval_y_mrad,
+        "unit": image.unit,
+        "band_um": image.band_um,
+        "minimum": float(samples.min()),
+        "maximum": float(samples.max()),
+        "mean": float(np.mean(samples, dtype=np.float64)),
+        "sigma": float(np.std(samples, dtype=np.float64)),
+    }
+
+
+def _run(found: Evaluation) -> dict[str, Any]:
+    import scipy
+
+    policy = found.work.policy
+    return {
+        "date": time.strftime("%Y-%m-%d %H:%M %z"),
+        "precision": policy.precision,
+        "threads": policy.workers,
+        "tolerance": policy.tolerance,
+        "seed": found.network.seed,
+        "seconds": dict(found.seconds),
+        "versions": {
+            "imagechain": version(),
+            "python": ".".join(map(str, sys.version_info[:3])),
+            "numpy": np.__version__,
+            "scipy": scipy.__version__,
+        },
+    }
+
+
+def _stage(stage: StageResponse) -> dict[str, Any]:
+    return {
+        "name": stage.name,
+        "title": stage.title,
+        "mtf_x": stage.x.mtf,
+        "ptf_x_rad": stage.x.ptf,
+        "mtf_y": stage.y.mtf,
+        "ptf_y_rad": stage.y.ptf,
+    }
+
+
+def _node(found: Evaluation, name: str, node: PlannedNode) -> dict[str, Any]:
+    declared = node.declaration
+    values = found.readouts.get(name, {})
+    assert node.module is not None
+    return {
+        "module": declared.key,
+        "title": declared.title,
+        "group": declared.group,
+        "summary": declared.summary,
+        "disabled": node.node.disabled,
+        "neutral": is_neutral(node),
+        "seconds": found.work.seconds.get(name, 0.0),
+        "set": sorted(thaw(node.node.params)),
+        "parameters": {
+            each.name: {"value": plain(getattr(node.module, each.name)), "unit": each.param.unit}
+            for each in declared.parameters
+        },
+        "readouts": {
+            each.name: {"value": values[each.name], "unit": each.unit, "meaning": each.meaning}
+            for each in declared.readouts
+            if each.name in values
+        },
+        "tables": {
+            port: [
+                {"name": r.name, "value": r.value, "unit": r.unit, "meaning": r.meaning}
+                for r in realize(value, found.work).rows
+            ]
+            for port, value in node.outputs.items()
+            if isinstance(value, Table)
+        },
+    }

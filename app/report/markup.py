@@ -1,0 +1,59 @@
+"""Pieces of the HTML report."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from typing import Any
+
+from app.report.drawing import DPI
+from app.tables import number_text
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value: Any) -> str:
+    """As `number_text`, with powers of ten in print."""
+    text = number_text(value)
+    mantissa, exponent, power = text.partition("e")
+    if not isinstance(value, float) or not exponent:
+        return text
+    raised = str(int(power.replace("−", "-"))).translate(_RAISED)
+    return f"10{raised}" if mantissa == "1" else f"{mantissa}·10{raised}"
+
+
+def figure(png: bytes, caption: str, alt: str) -> str:
+    """A picture within the file, with its caption."""
+    data = base64.b64encode(png).decode()
+    width = int.from_bytes(png[16:20], "big") * 96 // DPI  # as many CSS pixels as it has inches
+    return (
+        f'<figure><img width="{width}" alt="{escape(alt)}" src="data:image/png;base64,{data}">'
+        f"<figcaption>{escape(caption)}</figcaption></figure>"
+    )
+
+
+def table(
+    heads: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    *,
+    numbers: Sequence[int] = (),
+    marks: Mapping[int, Mapping[str, str]] | None = None,
+    kind: str = "",
+) -> str:
+    """A table; columns in `numbers` end together, `marks` gives cells of a column a class."""
+
+    def cell(tag: str, index: int, text: str) -> str:
+        kinds = ["n"] if index in numbers else []
+        kinds += [(marks or {}).get(index, {}).get(text, "")] if tag == "td" else []
+        named = " ".join(each for each in kinds if each)
+        attribute = f' class="{named}"' if named else ""
+        return f"<{tag}{attribute}>{escape(str(text))}</{tag}>"
+
+    head = "".join(cell("th", index, text) for index, text in enumerate(heads))
+    lines = [
+        "<tr>" + "".join(cell("td", index, text) for index, text in enumerate(row)) + "</tr>"
+        for row in rows
+    ]
+    start = f'<table class="{kind}">' if kind else "<table>"
+    return f"{start}<thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"

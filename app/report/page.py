@@ -1,0 +1,252 @@
+"""The HTML report: one file that needs no other, light and fit to print."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from html import escape
+from typing import Any
+
+from app.evaluation import Evaluation
+from app.report.curves import product_png, stages_png
+from app.report.drawing import noise_png, pictures_png
+from app.report.markup import figure, number, table
+from app.report.published import DIFFERENT, REPRODUCED
+from app.report.style import CSS
+from core.realize import realize
+
+_MOST_INPUTS = 2
+_MOST_OTHERS = 4
+
+
+def page(found: Evaluation, facts: dict[str, Any]) -> str:
+    """The report as HTML."""
+    network = facts["network"]
+    title = network["name"] or "Image chain"
+    parts = [
+        f"<h1>{escape(title)}</h1>",
+        f"<p class=lead>{escape(network['description'])}</p>" if network["description"] else "",
+        _run_line(facts),
+        _pictures(found, facts),
+        _published(facts),
+        _transfer(found, facts),
+        _noise(found, facts),
+        _readouts(facts),
+        _nodes(facts),
+    ]
+    body = "\n".join(part for part in parts if part)
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(title)} · Imagechain</title>\n<style>{CSS}</style>\n</head>\n"
+        f"<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n"
+    )
+
+
+def _run_line(facts: dict[str, Any]) -> str:
+    run = facts["run"]
+    versions = " · ".join(f"{name} {each}" for name, each in run["versions"].items())
+    words = [
+        f"{run['precision']} precision",
+        f"seed {run['seed']}",
+        f"{run['threads']} threads" if run["threads"] != 1 else "1 thread",
+        f"{run['seconds']['total']:.2f} s",
+        versions,
+        run["date"],
+    ]
+    return f"<p class=run>{escape(' · '.join(words))}</p>"
+
+
+def _pictures(found: Evaluation, facts: dict[str, Any]) -> str:
+    shown = facts["pictures"]
+    if not shown:
+        return ""
+    inputs = [each for each in shown if each["role"] == "input"]
+    outputs = [each for each in shown if each["role"] == "output"]
+    others = [each for each in shown if each["role"] == "other output"]
+    shown = [*inputs[:_MOST_INPUTS], *outputs]
+    drawn = pictures_png([_picture(found, each, each["role"].capitalize()) for each in shown])
+    alike = [
+        f"{each['port']}: {each['columns']} × {each['rows']} samples"
+        + (
+            f" of {number(each['interval_x_mrad'])} × {number(each['interval_y_mrad'])} mrad"
+            if each["interval_x_mrad"] and each["interval_y_mrad"]
+            else ""
+        )
+        for each in shown
+    ]
+    caption = (
+        "; ".join(alike) + ". Each picture has grey levels of its own, between its 0.1 % and "
+        "99.9 % quantiles."
+    )
+    rows = [
+        (
+            each["port"],
+            *(number(each[name]) for name in ("minimum", "maximum", "mean", "sigma")),
+            each["unit"],
+        )
+        for each in facts["pictures"]
+    ]
+    heads = ("picture", "minimum", "maximum", "mean", "σ", "unit")
+    return (
+        "<h2>Input and output</h2>"
+        + figure(drawn, caption, "input and output pictures")
+        + _other_pictures(found, others)
+        + table(heads, rows, numbers=(1, 2, 3, 4))
+    )
+
+
+def _other_pictures(found: Evaluation, others: list[dict[str, Any]]) -> str:
+    if not others:
+        return ""
+    shown, rest = others[:_MOST_OTHERS], others[_MOST_OTHERS:]
+    drawn = pictures_png([_picture(found, each, each["port"]) for each in shown])
+    more = f" Not shown: {', '.join(each['port'] for each in rest)}." if rest else ""
+    return figure(drawn, "Other pictures the network ends in." + more, "other output pictures")
+
+
+def _picture(found: Evaluation, each: dict[str, Any], title: str) -> tuple[str, Any, Any]:
+    image = found.plan.output(each["port"])
+    return title, image, realize(image, found.work)
+
+
+def _published(facts: dict[str, Any]) -> str:
+    rows = facts["published"]
+    text = ""
+    if rows:
+        good = sum(row["verdict"] == REPRODUCED for row in rows)
+        text += f"<h2>Beside the published figures</h2><p>{good} of {len(rows)} reproduced.</p>"
+        text += table(
+            ("figure", "where", "published", "here", "unit", "verdict", "reason"),
+            [
+                (
+                    row["figure"],
+                    row["where"],
+                    _published_value(row),
+                    number(row["ours"]),
+                    row["unit"],
+                    row["verdict"],
+                    row["reason"],
+                )
+                for row in rows
+            ],
+            numbers=(2, 3),
+            marks={5: {REPRODUCED: "good", DIFFERENT: "bad"}},
+        )
+    if facts["conflicts"]:
+        items = "".join(f"<li>{escape(text)}</li>" for text in facts["conflicts"])
+        level = "h3" if rows else "h2"
+        text += f"<{level}>Conflicts within the source</{level}><ul>{items}</ul>"
+    return text
+
+
+def _published_value(row: dict[str, Any]) -> str:
+    within = "" if row["within"] is None else f" ± {number(row['within'])}"
+    return number(row["value"]) + within
+
+
+def _transfer(found: Evaluation, facts: dict[str, Any]) -> str:
+    responses, chain = found.responses, found.chain
+    acting = any(stage.acts for stage in responses.stages)
+    if not acting and not responses.beside:
+        return ""
+    text = "<h2>Transfer functions</h2>"
+    caption = (
+        "MTF of every stage, signed"
+        + (" (and its PTF in radians)" if any(s.has_phase for s in responses.stages) else "")
+        + ", at the frequencies of the picture's FFT. Total: the product before pixels are "
+        "combined."
+    )
+    if not chain.cascade:
+        caption = "MTF of every stage, signed; the stages stand side by side and have no product."
+    if acting:
+        text += figure(stages_png(responses, chain), caption, "MTF and PTF of every stage")
+    if acting and responses.products:
+        text += figure(
+            product_png(responses, chain), "Total MTF across and along.", "product of the MTFs"
+        )
+    if responses.beside:
+        alone = replace(responses, stages=responses.beside, products=())
+        caption = "Transfer functions that do not lead to the output shown."
+        text += figure(stages_png(alone, chain), caption, "further transfer functions")
+    nyquist = facts["transfer"]["at_nyquist"]
+    rows = [
+        (
+            stage.title,
+            stage.name,
+            *(
+                number(nyquist[f"{stage.name}.{part}_nyquist_{axis}"])
+                for axis in ("x", "y")
+                for part in ("mtf", "ptf")
+            ),
+        )
+        for stage in (*responses.stages, *responses.beside, *responses.products[:1])
+    ]
+    heads = ("at Nyquist", "node", "MTF x", "PTF x (rad)", "MTF y", "PTF y (rad)")
+    return text + table(heads, rows, numbers=(2, 3, 4, 5))
+
+
+def _noise(found: Evaluation, facts: dict[str, Any]) -> str:
+    alive = [each for each in facts["noise"] if each["maximum"] != each["minimum"]]
+    still = [each["port"] for each in facts["noise"] if each not in alive]
+    if not facts["noise"]:
+        return ""
+    text = "<h2>Noise</h2>"
+    if alive:
+        drawn = noise_png([_picture(found, each, each["port"]) for each in alive])
+        caption = "Noise pictures between their 0.1 % and 99.9 % quantiles, and their histograms."
+        text += figure(drawn, caption, "noise pictures and histograms")
+    if still:
+        text += f"<p>The same everywhere: {escape(', '.join(still))}.</p>"
+    return text
+
+
+def _readouts(facts: dict[str, Any]) -> str:
+    text = ""
+    for name, node in facts["nodes"].items():
+        rows = [
+            (each, number(one["value"]), one["unit"], one["meaning"])
+            for each, one in node["readouts"].items()
+        ]
+        # A table often has the read-outs again.
+        rows += [
+            (row["name"], number(row["value"]), row["unit"], row["meaning"])
+            for table in node["tables"].values()
+            for row in table
+            if row["name"] not in node["readouts"]
+        ]
+        if rows:
+            text += f"<h3>{escape(node['title'])} <small>{escape(name)}</small></h3>"
+            text += table(
+                ("read-out", "value", "unit", "meaning"), rows, numbers=(1,), kind="readouts"
+            )
+    return f"<h2>Read-outs</h2>{text}" if text else ""
+
+
+def _nodes(facts: dict[str, Any]) -> str:
+    rows = []
+    for name, node in facts["nodes"].items():
+        values = [
+            f"{each} = {number(node['parameters'][each]['value'])}"
+            + (f" {node['parameters'][each]['unit']}" if node["parameters"][each]["unit"] else "")
+            for each in node["set"]
+        ]
+        state = "neutral: skipped" if node["neutral"] else ""
+        state = "disabled" if node["disabled"] else state
+        rows.append(
+            (name, node["title"], ", ".join(values), state, f"{1e3 * node['seconds']:.1f} ms")
+        )
+    seconds = facts["run"]["seconds"]
+    skipped = [*facts["skipped"]["neutral"], *facts["skipped"]["disabled"]]
+    said = (
+        f"Skipped, because they change nothing or are disabled: {', '.join(skipped)}."
+        if skipped
+        else "Nothing was skipped."
+    )
+    return (
+        "<h2>Nodes</h2>"
+        + table(("node", "module", "set", "", "time"), rows, numbers=(4,))
+        + f"<p>{escape(said)} Parameters not listed have their defaults. A node that only "
+        "multiplies the spectrum takes no time of its own: the product is applied where the "
+        f"picture is made. Input pictures {seconds['sources']:.3f} s, evaluation "
+        f"{seconds['evaluation']:.3f} s, {seconds['total']:.3f} s in all before this report.</p>"
+    )

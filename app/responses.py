@@ -1,0 +1,158 @@
+"""Transfer functions along the two axes: what mtf.csv and the reports show."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from app.chain import Chain
+from core.factors import Factor
+from core.work import Work
+
+Vector = NDArray[np.float64]
+Axis = Literal["x", "y"]
+TOTAL = "total"
+SYSTEM = "total_with_electronics"
+
+
+@dataclass(frozen=True)
+class Response:
+    """Signed MTF and PTF (radians) along one axis."""
+
+    mtf: Vector
+    ptf: Vector
+
+
+@dataclass(frozen=True)
+class StageResponse:
+    """One stage, or a product of stages, along both axes."""
+
+    name: str
+    title: str
+    x: Response
+    y: Response
+    is_product: bool = False
+
+    @property
+    def has_phase(self) -> bool:
+        """Whether the PTF is other than 0 somewhere."""
+        return bool(self.x.ptf.any() or self.y.ptf.any())
+
+    @property
+    def acts(self) -> bool:
+        """Whether the stage does anything along the axes."""
+        return self.has_phase or self.has_blur
+
+    @property
+    def has_blur(self) -> bool:
+        """Whether the MTF is other than 1 somewhere."""
+        return bool((self.x.mtf != 1).any() or (self.y.mtf != 1).any())
+
+
+@dataclass(frozen=True)
+class Responses:
+    """All stages at the plain FFT's frequencies from 0 to Nyquist.
+
+    `beside` has the transfer functions that do not lead to the final picture. `products` has the
+    total of the stages before pixels are combined and, where electronics follow, that times
+    theirs; it is empty where the stages do not follow one another.
+    """
+
+    xi: Vector
+    eta: Vector
+    stages: tuple[StageResponse, ...]
+    beside: tuple[StageResponse, ...]
+    products: tuple[StageResponse, ...]
+
+
+def responses(chain: Chain, work: Work) -> Responses:
+    """Evaluate every stage of the chain along both axes; no plane is ever built."""
+    grid = chain.grid
+    if grid is None:
+        empty = np.zeros(0)
+        return Responses(empty, empty, (), (), ())
+    xi = np.asarray(scipy.fft.rfftfreq(grid.columns, grid.interval_x_mrad))
+    eta = np.asarray(scipy.fft.rfftfreq(grid.rows, grid.interval_y_mrad))
+
+    def stage(
+        name: str, title: str, factors: Sequence[Factor], is_product: bool = False
+    ) -> StageResponse:
+        across = response(work, factors, xi, "x")
+        return StageResponse(name, title, across, response(work, factors, eta, "y"), is_product)
+
+    stages = [stage(s.node, s.title, s.factors) for s in (*chain.stages, *chain.later)]
+    beside = [stage(s.node, s.title, s.factors) for s in chain.beside]
+    products = []
+    if chain.cascade:
+        before = [f for s in chain.stages for f in s.factors]
+        products.append(stage(TOTAL, "Total", before, True))
+        if chain.later:
+            after = [f for s in chain.later for f in s.factors]
+            products.append(stage(SYSTEM, "Total with electronics", [*before, *after], True))
+    return Responses(xi, eta, tuple(stages), tuple(beside), tuple(products))
+
+
+def response(work: Work, factors: Iterable[Factor], frequency: Vector, axis: Axis) -> Response:
+    """Product of the MTFs and sum of the PTFs along one axis, the other frequency 0."""
+    mtf, ptf = np.ones(len(frequency)), np.zeros(len(frequency))
+    zero = np.zeros(1)
+    for factor in factors:
+        along_x = axis == "x"
+        plane = (
+            factor.plane(work, frequency, zero) if along_x else factor.plane(work, zero, frequency)
+        )
+        if factor.part == "mtf":
+            mtf = mtf * plane.ravel()
+        else:
+            ptf = ptf + plane.ravel()
+    return Response(mtf, ptf)
+
+
+def at_nyquist(chain: Chain, work: Work) -> dict[str, float]:
+    """MTF and PTF of every stage and of their product at the Nyquist frequencies, by name."""
+    grid = chain.grid
+    if grid is None:
+        return {}
+    named = {
+        stage.node: list(stage.factors) for stage in (*chain.stages, *chain.later, *chain.beside)
+    }
+    if chain.cascade:
+        named[TOTAL] = [f for stage in chain.stages for f in stage.factors]
+    found = {}
+    places: tuple[tuple[Axis, float], ...] = (("x", grid.nyquist_x), ("y", grid.nyquist_y))
+    for name, factors in named.items():
+        for axis, frequency in places:
+            value = response(work, factors, np.array([frequency]), axis)
+            found[f"{name}.mtf_nyquist_{axis}"] = float(value.mtf[0])
+            found[f"{name}.ptf_nyquist_{axis}"] = float(value.ptf[0])
+    return found
+
+
+def mtf_csv(found: Responses) -> str:
+    """One line for each frequency; the shorter axis of an oblong frame leaves cells empty."""
+    columns: list[tuple[str, Vector]] = [
+        ("xi_cyc_per_mrad", found.xi),
+        ("eta_cyc_per_mrad", found.eta),
+    ]
+    for stage in (*found.stages, *found.beside, *found.products):
+        columns += [
+            (f"{stage.name}.mtf_x", stage.x.mtf),
+            (f"{stage.name}.ptf_x_rad", stage.x.ptf),
+            (f"{stage.name}.mtf_y", stage.y.mtf),
+            (f"{stage.name}.ptf_y_rad", stage.y.ptf),
+        ]
+    text = io.StringIO()
+    lines: Any = csv.writer(text, lineterminator="\n")
+    lines.writerow([name for name, _ in columns])
+    cells = [[repr(value) for value in column.tolist()] for _, column in columns]
+    length = max(len(column) for column in cells)
+    filled = [column + [""] * (length - len(column)) for column in cells]
+    lines.writerows(zip(*filled, strict=True))
+    return text.getvalue()

@@ -1,0 +1,187 @@
+"""``imagechain run``: evaluate a network and write its files, all of them or none."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from app.arguments import Options
+from app.evaluation import Evaluation, TimedWork, evaluate, planned
+from app.overrides import with_settings
+from app.png import encode_png, grey_levels, robust_limits
+from app.progress import Progress
+from app.responses import mtf_csv
+from app.saving import check_suffix, save_value
+from app.shipped import Place, find_network
+from app.staging import Staging
+from app.tables import columns, jsonable, readout_rows
+from core.atomic import write_bytes, write_text
+from core.declaration import Here
+from core.engine import Engine, Plan
+from core.errors import FileError, ImagechainError, UsageError
+from core.library import Library
+from core.network import Network
+from core.network_file import read_network
+from core.plain import close
+from core.policy import Policy
+from core.realize import realize
+from core.validate import check_network
+from nodes.files.read import check_finite
+from nodes.library import standard_library
+
+FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
+
+
+def run(options: Options) -> None:
+    """Carry out the command; prints the read-outs when all is written.
+
+    Raises
+    ------
+    ImagechainError
+        The first fault; nothing has been written then.
+    """
+    start = time.perf_counter()
+    library = standard_library()
+    place = find_network(options.network)
+    network = open_network(place, options, library)
+    engine = Engine(library)
+    plan = planned(engine, network, place.folder)
+    folder = options.output_dir or Path(f"{place.name}-output")
+    _check_folder(folder)
+    with Staging(folder, [place.path, *_input_files(plan, place.folder)]) as staging:
+        writers = _claim(plan, options, folder, staging)
+        with Progress(len(plan.nodes)) as progress:
+            work = TimedWork(_policy(options), engine.store, progress)
+            found = evaluate(engine, plan, work, place.folder)
+            found.seconds["total"] = time.perf_counter() - start
+            _write(found, options, writers, staging, folder)
+        staging.commit()
+    _print(found, folder, options)
+
+
+def open_network(place: Place, options: Options, library: Library) -> Network:
+    """The network with the command line's changes, valid.
+
+    Raises
+    ------
+    ImagechainError
+        If it is not.
+    """
+    network = read_network(place.path, library=library)
+    network = with_settings(network, options.settings, library=library)
+    if options.seed is not None:
+        network = network.with_seed(options.seed)
+    check_network(network, library=library)
+    return network
+
+
+def _policy(options: Options) -> Policy:
+    return Policy(precision=options.precision, threads=options.threads)
+
+
+def _check_folder(folder: Path) -> None:
+    if folder.exists() and not folder.is_dir():
+        raise FileError(f"cannot write to {folder}: it is not a folder")
+
+
+def _input_files(plan: Plan, folder: Path) -> list[Path]:
+    """Files that the network reads: no output may take their place."""
+    found = []
+    for each in plan.nodes.values():
+        if each.declaration.sink:
+            continue
+        for parameter in each.declaration.parameters:
+            value = getattr(each.module, parameter.name)
+            if parameter.kind == "path" and value is not None:
+                found.append(folder / value)
+    return found
+
+
+def _claim(plan: Plan, options: Options, folder: Path, staging: Staging) -> list[tuple[Path, str]]:
+    """Say early what will be written; gives the ``--save`` files with their ports."""
+    saves = []
+    for save in options.saves:
+        path = Path(save.text)
+        check_suffix(save.port, _port_value(plan, save.node, save.name), path)
+        staging.claim(path)
+        saves.append((path, save.port))
+    for path in (*options.reports, *(folder / name for name in (FINAL, MTF, READOUTS))):
+        staging.claim(path)
+    return saves
+
+
+def _port_value(plan: Plan, node: str, port: str) -> Any:
+    known = plan.nodes.get(node)
+    if known is None:
+        hint = close(node, plan.nodes) or f"; it has {', '.join(plan.nodes)}"
+        raise UsageError(f"--save {node}.{port}: the network has no node {node!r:.80}{hint}")
+    if port not in known.outputs:
+        hint = close(port, known.outputs) or f"; it has {', '.join(known.outputs) or 'none'}"
+        raise UsageError(f"--save {node}.{port}: {node} has no output {port!r:.80}{hint}")
+    return known.outputs[port]
+
+
+def _write(
+    found: Evaluation,
+    options: Options,
+    saves: list[tuple[Path, str]],
+    staging: Staging,
+    folder: Path,
+) -> None:
+    for path, port in saves:
+        staging.write(path, partial(_save, found, port))
+    for path, writer in _sink_files(found):
+        staging.write(path, writer)
+    if found.chain.final is not None:
+        staging.write(folder / FINAL, partial(_final_png, found, found.chain.final))
+    staging.write(folder / MTF, partial(write_text, content=mtf_csv(found.responses)))
+    text = json.dumps(jsonable(found.readouts), indent=2, ensure_ascii=False, allow_nan=False)
+    staging.write(folder / READOUTS, partial(write_text, content=text + "\n"))
+    for path in options.reports:
+        from app.report import write_report
+
+        staging.write(path, partial(write_report, found))
+
+
+def _save(found: Evaluation, port: str, path: Path) -> None:
+    try:
+        save_value(found.plan.output(port), path, found.work, port=port)
+    except ImagechainError as error:
+        raise error.at(port.rpartition(".")[0]) from error
+
+
+def _sink_files(found: Evaluation) -> list[tuple[Path, Callable[[Path], None]]]:
+    files: list[tuple[Path, Callable[[Path], None]]] = []
+    for name, each in found.plan.nodes.items():
+        if not each.declaration.sink or each.node.disabled:
+            continue
+        here = Here(name, found.network.seed, found.folder)
+        module: Any = each.module
+        try:
+            files += module.files(each.inputs, here, found.work)
+        except ImagechainError as error:
+            raise error.at(name) from error
+    return files
+
+
+def _final_png(found: Evaluation, port: str, path: Path) -> None:
+    samples = realize(found.plan.output(port), found.work)
+    check_finite(samples, port)
+    write_bytes(path, encode_png(grey_levels(*robust_limits(samples), samples)))
+
+
+def _print(found: Evaluation, folder: Path, options: Options) -> None:
+    rows = readout_rows(found)
+    if rows:
+        print(columns(rows, right=(2,)), end="\n\n")
+    names = [FINAL, MTF, READOUTS] if found.chain.final is not None else [MTF, READOUTS]
+    print(f"{folder}: {', '.join(names)}")
+    if found.chain.final is None:
+        print("no final.png: the network has no picture")
+    others = [*(save.text for save in options.saves), *map(str, options.reports)]
+    if others:
+        print(f"also {', '.join(others)}")

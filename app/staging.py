@@ -1,0 +1,189 @@
+"""Output files that appear together at the end, or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import shutil
+import stat
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from core.errors import FileError, ImagechainError
+
+Writer = Callable[[Path], None]
+
+
+@dataclass(frozen=True)
+class _Staged:
+    file: Path
+    target: Path
+    given: Path
+
+
+class Staging:
+    """Collects files in hidden folders beside their targets; `commit` puts them in place.
+
+    Used as a context manager: whatever was not committed is gone at its end.
+
+    Parameters
+    ----------
+    folder : Path
+        The one folder that may be missing still; it is made when the files are put in place.
+    inputs : iterable of Path
+        Files that no output may replace.
+    """
+
+    def __init__(self, folder: Path, inputs: Iterable[Path] = ()) -> None:
+        self._folder = Path(os.path.realpath(folder))
+        self._inputs = {Path(os.path.realpath(path)) for path in inputs}
+        self._claimed: dict[Path, Path] = {}
+        self._staged: list[_Staged] = []
+        self._places: dict[Path, Path] = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for place in self._places.values():
+            shutil.rmtree(place, ignore_errors=True)
+
+    def claim(self, target: Path) -> None:
+        """Say that `target` will be written, so that a bad one is known before any work.
+
+        Raises
+        ------
+        FileError
+            If it cannot be written, is asked for twice, or is one of the inputs.
+        """
+        real = _real_target(target)
+        if real in self._claimed:
+            raise FileError(f"cannot write {target}: two outputs are to go there")
+        if real in self._inputs:
+            raise FileError(f"cannot write {target}: it is an input of this run")
+        _check_existing(real, target)
+        parent = real.parent
+        if not parent.is_dir() and not parent.is_relative_to(self._folder):
+            raise FileError(f"cannot write {target}: there is no folder {target.parent}")
+        folder = _existing(parent)
+        if not folder.is_dir():
+            raise FileError(f"cannot write {target}: {folder} is not a folder")
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise FileError(f"cannot write {target}: no permission to write in {folder}")
+        self._claimed[real] = target
+
+    def write(self, target: Path, writer: Writer) -> None:
+        """Let `writer` make the file under a temporary name of the same suffix.
+
+        Raises
+        ------
+        FileError
+            If that fails.
+        ImagechainError
+            From `writer`.
+        """
+        real = _real_target(target)
+        if real not in self._claimed:
+            self.claim(target)
+        file = self._place(real, target) / f"{len(self._staged)}{real.suffix}"
+        try:
+            writer(file)
+        except OSError as error:
+            raise FileError(f"cannot write {target}: {error.strerror or error}") from error
+        except ImagechainError as error:
+            error.message = error.message.replace(str(file), str(target))
+            raise
+        self._staged.append(_Staged(file, real, target))
+
+    def commit(self) -> None:
+        """Put every file in its place; if one fails, the others are as before.
+
+        Raises
+        ------
+        FileError
+            For the one that failed.
+        """
+        undo: list[Callable[[], object]] = []
+        target: Path = self._folder
+        try:
+            for each in self._staged:
+                target = each.given
+                _make_folders(each.target.parent, undo)
+                _put(each, undo)
+        except OSError as error:
+            _undo(undo)
+            raise FileError(f"cannot write {target}: {error.strerror or error}") from error
+        except BaseException:
+            _undo(undo)
+            raise
+
+    def _place(self, real: Path, target: Path) -> Path:
+        # Beside the target, so that the final rename stays within one file system.
+        folder = _existing(real.parent)
+        if folder not in self._places:
+            place = folder / f".imagechain-{secrets.token_hex(6)}"
+            try:
+                place.mkdir()
+            except OSError as error:
+                raise FileError(f"cannot write {target}: {error.strerror or error}") from error
+            self._places[folder] = place
+        return self._places[folder]
+
+
+def _real_target(target: Path) -> Path:
+    return Path(os.path.realpath(target))
+
+
+def _check_existing(real: Path, target: Path) -> None:
+    try:
+        status = real.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return
+    except OSError as error:
+        raise FileError(f"cannot write {target}: {error.strerror or error}") from error
+    if stat.S_ISDIR(status.st_mode):
+        raise FileError(f"cannot write {target}: it is a folder")
+    if not stat.S_ISREG(status.st_mode):
+        raise FileError(f"cannot write {target}: it is not a regular file")
+    if not os.access(real, os.W_OK):
+        raise FileError(f"cannot write {target}: the file is read-only")
+
+
+def _existing(folder: Path) -> Path:
+    """The folder, or the nearest one above it that exists."""
+    return next(each for each in (folder, *folder.parents) if each.exists())
+
+
+def _make_folders(folder: Path, undo: list[Callable[[], object]]) -> None:
+    if folder.exists():
+        return
+    _make_folders(folder.parent, undo)
+    folder.mkdir()
+    undo.append(folder.rmdir)
+
+
+def _put(each: _Staged, undo: list[Callable[[], object]]) -> None:
+    if each.target.exists():
+        kept = each.file.with_name(each.file.name + ".old")
+        shutil.copy2(each.target, kept)
+        each.file.chmod(stat.S_IMODE(each.target.stat().st_mode))
+        undo.append(lambda: kept.replace(each.target))
+    else:
+        undo.append(lambda: each.target.unlink(missing_ok=True))
+    each.file.replace(each.target)
+
+
+def _undo(steps: list[Callable[[], object]]) -> None:
+    for step in reversed(steps):
+        # One that cannot be undone must not keep the rest from it.
+        with contextlib.suppress(OSError):
+            step()

@@ -1,0 +1,64 @@
+"""Text for the terminal: read-outs in columns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
+
+from app.evaluation import Evaluation
+
+
+def number_text(value: Any) -> str:
+    """A figure in up to six digits, as people read it."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float | np.floating):
+        value = float(value)
+        return f"{value:.6g}".replace("-", "−") if value < 0 else f"{value:.6g}"
+    return str(value)
+
+
+def jsonable(value: Any) -> Any:
+    """The value as JSON can hold it; what is infinite becomes a text."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    if isinstance(value, Mapping):
+        return {str(name): jsonable(item) for name, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [jsonable(item) for item in value]
+    return value.as_posix() if isinstance(value, PurePath) else value
+
+
+def readout_rows(found: Evaluation) -> list[tuple[str, str, str, str]]:
+    """Node, read-out, value and unit of all that have a value."""
+    rows = []
+    for node, values in found.readouts.items():
+        declared = {each.name: each for each in found.plan.nodes[node].declaration.readouts}
+        for name, value in values.items():
+            if value is not None:
+                rows.append((node, name, number_text(value), declared[name].unit))
+    return rows
+
+
+def columns(rows: Iterable[Sequence[str]], *, right: Sequence[int] = ()) -> str:
+    """Rows with their cells in line; the columns in `right` end together."""
+    rows = list(rows)
+    if not rows:
+        return ""
+    widths = [max(len(row[index]) for row in rows) for index in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        cells = [
+            cell.rjust(width) if index in right else cell.ljust(width)
+            for index, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)

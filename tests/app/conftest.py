@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+SMALL = {
+    "format": "imagechain-network",
+    "version": 1,
+    "name": "Small",
+    "seed": 3,
+    "nodes": {
+        "scene": {
+            "module": "test_scene",
+            "params": {
+                "kind": "slanted_edge",
+                "width": 48,
+                "height": 40,
+                "fov_x_deg": 3.0,
+                "fov_y_deg": 2.5,
+            },
+        },
+        "init": {"module": "init_trans", "params": {"focal_length_mm": 100.0}},
+        "blur": {"module": "gaussian_mtf", "params": {"sigma_x_mrad": 0.5, "sigma_y_mrad": 0.3}},
+        "jitter": {"module": "jitter_mtf", "params": {"sigma_mrad": 0.2}},
+        "back": {"module": "back_transform"},
+        "pixels": {"module": "combine_pixels", "params": {"factor_x": 2, "factor_y": 2}},
+    },
+    "links": [
+        ["scene.image", "init.image"],
+        ["init.context", "blur.context"],
+        ["init.magnitude", "blur.magnitude"],
+        ["init.context", "jitter.context"],
+        ["blur.magnitude", "jitter.magnitude"],
+        ["jitter.magnitude", "back.magnitude"],
+        ["init.phase", "back.phase"],
+        ["back.image", "pixels.image"],
+    ],
+}
+
+
+@pytest.fixture
+def small() -> dict:
+    return json.loads(json.dumps(SMALL))
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Write a network file into the folder the command runs in."""
+
+    def save(document, name="net.json"):
+        (tmp_path / name).write_text(json.dumps(document))
+        return name
+
+    return save
+
+
+@pytest.fixture
+def imagechain(tmp_path):
+    """Run the command as a user does, in `tmp_path`."""
+
+    def run(*words, **options):
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        return subprocess.run(
+            [sys.executable, "-m", "app.cli", *map(str, words)],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+            **options,
+        )
+
+    return run
+
+
+@pytest.fixture
+def fails(imagechain, tmp_path):
+    """Run a command that must fail with one line, and write nothing."""
+
+    def run(*words, code=2):
+        before = everything(tmp_path)
+        done = imagechain(*words)
+        assert done.returncode == code, done.stderr
+        assert done.stderr.endswith("\n")
+        assert done.stderr.count("\n") == 1, done.stderr
+        assert everything(tmp_path) == before
+        return done.stderr
+
+    return run
+
+
+def everything(folder: Path) -> dict[str, bytes | None]:
+    return {
+        str(path.relative_to(folder)): path.read_bytes() if path.is_file() else None
+        for path in sorted(folder.rglob("*"))
+    }

@@ -1,0 +1,88 @@
+"""Faults of networks and of their inputs: exit code 2, one line that names it, nothing written."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+
+@pytest.fixture(autouse=True)
+def _network(write, small):
+    write(small)
+
+
+NETWORKS = {
+    "unknown module": (lambda n: n["nodes"]["blur"].update(module="blurr"), "blurr"),
+    "unknown parameter": (lambda n: n["nodes"]["blur"]["params"].update(x=1), "no such parameter"),
+    "out of range": (lambda n: n["nodes"]["jitter"]["params"].update(sigma_mrad=-1), "mrad"),
+    "unknown port": (lambda n: n["links"].append(["scene.picture", "init.image"]), "picture"),
+    "types": (lambda n: n["links"].__setitem__(0, ["scene.image", "init.magnitude"]), "magnitude"),
+    "two links": (lambda n: n["links"].append(["scene.image", "pixels.image"]), "takes one"),
+    "missing input": (lambda n: n["links"].pop(), "pixels"),
+    "cycle": (lambda n: n["links"].__setitem__(0, ["pixels.image", "init.image"]), "cycle"),
+    "format": (lambda n: n.update(format="other"), "format"),
+    "newer": (lambda n: n.update(version=99), "newer"),
+    "final": (lambda n: n.update(final="nothing.image"), "final"),
+}
+
+
+@pytest.mark.parametrize(("change", "told"), NETWORKS.values(), ids=NETWORKS.keys())
+def test_network(change, told, fails, write, small):
+    change(small)
+    write(small)
+    assert told in fails("run", "net.json")
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "null", '{"a": NaN}', "[" * 10**5, "\x00\xff"])
+def test_not_a_network(text, fails, tmp_path):
+    (tmp_path / "net.json").write_bytes(text.encode("latin-1"))
+    assert "net.json" in fails("run", "net.json")
+
+
+def test_tells_how_many_more(fails, imagechain, write, small):
+    small["nodes"]["blur"]["params"] |= {"sigma_x_mrad": -1, "sigma_y_mrad": -1}
+    small["nodes"]["jitter"]["params"]["sigma_mrad"] = -1
+    write(small)
+    line = fails("run", "net.json")
+    assert line.endswith(" (and 2 more: imagechain check)\n")
+    done = imagechain("check", "net.json")
+    assert done.returncode == 2
+    assert len(done.stdout.splitlines()) == 3
+    assert done.stderr == line
+
+
+def read_image(document, path):
+    document["nodes"]["scene"] = {
+        "module": "read_image",
+        "params": {"path": path, "fov_x_deg": 3.0, "fov_y_deg": 2.5},
+    }
+
+
+def test_samples_not_finite(fails, write, small, tmp_path):
+    frame = np.ones((40, 48), np.float32)
+    frame[3, 7], frame[9, 1] = np.nan, np.inf
+    np.save(tmp_path / "frame.npy", frame)
+    read_image(small, "frame.npy")
+    write(small)
+    line = fails("run", "net.json")
+    assert "2 samples" in line
+    assert "row 3, column 7" in line
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [(None, "no such file"), (b"", "empty"), (b"\x93NUMPY\x01\x00v\x00{'de", "damaged")],
+)
+def test_input_file(content, told, fails, write, small, tmp_path):
+    if content is not None:
+        (tmp_path / "frame.npy").write_bytes(content)
+    read_image(small, "frame.npy")
+    write(small)
+    assert told in fails("run", "net.json")
+
+
+def test_output_replaces_no_input(fails, write, small, tmp_path):
+    np.save(tmp_path / "frame.npy", np.ones((40, 48)))
+    read_image(small, "frame.npy")
+    write(small)
+    assert "input of this run" in fails("run", "net.json", "--save", "back.image=frame.npy")

@@ -1,0 +1,171 @@
+"""`check`, `modules`, help, and ends that are not the user's fault."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.cli import main
+from app.png import encode_png, grey_levels, robust_limits
+from app.responses import response
+from core.declaration import declaration
+from core.network_file import load_network
+from nodes.files.read import read_pixels
+from nodes.library import standard_library
+
+ROOT = Path(__file__).resolve().parents[2]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
+
+
+def test_modules_for_programs(capsys):
+    assert main(["modules", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert [each["key"] for each in listed] == list(standard_library())
+    for each in listed:
+        declared = declaration(standard_library()[each["key"]])
+        assert each["title"] == declared.title
+        assert [p["name"] for p in each["parameters"]] == [p.name for p in declared.parameters]
+        assert [p["name"] for p in each["inputs"]] == [p.name for p in declared.inputs]
+        assert [r["name"] for r in each["readouts"]] == [r.name for r in declared.readouts]
+    jitter = next(each for each in listed if each["key"] == "jitter_mtf")
+    sigma = next(each for each in jitter["parameters"] if each["name"] == "sigma_mrad")
+    assert (sigma["unit"], sigma["low"], sigma["low_exclusive"]) == ("mrad", 0, False)
+    assert sigma["default"] == 0.02
+
+
+def test_modules_for_people(capsys):
+    assert main(["modules"]) == 0
+    text = capsys.readouterr().out
+    assert "jitter_mtf · Jitter MTF" in text
+    assert all(key in text for key in standard_library())
+
+
+def test_check(capsys, write, small, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["check", write(small)]) == 0
+    assert capsys.readouterr().out == "net: no errors (6 nodes, 8 links)\n"
+    assert not (tmp_path / "net-output").exists()
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "networks").glob("*.json")), ids=lambda p: p.stem)
+def test_shipped_networks_are_valid(path, capsys):
+    load_network(path, library=standard_library())
+    assert main(["check", path.stem]) == 0
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize("words", [["--help"], ["run", "--help"], ["--version"]])
+def test_help_goes_to_stdout(words, capsys):
+    assert main(words) == 0
+    out, err = capsys.readouterr()
+    assert out
+    assert not err
+
+
+def test_a_bug_is_one_line_and_exit_1(capsys, write, small, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for kind, told in ((MemoryError, "memory"), (ZeroDivisionError, "internal error")):
+
+        def broken(*_, kind=kind):
+            raise kind("of\ntwo lines")
+
+        monkeypatch.setattr("app.run.evaluate", broken)
+        assert main(["run", write(small)]) == 1
+        err = capsys.readouterr().err
+        assert err.count("\n") == 1
+        assert told in err
+    assert [path.name for path in tmp_path.iterdir()] == ["net.json"]
+
+
+def catches(pid: int, number: int) -> bool:
+    status = Path(f"/proc/{pid}/status").read_text()
+    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
+    return bool(int(caught.split()[1], 16) >> (number - 1) & 1)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_stopped(number, write, small, tmp_path):
+    small["nodes"]["scene"]["params"] |= {"width": 6000, "height": 6000, "kind": "dormitory"}
+    write(small)
+    words = [sys.executable, "-m", "app.cli", "run", "net.json"]
+    process = subprocess.Popen(
+        words, cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    while not catches(process.pid, signal.SIGTERM):
+        time.sleep(0.02)
+    time.sleep(0.3)
+    process.send_signal(number)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert err == b"imagechain: cancelled; nothing was written\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["net.json"]
+
+
+def test_reader_that_has_seen_enough():
+    line = f"{sys.executable} -m app.cli modules | head -n 1; echo ${{PIPESTATUS[0]}}"
+    done = subprocess.run(
+        ["bash", "-c", line], env=ENVIRONMENT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.endswith("\n0\n")
+    assert done.stderr == ""
+
+
+def test_progress_on_a_terminal(write, small, tmp_path):
+    """A terminal sees a bar once work takes long, and nothing of it stays."""
+    small["nodes"]["scene"]["params"] |= {"width": 4000, "height": 4000, "kind": "dormitory"}
+    write(small)
+    outer, inner = pty.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "app.cli", "run", "net.json"],
+        cwd=tmp_path,
+        env={**ENVIRONMENT, "TERM": "xterm"},
+        stdout=subprocess.DEVNULL,
+        stderr=inner,
+    )
+    os.close(inner)
+    seen = b""
+    while True:
+        try:
+            part = os.read(outer, 4096)
+        except OSError:
+            break
+        if not part:
+            break
+        seen += part
+    os.close(outer)
+    assert process.wait(timeout=60) == 0
+    assert b"/6" in seen
+
+
+def test_png_reads_back(tmp_path):
+    levels = np.random.default_rng(0).integers(0, 256, (37, 53), np.uint8)
+    (tmp_path / "a.png").write_bytes(encode_png(levels))
+    np.testing.assert_array_equal(read_pixels(tmp_path / "a.png"), levels)
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1.0, 1e300, 1.7e308])
+def test_grey_levels_of_any_range(scale):
+    samples = np.array([[-1.0, 0.0, 1.0]]) * scale
+    np.testing.assert_array_equal(grey_levels(-scale, scale, samples), [[0, 128, 255]])
+    assert np.all(grey_levels(scale, scale, samples) == 128)
+
+
+def test_limits_of_a_point():
+    samples = np.zeros((100, 100))
+    samples[3, 4] = 7.0
+    assert robust_limits(samples) == (0.0, 7.0)
+
+
+def test_response_of_nothing():
+    got = response(None, [], np.arange(3.0), "x")
+    assert got.mtf.tolist() == [1, 1, 1]
+    assert got.ptf.tolist() == [0, 0, 0]
