@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from core.errors import ParameterError
-from core.values import Context
+from core.values import Context, Image
 
 
 def given(name: str, own: float | None, context: Context, *, unit: str) -> float:
@@ -44,3 +46,15 @@ def given_band(
 
 def _no_band(name: str) -> ParameterError:
     return ParameterError(name, None, "the image does not say its band: give it here", unit="µm")
+
+
+def with_interval(image: Image, context: Context) -> Image:
+    """The image with its sampling interval: of the field of view where it does not say."""
+    if image.interval_x_mrad is not None and image.interval_y_mrad is not None:
+        return image
+    grid = context.grid
+    return replace(
+        image,
+        interval_x_mrad=grid.interval_x_mrad * grid.columns / image.columns,
+        interval_y_mrad=grid.interval_y_mrad * grid.rows / image.rows,
+    )

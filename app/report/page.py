@@ -125,7 +125,7 @@ def _published(facts: dict[str, Any]) -> str:
                     number(row["ours"]),
                     row["unit"],
                     row["verdict"],
-                    row["reason"],
+                    "" if row["verdict"] == REPRODUCED else row["reason"],
                 )
                 for row in rows
             ],

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Annotated, Literal, NamedTuple
 
 from core.declaration import Here, Module, readout
@@ -23,7 +22,7 @@ from core.recipes import Recipe, Step
 from core.values import Context, Image, Table, Transfer
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import Detector, figures, statistics
-from nodes.given import given, given_band
+from nodes.given import given, given_band, with_interval
 from nodes.laws import separable
 from nodes.noise_seed import SeededModule
 
@@ -38,18 +37,6 @@ class ElectronicsOutputs(NamedTuple):
     mtf: Transfer
     ptf: Transfer
     table: Table
-
-
-def _with_interval(image: Image, context: Context) -> Image:
-    """The image with its sampling interval: of the field of view where it does not say."""
-    if image.interval_x_mrad is not None and image.interval_y_mrad is not None:
-        return image
-    grid = context.grid
-    return replace(
-        image,
-        interval_x_mrad=grid.interval_x_mrad * grid.columns / image.columns,
-        interval_y_mrad=grid.interval_y_mrad * grid.rows / image.rows,
-    )
 
 
 def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
@@ -157,7 +144,7 @@ class ElectronicsNoise(
         node = here.node
         seen = Step.of(statistics, image.recipe, node=node)
         table = Step.of(figures, seen, node=node, detector=self._detector(context))
-        image = _with_interval(image, context)
+        image = with_interval(image, context)
         plan = steps.NoisePlan(image, context.platform, node, lambda name: self.stream(here, name))
         filters = self._pre_amplifier(image, context)
         post = self._post_filter(context)

@@ -9,13 +9,9 @@ from numpy.typing import NDArray
 
 from core.declaration import Here, readout
 from core.errors import ParameterError
-from core.factors import Law, Separable
-from core.grid import Grid
-from core.mirrored import mirrored_filter, mirrored_spectrum
+from core.local_mean import local_mean
 from core.parameters import Param
-from core.physics.gaussian import gaussian_mtf
 from core.physics.poisson_noise import photon_means, published_means, radiance_of_photons
-from core.product import Product
 from core.recipes import Recipe, Step
 from core.streams import Stream, poisson_field
 from core.values import Image
@@ -98,19 +94,10 @@ def _published(
     work: Work, image: Array, *, sigma_px: float, percent: float, stream: Stream
 ) -> Array:
     """The added deviates; one array serves as local mean, means and counts in turn."""
-    means = published_means(_local_mean(work, image, sigma_px), percent=percent)
+    means = published_means(local_mean(work, image, sigma_px=sigma_px), percent=percent)
     return poisson_field(
         means, stream, threads=work.policy.workers, check=work.check, in_place=True
     )
-
-
-def _local_mean(work: Work, image: Array, sigma_px: float) -> Array:
-    if sigma_px == 0:
-        return image
-    law = Law.of(gaussian_mtf, sigma_mrad=sigma_px)
-    grid = Grid(image.shape[0], image.shape[1], 1.0, 1.0)
-    spectrum = mirrored_spectrum(work, image)
-    return mirrored_filter(work, spectrum, Product([Separable(law, law)]), grid)
 
 
 def _photons(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
