@@ -1,4 +1,4 @@
-"""A small library of modules and a network made of them."""
+"""A small library of modules and a network made of them; an engine that counts."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from core.declaration import Here, Module
 from core.errors import ParameterError
 from core.parameters import Param
 from core.values import Context, Image, Magnitude, Phase, Transfer
+from engine_bench import Bench
 
 
 class SceneOutputs(NamedTuple):
@@ -133,6 +134,11 @@ DOCUMENT: dict[str, Any] = {
     "layout": {"scene": [0, 0], "init": [220, -12.5]},
     "backdrops": [{"title": "Optics", "nodes": ["init", "jitter"]}],
 }
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench()
 
 
 @pytest.fixture(scope="session")

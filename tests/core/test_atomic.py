@@ -1,16 +1,12 @@
 import os
-import signal
 import stat
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from child_process import kill_program, run_program
 from core.atomic import atomic_file, write_bytes, write_text
 from core.errors import FileError
-
-ROOT = Path(__file__).parents[2]
 
 # As root nothing is forbidden: the child becomes an ordinary user first.
 AS_ORDINARY_USER = """
@@ -59,18 +55,6 @@ try:
 except FileError as error:
     print(error.message)
 """
-
-
-def run(program: str, *arguments: str) -> list[str]:
-    done = subprocess.run(
-        [sys.executable, "-c", program, *arguments],
-        cwd=ROOT,
-        check=True,
-        capture_output=True,
-        text=True,
-        timeout=30,
-    )
-    return done.stdout.splitlines()
 
 
 def names(folder: Path) -> list[str]:
@@ -160,20 +144,20 @@ def test_refuses_what_is_no_file(tmp_path):
 
 
 def test_folder_without_permission():
-    message, left = run(AS_ORDINARY_USER, "folder")
+    message, left = run_program(AS_ORDINARY_USER, "folder").stdout.splitlines()
     assert "Permission denied" in message
     assert left == "['a.txt'] old"
 
 
 def test_read_only_file_is_not_replaced():
-    message, left = run(AS_ORDINARY_USER, "file")
+    message, left = run_program(AS_ORDINARY_USER, "file").stdout.splitlines()
     assert "read-only" in message
     assert left == "['a.txt'] old"
 
 
 def test_full_disk_leaves_the_old_file(tmp_path):
     (tmp_path / "a").write_text("old")
-    (message,) = run(FULL_DISK, str(tmp_path / "a"))
+    (message,) = run_program(FULL_DISK, str(tmp_path / "a")).stdout.splitlines()
     assert message.startswith(f"cannot write {tmp_path / 'a'}: File too large")
     assert names(tmp_path) == ["a"]
     assert (tmp_path / "a").read_text() == "old"
@@ -182,13 +166,7 @@ def test_full_disk_leaves_the_old_file(tmp_path):
 def test_killed_in_the_midst_of_writing_leaves_the_old_file(tmp_path):
     target = tmp_path / "a.bin"
     target.write_bytes(b"old" * 1000)
-    with subprocess.Popen(
-        [sys.executable, "-c", HALF_WRITTEN, str(target)], cwd=ROOT, stdout=subprocess.PIPE
-    ) as child:
-        assert child.stdout is not None
-        assert child.stdout.readline() == b"half\n"
-        child.send_signal(signal.SIGKILL)
-        assert child.wait(10) == -signal.SIGKILL
+    kill_program(HALF_WRITTEN, str(target), says="half")
     assert target.read_bytes() == b"old" * 1000
     write_bytes(target, b"next")
     assert target.read_bytes() == b"next"

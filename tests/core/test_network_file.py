@@ -2,15 +2,13 @@ from __future__ import annotations
 
 import json
 import os
-import signal
-import subprocess
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from child_process import kill_program
 from core.errors import FileError, NetworkError
 from core.network import Link, Network, Node
 from core.network_file import format_network, load_network, parse_network, save_network
@@ -250,15 +248,9 @@ for number in range(10**9):
 
 def test_a_killed_save_leaves_a_whole_file(small_library, tmp_path):
     path = tmp_path / "n.json"
-    root = Path(__file__).parents[2]
     for delay in (0.003, 0.011, 0.018, 0.029, 0.037):
         save_network(Network(name="old", extra={"fill": "old"}), path, library={})
-        command = [sys.executable, "-c", SAVER, str(path)]
-        with subprocess.Popen(command, cwd=root, stdout=subprocess.PIPE) as saver:
-            assert saver.stdout.readline() == b"ready\n"
-            time.sleep(delay)
-            saver.send_signal(signal.SIGKILL)
-            saver.wait()
+        kill_program(SAVER, str(path), says="ready", after_s=delay)
         network = load_network(path, library=small_library)
         assert network.extra["fill"][:9] == network.name
 

@@ -1,11 +1,9 @@
 import os
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from child_process import run_program
 from core.errors import DataError, FileError, ParameterError
 from nodes.files import arrays
 from nodes.files.read import check_finite, read_info, read_pixels
@@ -239,12 +237,5 @@ with tempfile.TemporaryDirectory() as name:
 
 
 def test_files_without_permission():
-    done = subprocess.run(
-        [sys.executable, "-c", FORBIDDEN],
-        cwd=Path(__file__).parents[2],
-        check=True,
-        capture_output=True,
-        text=True,
-        timeout=30,
-    )
+    done = run_program(FORBIDDEN)
     assert done.stdout == "no permission to read this file\nPermission denied\n"

@@ -1,29 +1,13 @@
-import os
-import signal
-import subprocess
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from child_process import kill_program, run_program
 from core.errors import DataError, FileError, ParameterError
 from nodes.files.pictures import read_band, read_info, write_picture
 from nodes.files.read import read_pixels
-
-ROOT = Path(__file__).parents[2]
-SPECIAL = [np.nan, np.inf, -np.inf, -0.0, 1e-45, 3.4e38, 0.1]
-
-
-def samples_of(kind, rows=5, columns=7):
-    values = np.arange(rows * columns).reshape(rows, columns)
-    if kind[0] == "f":
-        return (values / 8 - 1).astype(kind)
-    info = np.iinfo(kind)
-    values = values.astype(kind)
-    values[0, :2] = info.min, info.max
-    return values
+from picture_samples import SPECIAL, samples_of
 
 
 @pytest.mark.parametrize(
@@ -158,14 +142,7 @@ print(sorted(entry.name for entry in folder.iterdir()))
 
 
 def test_full_disk_is_noticed_at_every_place_and_keeps_the_old_picture(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-c", FULL_DISK, str(tmp_path)],
-        cwd=ROOT,
-        check=True,
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
+    done = run_program(FULL_DISK, str(tmp_path))
     assert done.stdout == "['a.exr', 'a.png', 'a.tif']\n"
     assert done.stderr == ""
 
@@ -185,13 +162,7 @@ for count in itertools.count(1):
 def test_killed_at_any_time_the_picture_is_whole(tmp_path, name):
     path = tmp_path / name
     for delay_s in (0.0, 0.013, 0.031, 0.05):
-        with subprocess.Popen(
-            [sys.executable, "-c", WRITE_FOR_EVER, str(path)], cwd=ROOT, stdout=subprocess.PIPE
-        ) as child:
-            assert child.stdout is not None
-            child.stdout.readline()
-            time.sleep(delay_s)
-            os.kill(child.pid, signal.SIGKILL)
+        kill_program(WRITE_FOR_EVER, str(path), says="first", after_s=delay_s)
         read = read_band(path)
         assert read.shape == (600, 700)
         assert np.all(read == read[0, 0])

@@ -7,8 +7,8 @@ import pytest
 from core.errors import FileError
 from nodes.files.pictures import read_band, read_info, write_picture
 from nodes.files.read import read_pixels
+from picture_samples import SPECIAL, samples_of
 
-SPECIAL = [np.nan, np.inf, -np.inf, -0.0, 1e-45, 3.4e38, 0.1]
 KINDS = {"u1": 1, "u2": 1, "u4": 1, "i1": 2, "i2": 2, "i4": 2, "f2": 3, "f4": 3, "f8": 3}
 
 
@@ -76,16 +76,6 @@ def png_bytes(lines, columns, depth, colour):
     body = zlib.compress(b"".join(b"\0" + line for line in lines))
     chunks = chunk(b"IHDR", head) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
     return b"\x89PNG\r\n\x1a\n" + chunks
-
-
-def samples_of(kind, rows=5, columns=7):
-    values = np.arange(rows * columns).reshape(rows, columns)
-    if kind[0] == "f":
-        return (values / 8 - 1).astype(kind)
-    info = np.iinfo(kind)
-    values = values.astype(kind)
-    values[0, :2] = info.min, info.max
-    return values
 
 
 @pytest.mark.parametrize("kind", KINDS)

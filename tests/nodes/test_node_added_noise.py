@@ -8,8 +8,8 @@ import pytest
 from core.engine import Engine
 from core.errors import DataError, FileError, ParameterError
 from core.library import library_of
-from core.network import Link, Network, Node
 from core.policy import Policy
+from linked_network import linked_network
 from nodes.electronics.noise_file import NoiseFile
 from nodes.electronics.periodic_noise import PeriodicNoise
 from nodes.input_output.read_image import ReadImage
@@ -25,10 +25,10 @@ def picture(rows=31, columns=44, seed=1):
 def planned(folder, key, params, array=None, reading=FOV):
     np.save(folder / "in.npy", picture() if array is None else array)
     nodes = {
-        "in": Node("in", "read_image", {"path": "in.npy", **reading}),
-        "out": Node("out", key, params),
+        "in": ("read_image", {"path": "in.npy", **reading}),
+        "out": (key, params),
     }
-    network = Network(nodes=nodes, links=(Link.between("in.image", "out.image"),))
+    network = linked_network(nodes, [("in.image", "out.image")])
     engine = Engine(LIBRARY)
     return engine, engine.plan(network, folder=folder)
 

@@ -8,8 +8,8 @@ import pytest
 from core.engine import Engine
 from core.errors import DataError
 from core.library import library_of
-from core.network import Link, Network, Node
 from core.policy import Policy
+from linked_network import linked_network
 from nodes.analysis.compare_images import CompareImages
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.test_scene import TestScene
@@ -24,13 +24,6 @@ def blur(sigma, frequency):
     return np.exp(-2 * (np.pi * sigma * frequency) ** 2)
 
 
-def network(nodes, *links):
-    return Network(
-        nodes={name: Node(name, key, params) for name, (key, params) in nodes.items()},
-        links=tuple(Link.between(*link) for link in links),
-    )
-
-
 def picture(seed=1, size=(40, 56)):
     return np.random.default_rng(seed).uniform(20, 60, size)
 
@@ -39,14 +32,13 @@ def compared(folder, image, reference, fov=True, precision="double", **params):
     reading = {"fov_x_deg": 2.0, "fov_y_deg": 1.5} if fov else {}
     np.save(folder / "a.npy", image)
     np.save(folder / "b.npy", reference)
-    document = network(
+    document = linked_network(
         {
             "a": ("read_image", {"path": "a.npy", **reading}),
             "b": ("read_image", {"path": "b.npy", **reading}),
             "out": ("compare_images", params),
         },
-        ("a.image", "out.image"),
-        ("b.image", "out.reference"),
+        [("a.image", "out.image"), ("b.image", "out.reference")],
     )
     engine = Engine(LIBRARY)
     plan = engine.plan(document, folder=folder)
@@ -114,7 +106,7 @@ def test_ratio_of_a_blurred_picture_is_the_mtf(tmp_path, edges, size):
 
 
 def test_ratio_through_a_chain_in_single_precision():
-    document = network(
+    document = linked_network(
         {
             "scene": ("test_scene", {"width": 128, "height": 96, "fov_x_deg": 3, "fov_y_deg": 2}),
             "init": ("init_trans", {}),
@@ -122,13 +114,15 @@ def test_ratio_through_a_chain_in_single_precision():
             "back": ("back_transform", {}),
             "out": ("compare_images", {}),
         },
-        ("scene.image", "init.image"),
-        ("init.context", "jitter.context"),
-        ("init.magnitude", "jitter.magnitude"),
-        ("jitter.magnitude", "back.magnitude"),
-        ("init.phase", "back.phase"),
-        ("back.image", "out.image"),
-        ("scene.image", "out.reference"),
+        [
+            ("scene.image", "init.image"),
+            ("init.context", "jitter.context"),
+            ("init.magnitude", "jitter.magnitude"),
+            ("jitter.magnitude", "back.magnitude"),
+            ("init.phase", "back.phase"),
+            ("back.image", "out.image"),
+            ("scene.image", "out.reference"),
+        ],
     )
     engine = Engine(LIBRARY)
     work = engine.work(Policy())

@@ -7,42 +7,14 @@ import pytest
 import scipy.integrate
 from scipy.constants import c, h, k
 
-from core.engine import Engine
 from core.errors import ParameterError
 from core.library import library_of
-from core.network import Link, Network, Node
-from core.policy import Policy
+from node_bench import NodeBench
 from nodes.input_output.examine_image import ExamineImage
 from nodes.input_output.read_image import ReadImage
 from nodes.transform.init_trans import InitTrans
 
 LIBRARY = library_of([ReadImage, ExamineImage, InitTrans])
-
-
-class Bench:
-    """A network of nodes with their parameters and links, planned and evaluated in a folder."""
-
-    def __init__(self, folder, nodes, *links, precision="double"):
-        network = Network(
-            nodes={name: Node(name, key, params) for name, (key, params) in nodes.items()},
-            links=tuple(Link.between(*link) for link in links),
-        )
-        self.engine = Engine(LIBRARY)
-        self.folder = folder
-        self.plan = self.engine.plan(network, folder=folder)
-        self.work = self.engine.work(Policy(precision=precision))
-
-    def error(self, node):
-        return self.plan.nodes[node].error
-
-    def port(self, port):
-        return self.plan.output(port)
-
-    def value(self, port):
-        return self.engine.value(self.plan, port, self.work)
-
-    def readouts(self, node):
-        return self.engine.readouts(self.plan, node, self.work)
 
 
 def picture(rows=6, columns=9, seed=1):
@@ -53,7 +25,7 @@ def examining(folder, array, band=None, **params):
     np.save(folder / "in.npy", array)
     extra = {} if band is None else {"cut_on_um": band[0], "cut_off_um": band[1]}
     nodes = {"in": ("read_image", {"path": "in.npy", **extra}), "out": ("examine_image", params)}
-    return Bench(folder, nodes, ("in.image", "out.image"))
+    return NodeBench(LIBRARY, folder, nodes, [("in.image", "out.image")])
 
 
 def test_examine_statistics_and_readouts(tmp_path):
@@ -139,7 +111,7 @@ def test_examine_magnitude_and_phase(tmp_path):
         ("init.magnitude", "mag.image"),
         ("init.phase", "pha.image"),
     ]
-    bench = Bench(tmp_path, nodes, *links)
+    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
     spectrum = np.fft.fft2(picture())
     found = bench.value("mag.table").as_dict()
     assert found["maximum"] == pytest.approx(np.abs(spectrum).max(), rel=1e-12)

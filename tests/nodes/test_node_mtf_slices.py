@@ -13,10 +13,10 @@ from core.engine import Engine
 from core.factors import Law, Planar, Separable
 from core.grid import Grid
 from core.library import library_of
-from core.network import Link, Network, Node
 from core.policy import Policy
 from core.recipes import Step
 from core.values import Magnitude, Transfer
+from linked_network import linked_network
 from nodes.analysis.mtf_slices import MtfSlices
 from nodes.input_output.test_scene import TestScene
 from nodes.motion.jitter_mtf import JitterMTF
@@ -35,16 +35,9 @@ LIBRARY = library_of(
 GRID = Grid(40, 64, 0.5, 0.8)
 
 
-def network(nodes, *links):
-    return Network(
-        nodes={name: Node(name, key, params) for name, (key, params) in nodes.items()},
-        links=tuple(Link.between(*link) for link in links),
-    )
-
-
 def chain(**slicing):
     """Scene, two blurs that are alike in name, and slices of what they make together."""
-    return network(
+    return linked_network(
         {
             "scene": ("test_scene", {"width": 64, "height": 40, "fov_x_deg": 2, "fov_y_deg": 3}),
             "init": ("init_trans", {}),
@@ -53,12 +46,14 @@ def chain(**slicing):
             "jitter": ("jitter_mtf", {"sigma_mrad": 0.4}),
             "slices": ("mtf_slices", slicing),
         },
-        ("scene.image", "init.image"),
-        *(("init.context", f"{name}.context") for name in ("one", "two", "jitter")),
-        ("init.magnitude", "one.magnitude"),
-        ("one.magnitude", "two.magnitude"),
-        ("two.magnitude", "jitter.magnitude"),
-        ("jitter.magnitude", "slices.transfer"),
+        [
+            ("scene.image", "init.image"),
+            *(("init.context", f"{name}.context") for name in ("one", "two", "jitter")),
+            ("init.magnitude", "one.magnitude"),
+            ("one.magnitude", "two.magnitude"),
+            ("two.magnitude", "jitter.magnitude"),
+            ("jitter.magnitude", "slices.transfer"),
+        ],
     )
 
 

@@ -8,34 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.engine import Engine
 from core.errors import DataError, FileError, ParameterError
-from core.network import Network, Node
-from core.policy import Policy
+from core.library import library_of
+from node_bench import NodeBench
 from nodes.input_output.read_image import ReadImage
 
-
-class Bench:
-    """One Read Image in a folder, planned and evaluated."""
-
-    def __init__(self, folder, precision, params):
-        network = Network(nodes={"in": Node("in", "read_image", params)})
-        self.engine = Engine({"read_image": ReadImage})
-        self.plan = self.engine.plan(network, folder=folder)
-        self.work = self.engine.work(Policy(precision=precision))
-
-    def error(self):
-        return self.plan.nodes["in"].error
-
-    def image(self):
-        return self.plan.output("in.image")
-
-    def samples(self):
-        return self.engine.value(self.plan, "in.image", self.work)
+LIBRARY = library_of([ReadImage])
 
 
 def reading(folder, precision="double", **params):
-    return Bench(folder, precision, params)
+    return NodeBench(LIBRARY, folder, {"in": ("read_image", params)}, precision=precision)
 
 
 def picture(rows=6, columns=9, seed=1):
@@ -63,13 +45,13 @@ def test_reads_npy_scaled_with_interval(tmp_path):
     array = picture()
     np.save(tmp_path / "a.npy", array)
     bench = reading(tmp_path, path="a.npy", scale=2.5, unit="K", fov_x_deg=3.0, fov_y_deg=2.0)
-    image = bench.image()
+    image = bench.port("in.image")
     assert (image.rows, image.columns, image.unit, image.band_um) == (6, 9, "K", None)
     assert image.interval_x_mrad == pytest.approx(np.radians(3.0) * 1000 / 9, rel=1e-14)
     assert image.interval_y_mrad == pytest.approx(np.radians(2.0) * 1000 / 6, rel=1e-14)
     assert image.header.fov_x_deg == 3.0
-    np.testing.assert_array_equal(bench.samples(), array * 2.5)
-    single = reading(tmp_path, "single", path="a.npy").samples()
+    np.testing.assert_array_equal(bench.value("in.image"), array * 2.5)
+    single = reading(tmp_path, "single", path="a.npy").value("in.image")
     assert single.dtype == np.float32
     np.testing.assert_array_equal(single, array.astype(np.float32))
 
@@ -78,13 +60,13 @@ def test_key_follows_path_size_time_and_parameters(tmp_path):
     np.save(tmp_path / "a.npy", picture())
 
     def key(**params):
-        return reading(tmp_path, path="a.npy", **params).image().key
+        return reading(tmp_path, path="a.npy", **params).port("in.image").key
 
     first = key()
     assert key() == first
     assert key(scale=1) == first
     assert key(scale=2.0) != first
-    assert reading(tmp_path, path=str(tmp_path / "a.npy")).image().key == first
+    assert reading(tmp_path, path=str(tmp_path / "a.npy")).port("in.image").key == first
     os.utime(tmp_path / "a.npy", ns=(0, 12345))
     assert key() != first
 
@@ -94,7 +76,7 @@ def test_file_changed_between_plan_and_run_is_refused(tmp_path):
     bench = reading(tmp_path, path="a.npy")
     np.save(tmp_path / "a.npy", picture(rows=7))
     with pytest.raises(FileError, match="has changed since"):
-        bench.samples()
+        bench.value("in.image")
 
 
 def test_envi_band_and_integration(tmp_path):
@@ -108,26 +90,26 @@ def test_envi_band_and_integration(tmp_path):
     }
     envi(tmp_path, cube, **extra)
     one = reading(tmp_path, path="x.img", band=1)
-    image = one.image()
+    image = one.port("in.image")
     assert image.band_um == pytest.approx((8.5, 9.5))
     assert image.header.focal_length_mm == 130
     assert image.interval_x_mrad == pytest.approx(np.radians(4.0) * 1000 / 5)
     assert image.interval_y_mrad is None
-    np.testing.assert_array_equal(one.samples(), cube[1])
+    np.testing.assert_array_equal(one.value("in.image"), cube[1])
     band = reading(tmp_path, path="x.img", cut_on_um=8.25, cut_off_um=10.5, scale=1e4)
-    assert band.image().band_um == (8.25, 10.5)
+    assert band.port("in.image").band_um == (8.25, 10.5)
     expected = 1e4 * (0.25 * cube[0] + cube[1] + cube[2])
-    np.testing.assert_allclose(band.samples(), expected, rtol=1e-14)
+    np.testing.assert_allclose(band.value("in.image"), expected, rtol=1e-14)
     # The header counts as much as the samples.
-    before = one.image().key
+    before = one.port("in.image").key
     os.utime(tmp_path / "x.img.hdr", ns=(0, 5))
-    assert reading(tmp_path, path="x.img", band=1).image().key != before
+    assert reading(tmp_path, path="x.img", band=1).port("in.image").key != before
 
 
 def test_stated_band_of_a_plain_picture(tmp_path):
     np.save(tmp_path / "a.npy", picture())
     bench = reading(tmp_path, path="a.npy", cut_on_um=8.0, cut_off_um=12.0)
-    assert bench.image().band_um == (8.0, 12.0)
+    assert bench.port("in.image").band_um == (8.0, 12.0)
 
 
 @pytest.mark.parametrize(
@@ -144,7 +126,7 @@ def test_stated_band_of_a_plain_picture(tmp_path):
 )
 def test_faults_of_reading_are_told_at_planning(tmp_path, params, kind, words):
     np.save(tmp_path / "a.npy", picture())
-    error = reading(tmp_path, **params).error()
+    error = reading(tmp_path, **params).error("in")
     assert isinstance(error, kind)
     assert error.node == "in"
     assert words in str(error)
@@ -155,14 +137,14 @@ def test_samples_not_finite_are_refused_with_their_place(tmp_path):
     array[2, 3] = np.nan
     np.save(tmp_path / "a.npy", array)
     with pytest.raises(DataError, match="row 2, column 3"):
-        reading(tmp_path, path="a.npy").samples()
+        reading(tmp_path, path="a.npy").value("in.image")
     np.save(tmp_path / "b.npy", np.full((2, 2), 1e30))
     with pytest.raises(DataError, match="scale = 1e\\+20"):
-        reading(tmp_path, "single", path="b.npy", scale=1e20).samples()
+        reading(tmp_path, "single", path="b.npy", scale=1e20).value("in.image")
 
 
 def test_reads_the_real_frame_where_it_is_there():
     frame = Path(__file__).parents[2] / "../shared/data/sc660_lwir.img"
     if frame.exists():
         bench = reading(frame.parent, path=frame.name)
-        assert bench.samples().shape == bench.image().shape
+        assert bench.value("in.image").shape == bench.port("in.image").shape

@@ -7,8 +7,8 @@ import pytest
 
 from core.engine import Engine
 from core.library import library_of
-from core.network import Link, Network, Node
 from core.policy import Policy
+from linked_network import linked_network
 from nodes.input_output.read_image import ReadImage
 from nodes.transform.anti_alias import AntiAlias, box_mtf, lanczos_mtf
 from nodes.transform.interpolate import Interpolate
@@ -24,10 +24,10 @@ def picture(rows, columns, seed=1):
 def through(folder, array, key, params, precision="double", threads=1):
     np.save(folder / "in.npy", array)
     nodes = {
-        "in": Node("in", "read_image", {"path": "in.npy", "fov_x_deg": 2.0, "fov_y_deg": 1.5}),
-        "out": Node("out", key, params),
+        "in": ("read_image", {"path": "in.npy", "fov_x_deg": 2.0, "fov_y_deg": 1.5}),
+        "out": (key, params),
     }
-    network = Network(nodes=nodes, links=(Link.between("in.image", "out.image"),))
+    network = linked_network(nodes, [("in.image", "out.image")])
     engine = Engine(ENGINE_LIBRARY)
     plan = engine.plan(network, folder=folder)
     work = engine.work(Policy(precision=precision, threads=threads))
@@ -179,13 +179,13 @@ def test_decimation_by_nearest_of_the_box_is_the_block_mean(tmp_path):
     array = picture(12, 15)
     np.save(tmp_path / "in.npy", array)
     nodes = {
-        "in": Node("in", "read_image", {"path": "in.npy"}),
-        "low": Node("low", "anti_alias", {"factor": 3}),
-        "out": Node("out", "interpolate", {"width": 5, "height": 4, "order": 0}),
+        "in": ("read_image", {"path": "in.npy"}),
+        "low": ("anti_alias", {"factor": 3}),
+        "out": ("interpolate", {"width": 5, "height": 4, "order": 0}),
     }
-    links = (Link.between("in.image", "low.image"), Link.between("low.image", "out.image"))
+    links = [("in.image", "low.image"), ("low.image", "out.image")]
     engine = Engine(ENGINE_LIBRARY)
-    plan = engine.plan(Network(nodes=nodes, links=links), folder=tmp_path)
+    plan = engine.plan(linked_network(nodes, links), folder=tmp_path)
     value = engine.value(plan, "out.image", engine.work(Policy(precision="double")))
     expected = array.reshape(4, 3, 5, 3).mean(axis=(1, 3))
     np.testing.assert_allclose(value, expected, rtol=1e-13)

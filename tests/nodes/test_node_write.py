@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 
 from core.data import CurveData, Series
-from core.declaration import Here
-from core.engine import Engine
 from core.errors import ParameterError
 from core.library import library_of
-from core.network import Link, Network, Node
-from core.policy import Policy
+from node_bench import NodeBench
 from nodes.files.arrays import read_curves, read_matrix
 from nodes.files.read import read_info, read_pixels
 from nodes.input_output.examine_image import ExamineImage
@@ -22,35 +19,6 @@ from nodes.input_output.write_matrix import WriteMatrix, curve_columns
 LIBRARY = library_of([ReadImage, WriteImage, WriteMatrix, ExamineImage])
 
 
-class Bench:
-    """A network of nodes with their parameters and links, planned and evaluated in a folder."""
-
-    def __init__(self, folder, nodes, *links, precision="double"):
-        network = Network(
-            nodes={name: Node(name, key, params) for name, (key, params) in nodes.items()},
-            links=tuple(Link.between(*link) for link in links),
-        )
-        self.engine = Engine(LIBRARY)
-        self.folder = folder
-        self.plan = self.engine.plan(network, folder=folder)
-        self.work = self.engine.work(Policy(precision=precision))
-
-    def error(self, node):
-        return self.plan.nodes[node].error
-
-    def port(self, port):
-        return self.plan.output(port)
-
-    def write(self, node):
-        planned = self.plan.nodes[node]
-        assert planned.error is None, planned.error
-        here = Here(node, 0, self.folder)
-        written = planned.module.files(planned.inputs, here, self.work)
-        for path, writer in written:
-            writer(path)
-        return [path for path, _ in written]
-
-
 def passing(folder, array, sink, params, precision="double"):
     """A picture from a .npy file into a sink."""
     np.save(folder / "in.npy", array)
@@ -58,7 +26,7 @@ def passing(folder, array, sink, params, precision="double"):
         "in": ("read_image", {"path": "in.npy", "fov_x_deg": 2.0, "fov_y_deg": 1.5}),
         "out": (sink, params),
     }
-    return Bench(folder, nodes, ("in.image", "out.image"), precision=precision)
+    return NodeBench(LIBRARY, folder, nodes, [("in.image", "out.image")], precision=precision)
 
 
 def picture(rows=6, columns=9, seed=1):
@@ -82,7 +50,7 @@ def test_written_picture_tells_what_read_image_needs(tmp_path):
     bench.write("out")
     info = read_info(tmp_path / "o.tif")
     assert (info.unit, info.fov_x_deg) == ("W/m²/sr", pytest.approx(2.0, rel=1e-14))
-    again = Bench(tmp_path, {"in": ("read_image", {"path": "o.tif"})}).port("in.image")
+    again = NodeBench(LIBRARY, tmp_path, {"in": ("read_image", {"path": "o.tif"})}).port("in.image")
     assert again.interval_y_mrad == pytest.approx(bench.port("in.image").interval_y_mrad)
 
 
@@ -134,7 +102,7 @@ def test_matrix_of_a_curve(tmp_path):
         "txt": ("write_matrix", {"path": "h.txt"}),
     }
     links = [("in.image", "look.image"), ("look.curve", "csv.image"), ("look.curve", "txt.image")]
-    bench = Bench(tmp_path, nodes, *links)
+    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
     bench.write("csv")
     bench.write("txt")
     columns = list(read_curves(tmp_path / "h.csv").values())

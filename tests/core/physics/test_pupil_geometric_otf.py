@@ -1,9 +1,7 @@
 """Exact pupil OTFs against scan-line quadrature, reference values and symmetry."""
 
-import json
 import math
 from itertools import combinations
-from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -13,8 +11,8 @@ from core.errors import DataError, ParameterError
 from core.physics.annular_otf import annular_otf
 from core.physics.geometric_otf import geometric_otf
 from core.physics.pupil_shapes import PupilShape
+from reference_cases import reference_cases
 
-REFERENCE = Path(__file__).parents[3] / "../shared/reference/values.json"
 ROUNDING = 3e-14
 
 SHAPES = [
@@ -252,13 +250,6 @@ def test_annulus_refuses_what_has_no_opening():
         annular_otf(frequency_ratio=math.nan)
     with pytest.raises(DataError):
         geometric_otf(SHAPES[0], lag_x=math.inf, lag_y=0.0)
-
-
-def reference_cases(quantity):
-    if not REFERENCE.exists():
-        return []
-    cases = json.loads(REFERENCE.read_text())["cases"]
-    return [pytest.param(case, id=case["id"]) for case in cases if case["quantity"] == quantity]
 
 
 @pytest.mark.parametrize("case", reference_cases("diffraction_mtf"))

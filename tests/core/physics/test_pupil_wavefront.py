@@ -1,8 +1,6 @@
 """Zernike polynomials, the defocused disc and the wavelengths of a band."""
 
-import json
 import math
-from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -13,8 +11,7 @@ from core.physics.annular_otf import annular_otf
 from core.physics.defocus_otf import defocus_otf
 from core.physics.polychromatic import band_wavelengths
 from core.physics.zernike import noll_order, wavefront_waves, zernike
-
-REFERENCE = Path(__file__).parents[3] / "../shared/reference/values.json"
+from reference_cases import reference_cases
 
 
 def test_zernikes_are_orthonormal_over_the_disc():
@@ -123,14 +120,7 @@ def test_defocus_at_its_ends():
         defocus_otf(frequency_ratio=math.nan, w20_waves=1.0)
 
 
-def reference_cases():
-    if not REFERENCE.exists():
-        return []
-    cases = json.loads(REFERENCE.read_text())["cases"]
-    return [pytest.param(c, id=c["id"]) for c in cases if c["quantity"] == "defocus_otf"]
-
-
-@pytest.mark.parametrize("case", reference_cases())
+@pytest.mark.parametrize("case", reference_cases("defocus_otf"))
 def test_reference_defocus(case):
     given, expected = case["inputs"], float(case["expected"]["otf"])
     got = defocus_otf(

@@ -1,23 +1,12 @@
 """Radiometry against the reference values of 20 digits, and the rules between the noise figures."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from core.errors import ParameterError
 from core.physics import noise_equivalent as ne
 from core.physics.planck import band_radiance, band_radiance_derivative
-
-REFERENCE = Path(__file__).resolve().parents[4] / "shared" / "reference" / "values.json"
-
-
-def cases(quantity):
-    if not REFERENCE.exists():
-        return []
-    every = json.loads(REFERENCE.read_text(encoding="utf-8"))["cases"]
-    return [pytest.param(case, id=case["id"]) for case in every if case["quantity"] == quantity]
+from reference_cases import reference_cases
 
 
 def inputs(case):
@@ -29,19 +18,19 @@ def assert_equal(got, expected):
     assert abs(got - expected) <= 1e-12 * abs(expected) + 1e-15
 
 
-@pytest.mark.parametrize("case", cases("band_radiance"))
+@pytest.mark.parametrize("case", reference_cases("band_radiance"))
 def test_band_radiance(case):
     expected = case["expected"]
     assert_equal(band_radiance(**inputs(case)), expected["radiance_W_m2_sr"])
     assert_equal(band_radiance_derivative(**inputs(case)), expected["dL_dT_W_m2_sr_K"])
 
 
-@pytest.mark.parametrize("case", cases("optical_throughput_number"))
+@pytest.mark.parametrize("case", reference_cases("optical_throughput_number"))
 def test_throughput_number(case):
     assert_equal(ne.g_number(**inputs(case)), case["expected"]["g_number_per_sr"])
 
 
-@pytest.mark.parametrize("case", cases("noise_equivalent_radiance"))
+@pytest.mark.parametrize("case", reference_cases("noise_equivalent_radiance"))
 def test_noise_equivalents(case):
     given, expected = inputs(case), case["expected"]
     area = ne.detector_area_cm2(

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,8 +19,8 @@ from core.physics import (
     sampling,
     vibration,
 )
+from reference_cases import reference_cases
 
-_REFERENCE = Path(__file__).parents[3] / ".." / "shared" / "reference" / "values.json"
 _QUANTITIES = {
     "sampling",
     "gaussian_mtf",
@@ -37,14 +35,6 @@ _QUANTITIES = {
     "turbulence_short_exposure",
 }
 Values = dict[str, float]
-
-
-def _cases() -> list[dict[str, Any]]:
-    if not _REFERENCE.exists():
-        print(f"no reference cases collected: {_REFERENCE.resolve()} does not exist")
-        return []
-    cases = json.loads(_REFERENCE.read_text(encoding="utf-8"))["cases"]
-    return [case for case in cases if case["quantity"] in _QUANTITIES]
 
 
 def _at(mtf: np.ndarray) -> float:
@@ -155,7 +145,7 @@ _COMPUTE: dict[str, Callable[[Values], Values]] = {
 }
 
 
-@pytest.mark.parametrize("case", _cases(), ids=lambda case: case["id"])
+@pytest.mark.parametrize("case", reference_cases(*_QUANTITIES))
 def test_reference_value(case: dict[str, Any]) -> None:
     assert case["quantity"] in _COMPUTE, f"no function computes {case['quantity']}"
     inputs = {name: float(value) for name, value in case["inputs"].items()}

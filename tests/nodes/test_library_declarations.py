@@ -1,0 +1,103 @@
+"""Every registered module is declared and documented."""
+
+from __future__ import annotations
+
+import pytest
+
+from battery_settings import EXAMPLES, NEUTRAL, NEVER_NEUTRAL, SETTINGS
+from library_battery import DECLARED, FILTERS, LIBRARY
+
+PORT_TYPES = {"image", "magnitude", "phase", "context", "pupil", "transfer", "curve", "table"}
+
+# Numbers that count or share: no unit says more than their text.
+PURE_NUMBERS = {
+    "band", "scale", "width", "height", "frequency", "probe_x", "probe_y", "bins", "f_number",
+    "fill_x", "fill_y", "factor_x", "factor_y", "alpha", "scatter_depth", "size_x", "size_y",
+    "vanes", "wavelengths", "seed", "photons_per_unit", "detectors_per_line", "efficiency",
+    "optics_transmission", "filter_transmission", "amplifier_snr", "post_poles", "post_gain",
+    "amplitude", "modulation", "samples", "range_low", "range_high",
+}  # fmt: skip
+# Numbers of either sign without a natural limit.
+UNBOUNDED = {
+    "scale", "delta_K", "angle_deg", "range_low", "range_high", "velocity_m_per_s",
+    "image_velocity_x", "image_velocity_y", "platform_velocity_x", "platform_velocity_y",
+    "amplitude", "xi", "eta", "phase_deg", "modulation_xi", "modulation_eta",
+    "modulation_phase_deg",
+}  # fmt: skip
+
+
+def test_tables_name_only_registered_modules():
+    for table in (EXAMPLES, NEUTRAL, NEVER_NEUTRAL, SETTINGS):
+        assert set(table) <= set(LIBRARY)
+
+
+@pytest.mark.parametrize("key", LIBRARY)
+class TestDeclared:
+    def test_says_what_it_is(self, key):
+        declared = DECLARED[key]
+        assert declared.key == key == LIBRARY[key].key
+        assert declared.title
+        assert declared.group
+        assert declared.version >= 1
+        assert declared.summary.endswith(".")
+        assert len(declared.summary) <= 120
+        assert not declared.text.startswith(LIBRARY[key].__name__ + "(")  # dataclass' own words
+
+    def test_has_its_own_example(self, key):
+        assert key in EXAMPLES, f"{key} is registered without an example in this battery"
+
+    def test_filters_name_their_source(self, key):
+        if key in FILTERS:
+            assert "Source" in DECLARED[key].text
+
+    def test_ports_are_typed(self, key):
+        declared = DECLARED[key]
+        assert declared.inputs or declared.outputs
+        for port in (*declared.inputs, *declared.outputs):
+            assert port.types
+            assert set(port.types) <= PORT_TYPES
+        for port in declared.outputs:
+            assert len(port.types) == 1
+        names = [port.name for port in declared.inputs]
+        assert len(set(names)) == len(names)
+        assert declared.outputs or declared.sink
+
+    def test_parameters_are_documented(self, key):
+        for parameter in DECLARED[key].parameters:
+            assert parameter.param.text.strip()
+            assert not parameter.required
+            if parameter.kind in ("number", "integer", "numbers"):
+                assert parameter.param.unit or parameter.name in PURE_NUMBERS, parameter.name
+                bounded = parameter.param.low is not None or parameter.param.high is not None
+                assert bounded or parameter.name in UNBOUNDED, parameter.name
+
+    def test_units_in_names_and_declarations_agree(self, key):
+        endings = {
+            "_mrad": "mrad", "_um": "µm", "_mm": "mm", "_m": "m", "_cm": "cm", "_K": "K",
+            "_Hz": "Hz", "_s": "s", "_deg": "deg", "_percent": "%", "_per_km": "1/km",
+            "_m_per_s": "m/s", "_mrad_per_s": "mrad/s", "_cyc_per_mrad": "cyc/mrad", "_px": "px",
+            "_waves": None,
+        }  # fmt: skip
+        declared = DECLARED[key]
+        named = [(p.name, p.param.unit) for p in declared.parameters]
+        named += [(r.name, r.unit) for r in declared.readouts]
+        for name, unit in named:
+            ending = max((e for e in endings if name.endswith(e)), key=len, default=None)
+            if ending is not None and endings[ending] is not None:
+                assert unit == endings[ending], name
+
+    def test_readouts_are_documented(self, key):
+        declared = DECLARED[key]
+        ports = {port.name for port in declared.inputs} | {"outputs"}
+        names = [readout.name for readout in declared.readouts]
+        assert len(set(names)) == len(names)
+        for readout in declared.readouts:
+            assert readout.meaning.endswith("."), readout.name
+            assert set(readout.needs) <= ports
+
+    def test_modules_of_one_folder_share_a_group(self, key):
+        area = LIBRARY[key].__module__.split(".")[1]
+        groups = {
+            d.group for k, d in DECLARED.items() if LIBRARY[k].__module__.split(".")[1] == area
+        }
+        assert len(groups) == 1

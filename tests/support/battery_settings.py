@@ -1,0 +1,160 @@
+"""Settings with which every registered module is tried."""
+
+from __future__ import annotations
+
+from typing import Any
+
+# Parameters of each module's small example; what they are linked to follows from their port types.
+EXAMPLES: dict[str, dict[str, Any]] = {
+    "read_image": {"path": "noise.npy", "fov_x_deg": 1.5, "fov_y_deg": 1.1},
+    "test_scene": {"width": 15, "height": 11, "fov_x_deg": 1.5, "fov_y_deg": 1.1},
+    "write_image": {"path": "written.tif"},
+    "write_matrix": {"path": "written.csv"},
+    "examine_image": {"probe_x": 3, "probe_y": 4},
+    "init_trans": {"detector_x_um": 30, "focal_length_mm": 50},
+    "back_transform": {},
+    "combine_pixels": {"factor_x": 3, "factor_y": 2},
+    "anti_alias": {"factor": 3},
+    "interpolate": {"width": 20, "height": 7},
+    "atmosphere_mtf": {"fwhm_mrad": 2, "turbidity": "high"},
+    "exit_pupil": {"size_x": 32, "size_y": 32, "radius": 12, "obscuration_radius": 4},
+    "exit_pupil_mtf": {"size_x_cm": 3, "size_y_cm": 4, "wavelengths": 3},
+    "gaussian_mtf": {"sigma_x_mrad": 1, "sigma_y_mrad": 2},
+    "poisson_noise": {"percent": 50},
+    "crosstrack_mtf": {"dwell_time_s": 1e-4},
+    "alongtrack_mtf": {"integration_time_s": 0.01},
+    "relative_motion_mtf": {
+        "image_velocity_x": 5, "platform_velocity_y": 90, "integration_time_s": 0.01,
+        "model": "line",
+    },
+    "jitter_mtf": {"sigma_mrad": 1},
+    "vibration_mtf": {
+        "amplitude_x_mrad": 1, "amplitude_y_mrad": 2, "frequency_Hz": 10,
+        "integration_time_s": 0.13,
+    },
+    "detector_mtf": {},
+    "charge_eff_mtf": {"efficiency": 0.999},
+    "charge_eff_phase": {"efficiency": 0.999},
+    "electronics_noise": {
+        "region": "LWIR", "scan_mirror_rate_Hz": 1, "amplifier_snr": 30, "gain_percent": 1,
+        "bias_percent": 1, "noise_variability_percent": 10, "use_mtf": True,
+        "post_filter": "lowpass", "post_corner_Hz": 2000, "bits": 8,
+    },
+    "periodic_noise": {"amplitude": 2, "modulation": 0.5},
+    "noise_file": {"path": "noise.npy", "scale": 0.1},
+    "mtf_slices": {"direction": "both", "samples": 9},
+    "compare_images": {},
+}  # fmt: skip
+
+# Settings at which a module passes its input on; several where there are several ways to say so.
+NEUTRAL: dict[str, list[dict[str, Any]]] = {
+    "combine_pixels": [{"factor_x": 1, "factor_y": 1}],
+    "anti_alias": [{}, {"kernel": "lanczos", "factor": 1}],
+    "interpolate": [{}, {"width": 15, "height": 11, "order": 3}],
+    "atmosphere_mtf": [
+        {}, {"turbulence": "none"}, {"turbidity": "custom"},
+        {"turbidity": "custom", "absorption_per_km": 2},
+    ],
+    "exit_pupil_mtf": [{"interpolation": "none"}],
+    "gaussian_mtf": [{}, {"sigma_x_mrad": 0, "sigma_y_mrad": 0.0}],
+    "poisson_noise": [{"percent": 0}],
+    "crosstrack_mtf": [{}, {"dwell_time_s": 0, "scan_velocity_mrad_per_s": 7}],
+    "alongtrack_mtf": [{}, {"velocity_m_per_s": 30}],
+    "relative_motion_mtf": [
+        {},
+        {"image_velocity_x": 5, "platform_velocity_x": 5, "integration_time_s": 1},
+        {"image_velocity_x": 5, "model": "line"},
+    ],
+    "jitter_mtf": [{"sigma_mrad": 0}],
+    "vibration_mtf": [{}, {"frequency_Hz": 5, "integration_time_s": 1}],
+    "charge_eff_mtf": [{"efficiency": 1}, {"detectors_per_line": 0}],
+    "charge_eff_phase": [{"efficiency": 1}, {"detectors_per_line": 0, "model": "published"}],
+    "periodic_noise": [{"amplitude": 0}],
+    "noise_file": [{"path": "noise.npy", "scale": 0}],
+}  # fmt: skip
+NEVER_NEUTRAL = {
+    "detector_mtf": "a detector always has an area",
+    "electronics_noise": "a detector always has noise",
+    "compare_images": "what it gives is a difference",
+}
+
+PUPILS: dict[str, dict[str, Any]] = {
+    "clear": {},
+    "half_moon": {"shape": "half_moon"},
+    "cassegrain": {"shape": "cassegrain"},
+    "hinged": {"shape": "hinged"},
+    "cassegrain_slit": {"shape": "cassegrain_slit"},
+    "spider": {"shape": "spider"},
+    "defocus": {"defocus_waves": 0.7},
+    "defocused ring": {"shape": "cassegrain", "defocus_waves": 1.2},
+    "coma": {"zernike_waves": [0, 0, 0, 0.1, 0, 0, 0.2, 0.15]},
+}
+SENSOR = {
+    "detector_x_um": 30, "detector_y_um": 25, "focal_length_mm": 50, "f_number": 2, "range_m": 500,
+    "velocity_m_per_s": 100, "scan_velocity_mrad_per_s": 5000,
+}  # fmt: skip
+SMALL_PUPIL = {
+    "size_x": 32, "size_y": 32, "radius": 12, "obscuration_radius": 4, "slit_width": 3,
+    "vane_width": 2,
+}  # fmt: skip
+SCAN = {"region": "LWIR", "scan_mirror_rate_Hz": 1}
+POST = {"post_corner_Hz": 1500}
+
+# What every filter is tried with, beside its example and what hypothesis draws.
+SETTINGS: dict[str, list[dict[str, Any]]] = {
+    "atmosphere_mtf": [
+        {"turbulence": "long_exposure", "fried_r0_m": 0.01},
+        {"turbulence": "long_exposure", "cn2": 1e-13},
+        {"turbulence": "long_exposure", "cn2": 1e-13, "view": "vertical"},
+        {"turbulence": "short_exposure", "fried_r0_m": 0.01, "aperture_mm": 5, "alpha": 1},
+        {"turbulence": "short_exposure", "fried_r0_m": 1e-6, "aperture_mm": 5},
+        {"turbulence": "none", "turbidity": "custom", "scatter_depth": 700},
+        {"turbulence": "none", "turbidity": "custom", "scattering_per_km": 3, "view": "vertical"},
+        {"turbidity": "low", "turbidity_cutoff_cyc_per_mrad": 1e6},
+    ],
+    "exit_pupil_mtf": [
+        {},
+        *({"size_x_cm": 3, "size_y_cm": 2, "wavelengths": n} for n in (2, 3, 4, 5, 7, 11)),
+        {"method": "autocorrelation", "size_x_cm": 3, "size_y_cm": 3},
+        {"method": "autocorrelation", "interpolation": "linear", "wavelengths": 2},
+    ],
+    "gaussian_mtf": [{"sigma_y_mrad": 1e9}, {"sigma_x_mrad": 1e-9}],
+    "crosstrack_mtf": [{"dwell_time_s": 1, "scan_velocity_mrad_per_s": 1e6}],
+    "alongtrack_mtf": [{"velocity_m_per_s": -4000, "integration_time_s": 1, "range_m": 3}],
+    "relative_motion_mtf": [
+        {"image_velocity_x": 9, "platform_velocity_y": 4, "integration_time_s": 1},
+        {
+            "image_velocity_x": -9e4, "platform_velocity_y": 4, "integration_time_s": 1,
+            "model": "line",
+        },
+        {"image_velocity_x": -9, "integration_time_s": 1, "model": "line"},
+    ],
+    "vibration_mtf": [
+        {"amplitude_x_mrad": 3},
+        {"amplitude_y_mrad": 3, "frequency_Hz": 1, "integration_time_s": 4},
+        {"amplitude_x_mrad": 3, "frequency_Hz": 1, "integration_time_s": 1e-6},
+        {"amplitude_x_mrad": 300, "frequency_Hz": 7, "integration_time_s": 1.23},
+    ],
+    "detector_mtf": [{"detector_x_um": 1e5, "fill_y": 1e-6}, {"focal_length_mm": 1e-3}],
+    "charge_eff_mtf": [
+        {"efficiency": 0, "detectors_per_line": 3},
+        {"efficiency": 0.5, "detectors_per_line": 1000000},
+        {"efficiency": 0.9, "model": "published", "nyquist": "detector"},
+        {"efficiency": 0.9, "model": "leading"},
+    ],
+    "charge_eff_phase": [
+        {"efficiency": 0, "detectors_per_line": 3},
+        {"efficiency": 0.5, "detectors_per_line": 1000000},
+        {"efficiency": 0.9, "model": "published", "nyquist": "detector"},
+        {"efficiency": 0.9, "model": "leading"},
+    ],
+    "electronics_noise": [
+        {**SCAN, "use_mtf": True},
+        {**SCAN, "use_mtf": True, "time_constant_s": 10},
+        {**SCAN, "post_filter": "lowpass", "post_poles": 4, **POST},
+    ],
+}  # fmt: skip
+NOT_PASSIVE = [
+    {**SCAN, "post_filter": "highpass", **POST},
+    {**SCAN, "post_filter": "boost", "post_gain": 9, **POST},
+]

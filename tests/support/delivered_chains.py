@@ -1,0 +1,73 @@
+"""Chains from a picture file, and what they deliver."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analytic_stages import INTERVAL_X, INTERVAL_Y, PUPIL, SENSOR, STAGES
+from core.engine import Engine
+from core.policy import Policy
+from linked_network import linked_network
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+PRECISIONS = ["double", "single"]
+MTF_ERROR = {"double": 1e-12, "single": 2e-6}
+MEAN_ERROR = {"double": 1e-13, "single": 1e-7}
+SHIFT_ERROR = {"double": 1e-10, "single": 1e-5}
+FOLD_ERROR = {"double": 1e-13, "single": 1e-6}
+
+
+def fov_deg(samples, interval):
+    return float(np.degrees(samples * interval / 1000))
+
+
+def chain_network(stages, rows, columns, edges="periodic", tail=()):
+    """A picture file through the stages to `last.image`; `tail` are further image modules."""
+    nodes = {
+        "file": ("read_image", {"path": "in.npy"}),
+        "init": ("init_trans", {
+            **SENSOR, "edges": edges, "fov_x_deg": fov_deg(columns, INTERVAL_X),
+            "fov_y_deg": fov_deg(rows, INTERVAL_Y),
+        }),
+        "pupil": ("exit_pupil", PUPIL),
+        "back": ("back_transform", {}),
+    }  # fmt: skip
+    links = [("file.image", "init.image")]
+    wires = {"magnitude": "init", "phase": "init"}
+    for stage in stages:
+        key, params = STAGES[stage]
+        nodes[stage] = (key, params)
+        links.append(("init.context", f"{stage}.context"))
+        wire = "phase" if key == "charge_eff_phase" else "magnitude"
+        changed = ("magnitude", "phase") if key == "exit_pupil_mtf" else (wire,)
+        if key == "exit_pupil_mtf":
+            links.append(("pupil.pupil", f"{stage}.pupil"))
+        for name in changed:
+            links.append((f"{wires[name]}.{name}", f"{stage}.{name}"))
+            wires[name] = stage
+    links += [(f"{source}.{name}", f"back.{name}") for name, source in wires.items()]
+    last = "back"
+    for number, (key, params) in enumerate(tail):
+        nodes[f"tail{number}"] = (key, params)
+        links.append((f"{last}.image", f"tail{number}.image"))
+        last = f"tail{number}"
+    return linked_network(nodes, links), last
+
+
+def delivered(tmp_path, picture, stages, precision, edges="periodic", tail=()):
+    np.save(tmp_path / "in.npy", picture)
+    document, last = chain_network(stages, *picture.shape, edges, tail)
+    engine = Engine(LIBRARY)
+    plan = engine.plan(document, folder=tmp_path)
+    assert plan.errors() == []
+    work = engine.work(Policy(precision=precision))
+    found = engine.value(plan, f"{last}.image", work)
+    assert found.dtype == work.policy.dtype
+    return found.astype(float), plan
+
+
+def scene(rows, columns, seed=5):
+    """A frame with a wide range that is exact in single precision too."""
+    drawn = np.random.default_rng(seed).uniform(20, 60, (rows, columns))
+    return drawn.astype(np.float32).astype(float)

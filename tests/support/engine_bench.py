@@ -1,0 +1,48 @@
+"""Small networks, and an engine that counts what it computes."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+from arithmetic_modules import LIBRARY
+from core.engine import Engine
+from core.network import Network
+from core.policy import Policy
+from core.store import Store
+from core.work import Work
+from linked_network import linked_network
+
+
+def network(nodes: dict[str, Any], links: list[tuple[str, str]] | None = None) -> Network:
+    """As `linked_network`; without links each node follows the one before."""
+    if links is None:
+        links = [(f"{a}.image", f"{b}.image") for a, b in itertools.pairwise(nodes)]
+    return linked_network(nodes, links)
+
+
+LINE = {"make": ("maker", {}), "a": ("scale", {}), "b": ("scale", {"factor": 3})}
+CHAIN = {
+    "make": ("maker", {}), "init": ("init", {}), "blur": ("blur", {}), "back": ("back", {}),
+    "bin": ("bin", {}),
+}  # fmt: skip
+CHAIN_LINKS = [
+    ("make.image", "init.image"), ("init.context", "blur.context"),
+    ("init.magnitude", "blur.magnitude"), ("blur.magnitude", "back.magnitude"),
+    ("init.phase", "back.phase"), ("back.image", "bin.image"),
+]  # fmt: skip
+
+
+class Bench:
+    """An engine that counts what it computes."""
+
+    def __init__(self, store: Store | None = None) -> None:
+        self.engine = Engine(LIBRARY, store)
+        self.computed: list[str | None] = []
+
+    def work(self, **how: Any) -> Work:
+        policy = Policy(precision="double", threads=1)
+        return self.engine.work(policy, progress=self.computed.append, **how)
+
+    def get(self, document: Network, port: str, work: Work | None = None) -> Any:
+        return self.engine.value(self.engine.plan(document), port, work or self.work())

@@ -1,0 +1,39 @@
+"""A network of nodes with their parameters and links, planned and evaluated in a folder."""
+
+from __future__ import annotations
+
+from core.declaration import Here
+from core.engine import Engine
+from core.policy import Policy
+from linked_network import linked_network
+
+
+class NodeBench:
+    """What nodes of a library give and write in a folder."""
+
+    def __init__(self, library, folder, nodes, links=(), *, precision="double"):
+        self.engine = Engine(library)
+        self.folder = folder
+        self.plan = self.engine.plan(linked_network(nodes, links), folder=folder)
+        self.work = self.engine.work(Policy(precision=precision))
+
+    def error(self, node):
+        return self.plan.nodes[node].error
+
+    def port(self, port):
+        return self.plan.output(port)
+
+    def value(self, port):
+        return self.engine.value(self.plan, port, self.work)
+
+    def readouts(self, node):
+        return self.engine.readouts(self.plan, node, self.work)
+
+    def write(self, node):
+        planned = self.plan.nodes[node]
+        assert planned.error is None, planned.error
+        here = Here(node, 0, self.folder)
+        written = planned.module.files(planned.inputs, here, self.work)
+        for path, writer in written:
+            writer(path)
+        return [path for path, _ in written]

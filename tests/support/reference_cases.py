@@ -1,0 +1,18 @@
+"""Reference values that stand beside the repository; where they do not, there are no cases."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+REFERENCE = Path(__file__).parents[2] / ".." / "shared" / "reference" / "values.json"
+
+
+def reference_cases(*quantities: str) -> list:
+    """Cases of the quantities, as parameters of a test, named by their ids."""
+    if not REFERENCE.exists():
+        return []
+    cases = json.loads(REFERENCE.read_text(encoding="utf-8"))["cases"]
+    return [pytest.param(case, id=case["id"]) for case in cases if case["quantity"] in quantities]
