@@ -103,6 +103,9 @@ class _Terms:
         self.planes = None if self.general else Planes(work, product, grid, "mirrored")
         self.odd_x = (False, True) if self.general or product.has_phase_x else (False,)
         self.odd_y = (False, True) if self.general or product.has_phase_y else (False,)
+        dtype = work.policy.dtype
+        self.parts_x = {odd: _part(self.across, odd).astype(dtype) for odd in self.odd_x}
+        self.parts_y = {odd: _part(self.along, odd).astype(dtype) for odd in self.odd_y}
 
     def apply(
         self, values: Array, rows: slice, weights: Array, odd_y: bool
@@ -112,19 +115,17 @@ class _Terms:
             for odd_x, block in self._general(rows, odd_y):
                 yield odd_x, values * (block * weights[:, np.newaxis]).astype(values.dtype)
             return
-        along = (np.imag if odd_y else np.real)(self.along[rows]) * weights
+        along = self.parts_y[odd_y][rows] * weights.astype(values.dtype)
+        values = values * along[:, np.newaxis]
         plane = self.planes.block(rows)
-        shared = along[:, np.newaxis] if plane is None else along[:, np.newaxis] * plane
-        values = values * shared.astype(values.dtype)
+        if plane is not None:
+            values *= plane
         for odd_x in self.odd_x:
             # i·i = −1 turns −sin·sin round; a single odd part keeps its minus.
-            sign = -1.0 if odd_x != odd_y else 1.0
-            across = (np.imag if odd_x else np.real)(self.across) * sign
+            across = self.parts_x[odd_x]
+            across = -across if odd_x != odd_y else across
             last = odd_x == self.odd_x[-1]
-            yield (
-                odd_x,
-                np.multiply(values, across.astype(values.dtype), out=values if last else None),
-            )
+            yield odd_x, np.multiply(values, across, out=values if last else None)
 
     def _general(self, rows: slice, odd_y: bool) -> Iterator[tuple[bool, Array]]:
         eta = self.eta[rows]
@@ -139,6 +140,11 @@ class _Terms:
             else:
                 value = np.imag(plus + minus if odd_x else plus - minus)
             yield odd_x, 0.5 * (-value if odd_x or odd_y else value)
+
+
+def _part(response: Array, odd: bool) -> Array:
+    """Even or odd part of a Hermitian response, real."""
+    return np.imag(response) if odd else np.real(response)
 
 
 def mean_kernel(size: int, factor: int) -> Array:
