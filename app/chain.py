@@ -149,11 +149,17 @@ def source_images(plan: Plan) -> list[str]:
 
 
 def is_neutral(planned: PlannedNode) -> bool:
-    """Whether the node passes an input on as it is: nothing of it is computed."""
-    keys = {port: getattr(value, "key", None) for port, value in planned.inputs.items()}
-    return any(
-        keys.get(port) is not None and keys[port] == getattr(value, "key", None)
+    """Whether the node passes all it works on as it is: nothing of it is computed."""
+    through = {
+        port: (planned.inputs[port], value)
         for port, value in planned.outputs.items()
+        if planned.inputs.get(port) is not None
+    }
+    if any(getattr(value, "own", None) is not None for value in planned.outputs.values()):
+        return False  # a transfer function to look at has been made
+    return bool(through) and all(
+        getattr(given, "key", None) == getattr(value, "key", None)
+        for given, value in through.values()
     )
 
 

@@ -180,8 +180,11 @@ def coerce_all(
             raise ParameterError(name, values[name], f"{title} has the parameters {known}")
     result = {}
     for parameter in parameters:
-        if parameter.name in values:
-            result[parameter.name] = parameter.coerce(values[parameter.name])
+        value = values.get(parameter.name)
+        # An empty number is absent: it means the default, where it does not mean empty.
+        absent = value is None and parameter.kind in ("number", "integer") and not parameter.empty
+        if parameter.name in values and not (absent and not parameter.required):
+            result[parameter.name] = parameter.coerce(value)
         elif parameter.required:
             raise ParameterError(parameter.name, None, parameter.allowed())
         else:

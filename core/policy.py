@@ -48,7 +48,10 @@ class Policy:
     @property
     def workers(self) -> int:
         """Number of threads to use."""
-        return self.threads or len(os.sched_getaffinity(0))
+        if self.threads:
+            return self.threads
+        allowed = getattr(os, "sched_getaffinity", None)  # not on every system
+        return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
 
     @property
     def key(self) -> str:

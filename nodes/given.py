@@ -16,9 +16,25 @@ def given(name: str, own: float | None, context: Context, *, unit: str) -> float
     ParameterError
         If neither is given.
     """
-    value = own if own is not None else getattr(context, name)
+    if own is not None:
+        return own
+    value = getattr(context, name)
     if value is None:
         raise ParameterError(name, None, "give it here or on Init & Trans", unit=unit)
+    return float(value)
+
+
+def of_context(name: str, context: Context, *, unit: str) -> float:
+    """What Init & Trans says, for a module without a parameter of its own for it.
+
+    Raises
+    ------
+    ParameterError
+        If it is not given there.
+    """
+    value = getattr(context, name)
+    if value is None:
+        raise ParameterError(name, None, "give it on Init & Trans", unit=unit)
     return float(value)
 
 

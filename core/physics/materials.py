@@ -121,18 +121,27 @@ MATERIALS_BY_REGION = MappingProxyType(
 """Which materials serve which region (Tantalo 1996, fig. 4.42)."""
 
 
-def find_material(*, region: str, material: str) -> Material:
+def find_material(*, region: str, material: str, cut_off_um: float | None = None) -> Material:
     """The material of a name in a wavelength region.
+
+    A material the region does not have is looked for in the others: of several compositions the
+    one with the shortest cut-off that reaches `cut_off_um`, else the longest.
 
     Raises
     ------
     ParameterError
-        For an unknown region, and for a material the region does not have.
+        For an unknown region, and for a material that no region has.
     """
     if region not in MATERIALS_BY_REGION:
         raise ParameterError("region", region, f"must be one of {', '.join(MATERIALS_BY_REGION)}")
     choices = {choice.name: choice for choice in MATERIALS_BY_REGION[region]}
-    if material not in choices:
-        names = ", ".join([*choices, MANUAL])
-        raise ParameterError("material", material, f"in region {region} must be one of {names}")
-    return choices[material]
+    if material in choices:
+        return choices[material]
+    everywhere = [choice for part in MATERIALS_BY_REGION.values() for choice in part]
+    named = [choice for choice in everywhere if choice.name == material]
+    if not named:
+        names = ", ".join(dict.fromkeys([*(choice.name for choice in everywhere), MANUAL]))
+        raise ParameterError("material", material, f"must be one of {names}")
+    named.sort(key=lambda choice: choice.cut_off_um)
+    reaching = [choice for choice in named if choice.cut_off_um >= (cut_off_um or 0.0)]
+    return reaching[0] if reaching else named[-1]

@@ -22,7 +22,7 @@ from core.realize import transfer_plane
 from core.recipes import Step
 from core.values import Context, Magnitude, Transfer
 from core.work import Work
-from nodes.given import given
+from nodes.given import of_context
 from nodes.laws import radial, separable
 from nodes.ports import MtfModule, MtfOutputs
 
@@ -34,7 +34,8 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     Turbulence is a Gaussian blur of given width, or Fried's long or short exposure with r0 given
     or from a Cn² profile. Turbidity falls to a plateau: exp(−τ(ρ/ρc)²), beyond ρc exp(−τ), with
-    τ of a level (plateaus 0.99, 0.975, 0.955), typed in, or from coefficients along the path.
+    τ of a level (plateaus 0.99, 0.975, 0.955), typed in, or from the absorption and scattering
+    coefficients along the path (looking vertically, of an exponential profile).
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """
 
@@ -60,7 +61,8 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         float | None, Param("Cn² along a horizontal path, or at the ground", unit="m^(-2/3)", low=0)
     ] = None
     turbidity: Annotated[
-        Literal["none", "low", "moderate", "high", "custom"], Param("level of aerosols")
+        Literal["none", "low", "moderate", "high", "custom"],
+        Param("level of aerosols; custom: by τ or the coefficients below"),
     ] = "none"
     scatter_depth: Annotated[
         float | None, Param("custom optical depth τ; empty: from coefficients", low=0)
@@ -72,8 +74,17 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     view: Annotated[
         Literal["horizontal", "vertical"], Param("direction of view, for coefficients and Cn²")
     ] = "horizontal"
-    absorption_per_km: Annotated[float, Param("absorption coefficient", unit="1/km", low=0)] = 0.0
-    scattering_per_km: Annotated[float, Param("scattering coefficient", unit="1/km", low=0)] = 0.0
+    absorption_per_km: Annotated[
+        float, Param("absorption coefficient, for custom", unit="1/km", low=0)
+    ] = 0.0
+    scattering_per_km: Annotated[
+        float, Param("scattering coefficient, for custom", unit="1/km", low=0)
+    ] = 0.0
+
+    scale_height_km: Annotated[
+        float,
+        Param("scale height of the aerosol, for a vertical view", unit="km", low=0, above=True),
+    ] = 1.0
 
     def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
         """Plan turbulence and turbidity."""
@@ -134,7 +145,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             return self.fried_r0_m
         if self.cn2 is None:
             raise ParameterError("fried_r0_m", None, "give fried_r0_m or cn2", unit="m")
-        path, wavelength = given("range_m", None, context, unit="m"), self._wavelength(context)
+        path, wavelength = of_context("range_m", context, unit="m"), self._wavelength(context)
         if self.view == "horizontal":
             return fried_r0_uniform_m(cn2=self.cn2, path_m=path, wavelength_um=wavelength)
         return fried_r0_slant_m(
@@ -159,9 +170,10 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         return path_optical_depth(
             absorption_per_km=self.absorption_per_km,
             scattering_per_km=self.scattering_per_km,
-            path_m=given("range_m", None, context, unit="m"),
+            path_m=of_context("range_m", context, unit="m"),
             view=self.view,
-        ).scattering
+            scale_height_km=self.scale_height_km,
+        ).extinction
 
     @readout()
     def largest_change(self, outputs: MtfOutputs) -> Step | float:

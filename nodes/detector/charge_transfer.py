@@ -9,7 +9,7 @@ from core.declaration import Module
 from core.parameters import Param
 from core.physics.sampling import ifov_mrad
 from core.values import Context
-from nodes.given import given
+from nodes.given import of_context
 
 
 class ChargeTransfer(Module):
@@ -50,7 +50,7 @@ class ChargeTransfer(Module):
             2
             * math.pi
             * ifov_mrad(
-                pitch_um=given("detector_x_um", None, context, unit="µm"),
-                focal_length_mm=given("focal_length_mm", None, context, unit="mm"),
+                pitch_um=of_context("detector_x_um", context, unit="µm"),
+                focal_length_mm=of_context("focal_length_mm", context, unit="mm"),
             )
         )

@@ -117,7 +117,9 @@ def _band_d_star(detector: Detector, background_K: float) -> float:
     if detector.material == "manual":
         raise ParameterError("d_star", None, "the material `manual` needs it", unit="cm √Hz/W")
     found = band_d_star(
-        material=find_material(region=detector.region, material=detector.material),
+        material=find_material(
+            region=detector.region, material=detector.material, cut_off_um=detector.cut_off_um
+        ),
         cut_on_um=detector.cut_on_um,
         cut_off_um=detector.cut_off_um,
         background_K=background_K,

@@ -22,7 +22,7 @@ from core.recipes import Recipe, Step
 from core.values import Context, Image, Table, Transfer
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import Detector, figures, statistics
-from nodes.given import given, given_band, with_interval
+from nodes.given import given_band, of_context, with_interval
 from nodes.laws import separable
 from nodes.noise_seed import SeededModule
 
@@ -212,12 +212,12 @@ class ElectronicsNoise(
             region=self.region,
             material=self.material,
             d_star=self.d_star,
-            f_number=given("f_number", None, context, unit=""),
+            f_number=of_context("f_number", context, unit=""),
             optics_transmission=self.optics_transmission,
             filter_transmission=self.filter_transmission,
             area_cm2=detector_area_cm2(
-                pitch_x_um=given("detector_x_um", None, context, unit="µm"),
-                pitch_y_um=given("detector_y_um", None, context, unit="µm"),
+                pitch_x_um=of_context("detector_x_um", context, unit="µm"),
+                pitch_y_um=of_context("detector_y_um", context, unit="µm"),
                 fill_x=context.fill_x,
                 fill_y=context.fill_y,
             ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -15,14 +16,17 @@ from nodes.files.picture_info import PictureInfo
 from nodes.input_output.source_file import picture_source, read_step
 from nodes.ports import ImageOutput
 
+_PER_CM2 = re.compile(r"/\s*cm\s*(\^?2|²)|cm\s*(\^?-2|⁻²)", re.IGNORECASE)
+
 
 class ReadImage(Module, key="read_image", title="Read Image", group="Input and output"):
     """Read a picture: EXR, TIFF, HDR, PNG, FITS, ENVI as DIRSIG writes it, .npy or plain text.
 
     Samples are the numbers the file stores times `scale`. Where an ENVI header gives wavelengths,
-    its bands are integrated from `cut_on_um` to `cut_off_um` if both are given: DIRSIG's
-    W cm⁻² sr⁻¹ µm⁻¹ then becomes W m⁻² sr⁻¹ with a scale of 10000. For every other file these two
-    say which band the samples are of. An empty field of view is taken from the header.
+    its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for every other
+    file these two say which band the samples are of. Where the header says radiance per cm², as
+    DIRSIG's W cm⁻² sr⁻¹ µm⁻¹, a scale of 1 stands for the 10000 to W m⁻² sr⁻¹. An empty field of
+    view is taken from the header. FITS pictures come with their first row at the bottom.
     """
 
     path: Annotated[Path | None, Param("picture file, relative to the network file's folder")] = (
@@ -59,7 +63,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         recipe = read_step(
             source,
             band=band,
-            scale=self.scale,
+            scale=self.scale * (_per_m2(info) if self.scale == 1.0 else 1.0),
             node=here.node,
             interval_um=stated if spectral else None,
         )
@@ -82,6 +86,11 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         if self.cut_on_um is None or self.cut_off_um is None:
             return None
         return self.cut_on_um, self.cut_off_um
+
+
+def _per_m2(info: PictureInfo) -> float:
+    """What turns the header's radiance per cm² into radiance per m²."""
+    return 1e4 if info.unit and _PER_CM2.search(info.unit) else 1.0
 
 
 def _interval(fov_deg: float | None, samples: int) -> float | None:

@@ -155,6 +155,8 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
     def estimated_error(self, context: Context, pupil: Pupil) -> Step | float:
         """Estimate that covers the OTF's error."""
         scale = self._scale(context, pupil)
+        if self.interpolation == "none":
+            return sampled_error(pupil, self.title)
         if self.method == "exact" and exact_factor(pupil, scale, "", "") is not None:
             return EXACT_ERROR
         if self.method == "exact":

@@ -22,7 +22,7 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
     factor_x: Annotated[
         int, Param("samples per pixel across", low=1, high=65536, slider=(1, 8))
     ] = 2
-    factor_y: Annotated[int, Param("samples per pixel along", low=1, high=65536)] = 2
+    factor_y: Annotated[int, Param("samples per pixel along", low=1, high=65536)] = 1
     mode: Annotated[BinMode, Param("mean (radiance) or sum (counts) of each block")] = "mean"
 
     def run(self, image: Image, here: Here) -> ImageOutput:

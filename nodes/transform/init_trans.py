@@ -40,8 +40,8 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
     range_m: Annotated[
         float | None, Param("altitude or distance", unit="m", low=0, slider=(10, 10000))
     ] = None
-    fill_x: Annotated[float, Param("fill factor across", low=0, high=1, above=True)] = 1.0
-    fill_y: Annotated[float, Param("fill factor along", low=0, high=1, above=True)] = 1.0
+    fill_x: Annotated[float | None, Param("fill factor across; empty: 1", low=0, high=1)] = 1.0
+    fill_y: Annotated[float | None, Param("fill factor along; empty: 1", low=0, high=1)] = 1.0
     fov_x_deg: Annotated[
         float | None, Param("field of view across", unit="deg", low=0, high=180, below=True)
     ] = None
@@ -78,8 +78,8 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
             focal_length_mm=self.focal_length_mm or image.header.focal_length_mm,
             f_number=self.f_number,
             range_m=self.range_m,
-            fill_x=self.fill_x,
-            fill_y=self.fill_y,
+            fill_x=self.fill_x or 1.0,
+            fill_y=self.fill_y or 1.0,
             velocity_m_per_s=self.velocity_m_per_s,
             scan_velocity_mrad_per_s=self.scan_velocity_mrad_per_s,
             band_um=image.band_um,
@@ -96,7 +96,7 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
             raise ParameterError(
                 name,
                 None,
-                "the image does not say its field of view: give it there or on Init & Trans",
+                f"no field of view is known: give {name} here or where the image comes from",
                 unit="deg",
             )
         return of_image
@@ -114,12 +114,12 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
     @readout("mrad")
     def ifov_x_mrad(self, outputs: InitOutputs) -> float | None:
         """Instantaneous field of view of a detector across, with its fill factor."""
-        return _ifov(outputs.context.focal_length_mm, self.detector_x_um, self.fill_x)
+        return _ifov(outputs.context.focal_length_mm, self.detector_x_um, self.fill_x or 1.0)
 
     @readout("mrad")
     def ifov_y_mrad(self, outputs: InitOutputs) -> float | None:
         """Instantaneous field of view of a detector along, with its fill factor."""
-        return _ifov(outputs.context.focal_length_mm, self.detector_y_um, self.fill_y)
+        return _ifov(outputs.context.focal_length_mm, self.detector_y_um, self.fill_y or 1.0)
 
     @readout("cyc/mrad")
     def frequency_interval_x(self, outputs: InitOutputs) -> float:

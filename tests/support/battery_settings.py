@@ -53,7 +53,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "interpolate": [{}, {"width": 15, "height": 11, "order": 3}],
     "atmosphere_mtf": [
         {}, {"turbulence": "none"}, {"turbidity": "custom"},
-        {"turbidity": "custom", "absorption_per_km": 2},
+        {"turbidity": "custom"},
     ],
     "exit_pupil_mtf": [{"interpolation": "none"}],
     "gaussian_mtf": [{}, {"sigma_x_mrad": 0, "sigma_y_mrad": 0.0}],

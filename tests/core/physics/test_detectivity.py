@@ -167,10 +167,20 @@ def test_cold_shield_has_the_cone_of_the_throughput_number():
 def test_each_region_has_its_materials():
     assert find_material(region="MWIR", material="HgCdTe") is materials.HGCDTE_MWIR
     assert find_material(region="LWIR", material="HgCdTe") is materials.HGCDTE_LWIR
-    with pytest.raises(ParameterError, match="InSb, PtSi, HgCdTe, manual"):
-        find_material(region="MWIR", material="Si:Ga")
+    with pytest.raises(ParameterError, match="Si:Ga, Si:As, manual"):
+        find_material(region="MWIR", material="GaAs")
     with pytest.raises(ParameterError, match="VIS, MWIR, LWIR"):
         find_material(region="UV", material="Si")
+
+
+def test_a_material_of_another_region_is_found_by_the_band():
+    def found(material, cut_off_um):
+        return find_material(region="VIS", material=material, cut_off_um=cut_off_um)
+
+    assert found("HgCdTe", 12.0) is materials.HGCDTE_LWIR
+    assert found("HgCdTe", 5.0) is materials.HGCDTE_MWIR
+    assert found("HgCdTe", 14.0) is materials.HGCDTE_LWIR
+    assert found("InSb", 5.0).name == "InSb"
 
 
 @pytest.mark.parametrize(
