@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from typing import Any
 
 from core.errors import ImagechainError, NetworkError
@@ -85,6 +86,11 @@ def _node(name: str, value: Any) -> Node:
     check_id(name)
     where = f"nodes.{name}"
     _expect(value, dict, where)
+    for other in _others(value, NODE_FIELDS):
+        # Fields we do not know are kept, but a slip here would silently run with the defaults.
+        meant = difflib.get_close_matches(other, ("params", "disabled"), n=1, cutoff=0.75)
+        if meant and len(other) <= 64:
+            raise NetworkError(f"{where} has a field {shown(other)}; did you mean {meant[0]}?")
     module = _field(value, "module", str, where)
     if not module:
         raise NetworkError(f"{where}.module must not be empty")

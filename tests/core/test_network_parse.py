@@ -204,3 +204,16 @@ def test_reading_a_long_file_from_a_small_stack(small_library):
         threading.stack_size(0)
     thread.join()
     assert found == ["network: nested more than 64 deep"]
+
+
+@pytest.mark.parametrize("slip", ["param", "Params", "parameters", "disable"])
+def test_a_slip_in_a_node_is_not_kept_as_a_field(small_library, slip):
+    text = json.dumps(
+        {
+            "format": "imagechain-network",
+            "version": 1,
+            "nodes": {"a": {"module": "x", slip: {}}},
+        }
+    )
+    with pytest.raises(NetworkError, match="did you mean"):
+        parse_network(text, library=small_library)
