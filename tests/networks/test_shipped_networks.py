@@ -1,0 +1,134 @@
+"""The shipped networks: sound, quick to open, and with the figures of the thesis."""
+
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.engine import Engine
+from core.network_file import format_network, load_network
+from core.policy import Policy
+from core.validate import problems
+from nodes.library import standard_library
+
+FOLDER = Path(__file__).parents[2] / "networks"
+NAMES = sorted(path.stem for path in FOLDER.glob("*.json"))
+EXPECTED = {
+    "first_steps",
+    "inframetrics",
+    "inframetrics_1996",
+    "kodak_kir310",
+    "kodak_kir310_1996",
+    "magnitude_of_one_phase_of_another",
+    "poisson_two_panel",
+    "pupils",
+    "pushbroom_banding",
+}
+
+
+def opened(name):
+    library = standard_library()
+    engine = Engine(library)
+    network = load_network(FOLDER / f"{name}.json", library=library)
+    return engine, engine.plan(network, folder=FOLDER), engine.work(Policy())
+
+
+def figures(name, node):
+    engine, plan, work = opened(name)
+    return engine.readouts(plan, node, work)
+
+
+def test_all_are_there():
+    assert set(NAMES) >= EXPECTED
+
+
+@pytest.mark.parametrize("name", NAMES)
+class TestEach:
+    def test_is_sound_and_written_as_we_write(self, name):
+        library = standard_library()
+        path = FOLDER / f"{name}.json"
+        network = load_network(path, library=library)
+        assert problems(network, library=library) == []
+        assert format_network(network, library=library) == path.read_text(encoding="utf-8")
+        assert set(network.layout) == set(network.nodes)
+
+    def test_opens_in_an_instant(self, name):
+        start = time.perf_counter()
+        _, plan, _ = opened(name)
+        assert plan.errors() == []
+        assert time.perf_counter() - start < 5  # milliseconds; the bound is for a hung reader
+
+    def test_every_picture_is_finite(self, name):
+        engine, plan, work = opened(name)
+        ports = [
+            f"{node}.{port}"
+            for node, planned in plan.nodes.items()
+            for port, value in planned.outputs.items()
+            if value.port_type == "image"
+        ]
+        assert ports
+        for port in ports:
+            picture = engine.value(plan, port, work)
+            assert np.isfinite(picture).all(), port
+
+
+@pytest.mark.parametrize("name", ["inframetrics", "inframetrics_1996"])
+def test_inframetrics_figures(name):
+    """Tantalo 1996, table 5.2 and section 5.1."""
+    init, electronics = figures(name, "init"), figures(name, "electronics")
+    assert init["interval_x_mrad"] == pytest.approx(1.02265, abs=5e-6)
+    assert init["nyquist_x"] == pytest.approx(0.488924, abs=5e-7)
+    assert init["ifov_x_mrad"] == pytest.approx(4.3846, abs=5e-5)
+    assert electronics["bandwidth_Hz"] == pytest.approx(49152, abs=1e-6)
+    assert electronics["g_number"] == pytest.approx(5.20692, abs=5e-6)
+
+
+@pytest.mark.parametrize("name", ["kodak_kir310", "kodak_kir310_1996"])
+def test_kodak_figures(name):
+    """Tantalo 1996, table 5.4 and section 5.2."""
+    init, electronics = figures(name, "init"), figures(name, "electronics")
+    assert init["nyquist_x"] == pytest.approx(1.17342, abs=5e-6)
+    assert init["ifov_x_mrad"] == pytest.approx(0.11875, abs=1e-12)
+    assert electronics["bandwidth_Hz"] == pytest.approx(294912, abs=1e-6)
+    assert electronics["g_number"] == pytest.approx(6.68, abs=5e-3)
+
+
+def test_minimum_otf_of_the_panels_of_1996():
+    """0.918 and 0.967 in print; 0.91704 and 0.96676 follow from the geometry."""
+    scanner = figures("inframetrics_1996", "optics")["mtf_at_nyquist_x"]
+    array = figures("kodak_kir310_1996", "optics")["mtf_at_nyquist_x"]
+    assert scanner == pytest.approx(0.918, abs=1.5e-3)
+    assert array == pytest.approx(0.967, abs=5e-4)
+
+
+def test_netd_of_1996():
+    """Kodak: 0.0065 K and 0.177 K in print, for a background of 303 to 305 K."""
+    kodak = figures("kodak_kir310_1996", "electronics")
+    assert 0.0063 < kodak["netd_detector_K"] < 0.0069
+    assert kodak["netd_system_K"] == pytest.approx(0.177219, abs=2e-3)
+    scanner = figures("inframetrics_1996", "electronics")
+    assert 0.0030 < scanner["netd_detector_K"] < 0.0032
+
+
+def test_sizes_of_the_two_sensors():
+    """512² by 3 gives 170², shown as 512 × 480; 1024² by 2 gives 512², shown as 512 × 486."""
+    for name, pixels, shown in (
+        ("inframetrics", (170, 170), (480, 512)),
+        ("kodak_kir310", (512, 512), (486, 512)),
+    ):
+        engine, plan, work = opened(name)
+        assert engine.value(plan, "pixels.image", work).shape == pixels
+        assert engine.value(plan, "frame_grabber.image", work).shape == shown
+
+
+def test_every_published_figure_names_its_place():
+    for name in ("inframetrics", "inframetrics_1996", "kodak_kir310", "kodak_kir310_1996"):
+        document = json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
+        assert len(document["published"]) >= 10
+        assert len(document["conflicts"]) >= 5
+        for row in document["published"]:
+            assert row["figure"]
+            assert row["where"]
+            assert row["within"] > 0
