@@ -8,10 +8,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.budget import Skipped, spend
 from core.errors import DataError
 from core.factors import Factor
 from core.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
 from core.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
+from core.planes import Axes, axes_of
 from core.product import Product
 from core.recipes import Recipe, Step
 from core.values import Image, Magnitude, Phase
@@ -76,8 +78,9 @@ class Delivered(Recipe):
 
     def compute(self, work: Work) -> Array:
         """One multiplication of the spectrum and one inverse transform."""
-        product = Product((*self.magnitude.factors, *self._phase_factors()))
         grid = self.magnitude.grid
+        kept, _ = self.spent(work)
+        product = Product(kept)
         source = self.magnitude.image
         if source is not None and self.one_source:
             mirrored = self.magnitude.edges == "reflect"
@@ -91,6 +94,14 @@ class Delivered(Recipe):
         if self.mode == "sum":
             result *= result.dtype.type(self.factor_x * self.factor_y)
         return result
+
+    def spent(self, work: Work) -> tuple[tuple[Factor, ...], tuple[Skipped, ...]]:
+        """Factors that count within the error budget, and those left out."""
+        axes: Axes = (
+            "mirrored" if self.one_source and self.magnitude.edges == "reflect" else "periodic"
+        )
+        xi, eta = axes_of(self.magnitude.grid, axes)
+        return spend(work, (*self.magnitude.factors, *self._phase_factors()), xi, eta)
 
     def _phase_factors(self) -> tuple[Factor, ...]:
         """PTFs as functions of the magnitude's frequencies, sample by sample of the spectrum."""

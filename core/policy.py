@@ -21,21 +21,21 @@ class Policy:
     ----------
     precision : "single" or "double"
         Type of the pictures and spectra; vectors and sums are always double.
-    tolerance : float
+    tolerance : float, optional
         Error budget: stages whose effect, as a fraction of the picture's range, stays below it are
-        skipped. 0 skips exact identities only.
+        left out. 0 leaves out exact identities only; None is an eighth of the samples' rounding.
     threads : int
         Worker threads; 0 takes as many as the process may use. Results do not depend on it.
     """
 
     precision: Precision = "single"
-    tolerance: float = 0.0
+    tolerance: float | None = None
     threads: int = 0
 
     def __post_init__(self) -> None:
         if self.precision not in ("single", "double"):
             raise ParameterError("precision", self.precision, "single or double")
-        if not 0 <= self.tolerance < 1:
+        if self.tolerance is not None and not 0 <= self.tolerance < 1:
             raise ParameterError("tolerance", self.tolerance, "0 ≤ tolerance < 1")
         if not 0 <= self.threads <= 1024:
             raise ParameterError("threads", self.threads, "0 (all) to 1024")
@@ -44,6 +44,13 @@ class Policy:
     def dtype(self) -> np.dtype[np.floating]:
         """Type of real samples."""
         return np.dtype(np.float32 if self.precision == "single" else np.float64)
+
+    @property
+    def budget(self) -> float:
+        """The tolerance as a number."""
+        if self.tolerance is None:
+            return float(np.finfo(self.dtype).eps) / 8
+        return self.tolerance
 
     @property
     def workers(self) -> int:
@@ -56,4 +63,4 @@ class Policy:
     @property
     def key(self) -> str:
         """What of the policy a result depends on."""
-        return f"{self.precision}/{self.tolerance!r}"
+        return f"{self.precision}/{self.budget!r}"
