@@ -18,7 +18,7 @@ from core.factors import Factor, Planar, Separable
 from core.work import Work
 
 Array = NDArray[Any]
-RADII = 4097  # places along the radius on which a radial factor is bounded
+RADII = 513  # places along the radius on which a radial factor is bounded
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,6 @@ from core.physics.gaussian import gaussian_mtf
 from core.work import Work
 
 Array = NDArray[Any]
-BLOCK_SAMPLES = 1 << 16  # samples of a block of rows or columns, to stay in a core's cache
 
 
 def local_mean(work: Work, image: Array, *, sigma_px: float) -> Array:
@@ -41,37 +40,24 @@ def local_mean(work: Work, image: Array, *, sigma_px: float) -> Array:
     dtype = work.policy.dtype
     if sigma_px == 0:
         return image.astype(dtype)
-    rows, columns = image.shape
-    mean = float(np.mean(image, dtype=np.float64))
+    mean = float(np.mean(image))
     along, across = (_response(size, sigma_px, dtype) for size in image.shape)
-    low = np.empty((rows, len(across)), dtype)
-    result = np.empty(image.shape, dtype)
-
-    def forward(start: int) -> None:
-        lines = slice(start, start + height)
-        values = np.subtract(image[lines], mean, dtype=dtype)
-        values = scipy.fft.dct(values, type=2, axis=1, overwrite_x=True)
-        np.multiply(values[:, : len(across)], across, out=low[lines])
-
-    def middle(start: int) -> None:
-        part = slice(start, start + width)
-        values = scipy.fft.dct(low[:, part], type=2, axis=0)
-        values[: len(along)] *= along[:, np.newaxis]
-        values[len(along) :] = 0
-        low[:, part] = scipy.fft.idct(values, type=2, axis=0, overwrite_x=True)
-
-    def backward(start: int) -> None:
-        lines = slice(start, start + height)
-        values = scipy.fft.idct(low[lines], type=2, n=columns, axis=1)
-        require_finite(values)
-        np.add(values, dtype.type(mean), out=result[lines])
-
-    height = max(1, BLOCK_SAMPLES // columns)
-    width = max(1, BLOCK_SAMPLES // rows)
-    work.each(forward, range(0, rows, height))
-    work.each(middle, range(0, len(across), width))
-    work.each(backward, range(0, rows, height))
-    return result
+    workers = work.policy.workers
+    values = np.subtract(image, mean, dtype=dtype)
+    values = scipy.fft.dct(values, type=2, axis=1, overwrite_x=True, workers=workers)
+    low = values[:, : len(across)] * across
+    work.check()
+    low = scipy.fft.dct(low, type=2, axis=0, overwrite_x=True, workers=workers)
+    low[: len(along)] *= along[:, np.newaxis]
+    low[len(along) :] = 0
+    low = scipy.fft.idct(low, type=2, axis=0, overwrite_x=True, workers=workers)
+    work.check()
+    values[:, : len(across)] = low
+    values[:, len(across) :] = 0
+    values = scipy.fft.idct(values, type=2, axis=1, overwrite_x=True, workers=workers)
+    require_finite(values)
+    values += dtype.type(mean)
+    return np.asarray(values)
 
 
 def _response(size: int, sigma_px: float, dtype: np.dtype[Any]) -> Array:

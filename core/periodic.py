@@ -24,7 +24,7 @@ Array = NDArray[Any]
 
 def periodic_spectrum(work: Work, image: Array) -> MeanFree:
     """Half spectrum (rows, columns // 2 + 1) of the frame less its mean."""
-    mean = float(np.mean(image, dtype=np.float64))
+    mean = float(np.mean(image))
     values = np.subtract(image, mean, dtype=work.policy.dtype)
     return MeanFree(scipy.fft.rfft2(values, overwrite_x=True, workers=work.policy.workers), mean)
 

@@ -82,7 +82,10 @@ def _require_photons(photons_per_unit: float) -> None:
 def _without_undershoot(means: Floats) -> Floats:
     if not means.size:
         return means
-    lowest, highest = float(means.min()), float(means.max())
+    lowest = float(means.min())
+    if lowest >= 0.0:
+        return means
+    highest = float(means.max())
     if not (np.isfinite(lowest) and np.isfinite(highest)):
         raise DataError("Poisson noise: the picture has samples that are not finite")
     if lowest < -_ROUNDING * max(highest, 0.0):
@@ -90,4 +93,4 @@ def _without_undershoot(means: Floats) -> Floats:
             f"Poisson noise: {np.count_nonzero(means < 0.0)} of {means.size} means are below 0,"
             f" the lowest is {lowest:.6g}: photons cannot be counted below 0"
         )
-    return np.maximum(means, means.dtype.type(0.0), out=means) if lowest < 0.0 else means
+    return np.maximum(means, means.dtype.type(0.0), out=means)

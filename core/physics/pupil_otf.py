@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.physics.annular_otf import annular_otf
 from core.physics.defocus_otf import defocus_otf
 from core.physics.geometric_otf import geometric_otf
 from core.physics.pupil_shapes import PupilShape
@@ -54,6 +55,42 @@ def geometric_pupil_otf(
     for wavelength, weight in zip(wavelengths_um, weights, strict=True):
         total = total + weight * geometric_otf(
             shape, lag_x=wavelength * xi / pitch_x_mm, lag_y=wavelength * eta / pitch_y_mm
+        )
+    return np.asarray(total)
+
+
+def circular_pupil_otf(
+    *,
+    rho: ArrayLike,
+    diameter_mm: float,
+    obscuration_ratio: float,
+    wavelengths_um: tuple[float, ...],
+    weights: tuple[float, ...],
+) -> Array:
+    """OTF of a disc or annulus without wavefront error, exact.
+
+    Parameters
+    ----------
+    rho : array_like
+        Radial frequency, cycles/mrad.
+    diameter_mm, obscuration_ratio : float
+        Outer diameter, and the inner diameter over it.
+    wavelengths_um, weights : tuple of float
+        Wavelengths of the band and their weights, which sum to 1.
+
+    Returns
+    -------
+    ndarray of float64
+
+    Notes
+    -----
+    Source: as `geometric_pupil_otf`; Tantalo 1996, appendix E.
+    """
+    rho = np.asarray(rho, np.float64)
+    total: Array | float = 0.0
+    for wavelength, weight in zip(wavelengths_um, weights, strict=True):
+        total = total + weight * annular_otf(
+            frequency_ratio=wavelength * rho / diameter_mm, obscuration_ratio=obscuration_ratio
         )
     return np.asarray(total)
 

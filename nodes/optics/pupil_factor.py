@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 
 from core.data import SampledTransfer
 from core.factors import Law, Planar
-from core.physics.pupil_otf import defocused_disc_otf, geometric_pupil_otf, sampled_pupil_otf
+from core.physics.pupil_otf import (
+    circular_pupil_otf,
+    defocused_disc_otf,
+    geometric_pupil_otf,
+    sampled_pupil_otf,
+)
 from core.physics.pupil_shapes import PupilShape, edge_offset_samples, sample_pupil
 from core.physics.sampled_otf import autocorrelation, complex_pupil
 from core.physics.sampling_error import error_estimate
@@ -63,6 +68,19 @@ def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Plan
     """The factor in closed form, or None where only samples will do."""
     if pupil.shape is None or any(pupil.zernike_waves):
         return None
+    round_pupil = scale.pitch_x_mm == scale.pitch_y_mm
+    if not pupil.defocus_waves and round_pupil and pupil.shape.shape in ("clear", "cassegrain"):
+        obscured = pupil.shape.shape == "cassegrain"
+        law = Law.of(
+            circular_pupil_otf,
+            diameter_mm=2 * pupil.shape.radius * scale.pitch_x_mm,
+            obscuration_ratio=pupil.shape.obscuration_radius / pupil.shape.radius
+            if obscured
+            else 0.0,
+            wavelengths_um=scale.wavelengths_um,
+            weights=scale.weights,
+        )
+        return Planar(law, radial=True, smooth=True, label=label, node=node)
     if not pupil.defocus_waves:
         law = Law.of(
             geometric_pupil_otf,
@@ -73,7 +91,7 @@ def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Plan
             weights=scale.weights,
         )
         return Planar(law, smooth=True, label=label, node=node)
-    if pupil.shape.shape != "clear" or scale.pitch_x_mm != scale.pitch_y_mm:
+    if pupil.shape.shape != "clear" or not round_pupil:
         return None
     law = Law.of(
         defocused_disc_otf,
