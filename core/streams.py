@@ -37,7 +37,7 @@ NORMAL_LIMIT = 1e12
 """Poisson means above are drawn as rounded normals: exact to 1e-7 in probability, where the
 rejection method would lose its accuracy to cancelling logarithms."""
 
-_AT_ONCE = 16384  # words drawn at a time: what stays in the cache and off the kernel's hands
+_AT_ONCE = BLOCK // 2  # words drawn at a time: a block of normals in one go
 _ALL_BITS = 2**64 - 1
 
 
@@ -160,6 +160,8 @@ def poisson_field(
         means = flat_means[block].copy() if in_place else flat_means[block]
         _poisson(generator, means, flat_counts[block])
 
+    if mean.size and mean.max() <= SPARSE_MEAN:
+        threads = 1  # drawing events is short work between numpy calls: threads only wait
     _for_each_block(stream, counts.size, draw, threads, check)
     return counts
 
