@@ -4,16 +4,30 @@ from __future__ import annotations
 
 import argparse
 import re
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NoReturn, cast
 
 from core.errors import UsageError
+from core.parameters import LARGEST_INTEGER
 from core.policy import Precision
 
 REPORT_SUFFIXES = (".json", ".html")
 SAVE_SUFFIXES = (".npy", ".exr", ".tif", ".tiff", ".png", ".csv")
 _LONGEST_NUMBER = 20
+_EPILOG = """\
+shipped networks:
+{networks}
+
+exit codes:
+  0  done
+  1  a failure of the program, or stopped
+  2  a fault of the input; one line on stderr says which
+
+imagechain COMMAND --help tells the options of a command; --set, --save and --report may be
+repeated."""
+BENCH_PARTS = ("speed", "precision", "peers")
 
 
 @dataclass(frozen=True)
@@ -34,7 +48,7 @@ class Assignment:
 class Options:
     """What was asked for."""
 
-    command: Literal["run", "check", "modules"]
+    command: Literal["run", "check", "modules", "bench"]
     network: str = ""
     settings: tuple[Assignment, ...] = ()
     saves: tuple[Assignment, ...] = ()
@@ -44,11 +58,21 @@ class Options:
     seed: int | None = None
     threads: int = 0
     as_json: bool = False
+    module: str = ""
+    bench_json: Path | None = None
+    bench_html: Path | None = None
+    quick: bool = False
+    parts: tuple[str, ...] = ()
+    size: int | None = None
 
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message} (imagechain --help)")
+
+    def print_help(self, file: Any = None) -> None:
+        # argparse's own says nothing where the disk is full.
+        print(self.format_help(), end="", file=file, flush=True)
 
 
 class _Version(argparse.Action):
@@ -56,6 +80,22 @@ class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any, **__: Any) -> None:
         print(f"imagechain {version()}")
         parser.exit()
+
+
+class _Once(argparse.Action):
+    # Kept on the namespace, not here: a parser may be used again.
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        given: set[str] = namespace.__dict__.setdefault("given", set())
+        if self.dest in given:
+            parser.error(f"{option_string} is given more than once")
+        given.add(self.dest)
+        setattr(namespace, self.dest, values)
 
 
 def parse(argv: list[str]) -> Options:
@@ -70,7 +110,16 @@ def parse(argv: list[str]) -> Options:
     """
     found = _parser().parse_args(argv)
     if found.command == "modules":
-        return Options("modules", as_json=found.json)
+        return Options("modules", as_json=found.json, module=found.key or "")
+    if found.command == "bench":
+        return Options(
+            "bench",
+            bench_json=_path("--json", found.json),
+            bench_html=_path("--html", found.html),
+            quick=found.quick,
+            parts=tuple(found.only),
+            size=_whole("--size", found.size),
+        )
     settings = tuple(_assignment("--set", text, "NODE.PARAM=VALUE") for text in found.set)
     if found.command == "check":
         return Options("check", found.network, settings)
@@ -82,8 +131,8 @@ def parse(argv: list[str]) -> Options:
         output_dir=_path("--output-dir", found.output_dir),
         reports=tuple(_report(text) for text in found.report),
         precision=cast(Precision, found.precision),
-        seed=_whole("--seed", found.seed),
-        threads=_whole("--threads", found.threads) or 0,
+        seed=_whole("--seed", found.seed, largest=LARGEST_INTEGER),
+        threads=_whole("--threads", found.threads, largest=1024) or 0,
     )
 
 
@@ -92,10 +141,25 @@ def help_text() -> str:
     return _parser().format_help()
 
 
+def _shipped() -> str:
+    from app.shipped import shipped_networks
+
+    return textwrap.fill(
+        ", ".join(shipped_networks()) or "none",
+        76,
+        initial_indent="  ",
+        subsequent_indent="  ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="imagechain",
         description="Simulate electro-optical and infrared image chains.",
+        epilog=_EPILOG.format(networks=_shipped()),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
@@ -104,7 +168,9 @@ def _parser() -> argparse.ArgumentParser:
     check = commands.add_parser("check", help="validate a network", allow_abbrev=False)
     _network_words(check)
     modules = commands.add_parser("modules", help="list the library", allow_abbrev=False)
+    modules.add_argument("key", metavar="KEY", nargs="?", help="only this module")
     modules.add_argument("--json", action="store_true", help="for programs")
+    _bench_words(commands.add_parser("bench", help="time against error", allow_abbrev=False))
     return parser
 
 
@@ -115,7 +181,7 @@ def _network_words(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NODE.PARAM=VALUE",
-        help="change a parameter for this once",
+        help="change a parameter for this once; null empties it; may be repeated",
     )
 
 
@@ -127,10 +193,11 @@ def _run_words(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NODE.PORT=FILE",
-        help="write what a port gives, as " + " ".join(SAVE_SUFFIXES),
+        help=f"write what a port gives, as {' '.join(SAVE_SUFFIXES)}; may be repeated",
     )
     add(
         "--output-dir",
+        action=_Once,
         metavar="DIR",
         help="where final.png, mtf.csv and readouts.json go (default ./NAME-output)",
     )
@@ -139,11 +206,33 @@ def _run_words(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        help="write a report, .html or .json",
+        help="write a report, .html or .json; may be repeated",
     )
-    add("--precision", choices=("single", "double"), default="single", help="default: single")
-    add("--seed", metavar="N", help="of the noise, in place of the network's")
-    add("--threads", metavar="N", help="worker threads (default: all)")
+    add(
+        "--precision",
+        action=_Once,
+        choices=("single", "double"),
+        default="single",
+        help="default: single",
+    )
+    add("--seed", action=_Once, metavar="N", help="of the noise, in place of the network's")
+    add("--threads", action=_Once, metavar="N", help="worker threads (default: all)")
+
+
+def _bench_words(parser: argparse.ArgumentParser) -> None:
+    add: Any = parser.add_argument
+    add("--json", metavar="FILE", help="write every figure, for programs")
+    add("--html", metavar="FILE", help="write a page with tables and pictures")
+    add("--quick", action="store_true", help="fewer repetitions and sizes")
+    add(
+        "--only",
+        action="append",
+        default=[],
+        choices=BENCH_PARTS,
+        metavar="PART",
+        help="measure this part: " + ", ".join(BENCH_PARTS),
+    )
+    add("--size", metavar="N", help="samples along a side of the picture (default: 1024)")
 
 
 def version() -> str:
@@ -190,11 +279,12 @@ def _path(option: str, text: str | None) -> Path | None:
     return Path(text)
 
 
-def _whole(option: str, text: str | None) -> int | None:
+def _whole(option: str, text: str | None, largest: int | None = None) -> int | None:
     if text is None:
         return None
     if not re.fullmatch(r"[+-]?[0-9]+", text, re.ASCII) or len(text) > _LONGEST_NUMBER:
-        raise UsageError(f"{option} {text!r:.80}: give a whole number")
+        allowed = "" if largest is None else f" from 0 to {largest}"
+        raise UsageError(f"{option} {text!r:.80}: give a whole number{allowed}")
     return int(text)
 
 

@@ -6,12 +6,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from core.delivered import Delivered
+from core.delivered import Delivered, block_combine
 from core.engine import Plan, PlannedNode
 from core.errors import NetworkError
 from core.factors import Factor
 from core.grid import Grid
 from core.network import Network
+from core.recipes import Step
 from core.values import Image, Transfer
 
 ANALYSIS = "Analysis"  # the group whose modules compare and measure, so their pictures end nothing
@@ -39,7 +40,8 @@ class Chain:
     grid : Grid or None
         Sampling on which the spectrum is multiplied.
     combined : Grid or None
-        The coarsest sampling from the last transform to the final picture: pixels combined.
+        The sampling once pixels have been combined on the way to the final picture; None where
+        they are not.
     stages : tuple of Stage
         Factors on the spectrum, in order.
     later : tuple of Stage
@@ -88,7 +90,7 @@ def find_chain(plan: Plan) -> Chain:
         final,
         sources,
         recipe.magnitude.grid,
-        _coarsest(plan, [last, *(name for name in plan.nodes if name in upstream - before)]),
+        _combined(plan, [last, *(name for name in plan.nodes if name in upstream - before)]),
         tuple(stages),
         tuple(stage for stage in later if stage.factors),
         tuple(stage for stage in beside if stage.factors),
@@ -225,14 +227,25 @@ def _delivered(plan: Plan, upstream: set[str]) -> tuple[str, Delivered] | None:
     return None
 
 
-def _coarsest(plan: Plan, names: Iterable[str]) -> Grid | None:
+def _combined(plan: Plan, names: Iterable[str]) -> Grid | None:
     grids = [
         value.grid()
         for name in names
         for value in plan.nodes[name].outputs.values()
-        if isinstance(value, Image) and value.interval_x_mrad and value.interval_y_mrad
+        if isinstance(value, Image)
+        and _combines_pixels(value)
+        and value.interval_x_mrad
+        and value.interval_y_mrad
     ]
     return max(grids, key=lambda grid: grid.interval_x_mrad * grid.interval_y_mrad, default=None)
+
+
+def _combines_pixels(image: Image) -> bool:
+    """Whether the last step to the picture combines pixels, or its transform does."""
+    recipe = image.recipe
+    if isinstance(recipe, Delivered):
+        return (recipe.factor_x, recipe.factor_y) != (1, 1)
+    return isinstance(recipe, Step) and recipe.function is block_combine
 
 
 def _stages(plan: Plan, factors: Iterable[Factor], before: set[str]) -> list[Stage]:

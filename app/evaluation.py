@@ -30,9 +30,13 @@ class TimedWork(Work):
     """Work that notes how long each node computes, without the time of what it waits for."""
 
     def __init__(
-        self, policy: Policy, store: Store, progress: Callable[[str | None], None] | None = None
+        self,
+        policy: Policy,
+        store: Store,
+        progress: Callable[[str | None], None] | None = None,
+        cancel: threading.Event | None = None,
     ) -> None:
-        super().__init__(policy, store, progress=progress)
+        super().__init__(policy, store, cancel, progress)
         self.seconds: dict[str, float] = {}
         self._lock = threading.Lock()
         self._local = threading.local()

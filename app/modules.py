@@ -8,13 +8,25 @@ from typing import Any
 
 from app.tables import columns
 from core.declaration import Declaration, Port, declaration
+from core.errors import UsageError
 from core.parameters import Parameter, plain
+from core.plain import close, shown
 from nodes.library import standard_library
 
 
-def modules(*, as_json: bool) -> None:
-    """Print every module with ports, parameters and read-outs."""
-    declared = [declaration(module) for module in standard_library().values()]
+def modules(*, as_json: bool, key: str = "") -> None:
+    """Print every module, or that one, with ports, parameters and read-outs.
+
+    Raises
+    ------
+    UsageError
+        If there is none of that key.
+    """
+    library = standard_library()
+    if key and key not in library:
+        hint = close(key, library) or "; imagechain modules lists them"
+        raise UsageError(f"there is no module {shown(key)}{hint}")
+    declared = [declaration(module) for name, module in library.items() if key in ("", name)]
     if as_json:
         described = [described_module(each) for each in declared]
         print(json.dumps(described, indent=2, ensure_ascii=False, allow_nan=False))

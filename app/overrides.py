@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 from collections.abc import Iterable
 from typing import Any
 
@@ -15,11 +16,15 @@ from core.network import Network
 from core.parameters import Parameter, plain
 from core.plain import close, shown
 
+# JSON takes neither a sign +, nor a number without digits before or after the point.
+_NUMBER = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)([eE][+-]?[0-9]+)?", re.ASCII)
+
 
 def with_settings(network: Network, settings: Iterable[Assignment], *, library: Library) -> Network:
     """The network with every ``--set`` carried out; of two for one parameter the last holds.
 
-    A value is taken as JSON where it is JSON that fits the parameter, else as text.
+    A value is taken as JSON where it is JSON that fits the parameter, else as a number as people
+    write it (``.5``, ``+3``), else as text.
 
     Raises
     ------
@@ -51,7 +56,7 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
 def _fitting(parameter: Parameter, setting: Assignment) -> Any:
     readings: list[Any] = [setting.text]
     with contextlib.suppress(ValueError, RecursionError):  # no JSON, so a text
-        readings.insert(0, json.loads(setting.text))
+        readings.insert(0, _read(setting.text))
     first: ImagechainError | None = None
     for reading in readings:
         try:
@@ -60,6 +65,15 @@ def _fitting(parameter: Parameter, setting: Assignment) -> Any:
             first = first or error.at(setting.node)
     assert first is not None
     raise first
+
+
+def _read(text: str) -> Any:
+    number = _NUMBER.fullmatch(text)
+    if number and (number[2] or number[4]):
+        sign, whole, point, rest, power = (part or "" for part in number.groups())
+        fraction = f".{rest or '0'}" if point else ""
+        text = f"{'-' if sign == '-' else ''}{whole.lstrip('0') or '0'}{fraction}{power}"
+    return json.loads(text)
 
 
 def _listed(names: Iterable[str]) -> str:

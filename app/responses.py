@@ -125,6 +125,8 @@ def at_nyquist(chain: Chain, work: Work) -> dict[str, float]:
     }
     if chain.cascade:
         named[TOTAL] = [f for stage in chain.stages for f in stage.factors]
+        if chain.later:
+            named[SYSTEM] = [*named[TOTAL], *(f for s in chain.later for f in s.factors)]
     found = {}
     places: tuple[tuple[Axis, float], ...] = (("x", grid.nyquist_x), ("y", grid.nyquist_y))
     for name, factors in named.items():

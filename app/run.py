@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import stat
+import threading
 import time
 from collections.abc import Callable
 from functools import partial
@@ -18,15 +20,15 @@ from app.responses import mtf_csv
 from app.saving import check_suffix, save_value
 from app.shipped import Place, find_network
 from app.staging import Staging
-from app.tables import columns, jsonable, readout_rows
+from app.tables import columns, jsonable, printable, readout_rows
 from core.atomic import write_bytes, write_text
 from core.declaration import Here
 from core.engine import Engine, Plan
-from core.errors import FileError, ImagechainError, UsageError
+from core.errors import FileError, ImagechainError, NetworkError, UsageError
 from core.library import Library
 from core.network import Network
 from core.network_file import read_network
-from core.plain import close
+from core.plain import close, shown
 from core.policy import Policy
 from core.realize import realize
 from core.validate import check_network
@@ -36,8 +38,15 @@ from nodes.library import standard_library
 FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
 
 
-def run(options: Options) -> None:
+def run(options: Options, cancel: threading.Event | None = None) -> None:
     """Carry out the command; prints the read-outs when all is written.
+
+    Parameters
+    ----------
+    options : Options
+        What was asked for.
+    cancel : threading.Event, optional
+        Set to stop before the next node.
 
     Raises
     ------
@@ -53,14 +62,17 @@ def run(options: Options) -> None:
     folder = options.output_dir or Path(f"{place.name}-output")
     _check_folder(folder)
     with Staging(folder, [place.path, *_input_files(plan, place.folder)]) as staging:
-        writers = _claim(plan, options, folder, staging)
+        sinks = _sink_targets(plan, place.folder)
+        writers = _claim(plan, options, folder, sinks, staging)
         with Progress(len(plan.nodes)) as progress:
-            work = TimedWork(_policy(options), engine.store, progress)
+            work = TimedWork(_policy(options), engine.store, progress, cancel)
+            work.check()
             found = evaluate(engine, plan, work, place.folder)
             found.seconds["total"] = time.perf_counter() - start
             _write(found, options, writers, staging, folder)
+        work.check()
         staging.commit()
-    _print(found, folder, options)
+    _print(found, folder, options, sinks)
 
 
 def open_network(place: Place, options: Options, library: Library) -> Network:
@@ -72,6 +84,8 @@ def open_network(place: Place, options: Options, library: Library) -> Network:
         If it is not.
     """
     network = read_network(place.path, library=library)
+    if not network.nodes:
+        raise NetworkError(f"{shown(str(place.path))}: the network has no nodes")
     network = with_settings(network, options.settings, library=library)
     if options.seed is not None:
         network = network.with_seed(options.seed)
@@ -84,8 +98,20 @@ def _policy(options: Options) -> Policy:
 
 
 def _check_folder(folder: Path) -> None:
-    if folder.exists() and not folder.is_dir():
+    try:
+        status = folder.stat()
+    except FileNotFoundError:  # it will be made
+        return
+    except OSError as error:
+        raise FileError(f"cannot write to {folder}: {_not_a_folder(error)}") from error
+    if not stat.S_ISDIR(status.st_mode):
         raise FileError(f"cannot write to {folder}: it is not a folder")
+
+
+def _not_a_folder(error: OSError) -> str:
+    if isinstance(error, NotADirectoryError):
+        return "a part of its path is not a folder"
+    return error.strerror or str(error)
 
 
 def _input_files(plan: Plan, folder: Path) -> list[Path]:
@@ -101,7 +127,9 @@ def _input_files(plan: Plan, folder: Path) -> list[Path]:
     return found
 
 
-def _claim(plan: Plan, options: Options, folder: Path, staging: Staging) -> list[tuple[Path, str]]:
+def _claim(
+    plan: Plan, options: Options, folder: Path, sinks: dict[str, Path], staging: Staging
+) -> list[tuple[Path, str]]:
     """Say early what will be written; gives the ``--save`` files with their ports."""
     saves = []
     for save in options.saves:
@@ -111,7 +139,22 @@ def _claim(plan: Plan, options: Options, folder: Path, staging: Staging) -> list
         saves.append((path, save.port))
     for path in (*options.reports, *(folder / name for name in (FINAL, MTF, READOUTS))):
         staging.claim(path)
+    for node, path in sinks.items():
+        try:
+            staging.claim(path)
+        except ImagechainError as error:
+            raise error.at(node) from error
     return saves
+
+
+def _sink_targets(plan: Plan, folder: Path) -> dict[str, Path]:
+    """Files that nodes write, by node."""
+    found = {}
+    for name, each in plan.nodes.items():
+        target = getattr(each.module, "target", None)
+        if each.declaration.sink and not each.node.disabled and target is not None:
+            found[name] = target(Here(name, plan.network.seed, folder))
+    return found
 
 
 def _port_value(plan: Plan, node: str, port: str) -> Any:
@@ -140,7 +183,7 @@ def _write(
         staging.write(folder / FINAL, partial(_final_png, found, found.chain.final))
     staging.write(folder / MTF, partial(write_text, content=mtf_csv(found.responses)))
     text = json.dumps(jsonable(found.readouts), indent=2, ensure_ascii=False, allow_nan=False)
-    staging.write(folder / READOUTS, partial(write_text, content=text + "\n"))
+    staging.write(folder / READOUTS, partial(write_text, content=printable(text) + "\n"))
     for path in options.reports:
         from app.report import write_report
 
@@ -174,7 +217,7 @@ def _final_png(found: Evaluation, port: str, path: Path) -> None:
     write_bytes(path, encode_png(grey_levels(*robust_limits(samples), samples)))
 
 
-def _print(found: Evaluation, folder: Path, options: Options) -> None:
+def _print(found: Evaluation, folder: Path, options: Options, sinks: dict[str, Path]) -> None:
     rows = readout_rows(found)
     if rows:
         print(columns(rows, right=(2,)), end="\n\n")
@@ -182,6 +225,10 @@ def _print(found: Evaluation, folder: Path, options: Options) -> None:
     print(f"{folder}: {', '.join(names)}")
     if found.chain.final is None:
         print("no final.png: the network has no picture")
-    others = [*(save.text for save in options.saves), *map(str, options.reports)]
+    others = [
+        *(save.text for save in options.saves),
+        *map(str, options.reports),
+        *map(str, sinks.values()),
+    ]
     if others:
         print(f"also {', '.join(others)}")

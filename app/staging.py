@@ -39,8 +39,8 @@ class Staging:
     """
 
     def __init__(self, folder: Path, inputs: Iterable[Path] = ()) -> None:
-        self._folder = Path(os.path.realpath(folder))
-        self._inputs = {Path(os.path.realpath(path)) for path in inputs}
+        self._folder = _real_target(folder)
+        self._inputs = {_real_target(path) for path in inputs}
         self._claimed: dict[Path, Path] = {}
         self._staged: list[_Staged] = []
         self._places: dict[Path, Path] = {}
@@ -67,9 +67,16 @@ class Staging:
         """
         real = _real_target(target)
         if real in self._claimed:
-            raise FileError(f"cannot write {target}: two outputs are to go there")
+            raise FileError(f"cannot write: two outputs are to go to {target}")
         if real in self._inputs:
             raise FileError(f"cannot write {target}: it is an input of this run")
+        try:
+            self._check_place(real, target)
+        except OSError as error:
+            raise _cannot(target, error) from error
+        self._claimed[real] = target
+
+    def _check_place(self, real: Path, target: Path) -> None:
         _check_existing(real, target)
         parent = real.parent
         if not parent.is_dir() and not parent.is_relative_to(self._folder):
@@ -79,7 +86,6 @@ class Staging:
             raise FileError(f"cannot write {target}: {folder} is not a folder")
         if not os.access(folder, os.W_OK | os.X_OK):
             raise FileError(f"cannot write {target}: no permission to write in {folder}")
-        self._claimed[real] = target
 
     def write(self, target: Path, writer: Writer) -> None:
         """Let `writer` make the file under a temporary name of the same suffix.
@@ -94,6 +100,8 @@ class Staging:
         real = _real_target(target)
         if real not in self._claimed:
             self.claim(target)
+        if any(each.target == real for each in self._staged):
+            raise FileError(f"cannot write: two outputs are to go to {target}")
         file = self._place(real, target) / f"{len(self._staged)}{real.suffix}"
         try:
             writer(file)
@@ -140,7 +148,14 @@ class Staging:
 
 
 def _real_target(target: Path) -> Path:
-    return Path(os.path.realpath(target))
+    try:
+        return Path(os.path.realpath(target))
+    except OSError as error:  # the current folder has been removed
+        raise _cannot(target, error) from error
+
+
+def _cannot(target: Path, error: OSError) -> FileError:
+    return FileError(f"cannot write to {target}: {error.strerror or error}")
 
 
 def _check_existing(real: Path, target: Path) -> None:

@@ -11,17 +11,28 @@ import numpy as np
 
 from app.evaluation import Evaluation
 
+_ROUNDING = 1e-15
+
 
 def number_text(value: Any) -> str:
     """A figure in up to six digits, as people read it."""
     if value is None:
-        return "–"
+        return "-"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float | np.floating):
-        value = float(value)
-        return f"{value:.6g}".replace("-", "−") if value < 0 else f"{value:.6g}"
+        return f"{float(value):.6g}"
     return str(value)
+
+
+def without_rounding(value: Any, unit: str) -> Any:
+    """The value; 0 for what rounding leaves of 0 where values are of order 1.
+
+    That is so of ratios and of phases in radians, not of quantities with other units.
+    """
+    if unit in ("", "rad") and isinstance(value, float | np.floating):
+        return 0.0 if abs(float(value)) < _ROUNDING else value
+    return value
 
 
 def jsonable(value: Any) -> Any:
@@ -37,6 +48,14 @@ def jsonable(value: Any) -> Any:
     return value.as_posix() if isinstance(value, PurePath) else value
 
 
+def printable(text: str) -> str:
+    """The text as UTF-8 can hold it: bytes of file names that are none become escapes.
+
+    A JSON document stays one, and reads back the same.
+    """
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
 def readout_rows(found: Evaluation) -> list[tuple[str, str, str, str]]:
     """Node, read-out, value and unit of all that have a value."""
     rows = []
@@ -44,7 +63,8 @@ def readout_rows(found: Evaluation) -> list[tuple[str, str, str, str]]:
         declared = {each.name: each for each in found.plan.nodes[node].declaration.readouts}
         for name, value in values.items():
             if value is not None:
-                rows.append((node, name, number_text(value), declared[name].unit))
+                unit = declared[name].unit
+                rows.append((node, name, number_text(without_rounding(value, unit)), unit))
     return rows
 
 

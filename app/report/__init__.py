@@ -7,7 +7,7 @@ from pathlib import Path
 
 from app.evaluation import Evaluation
 from app.report.facts import report_facts
-from app.tables import jsonable
+from app.tables import jsonable, printable
 from core.atomic import write_text
 
 
@@ -26,4 +26,4 @@ def write_report(found: Evaluation, path: Path) -> None:
         from app.report.page import page
 
         text = page(found, facts)
-    write_text(path, text)
+    write_text(path, printable(text))

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from itertools import cycle
 from typing import Any
 
+import numpy as np
+
 from app.chain import Chain
 from app.report.drawing import figure
 from app.responses import Response, Responses, StageResponse
@@ -36,11 +38,11 @@ def stages_png(found: Responses, chain: Chain) -> bytes:
         axes = drawn.subplots(rows, 2, squeeze=False, sharey="row")
         for row, part in enumerate(("mtf", "ptf")[:rows]):
             for column, along in enumerate(("x", "y")):
-                _panel(axes[row][column], found, chain, drawn_stages, part, along)
+                panel(axes[row][column], found, chain, drawn_stages, part, along)
         named: dict[str, Any] = {}
         for axis in axes.ravel():
             handles, labels = axis.get_legend_handles_labels()
-            named |= dict(zip(labels, handles, strict=True))
+            named = dict(zip(labels, handles, strict=True)) | named
         order = [_label(s) for s in (*drawn_stages, *found.products)]
         named = {label: named[label] for label in order if label in named}
         drawn.legend(
@@ -58,7 +60,13 @@ def product_png(found: Responses, chain: Chain) -> bytes:
                 (found.xi, product.x, "#1f77b4", "across (x)"),
                 (found.eta, product.y, "#d95f02", "along (y)"),
             ):
-                dash = "-" if product is found.products[0] else "--"
+                first = product is found.products[0]
+                total = found.products[0].x if response is product.x else found.products[0].y
+                if not first and np.array_equal(response.mtf, total.mtf):
+                    continue  # the electronics does nothing along this axis
+                dash = "-" if first else "-."
+                if response is product.y and np.array_equal(product.x.mtf, product.y.mtf):
+                    dash = "--" if first else ":"
                 axis.plot(
                     frequency,
                     response.mtf,
@@ -78,7 +86,7 @@ def _label(stage: StageResponse) -> str:
     return stage.title if stage.is_product else f"{stage.title} ({stage.name})"
 
 
-def _panel(
+def panel(
     axis: Any,
     found: Responses,
     chain: Chain,
@@ -86,6 +94,7 @@ def _panel(
     part: str,
     along: str,
 ) -> None:
+    """Draw the MTF or PTF of the stages and products along one axis."""
     frequency = found.xi if along == "x" else found.eta
     styles = zip(cycle(_COLOURS), cycle(_DASHES), strict=False)
     curves = []
@@ -95,8 +104,12 @@ def _panel(
         curves.append(_values(stage, part, along))
         axis.plot(frequency, curves[-1], color=colour, ls=dash, lw=1.3, label=_label(stage))
     for product, dash in zip(found.products, ("-", "--"), strict=False):
-        curves.append(_values(product, part, along))
-        axis.plot(frequency, curves[-1], "k", ls=dash, lw=2.0, zorder=1.5, label=_label(product))
+        values = _values(product, part, along)
+        # On top of a curve it coincides with, in dashes that let it through; else below all.
+        hides = any(np.allclose(values, other, rtol=0, atol=1e-3) for other in curves)
+        style: Any = {"ls": (0, (3, 3)), "zorder": 3} if hides else {"ls": dash, "zorder": 1.6}
+        axis.plot(frequency, values, "k", lw=2.0, label=_label(product), **style)
+        curves.append(values)
     direction = "Across" if along == "x" else "Along"
     symbol = "ξ" if along == "x" else "η"
     axis.set_title(f"{direction}: {part.upper()}", pad=15)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -11,6 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.png import robust_limits
+from app.report.numbers import number
+from app.report.plain_matplotlib import load_matplotlib
+from app.report.pupils import Panel
 from core.errors import ImagechainError
 from core.physics.planck import band_radiance, brightness_temperature
 from core.values import Image
@@ -39,7 +42,7 @@ _STYLE: Any = {
 @contextmanager
 def figure(width: float, height: float) -> Iterator[tuple[Any, io.BytesIO]]:
     """A matplotlib figure of that size in inches, written as PNG when the block ends."""
-    import matplotlib as mpl
+    mpl = load_matplotlib()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -52,24 +55,45 @@ def figure(width: float, height: float) -> Iterator[tuple[Any, io.BytesIO]]:
         drawn.savefig(out, format="png", dpi=DPI, metadata={"Software": None})
 
 
-def pictures_png(pictures: list[tuple[str, Image, Array]]) -> bytes:
+def pictures_png(pictures: list[tuple[str, Image, Array]], beside: int = 2) -> bytes:
     """Pictures side by side, each with grey levels of its own between its 0.1 % quantiles.
 
     Parameters
     ----------
     pictures : list of (title, image, samples)
         One to four.
+    beside : int
+        How many pictures would fill the width, if more than there are.
     """
     tallest = max(image.rows / image.columns * _aspect(image) for _, image, _ in pictures)
-    width = 10.0 / max(len(pictures), 2)
+    number_across = max(len(pictures), beside, 2)
+    width = 10.0 / number_across
     # Too low a figure would push the titles out of it.
     with figure(width * len(pictures), width * min(tallest, 2.0) + 1.2) as (drawn, out):
         axes = drawn.subplots(1, len(pictures), squeeze=False)[0]
         for axis, (title, image, samples) in zip(axes, pictures, strict=True):
             axis.set_title(title)
-            bar = _show(drawn, axis, image, samples, along="bottom")
+            bar = _show(drawn, axis, image, samples, along="bottom", ticks=8 - number_across)
             bar.set_label(f"{_quantity(image)} ({_unit(image.unit)})" if image.unit else "value")
             _temperatures(bar, image, *bar.mappable.get_clim())
+    return out.getvalue()
+
+
+def panels_png(panels: Sequence[Panel]) -> bytes:
+    """Small pictures with axes, up to four in a row."""
+    columns = 4
+    rows = -(-len(panels) // columns)
+    with figure(10.0, 2.6 * rows) as (drawn, out):
+        axes = drawn.subplots(rows, columns, squeeze=False).ravel()
+        for axis in axes[len(panels) :]:
+            axis.set_visible(False)
+        for axis, panel in zip(axes, panels, strict=False):
+            axis.imshow(panel.values, cmap="gray", extent=panel.extent, aspect="equal")
+            axis.set_title(panel.title, fontsize=8)
+            axis.set_xlabel(panel.unit, fontsize=7)
+            axis.tick_params(labelsize=7)
+            axis.locator_params(nbins=4)
+            axis.grid(visible=False)
     return out.getvalue()
 
 
@@ -79,14 +103,16 @@ def noise_png(pictures: list[tuple[str, Image, Array]]) -> bytes:
         axes = drawn.subplots(len(pictures), 2, squeeze=False, width_ratios=(1, 1.15))
         for (left, right), (title, image, samples) in zip(axes, pictures, strict=True):
             left.set_title(title)
-            bar = _show(drawn, left, image, samples, along="right")
+            bar = _show(drawn, left, image, samples, along="right", ticks=7)
             bar.ax.tick_params(labelsize=7.5)
-            _histogram(right, image, samples)
+            histogram(right, image, samples)
     return out.getvalue()
 
 
-def _show(drawn: Any, axis: Any, image: Image, samples: Array, *, along: str) -> Any:
+def _show(drawn: Any, axis: Any, image: Image, samples: Array, *, along: str, ticks: int) -> Any:
     """Show a picture; gives its colour bar."""
+    from matplotlib.ticker import MaxNLocator
+
     low, high = robust_limits(samples)
     if not high > low:
         reach = abs(low) * 1e-3 or 1.0
@@ -98,7 +124,9 @@ def _show(drawn: Any, axis: Any, image: Image, samples: Array, *, along: str) ->
     for spine in axis.spines.values():
         spine.set(visible=True, color="#bbbbbb", linewidth=0.5)
     size = {"pad": 0.03, "aspect": 32, "shrink": 0.92} if along == "bottom" else {"pad": 0.02}
-    bar = drawn.colorbar(shown, ax=axis, location=along, extend="both", **size)
+    bar = drawn.colorbar(
+        shown, ax=axis, location=along, extend="both", ticks=MaxNLocator(ticks), **size
+    )
     bar.outline.set_linewidth(0.5)
     return bar
 
@@ -129,13 +157,20 @@ def _temperatures(bar: Any, image: Image, low: float, high: float) -> None:
     scale.spines["top"].set_visible(False)
 
 
-def _histogram(axis: Any, image: Image, samples: Array) -> None:
+def histogram(axis: Any, image: Image, samples: Array) -> None:
+    """Draw how often values occur, under a title with their mean and standard deviation."""
+    from matplotlib.ticker import MaxNLocator
+
     values = samples.ravel().astype(np.float64)
     mean, sigma = float(values.mean()), float(values.std())
-    axis.set_title(f"mean {mean:.4g}   σ {sigma:.4g}", fontweight="normal")
+    axis.set_title(f"mean {number(mean)}   σ {number(sigma)}", fontweight="normal")
     counts, edges = np.histogram(values, bins=_bins(values))
     axis.stairs(counts, edges, fill=True, color="#6d8fb3")
     axis.set_xlim(edges[0], edges[-1])
+    whole = bool(edges[0] % 1 == 0.5 and edges[1] - edges[0] == 1)
+    # Few: labels of many digits must not meet.
+    axis.xaxis.set_major_locator(MaxNLocator(5, integer=whole))
+    axis.ticklabel_format(axis="x", scilimits=(-4, 5), useMathText=True)
     if counts.max() > 0.5 * counts.sum():  # a few events among many zeros
         axis.set_yscale("log")
     axis.set_axisbelow(True)

@@ -5,22 +5,8 @@ from __future__ import annotations
 import base64
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
-from typing import Any
 
 from app.report.drawing import DPI
-from app.tables import number_text
-
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def number(value: Any) -> str:
-    """As `number_text`, with powers of ten in print."""
-    text = number_text(value)
-    mantissa, exponent, power = text.partition("e")
-    if not isinstance(value, float) or not exponent:
-        return text
-    raised = str(int(power.replace("−", "-"))).translate(_RAISED)
-    return f"10{raised}" if mantissa == "1" else f"{mantissa}·10{raised}"
 
 
 def figure(png: bytes, caption: str, alt: str) -> str:
@@ -56,4 +42,5 @@ def table(
         for row in rows
     ]
     start = f'<table class="{kind}">' if kind else "<table>"
-    return f"{start}<thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
+    body = f"<thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
+    return f"<div class=wide>{start}{body}</div>"

@@ -8,9 +8,11 @@ from typing import Any
 
 from app.evaluation import Evaluation
 from app.report.curves import product_png, stages_png
-from app.report.drawing import noise_png, pictures_png
-from app.report.markup import figure, number, table
+from app.report.drawing import noise_png, panels_png, pictures_png
+from app.report.markup import figure, table
+from app.report.numbers import number
 from app.report.published import DIFFERENT, REPRODUCED
+from app.report.pupils import pupil_panels
 from app.report.style import CSS
 from core.realize import realize
 
@@ -29,6 +31,7 @@ def page(found: Evaluation, facts: dict[str, Any]) -> str:
         _pictures(found, facts),
         _published(facts),
         _transfer(found, facts),
+        _pupils(found),
         _noise(found, facts),
         _readouts(facts),
         _nodes(facts),
@@ -81,7 +84,7 @@ def _pictures(found: Evaluation, facts: dict[str, Any]) -> str:
     rows = [
         (
             each["port"],
-            *(number(each[name]) for name in ("minimum", "maximum", "mean", "sigma")),
+            *(number(_clean(each, name)) for name in ("minimum", "maximum", "mean", "sigma")),
             each["unit"],
         )
         for each in facts["pictures"]
@@ -90,16 +93,23 @@ def _pictures(found: Evaluation, facts: dict[str, Any]) -> str:
     return (
         "<h2>Input and output</h2>"
         + figure(drawn, caption, "input and output pictures")
-        + _other_pictures(found, others)
+        + _other_pictures(found, others, len(shown))
         + table(heads, rows, numbers=(1, 2, 3, 4))
     )
 
 
-def _other_pictures(found: Evaluation, others: list[dict[str, Any]]) -> str:
+def _clean(picture: dict[str, Any], name: str) -> float:
+    """A statistic; 0 where it is the rounding of the picture's values."""
+    value: float = picture[name]
+    largest = max(abs(picture["minimum"]), abs(picture["maximum"]))
+    return 0.0 if abs(value) < 1e-15 * largest else value
+
+
+def _other_pictures(found: Evaluation, others: list[dict[str, Any]], beside: int) -> str:
     if not others:
         return ""
     shown, rest = others[:_MOST_OTHERS], others[_MOST_OTHERS:]
-    drawn = pictures_png([_picture(found, each, each["port"]) for each in shown])
+    drawn = pictures_png([_picture(found, each, each["port"]) for each in shown], beside)
     more = f" Not shown: {', '.join(each['port'] for each in rest)}." if rest else ""
     return figure(drawn, "Other pictures the network ends in." + more, "other output pictures")
 
@@ -130,6 +140,7 @@ def _published(facts: dict[str, Any]) -> str:
                 for row in rows
             ],
             numbers=(2, 3),
+            kind="published",
             marks={5: {REPRODUCED: "good", DIFFERENT: "bad"}},
         )
     if facts["conflicts"]:
@@ -161,9 +172,10 @@ def _transfer(found: Evaluation, facts: dict[str, Any]) -> str:
     if acting:
         text += figure(stages_png(responses, chain), caption, "MTF and PTF of every stage")
     if acting and responses.products:
-        text += figure(
-            product_png(responses, chain), "Total MTF across and along.", "product of the MTFs"
+        caption = "Total MTF across and along" + (
+            "; with electronics where these do anything." if responses.products[1:] else "."
         )
+        text += figure(product_png(responses, chain), caption, "product of the MTFs")
     if responses.beside:
         alone = replace(responses, stages=responses.beside, products=())
         caption = "Transfer functions that do not lead to the output shown."
@@ -172,17 +184,32 @@ def _transfer(found: Evaluation, facts: dict[str, Any]) -> str:
     rows = [
         (
             stage.title,
-            stage.name,
+            "" if stage.is_product else stage.name,
             *(
-                number(nyquist[f"{stage.name}.{part}_nyquist_{axis}"])
+                number(nyquist[f"{stage.name}.{part}_nyquist_{axis}"], unit="rad")
                 for axis in ("x", "y")
                 for part in ("mtf", "ptf")
             ),
         )
-        for stage in (*responses.stages, *responses.beside, *responses.products[:1])
+        for stage in (*responses.stages, *responses.beside, *responses.products)
     ]
     heads = ("at Nyquist", "node", "MTF x", "PTF x (rad)", "MTF y", "PTF y (rad)")
     return text + table(heads, rows, numbers=(2, 3, 4, 5))
+
+
+def _pupils(found: Evaluation) -> str:
+    panels, left_out = pupil_panels(found)
+    if not panels:
+        return ""
+    told = {
+        "samples": "amplitude transmission of the exit pupils (axes in samples)",
+        "cyc/mrad": "autocorrelations of pupils at frequencies of their own (axes in cyc/mrad)",
+    }
+    kinds = [text for unit, text in told.items() if any(each.unit == unit for each in panels)]
+    caption = "; ".join(kinds).capitalize() + ". Grey is linear from the least to the greatest."
+    more = f" Not shown: {', '.join(left_out)}." if left_out else ""
+    drawn = panels_png(panels)
+    return "<h2>Pupils</h2>" + figure(drawn, caption + more, "exit pupils and autocorrelations")
 
 
 def _noise(found: Evaluation, facts: dict[str, Any]) -> str:
@@ -204,15 +231,16 @@ def _readouts(facts: dict[str, Any]) -> str:
     text = ""
     for name, node in facts["nodes"].items():
         rows = [
-            (each, number(one["value"]), one["unit"], one["meaning"])
+            (each, number(one["value"], one["unit"]), one["unit"], one["meaning"])
             for each, one in node["readouts"].items()
+            if one["value"] is not None
         ]
         # A table often has the read-outs again.
         rows += [
-            (row["name"], number(row["value"]), row["unit"], row["meaning"])
+            (row["name"], number(row["value"], row["unit"]), row["unit"], row["meaning"])
             for table in node["tables"].values()
             for row in table
-            if row["name"] not in node["readouts"]
+            if row["name"] not in node["readouts"] and row["value"] is not None
         ]
         if rows:
             text += f"<h3>{escape(node['title'])} <small>{escape(name)}</small></h3>"

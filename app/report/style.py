@@ -29,6 +29,27 @@ table.readouts { table-layout: fixed; }
 .readouts th:nth-child(1) { width: 12rem; }
 .readouts th:nth-child(2) { width: 9rem; }
 .readouts th:nth-child(3) { width: 6rem; }
+.wide { overflow-x: auto; }
+.published td { overflow-wrap: normal; }
+.published td:nth-child(1) { min-width: 7rem; }
+.published td:nth-child(2) { min-width: 5rem; }
+.published td:nth-child(5) { white-space: nowrap; }
+.published td:nth-child(7) { min-width: 13rem; }
+@media (max-width: 700px) {
+  main { padding: 1.2rem .8rem; }
+  .published { font-size: .78rem; }
+  .published thead, .published tbody { display: block; }
+  .published tr { display: grid; border-bottom: 1px solid #e6e6e6;
+    grid-template-columns: 2fr 1.7fr 2.6fr 1.7fr 1.4fr 1.9fr; }
+  .published tr td { min-width: 0; border: 0; padding-right: .5rem; }
+  .published tr th { min-width: 0; border: 0; padding-right: .5rem; }
+  .published td:nth-child(7) { grid-column: 1 / -1; color: #555; }
+  .published td:nth-child(7):empty, .published th:nth-child(7) { display: none; }
+  .published td.n, .published td.good, .published td.bad { white-space: normal; }
+  .readouts th:nth-child(1) { width: 10rem; }
+  .readouts th:nth-child(2) { width: 6rem; }
+  .readouts th:nth-child(3) { width: 5rem; }
+}
 ul { padding-left: 1.2rem; }
 @media print {
   body { font-size: 10.5pt; }

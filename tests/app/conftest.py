@@ -65,8 +65,8 @@ def write(tmp_path):
 def imagechain(tmp_path):
     """Run the command as a user does, in `tmp_path`."""
 
-    def run(*words, **options):
-        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    def run(*words, env=(), **options):
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), **dict(env)}
         return subprocess.run(
             [sys.executable, "-m", "app.cli", *map(str, words)],
             cwd=tmp_path,

@@ -86,3 +86,8 @@ def test_output_replaces_no_input(fails, write, small, tmp_path):
     read_image(small, "frame.npy")
     write(small)
     assert "input of this run" in fails("run", "net.json", "--save", "back.image=frame.npy")
+
+
+def test_without_nodes(fails, write, small):
+    write(small | {"nodes": {}, "links": []})
+    assert fails("run", "net.json") == "imagechain: net.json: the network has no nodes\n"

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from app.cli import main
+
 USAGE = {
     "unknown command": (["evaluate", "net.json"], "evaluate"),
     "no network": (["run"], "NETWORK"),
@@ -48,7 +50,36 @@ USAGE = {
     "output folder empty": (["run", "net.json", "--output-dir", ""], "--output-dir"),
     "device": (["run", "net.json", "--save", "pixels.image=pipe.npy"], "not a regular file"),
     "check nothing": (["check"], "NETWORK"),
-    "modules too much": (["modules", "x"], "x"),
+    "unknown module": (["modules", "jiter_mtf"], "mean jitter_mtf?"),
+    "modules too much": (["modules", "jitter_mtf", "x"], "x"),
+    "final picture twice": (
+        ["run", "net.json", "--output-dir", ".", "--save", "pixels.image=./final.png"],
+        "two outputs are to go to final.png",
+    ),
+    "read-outs twice": (
+        ["run", "net.json", "--output-dir", ".", "--report", "readouts.json"],
+        "two outputs are to go to readouts.json",
+    ),
+    "table twice": (
+        ["run", "net.json", "--output-dir", ".", "--save", "blur.mtf=mtf.csv"],
+        "two outputs are to go to mtf.csv",
+    ),
+    "long folder": (
+        ["run", "net.json", "--output-dir", "a" * 300],
+        "cannot write to " + "a" * 300,
+    ),
+    "output folder twice": (
+        ["run", "net.json", "--output-dir", "a", "--output-dir", "a"],
+        "--output-dir is given more than once",
+    ),
+    "seed twice": (["run", "net.json", "--seed", "1", "--seed", "1"], "--seed is given more"),
+    "threads twice": (["run", "net.json", "--threads", "1", "--threads=2"], "--threads is given"),
+    "precision twice": (
+        ["run", "net.json", "--precision", "single", "--precision", "double"],
+        "--precision is given more than once",
+    ),
+    "seed beyond the range": (["run", "net.json", "--seed", "9" * 23], f"0 to {2**63 - 1}"),
+    "set no number": (["run", "net.json", "--set", "blur.sigma_x_mrad=.e3"], "'.e3' mrad"),
 }
 
 
@@ -77,15 +108,77 @@ def test_line_breaks_and_escapes_stay_out_of_the_line(fails):
     assert "\x1b" not in line
 
 
-def test_standard_output_full():
-    with Path("/dev/full").open("w") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "app.cli", "modules"],
-            stdout=full,
-            stderr=subprocess.PIPE,
-            env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
-            text=True,
-            check=False,
-        )
+def shell(line, folder):
+    """Run a line of shell in which ``imagechain`` is the command."""
+    command = f'imagechain() {{ "{sys.executable}" -m app.cli "$@"; }}; {line}'
+    return subprocess.run(
+        ["bash", "-c", command],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "out", "errors"),
+    [
+        ("imagechain modules >/dev/full", 2, "", 1),
+        ("imagechain --help >/dev/full", 2, "", 1),
+        ("imagechain --help >&-", 0, "", 0),
+        ("imagechain run net.json >&-", 0, "", 0),
+        ("imagechain run net.json 2>&-", 0, "net-output: ", 0),
+        ("imagechain run nothing 2>&-", 2, "", 0),
+        ("imagechain run nothing 2>/dev/full", 2, "", 0),
+        ("imagechain run nothing >&- 2>&-", 2, "", 0),
+        ("imagechain check nothing >/dev/full", 2, "", 1),
+    ],
+)
+def test_streams_closed_or_full(line, code, out, errors, tmp_path):
+    done = shell(line, tmp_path)
+    assert done.returncode == code, done.stderr
+    assert done.stderr.count("\n") == errors
+    assert out in done.stdout
+    assert out or not done.stdout
+    assert (tmp_path / "net-output/final.png").is_file() == ("run net.json" in line)
+
+
+def test_current_folder_removed(tmp_path):
+    (tmp_path / "gone").mkdir()
+    done = shell("cd gone; rmdir ../gone; imagechain run first_steps", tmp_path)
     assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
+    assert done.stderr == (
+        "imagechain: cannot write to first_steps-output: No such file or directory\n"
+    )
+
+
+def test_folder_not_to_be_entered(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    stat = Path.stat
+
+    def closed(path, **options):
+        if path.name == "inside":
+            raise PermissionError(13, "Permission denied")
+        return stat(path, **options)
+
+    monkeypatch.setattr(Path, "stat", closed)  # root may enter everything
+    assert main(["run", "net.json", "--output-dir", "inside"]) == 2
+    told = "imagechain: cannot write to inside: Permission denied\n"
+    assert capsys.readouterr().err == told
+
+
+def test_sinks_to_one_place(fails, write, small):
+    for name, path in (("one", "a.tif"), ("two", "./a.tif")):
+        small["nodes"][name] = {"module": "write_image", "params": {"path": path}}
+        small["links"].append(["back.image", f"{name}.image"])
+    write(small)
+    assert "two: cannot write: two outputs are to go to a.tif" in fails("run", "net.json")
+    del small["nodes"]["two"], small["links"][-1]
+    write(small)
+    twice = "one: cannot write: two outputs are to go to a.tif"
+    assert twice in fails("run", "net.json", "--save", "pixels.image=./a.tif")
+    small["nodes"]["one"]["params"]["path"] = "final.png"
+    write(small)
+    assert "final.png" in fails("run", "net.json", "--output-dir", ".")

@@ -33,6 +33,24 @@ def test_a_plain_chain(small):
     assert chain.combined.nyquist_x == pytest.approx(chain.grid.nyquist_x / 2)
 
 
+def test_only_combined_pixels_count_as_such(small):
+    del small["nodes"]["pixels"], small["links"][-1]
+    small["nodes"]["grabber"] = {
+        "module": "interpolate",
+        "params": {"width": 24, "height": 20},
+    }
+    small["links"].append(["back.image", "grabber.image"])
+    chain = chain_of(small)
+    assert chain.final == "grabber.image"
+    assert chain.combined is None
+
+
+def test_pixels_combined_after_the_transform(small):
+    small["nodes"]["pixels"]["params"]["factor_x"] = 5  # does not divide the width
+    chain = chain_of(small)
+    assert chain.combined.nyquist_x == pytest.approx(chain.grid.nyquist_x / 5)
+
+
 def test_a_viewer_on_the_input_is_not_the_end(small):
     small["nodes"]["look"] = {"module": "examine_image"}
     small["links"].append(["scene.image", "look.image"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import pty
@@ -14,6 +15,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import app.evaluation
+import app.run
 from app.cli import main
 from app.png import encode_png, grey_levels, robust_limits
 from app.responses import response
@@ -92,7 +95,7 @@ def catches(pid: int, number: int) -> bool:
     return bool(int(caught.split()[1], 16) >> (number - 1) & 1)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_stopped(number, write, small, tmp_path):
     small["nodes"]["scene"]["params"] |= {"width": 6000, "height": 6000, "kind": "dormitory"}
     write(small)
@@ -100,7 +103,7 @@ def test_stopped(number, write, small, tmp_path):
     process = subprocess.Popen(
         words, cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
-    while not catches(process.pid, signal.SIGTERM):
+    while not catches(process.pid, signal.SIGHUP):
         time.sleep(0.02)
     time.sleep(0.3)
     process.send_signal(number)
@@ -108,6 +111,45 @@ def test_stopped(number, write, small, tmp_path):
     assert process.returncode == 1
     assert err == b"imagechain: cancelled; nothing was written\n"
     assert [path.name for path in tmp_path.iterdir()] == ["net.json"]
+
+
+@pytest.mark.parametrize("place", ["standard_library", "source_images"])
+def test_a_stop_that_was_swallowed(place, write, small, tmp_path, monkeypatch, capsys):
+    """As by an import, or a callback, that catches every exception."""
+    monkeypatch.chdir(tmp_path)
+    module = app.run if place == "standard_library" else app.evaluation
+    real = getattr(module, place)
+
+    def deaf(*words):
+        with contextlib.suppress(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(0.1)
+        return real(*words)
+
+    monkeypatch.setattr(module, place, deaf)
+    assert main(["run", write(small)]) == 1
+    assert capsys.readouterr().err == "imagechain: cancelled; nothing was written\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["net.json"]
+
+
+def test_one_module(capsys):
+    assert main(["modules", "jitter_mtf"]) == 0
+    text = capsys.readouterr().out
+    assert "jitter_mtf · Jitter MTF" in text
+    assert "gaussian_mtf" not in text
+    assert main(["modules", "jitter_mtf", "--json"]) == 0
+    assert [each["key"] for each in json.loads(capsys.readouterr().out)] == ["jitter_mtf"]
+
+
+def test_help_says_what_there_is(capsys):
+    main(["--help"])
+    text = capsys.readouterr().out
+    assert all(path.stem in text for path in (ROOT / "networks").glob("*.json"))
+    assert "exit codes" in text
+    main(["run", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    assert text.count("may be repeated") == 3
+    assert "null" in text
 
 
 def test_reader_that_has_seen_enough():

@@ -8,7 +8,12 @@ import json
 import numpy as np
 import pytest
 
+from app.arguments import Assignment
+from app.overrides import with_settings
+from app.tables import number_text, without_rounding
+from core.network_file import parse_network
 from nodes.files.read import read_pixels
+from nodes.library import standard_library
 
 
 def columns(path):
@@ -111,6 +116,32 @@ def test_settings(imagechain, write, small, tmp_path):
     samples = np.load(tmp_path / "s.npy")
     assert samples.shape == (40, 36)
     assert samples.max() > samples.min()
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [(".5", 0.5), ("+0.3", 0.3), ("1.", 1.0), ("+2e-1", 0.2), ("007", 7.0)]
+)
+def test_numbers_as_people_write_them(text, value, small):
+    network = with_settings(
+        parse_network(json.dumps(small), library=standard_library()),
+        [Assignment("blur", "sigma_x_mrad", text)],
+        library=standard_library(),
+    )
+    assert network.nodes["blur"].params["sigma_x_mrad"] == value
+
+
+def test_files_of_nodes_are_named(imagechain, write, small, tmp_path):
+    small["nodes"]["out"] = {"module": "write_image", "params": {"path": "out.tif"}}
+    small["links"].append(["back.image", "out.image"])
+    done = imagechain("run", write(small), "--save", "pixels.image=p.npy")
+    assert done.stdout.endswith("also p.npy, out.tif\n")
+    assert (tmp_path / "out.tif").is_file()
+
+
+def test_terminal_shows_ascii_and_no_rounding():
+    assert number_text(-0.25) == "-0.25"
+    assert without_rounding(-3.6e-18, "rad") == 0
+    assert without_rounding(-3.6e-18, "W") == -3.6e-18
 
 
 def test_threads_change_no_bit_and_seed_only_noise(imagechain, write, small, tmp_path):
