@@ -1,0 +1,87 @@
+"""``imagechain bench``: run time against error, in units of a bare Fourier round trip."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from app.arguments import Options
+from app.bench.isolation import isolate
+from app.bench.machine import machine_facts
+from app.bench.settings import PARTS, Settings
+from app.bench.tables import Table, terminal_text
+from app.staging import Staging
+from app.tables import jsonable
+from core.atomic import write_text
+
+Facts = dict[str, Any]
+
+
+def bench(options: Options) -> None:
+    """Measure and print the parts asked for; write the files asked for when all is done.
+
+    Raises
+    ------
+    ImagechainError
+        If a file cannot be written.
+    """
+    isolate(options)
+    settings = Settings.of(options)
+    start = time.perf_counter()
+    facts: Facts = {
+        "format": "imagechain-bench",
+        "version": 1,
+        "date": time.strftime("%Y-%m-%d %H:%M %z"),
+        "machine": machine_facts(),
+        "settings": settings.facts(),
+    }
+    files = [path for path in (options.bench_json, options.bench_html) if path is not None]
+    # Its folder is the one that may be missing: none here, so a file stands for it.
+    with Staging(files[0] if files else Path()) as staging:
+        for path in files:
+            staging.claim(path)
+        print(_heading(facts), flush=True)
+        parts = {name: _measured(name, settings) for name in settings.parts}
+        facts["seconds"] = time.perf_counter() - start
+        facts["parts"] = {name: [t.facts() for t in found] for name, found in parts.items()}
+        if options.bench_json is not None:
+            text = json.dumps(jsonable(facts), indent=1, ensure_ascii=False, allow_nan=False)
+            staging.write(options.bench_json, lambda path: write_text(path, text + "\n"))
+        if options.bench_html is not None:
+            from app.bench.page import page
+
+            shown = page(facts, parts)
+            staging.write(options.bench_html, lambda path: write_text(path, shown))
+        staging.commit()
+    print(f"{facts['seconds']:.0f} s" + "".join(f"; wrote {path}" for path in files))
+
+
+def _measured(name: str, settings: Settings) -> list[Table]:
+    print(f"\n== {PARTS[name]} ==", flush=True)
+    found = []
+    for measure in _measures(name):
+        for table in measure(settings):
+            print("\n" + terminal_text(table), flush=True)
+            found.append(table)
+    return found
+
+
+def _measures(name: str) -> Sequence[Callable[[Settings], list[Table]]]:
+    module: Any = import_module(f"app.bench.{name}")
+    measures: Sequence[Callable[[Settings], list[Table]]] = module.MEASURES
+    return measures
+
+
+def _heading(facts: Facts) -> str:
+    machine = facts["machine"]
+    versions = ", ".join(f"{name} {each}" for name, each in machine["versions"].items())
+    return (
+        f"{machine['processor']}, {machine['usable_cores']} of {machine['cores']} cores, "
+        f"load {machine['load']:.1f}; {versions}\n"
+        "T0 = scipy.fft.irfft2(scipy.fft.rfft2(image)), same image, type and threads, measured in "
+        "turn with the subject"
+    )

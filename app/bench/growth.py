@@ -1,0 +1,144 @@
+"""The whole chain as the picture grows: time and peak memory, each in a fresh process.
+
+Run as a module it is that process: ``time FILE SIZE PAIRS`` draws the scene, keeps it in FILE and
+times the chain; ``memory FILE SIZE`` reads the scene from there as a user's own picture is read.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from app.bench.isolation import STEADY, command, environment
+from app.bench.settings import Settings
+from app.bench.tables import Chart, Table, verdict
+
+ELECTRONICS = "electronics"
+MEMORY_REACH, MEMORY_AIM = 3.0, 2.0
+LARGE = 8192  # the size that the targets of memory are for
+
+
+def growth(settings: Settings) -> list[Table]:
+    """T0-ratio and peak memory for each size."""
+    rows: list[dict[str, Any]] = []
+    with tempfile.TemporaryDirectory() as folder:
+        for size in settings.growing:
+            file = str(Path(folder) / "scene.npy")
+            row = {"size": size, **_child("time", file, size, _pairs(size, settings), steady=True)}
+            row |= _child("memory", file, size, steady=False)
+            if size == LARGE:
+                row["memory_verdict"] = verdict(row["images"], MEMORY_REACH, MEMORY_AIM)
+            rows.append(row)
+    ratios = [row["t0"] for row in rows]
+    trend = ratios[-1] / ratios[0]
+    steady = "met: not increasing" if trend <= 1 else f"missed: grows by {trend:.2f} ×"
+    text = (
+        f"Reach: T0-ratio not increasing, aim: falling; {steady} from {rows[0]['size']}² to "
+        f"{rows[-1]['size']}². Memory at {LARGE}²: reach {MEMORY_REACH:g}, aim {MEMORY_AIM:g} "
+        "images above the loaded one."
+    )
+    heads = {
+        "size": "size",
+        "t0": "T0",
+        "low": "25 %",
+        "high": "75 %",
+        "ms": "ms",
+        "t0_ms": "T0 ms",
+        "alone_ms": "back to back",
+        "images": "peak memory, images",
+        "memory_verdict": "",
+    }
+    chart = Chart("size", "t0", "samples along a side", "time (T0)", lines=True)
+    title = "Whole chain with every noise, single precision, as the picture grows"
+    return [Table("growth", title, heads, tuple(rows), text, chart)]
+
+
+def _pairs(size: int, settings: Settings) -> int:
+    return max(3, min(settings.pairs, settings.pairs * 2**20 * 2 // size**2))
+
+
+def _child(what: str, file: str, *numbers: int, steady: bool) -> dict[str, Any]:
+    environ = {**environment(), "OPENBLAS_NUM_THREADS": "1", **(STEADY if steady else {})}
+    words = command("app.bench.growth", what, file, *map(str, numbers))
+    done = subprocess.run(words, env=environ, capture_output=True, text=True, check=False)
+    if done.returncode:
+        lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
+        raise RuntimeError(f"growth {what} {numbers}: {lines[-1]}")
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def _timed(file: str, size: int, pairs: int) -> dict[str, Any]:
+    import numpy as np
+
+    from app.bench.kodak import FINAL, Kodak
+    from app.bench.timing import paired, round_trip
+
+    kodak = Kodak(size)
+    np.save(file, kodak.scene)
+    return paired(
+        lambda: kodak.cold(kodak.network, FINAL, (ELECTRONICS,)),
+        round_trip(kodak.scene, kodak.policy.workers),
+        pairs=pairs,
+        warm_up=1,
+    ).facts()
+
+
+def _peak(file: str, size: int) -> dict[str, Any]:
+    from dataclasses import replace
+
+    from app.bench.kodak import FINAL, SCENE, kodak_network
+    from core.engine import Engine
+    from core.network import Node
+    from core.policy import Policy
+    from nodes.library import standard_library
+
+    network = kodak_network(size)
+    scene = network.nodes["scene"].params
+    kept = {n: scene[n] for n in ("fov_x_deg", "fov_y_deg", "cut_on_um", "cut_off_um")}
+    source = Node("scene", "read_image", {"path": file, **kept})
+    network = replace(network, nodes={**network.nodes, "scene": source})
+    engine = Engine(standard_library())
+    work = engine.work(Policy())
+    plan = engine.plan(network)
+    image = engine.value(plan, SCENE, work).nbytes
+    loaded = _start_peak()
+    engine.value(plan, FINAL, work)
+    engine.readouts(plan, ELECTRONICS, work)
+    return {"images": (_high_water() - loaded) / image, "image_bytes": image}
+
+
+def _start_peak() -> int:
+    """Begin the peak of memory here, where the system can; gives the bytes in use."""
+    try:
+        Path("/proc/self/clear_refs").write_text("5")
+    except OSError:
+        return _high_water()
+    return _high_water()
+
+
+def _high_water() -> int:
+    # A child's ru_maxrss starts at what its parent held; VmHWM is its own.
+    try:
+        lines = Path("/proc/self/status").read_text().splitlines()
+        return next(int(line.split()[1]) << 10 for line in lines if line.startswith("VmHWM"))
+    except (OSError, StopIteration):
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss << 10
+
+
+def _main(words: list[str]) -> None:
+    what, file, size = words[0], words[1], int(words[2])
+    found = _timed(file, size, int(words[3])) if what == "time" else _peak(file, size)
+    print(json.dumps(found))
+    sys.stdout.flush()
+    os._exit(0)  # giving 8192² pictures back page by page takes longer than the measurement
+
+
+if __name__ == "__main__":
+    _main(sys.argv[1:])
