@@ -57,7 +57,11 @@ def report_facts(found: Evaluation) -> dict[str, Any]:
         "nodes": {name: _node(found, name, node) for name, node in found.plan.nodes.items()},
         "published": published_rows(found, nyquist),
         "conflicts": conflicts(network),
-        "skipped": {"neutral": found.neutral(), "disabled": found.disabled()},
+        "skipped": {
+            "neutral": found.neutral(),
+            "disabled": found.disabled(),
+            "below_budget": found.below_budget(),
+        },
     }
 
 
@@ -99,7 +103,7 @@ def _run(found: Evaluation) -> dict[str, Any]:
         "date": time.strftime("%Y-%m-%d %H:%M %z"),
         "precision": policy.precision,
         "threads": policy.workers,
-        "tolerance": policy.tolerance,
+        "tolerance": policy.budget,
         "seed": found.network.seed,
         "seconds": dict(found.seconds),
         "versions": {

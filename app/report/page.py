@@ -252,6 +252,7 @@ def _readouts(facts: dict[str, Any]) -> str:
 
 def _nodes(facts: dict[str, Any]) -> str:
     rows = []
+    small = facts["skipped"]["below_budget"]
     for name, node in facts["nodes"].items():
         values = [
             f"{each} = {number(node['parameters'][each]['value'])}"
@@ -260,6 +261,8 @@ def _nodes(facts: dict[str, Any]) -> str:
         ]
         state = "neutral: skipped" if node["neutral"] else ""
         state = "disabled" if node["disabled"] else state
+        if name in small:
+            state = f"left out: at most {number(small[name])}"
         rows.append(
             (name, node["title"], ", ".join(values), state, f"{1e3 * node['seconds']:.1f} ms")
         )
@@ -268,8 +271,13 @@ def _nodes(facts: dict[str, Any]) -> str:
     said = (
         f"Skipped, because they change nothing or are disabled: {', '.join(skipped)}."
         if skipped
-        else "Nothing was skipped."
+        else "No stage was neutral."
     )
+    if small:
+        said += (
+            f" Left out within the error budget of {number(facts['run']['tolerance'])} of the "
+            f"picture's range: {', '.join(small)}."
+        )
     return (
         "<h2>Nodes</h2>"
         + table(("node", "module", "set", "", "time"), rows, numbers=(4,))
