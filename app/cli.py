@@ -66,7 +66,7 @@ def _carry_out(words: list[str], told_to_stop: threading.Event) -> None:
 
     if not words:
         print(arguments.help_text(), end="")
-        raise UsageError("say what to do: run, check or modules")
+        raise UsageError("say what to do: run, check, modules or bench")
     try:
         options = arguments.parse(words)
     except SystemExit:  # help and version have been printed

@@ -100,7 +100,7 @@ def test_without_arguments(imagechain):
     done = imagechain()
     assert done.returncode == 2
     assert "run" in done.stdout
-    assert done.stderr == "imagechain: say what to do: run, check or modules\n"
+    assert done.stderr == "imagechain: say what to do: run, check, modules or bench\n"
 
 
 def test_line_breaks_and_escapes_stay_out_of_the_line(fails):
