@@ -45,6 +45,7 @@ class Plan:
 
     network: Network
     nodes: Mapping[str, PlannedNode]
+    folder: Path = Path()
 
     def output(self, port: str) -> Any:
         """The value on ``node.port``.
@@ -100,15 +101,26 @@ class Engine:
         self.library = library
         self.store = store if store is not None else Store()
 
-    def plan(self, network: Network, *, folder: Path | None = None) -> Plan:
+    def plan(
+        self, network: Network, *, folder: Path | None = None, previous: Plan | None = None
+    ) -> Plan:
         """Run every module's planning in order; an error stays on its node.
 
-        Nodes that hang on a failed one carry that node's error.
+        Nodes that hang on a failed one carry that node's error. From a `previous` plan of an
+        earlier state of the network, what has not changed since is taken over.
         """
         planned: dict[str, PlannedNode] = {}
+        folder = folder or Path()
+        known = {} if previous is None or previous.folder != folder else previous.nodes
+        if previous is not None and previous.network.seed != network.seed:
+            known = {}
         for name in network.order():
-            planned[name] = self._plan_node(network, name, planned, folder or Path())
-        return Plan(network, planned)
+            earlier = known.get(name)
+            if earlier is not None and _unchanged(network, name, planned, earlier):
+                planned[name] = earlier
+            else:
+                planned[name] = self._plan_node(network, name, planned, folder)
+        return Plan(network, planned, folder)
 
     def work(
         self,
@@ -205,6 +217,24 @@ class Engine:
         result = _run(module, inputs, Here(name, network.seed, folder))
         outputs = result._asdict() if result is not None else {}
         return PlannedNode(node, module, inputs, outputs, result)
+
+
+def _unchanged(
+    network: Network, name: str, planned: Mapping[str, PlannedNode], earlier: PlannedNode
+) -> bool:
+    """Whether planning the node again would give the very same."""
+    if earlier.node is not network.nodes[name] or earlier.module is None or earlier.error:
+        return False
+    if any(isinstance(value, Path) for value in vars(earlier.module).values()):
+        return False  # a file may have changed meanwhile
+    links = network.links_into(name)
+    linked = sum(value is not None for value in earlier.inputs.values())
+    return len(links) == linked and all(
+        link.source in planned
+        and earlier.inputs.get(link.input) is planned[link.source].outputs.get(link.output)
+        and earlier.inputs.get(link.input) is not None
+        for link in links
+    )
 
 
 def _brought(

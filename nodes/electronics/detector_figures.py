@@ -41,8 +41,6 @@ class Detector:
     area_cm2: float
     bandwidth_Hz: float
     background_K: float | None
-    amplifier_snr: float | None
-    snr_reference: str
 
 
 @dataclass(frozen=True)
@@ -61,8 +59,20 @@ def statistics(work: Work, image: Array) -> Statistics:
     )
 
 
-def figures(work: Work, seen: Statistics, *, detector: Detector) -> TableData:
-    """All read-outs of noise, in the order of the panel."""
+@dataclass(frozen=True)
+class DetectorFigures:
+    """What does not depend on the amplifier."""
+
+    background_K: float
+    g_number: float
+    d_star: float
+    nep_W: float
+    ner: float
+    netd_K: float
+
+
+def detector_figures(work: Work, seen: Statistics, *, detector: Detector) -> DetectorFigures:
+    """Figures of the detector under the background it sees."""
     band = {"cut_on_um": detector.cut_on_um, "cut_off_um": detector.cut_off_um}
     background = detector.background_K
     if background is None:
@@ -80,23 +90,37 @@ def figures(work: Work, seen: Statistics, *, detector: Detector) -> TableData:
     )
     nep = nep_W(area_cm2=detector.area_cm2, bandwidth_Hz=detector.bandwidth_Hz, d_star=d_star)
     ner = ner_W_m2_sr(nep_W=nep, area_cm2=detector.area_cm2, g_number=throughput)
-    sigma = amplifier_sigma(seen, snr=detector.amplifier_snr, reference=detector.snr_reference)
-    netd_detector = float(netd_K(noise_radiance=ner, background_K=background, **band))
-    netd_amplifier = float(netd_K(noise_radiance=sigma, background_K=background, **band))
-    noise = float(np.hypot(ner, sigma))
+    netd = float(netd_K(noise_radiance=ner, background_K=background, **band))
+    return DetectorFigures(background, throughput, d_star, nep, ner, netd)
+
+
+def figures(
+    work: Work,
+    seen: Statistics,
+    found: DetectorFigures,
+    *,
+    detector: Detector,
+    amplifier_snr: float | None,
+    snr_reference: str,
+) -> TableData:
+    """All read-outs of noise, in the order of the panel."""
+    sigma = amplifier_sigma(seen, snr=amplifier_snr, reference=snr_reference)
+    # NETD is noise over dL/dT: the detector's own gives the slope without Planck's integral.
+    netd_amplifier = found.netd_K * sigma / found.ner
+    noise = float(np.hypot(found.ner, sigma))
     rows = (
-        ("background_K", background, "K", "background that weights D* and gives dL/dT"),
+        ("background_K", found.background_K, "K", "background that weights D* and gives dL/dT"),
         ("bandwidth_Hz", detector.bandwidth_Hz, "Hz", "noise bandwidth"),
-        ("g_number", throughput, "1/sr", "optical throughput"),
-        ("d_star", d_star, "cm √Hz/W", "specific detectivity of the band"),
-        ("nep_W", nep, "W", "noise equivalent power"),
-        ("ner", ner, "W/m²/sr", "noise equivalent radiance of the detector"),
+        ("g_number", found.g_number, "1/sr", "optical throughput"),
+        ("d_star", found.d_star, "cm √Hz/W", "specific detectivity of the band"),
+        ("nep_W", found.nep_W, "W", "noise equivalent power"),
+        ("ner", found.ner, "W/m²/sr", "noise equivalent radiance of the detector"),
         ("amplifier_noise", sigma, "W/m²/sr", "rms noise of the amplifier"),
-        ("netd_detector_K", netd_detector, "K", "NETD of the detector"),
+        ("netd_detector_K", found.netd_K, "K", "NETD of the detector"),
         ("netd_amplifier_K", netd_amplifier, "K", "NETD of the amplifier"),
         (
             "netd_system_K",
-            system_netd_K(amplifier_netd_K=netd_amplifier, detector_netd_K=netd_detector),
+            system_netd_K(amplifier_netd_K=netd_amplifier, detector_netd_K=found.netd_K),
             "K",
             "NETD of detector and amplifier together",
         ),
@@ -110,7 +134,10 @@ def amplifier_sigma(seen: Statistics, *, snr: float | None, reference: str) -> f
     if snr is None:
         return 0.0
     level = abs(seen.mean) if reference == "mean" else seen.high - seen.low
-    return float(amplifier_noise_radiance(reference_radiance=level, snr=snr))
+    sigma = float(amplifier_noise_radiance(reference_radiance=level, snr=snr))
+    if not np.isfinite(sigma):
+        raise ParameterError("amplifier_snr", snr, "large enough for a noise that is finite")
+    return sigma
 
 
 def _band_d_star(detector: Detector, background_K: float) -> float:

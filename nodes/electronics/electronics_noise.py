@@ -21,7 +21,12 @@ from core.physics.post_filter import corner_in_cyc_per_mrad, post_filter_mtf, po
 from core.recipes import Recipe, Step
 from core.values import Context, Image, Table, Transfer
 from nodes.electronics import noise_steps as steps
-from nodes.electronics.detector_figures import Detector, figures, statistics
+from nodes.electronics.detector_figures import (
+    Detector,
+    detector_figures,
+    figures,
+    statistics,
+)
 from nodes.given import given_band, of_context, with_interval
 from nodes.laws import separable
 from nodes.noise_seed import SeededModule
@@ -143,7 +148,10 @@ class ElectronicsNoise(
         """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
         node = here.node
         seen = Step.of(statistics, image.recipe, node=node)
-        table = Step.of(figures, seen, node=node, detector=self._detector(context))
+        detector = self._detector(context)
+        known = Step.of(detector_figures, seen, node=node, detector=detector)
+        amplifier = {"amplifier_snr": self.amplifier_snr, "snr_reference": self.snr_reference}
+        table = Step.of(figures, seen, known, node=node, detector=detector, **amplifier)
         image = with_interval(image, context)
         plan = steps.NoisePlan(image, context.platform, node, lambda name: self.stream(here, name))
         filters = self._pre_amplifier(image, context)
@@ -152,7 +160,7 @@ class ElectronicsNoise(
         gained = plan.gain_and_bias(
             image.recipe, seen, self.gain_percent, self.bias_percent, self.gain_model
         )
-        field = plan.detector_noise(table, self.noise_variability_percent)
+        field = plan.detector_noise(known, self.noise_variability_percent)
         detected = plan.sum(gained, field)
         filtered = plan.filter(detected, filters, context.edges)
         amplified = filtered
@@ -223,8 +231,6 @@ class ElectronicsNoise(
             ),
             bandwidth_Hz=self._bandwidth(context),
             background_K=self.background_K,
-            amplifier_snr=self.amplifier_snr,
-            snr_reference=self.snr_reference,
         )
 
     def _pre_amplifier(self, image: Image, context: Context) -> tuple[Separable, ...]:

@@ -19,7 +19,7 @@ from core.recipes import Recipe, Step
 from core.streams import Stream, normal_field
 from core.values import Edges, Image, Platform
 from core.work import Work
-from nodes.electronics.detector_figures import Statistics
+from nodes.electronics.detector_figures import DetectorFigures, Statistics
 
 Array = NDArray[Any]
 
@@ -54,9 +54,9 @@ class NoisePlan:
             model=model,
         )
 
-    def detector_noise(self, table: Recipe, variability_percent: float) -> Recipe:
+    def detector_noise(self, figures: Recipe, variability_percent: float) -> Recipe:
         """Noise of rms NER, its rms varied from detector to detector."""
-        inputs = [table, self._deviates("detector", self.image.shape)]
+        inputs = [figures, self._deviates("detector", self.image.shape)]
         if variability_percent:
             inputs.append(self._pattern("variability"))
         return Step.of(
@@ -153,13 +153,13 @@ def _gain_and_bias(
 
 def _detector_noise(
     work: Work,
-    table: TableData,
+    figures: DetectorFigures,
     deviates: Array,
     pattern: Array | None = None,
     *,
     variability_percent: float,
 ) -> Array:
-    sigma: Any = table.as_dict()["ner"]
+    sigma: Any = figures.ner
     if pattern is not None:
         # A spread wide enough to turn a deviation negative is still a spread: take its size.
         sigma = np.abs(sigma * (1.0 + variability_percent / 100.0 * pattern))

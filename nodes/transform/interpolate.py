@@ -68,6 +68,9 @@ def resampled(work: Work, image: Array, *, width: int, height: int, order: int) 
         lines = near.copy()
         for index, weight in further_y:
             lines += weight[rows, np.newaxis].astype(dtype) * (image[index[rows]] - near)
+        if width == image.shape[1]:
+            result[rows] = lines
+            return
         near = np.take(lines, base_x, axis=1)
         across = near.copy()
         for index, weight in further_x:
