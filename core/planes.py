@@ -1,4 +1,4 @@
-"""Blocks of rows of the planar factors, by low rank where that is accurate enough."""
+"""Blocks of rows of the planar factors: by low rank, kept whole, or evaluated anew."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ Array = NDArray[Any]
 Axes = Literal["mirrored", "periodic"]
 
 SINGLE_TOLERANCE = 1e-7  # below the rounding of single-precision samples
+BLOCK_SAMPLES = 1 << 16  # samples of a plane per block of rows
 RADII = 1 << 12  # intervals of the table that stands for a radial factor
 SMALLEST = 128  # smaller planes are evaluated sooner than approximated
 
@@ -28,35 +29,41 @@ class Planes:
 
     def __init__(self, work: Work, product: Product, grid: Grid, axes: Axes) -> None:
         self._work = work
-        self._parts: list[tuple[Planar, tuple[Array, Array] | None]] = []
+        self._parts: list[tuple[Planar, tuple[Array, ...]]] = []
         self.xi, self.eta = axes_of(grid, axes)
         for factor in product.planar:
-            self._parts.append((factor, self._low_rank(factor, grid, axes)))
+            self._parts.append((factor, self._known(factor, grid, axes)))
 
     def block(self, rows: slice) -> Array | None:
         """Product at all columns of these rows; None without planar factors."""
         result: Array | None = None
-        for factor, thin in self._parts:
-            if thin is None:
-                eta = self.eta[rows]
-                part = factor.transfer(self._work, self.xi[np.newaxis, :], eta[:, np.newaxis])
+        for factor, known in self._parts:
+            if len(known) == 2:
+                part = known[0][rows] @ known[1]
+            elif known:
+                part = known[0][rows]
             else:
-                part = thin[0][rows] @ thin[1]
+                eta = self.eta[rows]
+                value = factor.transfer(self._work, self.xi[np.newaxis, :], eta[:, np.newaxis])
+                part = value.astype(self._work.policy.dtype)  # the same bits as one kept
             result = part if result is None else result * part
         return result
 
-    def _low_rank(self, factor: Planar, grid: Grid, axes: Axes) -> tuple[Array, Array] | None:
-        # Kinks that lie between the probes can cost 1e-7: too much for double precision.
-        single = self._work.policy.precision == "single"
-        if not (single and factor.smooth) or min(len(self.xi), len(self.eta)) < SMALLEST:
-            return None
-        found: tuple[Array, ...] = self._work.value(LowRank(factor, grid, axes, node=factor.node))
-        return (found[0], found[1]) if found else None
+    def _known(self, factor: Planar, grid: Grid, axes: Axes) -> tuple[Array, ...]:
+        """What is kept of a pupil; other factors are quick to evaluate, and small planes too."""
+        if not factor.smooth or min(len(self.xi), len(self.eta)) < SMALLEST:
+            return ()
+        found: tuple[Array, ...] = self._work.value(Known(factor, grid, axes, node=factor.node))
+        return found
 
 
 @dataclass(frozen=True, eq=False)
-class LowRank(Recipe):
-    """Thin matrices of one factor on one grid; empty where the rank is not low."""
+class Known(Recipe):
+    """One factor on one grid: two thin matrices, else the plane, else nothing.
+
+    The plane is kept where it takes at most a quarter of the store. Low rank is for single
+    precision: kinks that lie between its probes can cost 1e-7.
+    """
 
     factor: Planar
     grid: Grid
@@ -67,7 +74,26 @@ class LowRank(Recipe):
         return self.factor.key, self.grid, self.axes
 
     def compute(self, work: Work) -> tuple[Array, ...]:
-        """Approximate in double, keep in the evaluation's precision."""
+        """Compute in double, keep in the evaluation's precision."""
+        thin = self._thin(work) if work.policy.precision == "single" else ()
+        return thin or self._whole(work)
+
+    def _whole(self, work: Work) -> tuple[Array, ...]:
+        xi, eta = axes_of(self.grid, self.axes)
+        dtype = work.policy.dtype
+        if len(xi) * len(eta) * dtype.itemsize > work.store.capacity_bytes // 4:
+            return ()
+        plane = np.empty((len(eta), len(xi)), dtype)
+        height = max(1, BLOCK_SAMPLES // len(xi))
+
+        def one(start: int) -> None:
+            rows = slice(start, start + height)
+            plane[rows] = self.factor.transfer(work, xi[np.newaxis, :], eta[rows, np.newaxis])
+
+        work.each(one, range(0, len(eta), height))
+        return (plane,)
+
+    def _thin(self, work: Work) -> tuple[Array, ...]:
         xi, eta = axes_of(self.grid, self.axes)
         table = self._radial_table(work, xi, eta) if self.factor.radial else None
 

@@ -13,7 +13,7 @@ from app.bench.peer_programs import Deliver, Noted, Task
 from core.engine import Engine
 from core.factors import Planar
 from core.network import Link, Network, Node
-from core.planes import Axes, LowRank
+from core.planes import Axes, Known
 from core.policy import Policy, Precision
 from nodes.library import standard_library
 
@@ -80,15 +80,14 @@ def chain(edges: str, precision: Precision, *, known: bool = False) -> Callable[
         note = ""
         if known:
             axes: Axes = "mirrored" if edges == "reflect" else "periodic"
-            thin = work.value(LowRank(factor, grid, axes, node=factor.node))
-            note = "" if thin else "no low rank: evaluated anew each time"
+            found = work.value(Known(factor, grid, axes, node=factor.node))
+            note = ("evaluated anew each time", "whole plane kept", "low rank kept")[len(found)]
         kept = store.keys()
 
         def deliver(frame: Array) -> Array:
             store.forget_all_but(kept)
             store.hold(key, frame.astype(work.policy.dtype, copy=False))
-            found = engine.value(engine.plan(network), "back.image", work)
-            return np.asarray(found)
+            return np.asarray(engine.value(engine.plan(network), "back.image", work))
 
         return Noted(deliver, note)
 

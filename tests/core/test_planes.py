@@ -58,6 +58,21 @@ def test_double_precision_is_never_approximated():
     assert np.array_equal(got, expected)
 
 
+@pytest.mark.parametrize("precision", ["single", "double"])
+@pytest.mark.parametrize("name", ["clear", "cassegrain_slit"])
+def test_a_plane_kept_or_not_gives_the_same_bits(name, precision):
+    """A store too small for the plane, and a cutoff inside the band, which has no low rank."""
+    factor, grid = pupil(SHAPES[name], 0.6), Grid(200, 257, 1.0, 1.3)
+    kept, anew = (
+        Planes(
+            Work(Policy(precision=precision), Store(capacity)), Product([factor]), grid, "mirrored"
+        ).block(slice(3, 90))
+        for capacity in (1 << 29, 1 << 10)
+    )
+    assert kept.dtype == np.dtype(Policy(precision=precision).dtype)
+    assert np.array_equal(kept, anew)
+
+
 def test_a_plane_of_high_rank_is_given_up():
     noise = np.random.default_rng(1).normal(size=(300, 200))
     found = cross_approximation(lambda i, j: noise[np.ix_(i, j)], 300, 200, 1e-7)
