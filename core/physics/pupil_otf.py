@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -51,12 +52,15 @@ def geometric_pupil_otf(
     half width; the aperture's is its diameter over the wavelength.
     """
     xi, eta = np.asarray(xi, np.float64), np.asarray(eta, np.float64)
-    total: Array | float = 0.0
-    for wavelength, weight in zip(wavelengths_um, weights, strict=True):
-        total = total + weight * geometric_otf(
-            shape, lag_x=wavelength * xi / pitch_x_mm, lag_y=wavelength * eta / pitch_y_mm
-        )
-    return np.asarray(total)
+    return _over_band(
+        (
+            geometric_otf(
+                shape, lag_x=wavelength * xi / pitch_x_mm, lag_y=wavelength * eta / pitch_y_mm
+            )
+            for wavelength in wavelengths_um
+        ),
+        weights,
+    )
 
 
 def circular_pupil_otf(
@@ -87,12 +91,16 @@ def circular_pupil_otf(
     Source: as `geometric_pupil_otf`; Tantalo 1996, appendix E.
     """
     rho = np.asarray(rho, np.float64)
-    total: Array | float = 0.0
-    for wavelength, weight in zip(wavelengths_um, weights, strict=True):
-        total = total + weight * annular_otf(
-            frequency_ratio=wavelength * rho / diameter_mm, obscuration_ratio=obscuration_ratio
-        )
-    return np.asarray(total)
+    return _over_band(
+        (
+            annular_otf(
+                frequency_ratio=wavelength * rho / diameter_mm,
+                obscuration_ratio=obscuration_ratio,
+            )
+            for wavelength in wavelengths_um
+        ),
+        weights,
+    )
 
 
 def defocused_disc_otf(
@@ -123,13 +131,16 @@ def defocused_disc_otf(
         Real and signed.
     """
     rho = np.asarray(rho, np.float64)
-    total: Array | float = 0.0
-    for wavelength, weight in zip(wavelengths_um, weights, strict=True):
-        total = total + weight * defocus_otf(
-            frequency_ratio=wavelength * rho / diameter_mm,
-            w20_waves=w20_waves * reference_um / wavelength,
-        )
-    return np.asarray(total)
+    return _over_band(
+        (
+            defocus_otf(
+                frequency_ratio=wavelength * rho / diameter_mm,
+                w20_waves=w20_waves * reference_um / wavelength,
+            )
+            for wavelength in wavelengths_um
+        ),
+        weights,
+    )
 
 
 def sampled_pupil_otf(
@@ -167,12 +178,24 @@ def sampled_pupil_otf(
     ndarray, float64 or complex128
     """
     xi, eta = np.asarray(xi, np.float64), np.asarray(eta, np.float64)
+    total = _over_band(
+        (
+            sampled_otf(
+                correlations[min(index, len(correlations) - 1)],
+                lag_x=wavelength * xi / pitch_x_mm,
+                lag_y=wavelength * eta / pitch_y_mm,
+                interpolation=interpolation,
+            )
+            for index, wavelength in enumerate(wavelengths_um)
+        ),
+        weights,
+    )
+    return np.real(total) if real else total
+
+
+def _over_band(otfs: Iterable[Array], weights: tuple[float, ...]) -> Array:
+    """Weighted sum, in order: the weights then add up to exactly 1 at zero frequency."""
     total: Array | float = 0.0
-    for index, (wavelength, weight) in enumerate(zip(wavelengths_um, weights, strict=True)):
-        total = total + weight * sampled_otf(
-            correlations[min(index, len(correlations) - 1)],
-            lag_x=wavelength * xi / pitch_x_mm,
-            lag_y=wavelength * eta / pitch_y_mm,
-            interpolation=interpolation,
-        )
-    return np.real(total) if real else np.asarray(total)
+    for otf, weight in zip(otfs, weights, strict=True):
+        total = total + weight * otf
+    return np.asarray(total)
