@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -131,16 +131,6 @@ class Engine:
     ) -> Work:
         """One evaluation over this engine's store."""
         return Work(policy, self.store, cancel, progress)
-
-    def values(self, plan: Plan, ports: Iterable[str], work: Work) -> dict[str, Any]:
-        """Computed values of the ports: arrays, curves or tables.
-
-        Raises
-        ------
-        ImagechainError
-            The first error met, with its node.
-        """
-        return {port: self.value(plan, port, work) for port in ports}
 
     def value(self, plan: Plan, port: str, work: Work) -> Any:
         """The computed value of one ``node.port``."""

@@ -8,6 +8,8 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from core.physics.sampling import frequency_interval_cyc_per_mrad, nyquist_cyc_per_mrad
+
 Vector = NDArray[np.float64]
 
 
@@ -28,22 +30,26 @@ class Grid:
     @property
     def nyquist_x(self) -> float:
         """Nyquist frequency across, cycles/mrad (Tantalo 1996, eq. 4.2)."""
-        return 0.5 / self.interval_x_mrad
+        return nyquist_cyc_per_mrad(interval_mrad=self.interval_x_mrad)
 
     @property
     def nyquist_y(self) -> float:
         """Nyquist frequency along, cycles/mrad."""
-        return 0.5 / self.interval_y_mrad
+        return nyquist_cyc_per_mrad(interval_mrad=self.interval_y_mrad)
 
     @property
     def frequency_interval_x(self) -> float:
         """Spacing of the plain FFT's frequencies across, cycles/mrad (eq. 4.3)."""
-        return 1.0 / (self.columns * self.interval_x_mrad)
+        return frequency_interval_cyc_per_mrad(
+            interval_mrad=self.interval_x_mrad, samples=self.columns
+        )
 
     @property
     def frequency_interval_y(self) -> float:
         """Spacing of the plain FFT's frequencies along, cycles/mrad."""
-        return 1.0 / (self.rows * self.interval_y_mrad)
+        return frequency_interval_cyc_per_mrad(
+            interval_mrad=self.interval_y_mrad, samples=self.rows
+        )
 
     def xi(self) -> Vector:
         """Frequencies across in FFT order (an even size has −Nyquist), shape (columns,)."""
@@ -64,12 +70,3 @@ class Grid:
     def eta_mirrored(self) -> Vector:
         """Frequencies k/(2·rows·interval) of the mirrored frame, k = 0 … rows − 1."""
         return np.arange(self.rows) / (2.0 * self.rows * self.interval_y_mrad)
-
-    def binned(self, factor_x: int, factor_y: int) -> Grid:
-        """The grid after each `factor_y` × `factor_x` block has become one sample."""
-        return Grid(
-            self.rows // factor_y,
-            self.columns // factor_x,
-            self.interval_x_mrad * factor_x,
-            self.interval_y_mrad * factor_y,
-        )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from core.arithmetic import require_finite
 from core.data import SampledTransfer
 from core.recipes import Recipe, Step
-from core.values import Context, Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
+from core.values import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
 from core.work import Work
 
 Array = NDArray[Any]
@@ -77,12 +77,3 @@ def _phase(work: Work, value: Phase) -> Array:
     if value.image is not None:
         plane = plane + np.angle(work.value(Step.of(spectrum, value.image.recipe)))
     return plane.astype(work.policy.dtype)
-
-
-def describe(value: Any) -> str:
-    """Type and size of what is on a wire, in a few words."""
-    if isinstance(value, Image):
-        return f"image {value.columns} × {value.rows}"
-    if isinstance(value, Context):
-        return f"context of {value.grid.columns} × {value.grid.rows} samples"
-    return str(value.port_type)
