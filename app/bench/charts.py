@@ -7,22 +7,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from app.bench.tables import Row, Table, figure_text
-from app.report.drawing import figure
+from app.report.drawing import COLOURS, figure
 
 # No error at all has no place on a logarithmic axis: it is drawn at double precision's rounding.
 LEAST = 1e-16
 MARKS = "osD^vPX"
-COLOURS = (
-    "#1f77b4",
-    "#d95f02",
-    "#2a9d4a",
-    "#c2267f",
-    "#7a5cc2",
-    "#8c6d31",
-    "#17a2b8",
-    "#e0a100",
-    "#6b6b6b",
-)
 
 
 def chart_png(table: Table) -> bytes | None:

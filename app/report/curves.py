@@ -9,20 +9,9 @@ from typing import Any
 import numpy as np
 
 from app.chain import Chain
-from app.report.drawing import figure
+from app.report.drawing import COLOURS, figure
 from app.responses import Response, Responses, StageResponse
 
-_COLOURS = (
-    "#1f77b4",
-    "#d95f02",
-    "#2a9d4a",
-    "#c2267f",
-    "#7a5cc2",
-    "#8c6d31",
-    "#17a2b8",
-    "#e0a100",
-    "#6b6b6b",
-)
 _DASHES = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5, 1, 1.5)))
 
 
@@ -96,7 +85,7 @@ def panel(
 ) -> None:
     """Draw the MTF or PTF of the stages and products along one axis."""
     frequency = found.xi if along == "x" else found.eta
-    styles = zip(cycle(_COLOURS), cycle(_DASHES), strict=False)
+    styles = zip(cycle(COLOURS), cycle(_DASHES), strict=False)
     curves = []
     for stage, (colour, dash) in zip(stages, styles, strict=False):
         if not (stage.has_phase if part == "ptf" else stage.has_blur):

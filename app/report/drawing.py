@@ -21,6 +21,17 @@ from core.values import Image
 Array = NDArray[Any]
 DPI = 144
 RADIANCE = "W/m²/sr"
+COLOURS = (
+    "#1f77b4",
+    "#d95f02",
+    "#2a9d4a",
+    "#c2267f",
+    "#7a5cc2",
+    "#8c6d31",
+    "#17a2b8",
+    "#e0a100",
+    "#6b6b6b",
+)
 _STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
