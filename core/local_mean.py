@@ -10,11 +10,11 @@ import math
 from typing import Any
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 from core.arithmetic import require_finite
 from core.physics.gaussian import gaussian_mtf
+from core.transforms import row_blocks, transform_block, transform_columns, transform_rows
 from core.work import Work
 
 Array = NDArray[Any]
@@ -42,22 +42,24 @@ def local_mean(work: Work, image: Array, *, sigma_px: float) -> Array:
         return image.astype(dtype)
     mean = float(np.mean(image))
     along, across = (_response(size, sigma_px, dtype) for size in image.shape)
-    workers = work.policy.workers
-    values = np.subtract(image, mean, dtype=dtype)
-    values = scipy.fft.dct(values, type=2, axis=1, overwrite_x=True, workers=workers)
-    low = values[:, : len(across)] * across
-    work.check()
-    low = scipy.fft.dct(low, type=2, axis=0, overwrite_x=True, workers=workers)
-    low[: len(along)] *= along[:, np.newaxis]
-    low[len(along) :] = 0
-    low = scipy.fft.idct(low, type=2, axis=0, overwrite_x=True, workers=workers)
-    work.check()
-    values[:, : len(across)] = low
-    values[:, len(across) :] = 0
-    values = scipy.fft.idct(values, type=2, axis=1, overwrite_x=True, workers=workers)
+    values = np.empty(image.shape, dtype)
+
+    def spread(rows: slice) -> None:
+        part = np.subtract(image[rows], mean, out=values[rows], dtype=dtype)
+        values[rows] = transform_block(part, "dct", axis=1)
+        values[rows, : len(across)] *= across
+        values[rows, len(across) :] = 0
+
+    work.each(spread, row_blocks(image.shape))
+    width = len(across)
+    transform_columns(work, values, "dct", width)
+    values[: len(along), :width] *= along[:, np.newaxis]
+    values[len(along) :, :width] = 0
+    transform_columns(work, values, "idct", width)
+    transform_rows(work, values, "idct")
     require_finite(values)
     values += dtype.type(mean)
-    return np.asarray(values)
+    return values
 
 
 def _response(size: int, sigma_px: float, dtype: np.dtype[Any]) -> Array:

@@ -14,22 +14,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 from core.arithmetic import require_finite
 from core.grid import Grid
 from core.planes import Planes
 from core.product import Product
+from core.transforms import Kind, row_blocks, transform_block, transform_columns
 from core.work import Work
 
 Array = NDArray[Any]
-# Spectrum samples per block of rows. Measured at 1024² with two threads: 6.5 ms in blocks of
-# 2^16, 4.2 ms in 2^18, where handing over blocks no longer counts and memory does not yet.
-BLOCK_SAMPLES = 1 << 18
+BLOCK_SAMPLES = 1 << 17  # of the spectrum, that a block of rows is made of
 
 
 @dataclass(frozen=True)
@@ -46,8 +45,14 @@ def mirrored_spectrum(work: Work, image: Array) -> MeanFree:
     Whatever the mean's own rounding leaves over stays in the spectrum.
     """
     mean = float(np.mean(image))
-    values = np.subtract(image, mean, dtype=work.policy.dtype)
-    values = scipy.fft.dctn(values, type=2, overwrite_x=True, workers=work.policy.workers)
+    values = np.empty(image.shape, work.policy.dtype)
+
+    def one(rows: slice) -> None:
+        part = np.subtract(image[rows], mean, out=values[rows], dtype=values.dtype)
+        values[rows] = transform_block(part, "dct", axis=1)
+
+    work.each(one, row_blocks(image.shape))
+    transform_columns(work, values, "dct")
     return MeanFree(values, mean)
 
 
@@ -81,10 +86,9 @@ def mirrored_filter(
     terms = _Terms(work, product, grid, factor_x, factor_y)
     total: Array | None = None
     for odd_y in terms.odd_y:
-        folded = _fold(work, spectrum.values, terms, odd_y)
-        for odd_x in list(folded):
-            part = _inverse(folded.pop(odd_x), odd_y, odd_x, work.policy.workers)
-            total = part if total is None else np.add(total, part, out=total)
+        part = _lines(work, spectrum.values, terms, odd_y)
+        transform_columns(work, part, _inverse(odd_y))
+        total = part if total is None else np.add(total, part, out=total)
     assert total is not None
     require_finite(total)
     total += np.asarray(spectrum.mean * product.at_zero(work), total.dtype)
@@ -108,14 +112,39 @@ class _Terms:
         self.planes = None if self.general else Planes(work, product, grid, "mirrored")
         self.odd_x = (False, True) if self.general or product.has_phase_x else (False,)
         self.odd_y = (False, True) if self.general or product.has_phase_y else (False,)
+        self.fold_x = {odd: ColumnFold(self.shape[1], factor_x, odd) for odd in self.odd_x}
         dtype = work.policy.dtype
         self.parts_x = {odd: _part(self.across, odd).astype(dtype) for odd in self.odd_x}
         self.parts_y = {odd: _part(self.along, odd).astype(dtype) for odd in self.odd_y}
 
     def apply(
+        self, spectrum: Array, start: int, stop: int, odd_y: bool
+    ) -> Iterator[tuple[bool, Array]]:
+        """Each term's coefficients on output rows start … stop − 1, folded along y."""
+        sums: dict[bool, Array] = {}
+        for places, rows, weights in alias_rows(start, stop, self.shape[0], self.factor_y, odd_y):
+            for odd_x, part in self._multiplied(spectrum[rows], rows, weights, odd_y):
+                if odd_x not in sums and len(part) == stop - start:
+                    sums[odd_x] = part
+                    continue
+                if odd_x not in sums:
+                    sums[odd_x] = np.zeros((stop - start, part.shape[1]), part.dtype)
+                sums[odd_x][places.start - start : places.stop - start] += part
+        if self.planes is None:
+            yield from sums.items()
+            return
+        for odd_x in self.odd_x if sums else ():
+            shared = sums[False]
+            # i·i = −1 turns −sin·sin round; a single odd part keeps its minus.
+            across = self.parts_x[odd_x]
+            across = -across if odd_x != odd_y else across
+            last = odd_x == self.odd_x[-1]
+            yield odd_x, np.multiply(shared, across, out=shared if last else None)
+
+    def _multiplied(
         self, values: Array, rows: slice, weights: Array, odd_y: bool
     ) -> Iterator[tuple[bool, Array]]:
-        """Each term's coefficients times a block of the spectrum."""
+        """The factors that differ from row to row; all of them where H does not separate."""
         if self.planes is None:
             for odd_x, block in self._general(rows, odd_y):
                 yield odd_x, values * (block * weights[:, np.newaxis]).astype(values.dtype)
@@ -125,12 +154,7 @@ class _Terms:
         plane = self.planes.block(rows)
         if plane is not None:
             values *= plane
-        for odd_x in self.odd_x:
-            # i·i = −1 turns −sin·sin round; a single odd part keeps its minus.
-            across = self.parts_x[odd_x]
-            across = -across if odd_x != odd_y else across
-            last = odd_x == self.odd_x[-1]
-            yield odd_x, np.multiply(values, across, out=values if last else None)
+        yield False, values
 
     def _general(self, rows: slice, odd_y: bool) -> Iterator[tuple[bool, Array]]:
         eta = self.eta[rows]
@@ -161,21 +185,22 @@ def mean_kernel(size: int, factor: int) -> Array:
     return kernel
 
 
-def _fold(work: Work, spectrum: Array, terms: _Terms, odd_y: bool) -> dict[bool, Array]:
-    """Multiply and fold in one pass over the spectrum, by blocks of output rows."""
-    rows_out, columns_out = terms.shape
-    folded = {odd_x: np.zeros(terms.shape, spectrum.dtype) for odd_x in terms.odd_x}
-    height = max(1, BLOCK_SAMPLES // spectrum.shape[1])
+def _lines(work: Work, spectrum: Array, terms: _Terms, odd_y: bool) -> Array:
+    """Multiply, fold and transform back along x, all in one pass over blocks of output rows."""
+    rows_out = terms.shape[0]
+    lines = np.empty(terms.shape, spectrum.dtype)
+    height = max(1, BLOCK_SAMPLES // (spectrum.shape[1] * terms.factor_y))
 
     def one(start: int) -> None:
         stop = min(start + height, rows_out)
-        for places, rows, weights in alias_rows(start, stop, rows_out, terms.factor_y, odd_y):
-            for odd_x, values in terms.apply(spectrum[rows], rows, weights, odd_y):
-                target = folded[odd_x][places]
-                np.add(target, fold_columns(values, columns_out, odd_x), out=target)
+        total: Array | None = None
+        for odd_x, values in terms.apply(spectrum, start, stop, odd_y):
+            part = transform_block(terms.fold_x[odd_x](values), _inverse(odd_x), axis=1)
+            total = part if total is None else np.add(total, part, out=total)
+        lines[start:stop] = 0 if total is None else total
 
     work.each(one, range(0, rows_out, height))
-    return folded
+    return lines
 
 
 def alias_rows(
@@ -209,23 +234,49 @@ def alias_rows(
         yield slice(first - shift, last - shift + 1), rows, weights
 
 
-def fold_columns(values: Array, size: int, odd: bool) -> Array:
-    """Fold columns k of a mirrored spectrum into `size` places; see `alias_rows`."""
-    if values.shape[1] == size and not odd:
-        return values
-    folded = np.zeros((values.shape[0], size), values.dtype)
-    for places, columns, weights in alias_rows(0, size, size, values.shape[1] // size, odd):
-        target = folded[:, places]
-        part = values[:, columns]
-        sign = 1.0 if weights[0] > 0 else -1.0
-        (np.add if sign > 0 else np.subtract)(target, part, out=target)
-        for edge in np.flatnonzero(np.abs(weights) == 2.0):
-            target[:, edge] += part[:, edge] * values.dtype.type(sign)
-    return folded
+@dataclass(frozen=True)
+class ColumnFold:
+    """How the columns k of a mirrored spectrum fold into `size` places.
+
+    Parameters
+    ----------
+    size : int
+        Columns after folding.
+    factor : int
+        How many times as many there are before.
+    odd : bool
+        Whether they belong to sines.
+    """
+
+    size: int
+    factor: int
+    odd: bool
+
+    @cached_property
+    def segments(self) -> tuple[tuple[slice, slice, bool, int | None], ...]:
+        """Places, columns, whether they count negative, and which column counts twice."""
+        found = []
+        for places, columns, weights in alias_rows(0, self.size, self.size, self.factor, self.odd):
+            twice = np.flatnonzero(np.abs(weights) == 2.0)
+            edge = int(twice[0]) if len(twice) else None
+            found.append((places, columns, bool(weights[0] < 0), edge))
+        return tuple(found)
+
+    def __call__(self, values: Array) -> Array:
+        """Fold a block of rows; `values` may be overwritten."""
+        if self.odd:
+            folded = np.zeros((values.shape[0], self.size), values.dtype)
+            segments = self.segments
+        else:
+            folded = values[:, : self.size]
+            segments = self.segments[1:]  # the first is in place already
+        for places, columns, negative, edge in segments:
+            target, part = folded[:, places], values[:, columns]
+            (np.subtract if negative else np.add)(target, part, out=target)
+            if edge is not None:
+                target[:, edge] += -part[:, edge] if negative else part[:, edge]
+        return folded
 
 
-def _inverse(values: Array, odd_y: bool, odd_x: bool, workers: int) -> Array:
-    for axis, odd in ((0, odd_y), (1, odd_x)):
-        transform = scipy.fft.idst if odd else scipy.fft.idct
-        values = transform(values, type=2, axis=axis, overwrite_x=True, workers=workers)
-    return np.asarray(values)
+def _inverse(odd: bool) -> Kind:
+    return "idst" if odd else "idct"
