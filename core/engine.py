@@ -19,6 +19,7 @@ from core.recipes import Recipe
 from core.store import Store
 from core.values import SpectrumWire, Transfer
 from core.work import Work
+from core.workers import Workers
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,7 @@ class Engine:
     def __init__(self, library: Library, store: Store | None = None) -> None:
         self.library = library
         self.store = store if store is not None else Store()
+        self._workers = Workers()
 
     def plan(
         self, network: Network, *, folder: Path | None = None, previous: Plan | None = None
@@ -130,7 +132,7 @@ class Engine:
         progress: Callable[[str | None], None] | None = None,
     ) -> Work:
         """One evaluation over this engine's store."""
-        return Work(policy, self.store, cancel, progress)
+        return Work(policy, self.store, cancel, progress, self._workers)
 
     def value(self, plan: Plan, port: str, work: Work) -> Any:
         """The computed value of one ``node.port``."""

@@ -10,7 +10,6 @@ Source: Salmon, Moraes, Dror and Shaw 2011, Parallel random numbers: as easy as 
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Any, TypeVar
@@ -20,8 +19,8 @@ from numpy.random import Generator, Philox
 from numpy.typing import DTypeLike, NDArray
 
 from core.errors import DataError, ParameterError
+from core.workers import Each, in_turn
 
-Check = Callable[[], None]
 Floats = TypeVar("Floats", NDArray[np.float32], NDArray[np.float64])
 _Array = NDArray[Any]
 _Draw = Callable[[Generator, _Array], None]
@@ -69,8 +68,7 @@ def normal_field(
     shape: tuple[int, ...],
     *,
     dtype: DTypeLike = np.float64,
-    threads: int = 1,
-    check: Check | None = None,
+    each: Each = in_turn,
 ) -> _Array:
     """Standard normal deviates.
 
@@ -83,10 +81,8 @@ def normal_field(
     dtype
         float64 (ziggurat) or float32 (Box-Muller on 32-bit uniforms, three times as fast, no
         deviate beyond 6.77).
-    threads
-        1 or more; of no effect on the values.
-    check
-        Called before each block, from any thread; may raise to stop.
+    each
+        Calls a function on every block, in any order and from any thread: `Work.each`.
 
     Returns
     -------
@@ -95,7 +91,7 @@ def normal_field(
     Source: Marsaglia and Tsang 2000 (ziggurat); Box and Muller 1958.
     """
     draw = _box_muller if _is_single(dtype) else _ziggurat
-    return _drawn(stream, np.empty(shape, dtype), draw, threads, check)
+    return _drawn(stream, np.empty(shape, dtype), draw, each)
 
 
 def uniform_field(
@@ -103,20 +99,18 @@ def uniform_field(
     shape: tuple[int, ...],
     *,
     dtype: DTypeLike = np.float64,
-    threads: int = 1,
-    check: Check | None = None,
+    each: Each = in_turn,
 ) -> _Array:
     """Deviates uniform in [0, 1); parameters as in `normal_field`."""
     _is_single(dtype)
-    return _drawn(stream, np.empty(shape, dtype), _uniform, threads, check)
+    return _drawn(stream, np.empty(shape, dtype), _uniform, each)
 
 
 def poisson_field(
     mean: Floats,
     stream: Stream,
     *,
-    threads: int = 1,
-    check: Check | None = None,
+    each: Each = in_turn,
     in_place: bool = False,
 ) -> Floats:
     """Poisson deviates, one for each mean.
@@ -129,7 +123,7 @@ def poisson_field(
     ----------
     mean
         float32 or float64 of any shape, 0 or above.
-    stream, threads, check
+    stream, each
         As in `normal_field`.
     in_place
         The counts take the place of the means, whose array must be contiguous.
@@ -161,8 +155,8 @@ def poisson_field(
         _poisson(generator, means, flat_counts[block])
 
     if mean.size and mean.max() <= SPARSE_MEAN:
-        threads = 1  # drawing events is short work between numpy calls: threads only wait
-    _for_each_block(stream, counts.size, draw, threads, check)
+        each = in_turn  # drawing events is short work between numpy calls: threads only wait
+    _for_each_block(stream, counts.size, draw, each)
     return counts
 
 
@@ -177,35 +171,19 @@ def _generator(key: int, block: int) -> Generator:
     return Generator(Philox(key=key, counter=[0, 0, block, 0]))
 
 
-def _drawn(stream: Stream, out: _Array, draw: _Draw, threads: int, check: Check | None) -> _Array:
+def _drawn(stream: Stream, out: _Array, draw: _Draw, each: Each) -> _Array:
     flat = out.reshape(out.size)
-    _for_each_block(
-        stream, flat.size, lambda generator, block: draw(generator, flat[block]), threads, check
-    )
+    _for_each_block(stream, flat.size, lambda generator, block: draw(generator, flat[block]), each)
     return out
 
 
-def _for_each_block(
-    stream: Stream, size: int, work: _Work, threads: int, check: Check | None
-) -> None:
-    if threads < 1:
-        raise ParameterError("threads", threads, "must be 1 or more")
-    blocks = -(-size // BLOCK)
-    workers = max(1, min(threads, blocks))
+def _for_each_block(stream: Stream, size: int, work: _Work, each: Each) -> None:
     key = stream.key
 
-    def share(first: int) -> None:
-        for block in range(first, blocks, workers):
-            if check is not None:
-                check()
-            work(_generator(key, block), slice(block * BLOCK, (block + 1) * BLOCK))
+    def one(block: int) -> None:
+        work(_generator(key, block), slice(block * BLOCK, (block + 1) * BLOCK))
 
-    if workers == 1:
-        share(0)
-        return
-    with ThreadPoolExecutor(workers) as pool:
-        for _ in pool.map(share, range(workers)):
-            pass
+    each(one, range(-(-size // BLOCK)))
 
 
 def _ziggurat(generator: Generator, out: _Array) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from core.arithmetic import watched
@@ -12,6 +11,7 @@ from core.errors import Cancelled, ImagechainError
 from core.policy import Policy
 from core.recipes import Recipe
 from core.store import Store
+from core.workers import Workers
 
 Progress = Callable[[str | None], None]
 
@@ -29,6 +29,8 @@ class Work:
         Set from another thread to stop at the next block of work.
     progress : callable, optional
         Called with a node's id whenever one of its recipes is about to be computed.
+    workers : Workers, optional
+        Threads to work in; may be shared like the store.
     """
 
     def __init__(
@@ -37,8 +39,10 @@ class Work:
         store: Store,
         cancel: threading.Event | None = None,
         progress: Progress | None = None,
+        workers: Workers | None = None,
     ) -> None:
         self.policy = policy
+        self._workers = workers if workers is not None else Workers()
         self.store = store
         self._cancel = cancel
         self._progress = progress
@@ -66,14 +70,7 @@ class Work:
             with watched(None):  # a thread of the pool does not know that it is watched
                 function(item)
 
-        workers = min(self.policy.workers, len(items))
-        if workers <= 1:
-            for item in items:
-                one(item)
-            return
-        with ThreadPoolExecutor(workers) as pool:
-            for done in [pool.submit(one, item) for item in items]:
-                done.result()
+        self._workers.each(one, items, self.policy.workers)
 
     def _compute(self, recipe: Recipe) -> Any:
         self.check()

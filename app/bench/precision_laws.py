@@ -91,7 +91,7 @@ def poisson(settings: Settings) -> list[Table]:
         stream = Stream(seed=1996, node="photons", field="photons")
         plain = np.random.default_rng(1996)
         subjects: tuple[tuple[str, Callable[[], Any], int], ...] = (
-            ("ours", partial(poisson_field, means, stream, threads=workers), workers),
+            ("ours", partial(poisson_field, means, stream, each=kodak.work.each), workers),
             ("numpy", partial(plain.poisson, means), 1),
         )
         for choice, subject, threads in subjects:

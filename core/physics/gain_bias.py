@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, TypeVar, get_args
+from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,14 +63,21 @@ def apply_gain_bias(
         if not 0.0 <= percent < float("inf"):
             raise ParameterError(name, percent, "must be 0 or above and finite", unit="%")
     gain, bias = gain_percent / 100.0, bias_percent / 100.0
-    offset = bias * mean_radiance * np.asarray(bias_pattern, dtype=float)
-    deviation = gain * np.asarray(gain_pattern, dtype=float)
-    # patterns are combined in double while small, then meet the picture in its own type
     kind = radiance.dtype
+    offset = bias * mean_radiance * _typed(bias_pattern, radiance)
+    deviation = gain * _typed(gain_pattern, radiance)
     if model == "per_pixel":
-        return radiance * (1.0 + deviation).astype(kind) + offset.astype(kind)
+        result = radiance * (1.0 + deviation).astype(kind, copy=False)
+        result += offset.astype(kind, copy=False)
+        return result
     if model == "published":
-        return radiance + (deviation * mean_radiance + offset).astype(kind)
+        return radiance + (mean_radiance * deviation + offset).astype(kind, copy=False)
     if model == "literal":
         return radiance * kind.type(gain * mean_radiance) + kind.type(bias * mean_radiance)
     raise ParameterError("gain_model", model, f"must be one of {', '.join(get_args(GainModel))}")
+
+
+def _typed(pattern: ArrayLike, radiance: NDArray[Any]) -> NDArray[Any]:
+    """In double while small, in the picture's own type where every sample has its own."""
+    values = np.asarray(pattern)
+    return values.astype(radiance.dtype if values.size >= radiance.size else float, copy=False)

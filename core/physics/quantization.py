@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from core.errors import DataError, ParameterError
 from core.physics.scalar_checks import finite, within
+from core.workers import Each, in_turn
 
 # Samples worked on at once: two float64 buffers of them stay in the second-level cache.
 _BLOCK_SAMPLES = 65536
@@ -25,6 +26,7 @@ def quantize(
     low: float,
     high: float,
     out: NDArray[Any] | None = None,
+    each: Each = in_turn,
 ) -> NDArray[Any]:
     """Replace each sample by the nearest of 2^b levels from `low` to `high`.
 
@@ -39,6 +41,8 @@ def quantize(
         there is no range, and the samples come back as they are.
     out : ndarray, optional
         Where to put the result, of the same shape and dtype; may be `array` itself.
+    each : callable
+        Calls a function on every block of samples, in any order: `Work.each`.
 
     Returns
     -------
@@ -73,8 +77,11 @@ def quantize(
     if not math.isfinite(steps / (last - first)):
         # The levels are closer together than float64 can count.
         return np.clip(samples, first, last, out=result)
-    for source, target in _blocks(samples, result):
-        _quantize_block(source, target, first=first, last=last, steps=steps)
+
+    def one(block: tuple[NDArray[Any], NDArray[Any]]) -> None:
+        _quantize_block(*block, first=first, last=last, steps=steps)
+
+    each(one, list(_blocks(samples, result)))
     return result
 
 
@@ -129,17 +136,17 @@ def _sum_of_squares(before: NDArray[Any], after: NDArray[Any], *, scale: float) 
 def _quantize_block(
     source: NDArray[Any], target: NDArray[Any], *, first: float, last: float, steps: float
 ) -> None:
-    span = last - first
-    level = np.subtract(source, first, dtype=np.float64)
-    level *= steps / span
+    up, down = steps / (last - first), (last - first) / steps
+    level = source.astype(np.float64)
+    level -= first
+    level *= up
     np.rint(level, out=level)
-    np.maximum(level, 0.0, out=level)
-    np.minimum(level, steps, out=level)
-    top = level == steps
-    level *= span / steps
+    if steps * down + first != last:
+        # By a rounding error; a sample beyond the range is clipped to the last level below.
+        level[level == steps] = math.inf
+    level *= down
     level += first
-    # first + span may miss the last level by a rounding error.
-    level[top] = last
+    np.clip(level, first, last, out=level)
     np.copyto(target, level, casting="same_kind")
 
 

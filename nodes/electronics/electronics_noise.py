@@ -157,11 +157,10 @@ class ElectronicsNoise(
         filters = self._pre_amplifier(image, context)
         post = self._post_filter(context)
 
-        gained = plan.gain_and_bias(
-            image.recipe, seen, self.gain_percent, self.bias_percent, self.gain_model
-        )
-        field = plan.detector_noise(known, self.noise_variability_percent)
-        detected = plan.sum(gained, field)
+        variability = self.noise_variability_percent
+        field = plan.detector_noise(known, variability)
+        errors = (self.gain_percent, self.bias_percent, self.gain_model)
+        detected = plan.detected(image.recipe, seen, known, variability, *errors)
         filtered = plan.filter(detected, filters, context.edges)
         amplified = filtered
         if self.amplifier_snr is not None:

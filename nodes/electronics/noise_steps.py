@@ -36,19 +36,34 @@ class NoisePlan:
     node: str
     stream: Callable[[str], Stream]
 
-    def gain_and_bias(
-        self, picture: Recipe, seen: Recipe, gain_percent: float, bias_percent: float, model: str
+    def detected(
+        self,
+        picture: Recipe,
+        seen: Recipe,
+        figures: Recipe,
+        variability_percent: float,
+        gain_percent: float,
+        bias_percent: float,
+        model: str,
     ) -> Recipe:
-        """Gain and bias errors of each detector, constant along the direction of collection."""
+        """The picture with each detector's errors of gain and bias, and its noise.
+
+        Gain and bias are constant along the direction of collection.
+        """
+        noise = self._noise_inputs(figures, variability_percent)
         if gain_percent == 0 and bias_percent == 0 and model != "literal":
-            return picture
+            return Step.of(
+                _noisy, picture, *noise, node=self.node, variability_percent=variability_percent
+            )
         return Step.of(
-            _gain_and_bias,
+            _detected,
             picture,
             seen,
             self._pattern("gain"),
             self._pattern("bias"),
+            *noise,
             node=self.node,
+            variability_percent=variability_percent,
             gain_percent=gain_percent,
             bias_percent=bias_percent,
             model=model,
@@ -56,12 +71,14 @@ class NoisePlan:
 
     def detector_noise(self, figures: Recipe, variability_percent: float) -> Recipe:
         """Noise of rms NER, its rms varied from detector to detector."""
-        inputs = [figures, self._deviates("detector", self.image.shape)]
-        if variability_percent:
-            inputs.append(self._pattern("variability"))
+        inputs = self._noise_inputs(figures, variability_percent)
         return Step.of(
             _detector_noise, *inputs, node=self.node, variability_percent=variability_percent
         )
+
+    def _noise_inputs(self, figures: Recipe, variability_percent: float) -> tuple[Recipe, ...]:
+        inputs = (figures, self._deviates("detector", self.image.shape))
+        return (*inputs, self._pattern("variability")) if variability_percent else inputs
 
     def amplifier_noise(self, picture: Recipe, table: Recipe) -> Recipe:
         """The picture with the amplifier's noise."""
@@ -75,10 +92,6 @@ class NoisePlan:
         grid = self.image.grid()
         plain = tuple(replace(f, label="", node=None) for f in factors)
         return Step.of(_filtered, picture, node=self.node, factors=plain, grid=grid, edges=edges)
-
-    def sum(self, picture: Recipe, noise: Recipe) -> Recipe:
-        """Picture plus noise."""
-        return Step.of(_sum, picture, noise, node=self.node)
 
     def difference(self, picture: Recipe, other: Recipe) -> Recipe:
         """Picture less another."""
@@ -95,8 +108,7 @@ class NoisePlan:
 
 def unit_deviates(work: Work, *, stream: Stream, shape: tuple[int, int]) -> Array:
     """Standard normal deviates."""
-    policy = work.policy
-    return normal_field(stream, shape, dtype=policy.dtype, threads=policy.workers, check=work.check)
+    return normal_field(stream, shape, dtype=work.policy.dtype, each=work.each)
 
 
 def quantized(
@@ -114,7 +126,7 @@ def quantized(
             f"{picture.max():.6g}, or give both ends",
             unit="W/m²/sr",
         )
-    return quantize(picture, bits=bits, low=lowest, high=highest)
+    return quantize(picture, bits=bits, low=lowest, high=highest, each=work.each)
 
 
 def with_quantization(work: Work, table: TableData, final: Array, before: Array) -> TableData:
@@ -129,18 +141,19 @@ def pick(work: Work, table: TableData, *, name: str) -> Any:
     return table.as_dict()[name]
 
 
-def _gain_and_bias(
+def _detected(
     work: Work,
     picture: Array,
     seen: Statistics,
     gain_pattern: Array,
     bias_pattern: Array,
-    *,
+    *noise: Any,
     gain_percent: float,
     bias_percent: float,
     model: Any,
+    variability_percent: float,
 ) -> Array:
-    return apply_gain_bias(
+    read = apply_gain_bias(
         picture,
         gain_pattern=gain_pattern,
         bias_pattern=bias_pattern,
@@ -148,6 +161,14 @@ def _gain_and_bias(
         bias_percent=bias_percent,
         mean_radiance=seen.mean,
         model=model,
+    )
+    read += _detector_noise(work, *noise, variability_percent=variability_percent)
+    return read
+
+
+def _noisy(work: Work, picture: Array, *noise: Any, variability_percent: float) -> Array:
+    return np.asarray(
+        picture + _detector_noise(work, *noise, variability_percent=variability_percent)
     )
 
 
@@ -173,10 +194,6 @@ def _amplifier_noise(work: Work, picture: Array, table: TableData, deviates: Arr
 
 def _filtered(work: Work, picture: Array, **how: Any) -> Array:
     return filter_lines(work, picture, **how)
-
-
-def _sum(work: Work, picture: Array, noise: Array) -> Array:
-    return np.asarray(picture + noise)
 
 
 def _difference(work: Work, picture: Array, other: Array) -> Array:

@@ -95,14 +95,12 @@ def _published(
 ) -> Array:
     """The added deviates; one array serves as local mean, means and counts in turn."""
     means = published_means(local_mean(work, image, sigma_px=sigma_px), percent=percent)
-    return poisson_field(
-        means, stream, threads=work.policy.workers, check=work.check, in_place=True
-    )
+    return poisson_field(means, stream, each=work.each, in_place=True)
 
 
 def _photons(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
     means = photon_means(image, photons_per_unit=photons_per_unit)
-    counts = poisson_field(means, stream, threads=work.policy.workers, check=work.check)
+    counts = poisson_field(means, stream, each=work.each)
     return radiance_of_photons(counts, photons_per_unit=photons_per_unit)
 
 

@@ -7,6 +7,7 @@ from scipy import special
 from core import streams
 from core.errors import Cancelled, DataError, ParameterError
 from core.streams import BLOCK, Stream, normal_field, poisson_field, uniform_field
+from core.workers import Workers
 
 SEEDS = range(20)
 DTYPES = [np.float32, np.float64]
@@ -129,15 +130,20 @@ def test_small_and_enormous_means_in_one_block():
     assert abs((counts[2::3] / 1e20 - 1).mean()) < 1e-10
 
 
+def each(threads):
+    """In so many threads."""
+    return lambda function, items: Workers().each(function, items, threads)
+
+
 @pytest.mark.parametrize("size", [0, 1, 2, 3, 5, 100, BLOCK - 1, BLOCK, BLOCK + 1, 3 * BLOCK + 7])
 @pytest.mark.parametrize("dtype", DTYPES)
 def test_any_size_and_the_same_bits_for_any_number_of_threads(size, dtype):
     mean = np.linspace(0, 3, size, dtype=dtype)
     for draw in (
-        lambda threads: normal_field(stream(), (size,), dtype=dtype, threads=threads),
-        lambda threads: uniform_field(stream(), (size,), dtype=dtype, threads=threads),
-        lambda threads: poisson_field(mean, stream(), threads=threads),
-        lambda threads: poisson_field(mean * dtype(10), stream(), threads=threads),
+        lambda threads: normal_field(stream(), (size,), dtype=dtype, each=each(threads)),
+        lambda threads: uniform_field(stream(), (size,), dtype=dtype, each=each(threads)),
+        lambda threads: poisson_field(mean, stream(), each=each(threads)),
+        lambda threads: poisson_field(mean * dtype(10), stream(), each=each(threads)),
     ):
         one, two, three = (draw(threads) for threads in (1, 2, 3))
         assert one.dtype == dtype
@@ -189,26 +195,28 @@ def test_means_that_are_none_are_refused(bad):
         poisson_field(mean, stream())
 
 
-def test_wrong_type_and_threads_are_refused():
+def test_wrong_type_is_refused():
     with pytest.raises(ParameterError, match="dtype"):
         normal_field(stream(), (3,), dtype=np.int32)
-    with pytest.raises(ParameterError, match="threads"):
-        normal_field(stream(), (3,), threads=0)
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_check_is_called_per_block_and_may_stop(threads):
-    calls = []
+def test_blocks_are_done_one_by_one_and_may_be_stopped(threads):
+    done = []
 
-    def check():
-        calls.append(1)
-        if len(calls) > 3:
-            raise Cancelled("stopped")
+    def counted(function, items):
+        def one(item):
+            if len(done) == 3:
+                raise Cancelled("stopped")
+            function(item)
+            done.append(item)
 
-    normal_field(stream(), (3 * BLOCK,), threads=threads, check=check)
-    assert len(calls) == 3
+        Workers().each(one, items, threads)
+
+    normal_field(stream(), (3 * BLOCK,), each=counted)
+    assert sorted(done) == [0, 1, 2]
     with pytest.raises(Cancelled):
-        normal_field(stream(), (8 * BLOCK,), threads=threads, check=check)
+        normal_field(stream(), (8 * BLOCK,), each=counted)
 
 
 def test_generator_of_a_block_is_what_the_field_is_made_of():
