@@ -11,6 +11,7 @@ from core.declaration import Here, readout
 from core.errors import ParameterError
 from core.local_mean import local_mean
 from core.parameters import Param
+from core.photon_events import displaced_events, events_are_few
 from core.physics.poisson_noise import photon_means, published_means, radiance_of_photons
 from core.recipes import Recipe, Step
 from core.streams import Stream, poisson_field
@@ -93,7 +94,11 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
 def _published(
     work: Work, image: Array, *, sigma_px: float, percent: float, stream: Stream
 ) -> Array:
-    """The added deviates; one array serves as local mean, means and counts in turn."""
+    """The added deviates, by their events where these are few."""
+    share = percent / 100.0
+    if events_are_few(image, share=share, sigma_px=sigma_px):
+        return displaced_events(image, stream, share=share, sigma_px=sigma_px, each=work.each)
+    # One array serves as local mean, means and counts in turn.
     means = published_means(local_mean(work, image, sigma_px=sigma_px), percent=percent)
     return poisson_field(means, stream, each=work.each, in_place=True)
 
