@@ -47,7 +47,12 @@ def spend(
     left = work.policy.budget
     if left == 0.0:
         return tuple(factors), ()
-    bounds = [stage_bound(work, factor, xi, eta) for factor in factors]
+    corner = _farthest(xi), _farthest(eta)
+    bounds = []
+    for factor in factors:
+        # Most stages exceed the budget at the band's corner alone, by the same bound.
+        bound = stage_bound(work, factor, *corner, radii=1)
+        bounds.append(bound if bound > left else stage_bound(work, factor, xi, eta))
     skipped = {}
     for index in sorted(range(len(factors)), key=lambda i: bounds[i]):
         if bounds[index] > left:
@@ -58,7 +63,13 @@ def spend(
     return kept, tuple(skipped.values())
 
 
-def stage_bound(work: Work, factor: Factor, xi: Array, eta: Array) -> float:
+def _farthest(frequency: Array) -> Array:
+    """The frequency that is largest in size, as an array of one."""
+    place = int(np.argmax(np.abs(frequency)))
+    return frequency[place : place + 1]
+
+
+def stage_bound(work: Work, factor: Factor, xi: Array, eta: Array, *, radii: int = RADII) -> float:
     """Upper bound of |1 − H| over the band; infinite where it is not cheap to tell."""
     if isinstance(factor, Separable):
         across = _axis_change(work, factor, factor.x, xi)
@@ -67,7 +78,7 @@ def stage_bound(work: Work, factor: Factor, xi: Array, eta: Array) -> float:
         return across + (1.0 + across) * along
     if _is_radial(factor):
         corner = float(np.hypot(np.abs(xi).max(), np.abs(eta).max()))
-        line = factor.transfer(work, np.linspace(0.0, corner, RADII), np.zeros(1))
+        line = factor.transfer(work, corner * np.linspace(1.0, 0.0, radii), np.zeros(1))
         return float(np.abs(1.0 - line).max())
     return float("inf")
 

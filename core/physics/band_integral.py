@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.physics.chebyshev import chebyshev_fit, chebyshev_sum
 from core.physics.constants import SECOND_RADIATION_CONSTANT_UM_K
+from core.physics.quadrature import gauss_legendre
 
 FloatArray = NDArray[np.float64]
 
@@ -115,7 +116,7 @@ def reduced(wavelength_um: ArrayLike, temperature_K: ArrayLike) -> FloatArray:
 @lru_cache(maxsize=1)
 def unit_rule() -> tuple[FloatArray, FloatArray]:
     """Gauss-Legendre nodes and weights on [0, 1]."""
-    places, weights = np.polynomial.legendre.leggauss(NODES)
+    places, weights = gauss_legendre(NODES)
     return (places + 1.0) / 2.0, weights / 2.0
 
 

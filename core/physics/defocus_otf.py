@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
 from core.physics.annular_otf import annular_otf
+from core.physics.quadrature import gauss_legendre
 
 MOST_DEFOCUS_WAVES = 1e4
 _NODES = 24  # Gauss-Legendre nodes of a panel
@@ -72,7 +73,7 @@ def defocus_otf(*, frequency_ratio: ArrayLike, w20_waves: float) -> NDArray[np.f
 
 def _panel_rule(panels: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Nodes and weights over [0, 1] in equal panels."""
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    nodes, weights = gauss_legendre(_NODES)
     places = (np.arange(panels)[:, np.newaxis] + 0.5 * (nodes + 1.0)) / panels
     return places.ravel(), np.tile(0.5 * weights / panels, panels)
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import ParameterError
+from core.physics.quadrature import gauss_legendre
 
 MOST_WAVELENGTHS = 256
 
@@ -40,7 +41,7 @@ def band_wavelengths(
         raise ParameterError("cut_off_um", cut_off_um, f"{cut_on_um:g} or more", unit="um")
     if not 1 <= count <= MOST_WAVELENGTHS:
         raise ParameterError("wavelengths", count, f"1 to {MOST_WAVELENGTHS}")
-    nodes, weights = np.polynomial.legendre.leggauss(count)
+    nodes, weights = gauss_legendre(count)
     middle, half = 0.5 * (cut_on_um + cut_off_um), 0.5 * (cut_off_um - cut_on_um)
     weights = weights / np.sum(weights)
     # Added in their order the weights give 1 exactly, and an OTF made with them H(0) = 1.

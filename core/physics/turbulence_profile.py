@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import ParameterError
+from core.physics.quadrature import gauss_legendre
 from core.physics.scalar_checks import non_negative, positive
 
 # Heights (m) between which the Hufnagel-Valley profile is smooth enough for one Gauss rule.
@@ -158,7 +159,7 @@ def _path_rule(low: float, rise: float) -> tuple[NDArray[np.float64], NDArray[np
     """
     inner = [(height - low) / rise for height in _PANEL_HEIGHTS_M] if rise else []
     edges = np.cbrt(np.sort([0.0, *(u for u in inner if 0.0 < u < 1.0), 1.0]))
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    nodes, weights = gauss_legendre(_NODES)
     half = np.diff(edges)[:, np.newaxis] / 2.0
     s = (edges[:-1, np.newaxis] + half * (1.0 + nodes)).ravel()
     return s**3, (half * weights).ravel() * 3.0 * s**2

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import j0
 
 from core.errors import ParameterError
+from core.physics.quadrature import gauss_legendre
 from core.physics.scalar_checks import non_negative
 
 # Up to this much phase swept along the remainder one Gauss rule is exact to rounding; beyond,
@@ -150,7 +151,7 @@ def _swept(end: float) -> float:
 
 
 def _gauss_mean(size: NDArray[np.float64], end: float) -> NDArray[np.complex128]:
-    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS_NODES)
+    nodes, weights = gauss_legendre(_GAUSS_NODES)
     sines = np.sin(0.5 * end * (1.0 + nodes))
     phase = np.multiply.outer(size, sines)
     half = 0.5 * weights
