@@ -60,26 +60,35 @@ def resampled(work: Work, image: Array, *, width: int, height: int, order: int) 
     """The image at `height` × `width` samples; along first, then across, by blocks of rows."""
     base_y, further_y = taps(image.shape[0], height, order)
     base_x, further_x = taps(image.shape[1], width, order)
-    dtype = work.policy.dtype
-    result = np.empty((height, width), dtype)
+    result = np.empty((height, width), work.policy.dtype)
 
     def block(rows: slice) -> None:
-        near = image[base_y[rows]]
-        lines = near.copy()
-        for index, weight in further_y:
-            lines += weight[rows, np.newaxis].astype(dtype) * (image[index[rows]] - near)
-        if width == image.shape[1]:
-            result[rows] = lines
-            return
-        near = np.take(lines, base_x, axis=1)
-        across = near.copy()
-        for index, weight in further_x:
-            across += weight.astype(dtype) * (np.take(lines, index, axis=1) - near)
-        result[rows] = across
+        wanted = [(index[rows], weight[rows, np.newaxis]) for index, weight in further_y]
+        lines = _combined(image, base_y[rows], wanted, axis=0)
+        if width != image.shape[1]:
+            lines = _combined(lines, base_x, further_x, axis=1)
+        result[rows] = lines
 
     step = max(1, _BLOCK_SAMPLES // max(width, image.shape[1]))
     work.each(block, [slice(start, start + step) for start in range(0, height, step)])
     return result
+
+
+def _combined(
+    image: Array,
+    base: NDArray[np.intp],
+    further: list[tuple[NDArray[np.intp], NDArray[np.float64]]],
+    axis: int,
+) -> Array:
+    """Samples at `base` and their weighted differences to those at the further indices."""
+    near = np.take(image, base, axis=axis)
+    total = near
+    for index, weight in further:
+        part = np.take(image, index, axis=axis)
+        part -= near
+        part *= weight.astype(image.dtype)
+        total = np.add(total, part, out=part)
+    return total
 
 
 def taps(old: int, new: int, order: int) -> Taps:
