@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import argparse
-import re
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NoReturn, cast
 
+from app.option_values import (
+    SAVE_SUFFIXES,
+    Assignment,
+    assignment,
+    file_path,
+    report_path,
+    save_target,
+    tolerance,
+    whole_number,
+)
 from core.errors import UsageError
 from core.parameters import LARGEST_INTEGER
 from core.policy import Precision
 
-REPORT_SUFFIXES = (".json", ".html")
-SAVE_SUFFIXES = (".npy", ".exr", ".tif", ".tiff", ".png", ".csv")
-_LONGEST_NUMBER = 20
 _EPILOG = """\
 shipped networks:
 {networks}
@@ -31,20 +37,6 @@ BENCH_PARTS = ("speed", "precision", "peers")
 
 
 @dataclass(frozen=True)
-class Assignment:
-    """``NODE.NAME=TEXT``: a parameter and its value, or a port and its file."""
-
-    node: str
-    name: str
-    text: str
-
-    @property
-    def port(self) -> str:
-        """``NODE.NAME``."""
-        return f"{self.node}.{self.name}"
-
-
-@dataclass(frozen=True)
 class Options:
     """What was asked for."""
 
@@ -56,6 +48,7 @@ class Options:
     reports: tuple[Path, ...] = ()
     precision: Precision = "single"
     seed: int | None = None
+    tolerance: float | None = None
     threads: int = 0
     as_json: bool = False
     module: str = ""
@@ -114,25 +107,26 @@ def parse(argv: list[str]) -> Options:
     if found.command == "bench":
         return Options(
             "bench",
-            bench_json=_path("--json", found.json),
-            bench_html=_path("--html", found.html),
+            bench_json=file_path("--json", found.json),
+            bench_html=file_path("--html", found.html),
             quick=found.quick,
             parts=tuple(found.only),
-            size=_whole("--size", found.size),
+            size=whole_number("--size", found.size),
         )
-    settings = tuple(_assignment("--set", text, "NODE.PARAM=VALUE") for text in found.set)
+    settings = tuple(assignment("--set", text, "NODE.PARAM=VALUE") for text in found.set)
     if found.command == "check":
         return Options("check", found.network, settings)
     return Options(
         "run",
         found.network,
         settings,
-        saves=tuple(_save(text) for text in found.save),
-        output_dir=_path("--output-dir", found.output_dir),
-        reports=tuple(_report(text) for text in found.report),
+        saves=tuple(save_target(text) for text in found.save),
+        output_dir=file_path("--output-dir", found.output_dir),
+        reports=tuple(report_path(text) for text in found.report),
         precision=cast(Precision, found.precision),
-        seed=_whole("--seed", found.seed, largest=LARGEST_INTEGER),
-        threads=_whole("--threads", found.threads, largest=1024) or 0,
+        tolerance=tolerance(found.tolerance),
+        seed=whole_number("--seed", found.seed, largest=LARGEST_INTEGER),
+        threads=whole_number("--threads", found.threads, largest=1024) or 0,
     )
 
 
@@ -215,6 +209,14 @@ def _run_words(parser: argparse.ArgumentParser) -> None:
         default="single",
         help="default: single",
     )
+    add(
+        "--tolerance",
+        action=_Once,
+        metavar="T",
+        help="error budget: leave out stages that together change the picture by less than this "
+        "fraction of its range, 0 to below 1 (default: below the precision's rounding; 0: only "
+        "what changes nothing at all)",
+    )
     add("--seed", action=_Once, metavar="N", help="of the noise, in place of the network's")
     add("--threads", action=_Once, metavar="N", help="worker threads (default: all)")
 
@@ -243,50 +245,3 @@ def version() -> str:
         return metadata.version("imagechain")
     except metadata.PackageNotFoundError:
         return "(source tree)"
-
-
-def _assignment(option: str, text: str, form: str) -> Assignment:
-    left, equals, right = text.partition("=")
-    node, dot, name = left.rpartition(".")
-    if not (equals and dot and node and name):
-        raise UsageError(f"{option} {text!r:.120}: write {form}")
-    return Assignment(node, name, right)
-
-
-def _save(text: str) -> Assignment:
-    save = _assignment("--save", text, "NODE.PORT=FILE")
-    _with_suffix("--save", save.text, SAVE_SUFFIXES)
-    return save
-
-
-def _report(text: str) -> Path:
-    return _with_suffix("--report", text, REPORT_SUFFIXES)
-
-
-def _with_suffix(option: str, text: str, allowed: tuple[str, ...]) -> Path:
-    path = _path(option, text)
-    assert path is not None
-    if path.suffix.lower() not in allowed:
-        raise UsageError(f"{option} {text!r:.120}: the file's name must end in {_or(allowed)}")
-    return path
-
-
-def _path(option: str, text: str | None) -> Path | None:
-    if text is None:
-        return None
-    if not text or "\0" in text:
-        raise UsageError(f"{option} {text!r:.120}: give a file name")
-    return Path(text)
-
-
-def _whole(option: str, text: str | None, largest: int | None = None) -> int | None:
-    if text is None:
-        return None
-    if not re.fullmatch(r"[+-]?[0-9]+", text, re.ASCII) or len(text) > _LONGEST_NUMBER:
-        allowed = "" if largest is None else f" from 0 to {largest}"
-        raise UsageError(f"{option} {text!r:.80}: give a whole number{allowed}")
-    return int(text)
-
-
-def _or(words: tuple[str, ...]) -> str:
-    return ", ".join(words[:-1]) + " or " + words[-1]

@@ -150,21 +150,6 @@ def source_images(plan: Plan) -> list[str]:
     return [port for port in _image_ports(plan) if not plan.nodes[_node(port)].inputs]
 
 
-def is_neutral(planned: PlannedNode) -> bool:
-    """Whether the node passes all it works on as it is: nothing of it is computed."""
-    through = {
-        port: (planned.inputs[port], value)
-        for port, value in planned.outputs.items()
-        if planned.inputs.get(port) is not None
-    }
-    if any(getattr(value, "own", None) is not None for value in planned.outputs.values()):
-        return False  # a transfer function to look at has been made
-    return bool(through) and all(
-        getattr(given, "key", None) == getattr(value, "key", None)
-        for given, value in through.values()
-    )
-
-
 def _candidates(plan: Plan) -> list[str]:
     linked = {f"{link.source}.{link.output}" for link in plan.network.links}
     open_ends = [port for port in _image_ports(plan) if port not in linked]

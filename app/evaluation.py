@@ -9,15 +9,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.chain import Chain, find_chain, is_neutral, source_images
+from app.chain import Chain, find_chain, source_images
 from app.responses import Responses, responses
-from core.delivered import Delivered
 from core.engine import Engine, Plan
 from core.errors import ImagechainError
 from core.network import Network
 from core.policy import Policy
 from core.realize import realize
-from core.recipes import Recipe, Step
+from core.recipes import Recipe
 from core.store import Store
 from core.validate import NetworkProblems
 from core.values import Image, Magnitude, Phase, Transfer
@@ -74,49 +73,6 @@ class Evaluation:
     def network(self) -> Network:
         """The network as it ran."""
         return self.plan.network
-
-    def neutral(self) -> list[str]:
-        """Nodes that pass their input on, so that nothing of them was computed."""
-        return [
-            name
-            for name, planned in self.plan.nodes.items()
-            if is_neutral(planned) and not planned.node.disabled
-        ]
-
-    def below_budget(self) -> dict[str, float]:
-        """Nodes whose stage was left out of some picture, and the bound on what it could change."""
-        found: dict[str, float] = {}
-        for recipe in delivered_recipes(self.plan):
-            for stage in recipe.spent(self.work)[1]:
-                if stage.node is not None:
-                    found[stage.node] = max(stage.bound, found.get(stage.node, 0.0))
-        return found
-
-    def disabled(self) -> list[str]:
-        """Nodes that are switched off."""
-        return [name for name, planned in self.plan.nodes.items() if planned.node.disabled]
-
-
-def delivered_recipes(plan: Plan) -> list[Delivered]:
-    """Every filtered picture that some output of the plan is made of."""
-    found: dict[str, Delivered] = {}
-    waiting: list[Recipe] = [
-        value.recipe
-        for planned in plan.nodes.values()
-        for value in planned.outputs.values()
-        if isinstance(value, Image)
-    ]
-    seen: set[str] = set()
-    while waiting:
-        recipe = waiting.pop()
-        if recipe.key in seen:
-            continue
-        seen.add(recipe.key)
-        if isinstance(recipe, Delivered):
-            found[recipe.key] = recipe
-        elif isinstance(recipe, Step):
-            waiting.extend(recipe.inputs)
-    return list(found.values())
 
 
 def planned(engine: Engine, network: Network, folder: Path) -> Plan:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from app.arguments import Assignment
+from app.option_values import Assignment
 from core.declaration import declaration
 from core.errors import ImagechainError, ParameterError, UsageError
 from core.library import Library

@@ -31,6 +31,7 @@ from core.network_file import read_network
 from core.plain import close, shown
 from core.policy import Policy
 from core.realize import realize
+from core.skips import Skip, skips
 from core.validate import check_network
 from nodes.files.read import check_finite
 from nodes.library import standard_library
@@ -69,10 +70,12 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
             work.check()
             found = evaluate(engine, plan, work, place.folder)
             found.seconds["total"] = time.perf_counter() - start
-            _write(found, options, writers, staging, folder)
+            _write(found, writers, staging, folder)
+            skipped = skips(plan, work)  # before the reports, whose pictures ask for more
+            _write_reports(found, skipped, options, staging)
         work.check()
         staging.commit()
-    _print(found, folder, options, sinks)
+    _print(found, skipped, folder, options, sinks)
 
 
 def open_network(place: Place, options: Options, library: Library) -> Network:
@@ -94,7 +97,7 @@ def open_network(place: Place, options: Options, library: Library) -> Network:
 
 
 def _policy(options: Options) -> Policy:
-    return Policy(precision=options.precision, threads=options.threads)
+    return Policy(options.precision, options.tolerance, options.threads)
 
 
 def _check_folder(folder: Path) -> None:
@@ -170,7 +173,6 @@ def _port_value(plan: Plan, node: str, port: str) -> Any:
 
 def _write(
     found: Evaluation,
-    options: Options,
     saves: list[tuple[Path, str]],
     staging: Staging,
     folder: Path,
@@ -184,10 +186,15 @@ def _write(
     staging.write(folder / MTF, partial(write_text, content=mtf_csv(found.responses)))
     text = json.dumps(jsonable(found.readouts), indent=2, ensure_ascii=False, allow_nan=False)
     staging.write(folder / READOUTS, partial(write_text, content=printable(text) + "\n"))
+
+
+def _write_reports(
+    found: Evaluation, skipped: tuple[Skip, ...], options: Options, staging: Staging
+) -> None:
     for path in options.reports:
         from app.report import write_report
 
-        staging.write(path, partial(write_report, found))
+        staging.write(path, partial(write_report, found, skipped))
 
 
 def _save(found: Evaluation, port: str, path: Path) -> None:
@@ -217,10 +224,22 @@ def _final_png(found: Evaluation, port: str, path: Path) -> None:
     write_bytes(path, encode_png(grey_levels(*robust_limits(samples), samples)))
 
 
-def _print(found: Evaluation, folder: Path, options: Options, sinks: dict[str, Path]) -> None:
+def _print(
+    found: Evaluation,
+    skipped: tuple[Skip, ...],
+    folder: Path,
+    options: Options,
+    sinks: dict[str, Path],
+) -> None:
     rows = readout_rows(found)
     if rows:
         print(columns(rows, right=(2,)), end="\n\n")
+    left_out = [
+        f"{each.node} (at most {each.bound:.2g})" for each in skipped if each.kind == "below_budget"
+    ]
+    if left_out:
+        budget = found.work.policy.budget
+        print(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}")
     names = [FINAL, MTF, READOUTS] if found.chain.final is not None else [MTF, READOUTS]
     print(f"{folder}: {', '.join(names)}")
     if found.chain.final is None:

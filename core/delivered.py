@@ -66,6 +66,21 @@ class Delivered(Recipe):
         return self.magnitude.key, self.phase.key, self.factor_x, self.factor_y, self.mode
 
     @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """The pictures, and what the factors are made of."""
+        wires = (self.magnitude, self.phase)
+        laws = (law for wire in wires for factor in wire.factors for law in factor.laws)
+        return (
+            *(wire.image.recipe for wire in wires if wire.image is not None),
+            *(recipe for law in laws for recipe in law.inputs),
+        )
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether the frame goes on mirrored beyond its edges."""
+        return self.one_source and self.magnitude.edges == "reflect"
+
+    @property
     def one_source(self) -> bool:
         """Whether magnitude and phase belong to the same image."""
         a, b = self.magnitude, self.phase
@@ -83,10 +98,9 @@ class Delivered(Recipe):
         product = Product(kept)
         source = self.magnitude.image
         if source is not None and self.one_source:
-            mirrored = self.magnitude.edges == "reflect"
-            transform = mirrored_spectrum if mirrored else periodic_spectrum
+            transform = mirrored_spectrum if self.mirrored else periodic_spectrum
             spectrum = work.value(Step.of(transform, source.recipe, node=self.node))
-            apply = mirrored_filter if mirrored else periodic_filter
+            apply = mirrored_filter if self.mirrored else periodic_filter
         else:
             spectrum, apply = self._crossed(work), periodic_filter
         work.check()
@@ -97,9 +111,7 @@ class Delivered(Recipe):
 
     def spent(self, work: Work) -> tuple[tuple[Factor, ...], tuple[Skipped, ...]]:
         """Factors that count within the error budget, and those left out."""
-        axes: Axes = (
-            "mirrored" if self.one_source and self.magnitude.edges == "reflect" else "periodic"
-        )
+        axes: Axes = "mirrored" if self.mirrored else "periodic"
         xi, eta = axes_of(self.magnitude.grid, axes)
         return spend(work, (*self.magnitude.factors, *self._phase_factors()), xi, eta)
 

@@ -59,6 +59,11 @@ class Law:
         """Content key."""
         return content_key(self.function, self.parameters, self.scale)
 
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """Recipes among the bound arguments."""
+        return tuple(value for _, value in self.parameters if isinstance(value, Recipe))
+
     def __call__(self, work: Work | None, **frequencies: Array) -> Array:
         """Evaluate at the given frequencies; `work` is needed when a recipe is bound."""
         bound: dict[str, Any] = {}
@@ -111,6 +116,11 @@ class Separable:
         """Content key."""
         return content_key("separable", self.x, self.y, self.part, self.argument)
 
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        """The laws there are."""
+        return tuple(law for law in (self.x, self.y) if law is not None)
+
     def rescaled(self, ratio_x: float, ratio_y: float) -> Separable:
         """The factor with its frequency axes multiplied."""
         x, y = (
@@ -161,6 +171,9 @@ class Planar:
         Smooth inside its support but for the centre, so that a low rank may serve there.
     ratios : (float, float)
         What xi and eta are multiplied by first: see `rescaled`.
+    cutoff : (float, float) or None
+        Frequencies across and along, cycles/mrad, beyond which the law is 0, where that is known.
+        For people; not part of the key.
     label, node : str
         The stage's title and its node. Not part of the key.
     """
@@ -171,8 +184,14 @@ class Planar:
     take: Take = "real"
     smooth: bool = False
     ratios: tuple[float, float] = (1.0, 1.0)
+    cutoff: tuple[float, float] | None = field(default=None, compare=False)
     label: str = field(default="", compare=False)
     node: str | None = field(default=None, compare=False)
+
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        """The law."""
+        return (self.law,)
 
     @property
     def part(self) -> Part:
@@ -191,7 +210,9 @@ class Planar:
 
     def rescaled(self, ratio_x: float, ratio_y: float) -> Planar:
         """The factor with its frequency axes multiplied."""
-        return replace(self, ratios=(self.ratios[0] * ratio_x, self.ratios[1] * ratio_y))
+        cutoff = self.cutoff and (self.cutoff[0] / ratio_x, self.cutoff[1] / ratio_y)
+        ratios = (self.ratios[0] * ratio_x, self.ratios[1] * ratio_y)
+        return replace(self, ratios=ratios, cutoff=cutoff)
 
     def transfer(self, work: Work | None, xi: Array, eta: Array) -> Array:
         """What multiplies the spectrum, real or complex: a phase φ gives exp(iφ).

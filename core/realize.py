@@ -26,6 +26,8 @@ def realize(value: Any, work: Work) -> Any:
     """
     if isinstance(value, Image | Curve | Table):
         return work.value(value.recipe)
+    if isinstance(value, Transfer | SpectrumWire):
+        work.tally.looked_at.add(value.key)
     if isinstance(value, Transfer):
         if value.own is not None:
             sampled: SampledTransfer = work.value(value.own)

@@ -23,6 +23,11 @@ class Recipe(ABC):
 
     node: str | None
 
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """Recipes whose values this one is made of."""
+        return ()
+
     @cached_property
     def key(self) -> str:
         """Content key; fields declared with ``compare=False`` do not enter it."""

@@ -11,6 +11,7 @@ from core.errors import Cancelled, ImagechainError
 from core.policy import Policy
 from core.recipes import Recipe
 from core.store import Store
+from core.tally import Tally
 from core.workers import Workers
 
 Progress = Callable[[str | None], None]
@@ -44,6 +45,7 @@ class Work:
         self.policy = policy
         self._workers = workers if workers is not None else Workers()
         self.store = store
+        self.tally = Tally()
         self._cancel = cancel
         self._progress = progress
 
@@ -55,6 +57,7 @@ class Work:
         Cancelled
             When the caller has asked to stop.
         """
+        self.tally.asked[recipe.key] = recipe
         return self.store.get(f"{recipe.key}/{self.policy.key}", lambda: self._compute(recipe))
 
     def check(self) -> None:
@@ -73,6 +76,7 @@ class Work:
         self._workers.each(one, items, self.policy.workers)
 
     def _compute(self, recipe: Recipe) -> Any:
+        self.tally.computed.add(recipe.key)
         self.check()
         if self._progress is not None:
             self._progress(recipe.node)

@@ -9,17 +9,27 @@ from app.evaluation import Evaluation
 from app.report.facts import report_facts
 from app.tables import jsonable, printable
 from core.atomic import write_text
+from core.skips import Skip
 
 
-def write_report(found: Evaluation, path: Path) -> None:
+def write_report(found: Evaluation, skipped: tuple[Skip, ...], path: Path) -> None:
     """Write the report in the format of the path's suffix.
+
+    Parameters
+    ----------
+    found : Evaluation
+        What has been evaluated.
+    skipped : tuple of Skip
+        What had not been computed for it, before any report.
+    path : Path
+        The file.
 
     Raises
     ------
     ImagechainError
         If a figure cannot be computed, or the file not be written.
     """
-    facts = report_facts(found)
+    facts = report_facts(found, skipped)
     if path.suffix.lower() == ".json":
         text = json.dumps(jsonable(facts), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     else:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import sys
 import time
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from app.arguments import version
-from app.chain import ending_images, is_neutral
+from app.chain import ending_images
 from app.evaluation import Evaluation
 from app.report.published import conflicts, published_rows
 from app.responses import StageResponse, at_nyquist
@@ -17,12 +18,13 @@ from core.engine import PlannedNode
 from core.parameters import plain
 from core.plain import thaw
 from core.realize import realize
+from core.skips import Skip, is_neutral
 from core.values import Image, Table
 
 NOISE_PORTS = ("noise", "detector_noise", "quantization_error")
 
 
-def report_facts(found: Evaluation) -> dict[str, Any]:
+def report_facts(found: Evaluation, skipped: tuple[Skip, ...]) -> dict[str, Any]:
     """What a report says, without its pictures."""
     network, chain = found.network, found.chain
     nyquist = at_nyquist(chain, found.work)
@@ -57,11 +59,7 @@ def report_facts(found: Evaluation) -> dict[str, Any]:
         "nodes": {name: _node(found, name, node) for name, node in found.plan.nodes.items()},
         "published": published_rows(found, nyquist),
         "conflicts": conflicts(network),
-        "skipped": {
-            "neutral": found.neutral(),
-            "disabled": found.disabled(),
-            "below_budget": found.below_budget(),
-        },
+        "skipped": _skipped(skipped),
     }
 
 
@@ -124,6 +122,14 @@ def _stage(stage: StageResponse) -> dict[str, Any]:
         "mtf_y": stage.y.mtf,
         "ptf_y_rad": stage.y.ptf,
     }
+
+
+def _skipped(skipped: tuple[Skip, ...]) -> dict[str, list[dict[str, Any]]]:
+    nodes: dict[str, list[dict[str, Any]]] = {}
+    for each in skipped:
+        said = asdict(each)
+        nodes.setdefault(said.pop("node"), []).append(said)
+    return nodes
 
 
 def _node(found: Evaluation, name: str, node: PlannedNode) -> dict[str, Any]:

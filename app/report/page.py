@@ -9,6 +9,7 @@ from typing import Any
 from app.evaluation import Evaluation
 from app.report.curves import product_png, stages_png
 from app.report.drawing import noise_png, panels_png, pictures_png
+from app.report.economy import economy, state
 from app.report.markup import figure, table
 from app.report.numbers import number
 from app.report.published import DIFFERENT, REPRODUCED
@@ -34,6 +35,7 @@ def page(found: Evaluation, facts: dict[str, Any]) -> str:
         _pupils(found),
         _noise(found, facts),
         _readouts(facts),
+        economy(facts),
         _nodes(facts),
     ]
     body = "\n".join(part for part in parts if part)
@@ -50,6 +52,7 @@ def _run_line(facts: dict[str, Any]) -> str:
     versions = " · ".join(f"{name} {each}" for name, each in run["versions"].items())
     words = [
         f"{run['precision']} precision",
+        f"error budget {number(float(format(run['tolerance'], '.3g')))}",
         f"seed {run['seed']}",
         f"{run['threads']} threads" if run["threads"] != 1 else "1 thread",
         f"{run['seconds']['total']:.2f} s",
@@ -252,36 +255,21 @@ def _readouts(facts: dict[str, Any]) -> str:
 
 def _nodes(facts: dict[str, Any]) -> str:
     rows = []
-    small = facts["skipped"]["below_budget"]
     for name, node in facts["nodes"].items():
         values = [
             f"{each} = {number(node['parameters'][each]['value'])}"
             + (f" {node['parameters'][each]['unit']}" if node["parameters"][each]["unit"] else "")
             for each in node["set"]
         ]
-        state = "neutral: skipped" if node["neutral"] else ""
-        state = "disabled" if node["disabled"] else state
-        if name in small:
-            state = f"left out: at most {number(small[name])}"
+        said = state(facts["skipped"].get(name, []))
         rows.append(
-            (name, node["title"], ", ".join(values), state, f"{1e3 * node['seconds']:.1f} ms")
+            (name, node["title"], ", ".join(values), said, f"{1e3 * node['seconds']:.1f} ms")
         )
     seconds = facts["run"]["seconds"]
-    skipped = [*facts["skipped"]["neutral"], *facts["skipped"]["disabled"]]
-    said = (
-        f"Skipped, because they change nothing or are disabled: {', '.join(skipped)}."
-        if skipped
-        else "No stage was neutral."
-    )
-    if small:
-        said += (
-            f" Left out within the error budget of {number(facts['run']['tolerance'])} of the "
-            f"picture's range: {', '.join(small)}."
-        )
     return (
         "<h2>Nodes</h2>"
         + table(("node", "module", "set", "", "time"), rows, numbers=(4,))
-        + f"<p>{escape(said)} Parameters not listed have their defaults. A node that only "
+        + "<p>Parameters not listed have their defaults. A node that only "
         "multiplies the spectrum takes no time of its own: the product is applied where the "
         f"picture is made. Input pictures {seconds['sources']:.3f} s, evaluation "
         f"{seconds['evaluation']:.3f} s, {seconds['total']:.3f} s in all before this report.</p>"

@@ -30,6 +30,8 @@ table.readouts { table-layout: fixed; }
 .readouts th:nth-child(2) { width: 9rem; }
 .readouts th:nth-child(3) { width: 6rem; }
 .wide { overflow-x: auto; }
+.economy th:nth-child(1) { width: 28%; }
+.economy th:nth-child(2) { width: 29%; }
 .published td { overflow-wrap: normal; }
 .published td:nth-child(1) { min-width: 7rem; }
 .published td:nth-child(2) { min-width: 5rem; }

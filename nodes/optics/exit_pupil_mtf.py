@@ -19,6 +19,7 @@ from nodes.given import given_band
 from nodes.optics.pupil_factor import (
     PupilScale,
     exact_factor,
+    opening,
     raw_transfer,
     refined,
     sampled_error,
@@ -181,8 +182,8 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
 def _cutoff(pupil: Pupil, axis: int, interval: float) -> Step | float:
     if pupil.shape is None:
         return Step.of(_lit_extent, pupil.samples, axis=axis, interval=interval)
-    half = axis == 1 and pupil.shape.shape == "half_moon"
-    return interval * pupil.shape.radius * (1 if half else 2)
+    across, along = opening(pupil.shape)
+    return interval * (across if axis == 1 else along)
 
 
 def _lit_extent(work: Work, samples: NDArray[np.float64], *, axis: int, interval: float) -> float:

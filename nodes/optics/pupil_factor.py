@@ -64,44 +64,61 @@ def refined(pupil: Pupil, scale: PupilScale, node: str) -> tuple[Pupil, PupilSca
     return finer, replace(scale, pitch_x_mm=scale.pitch_x_mm / 2, pitch_y_mm=scale.pitch_y_mm / 2)
 
 
+def opening(shape: PupilShape) -> tuple[float, float]:
+    """Width across and height along of what is open, samples."""
+    diameter = 2 * shape.radius
+    return (shape.radius if shape.shape == "half_moon" else diameter), diameter
+
+
 def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Planar | None:
     """The factor in closed form, or None where only samples will do."""
     if pupil.shape is None or any(pupil.zernike_waves):
         return None
+    law = _exact_law(pupil, pupil.shape, scale)
+    if law is None:
+        return None
+    width, height = opening(pupil.shape)
+    shortest = min(scale.wavelengths_um)
+    return Planar(
+        law,
+        radial=law.function is not geometric_pupil_otf,
+        smooth=not pupil.defocus_waves,
+        cutoff=(width * scale.pitch_x_mm / shortest, height * scale.pitch_y_mm / shortest),
+        label=label,
+        node=node,
+    )
+
+
+def _exact_law(pupil: Pupil, shape: PupilShape, scale: PupilScale) -> Law | None:
     round_pupil = scale.pitch_x_mm == scale.pitch_y_mm
-    if not pupil.defocus_waves and round_pupil and pupil.shape.shape in ("clear", "cassegrain"):
-        obscured = pupil.shape.shape == "cassegrain"
-        law = Law.of(
+    if not pupil.defocus_waves and round_pupil and shape.shape in ("clear", "cassegrain"):
+        obscured = shape.shape == "cassegrain"
+        return Law.of(
             circular_pupil_otf,
-            diameter_mm=2 * pupil.shape.radius * scale.pitch_x_mm,
-            obscuration_ratio=pupil.shape.obscuration_radius / pupil.shape.radius
-            if obscured
-            else 0.0,
+            diameter_mm=2 * shape.radius * scale.pitch_x_mm,
+            obscuration_ratio=shape.obscuration_radius / shape.radius if obscured else 0.0,
             wavelengths_um=scale.wavelengths_um,
             weights=scale.weights,
         )
-        return Planar(law, radial=True, smooth=True, label=label, node=node)
     if not pupil.defocus_waves:
-        law = Law.of(
+        return Law.of(
             geometric_pupil_otf,
-            shape=pupil.shape,
+            shape=shape,
             pitch_x_mm=scale.pitch_x_mm,
             pitch_y_mm=scale.pitch_y_mm,
             wavelengths_um=scale.wavelengths_um,
             weights=scale.weights,
         )
-        return Planar(law, smooth=True, label=label, node=node)
-    if pupil.shape.shape != "clear" or not round_pupil:
+    if shape.shape != "clear" or not round_pupil:
         return None
-    law = Law.of(
+    return Law.of(
         defocused_disc_otf,
-        diameter_mm=2 * pupil.shape.radius * scale.pitch_x_mm,
+        diameter_mm=2 * shape.radius * scale.pitch_x_mm,
         w20_waves=pupil.defocus_waves,
         reference_um=scale.mean_um,
         wavelengths_um=scale.wavelengths_um,
         weights=scale.weights,
     )
-    return Planar(law, radial=True, label=label, node=node)
 
 
 def sampled_factors(

@@ -5,13 +5,9 @@ from __future__ import annotations
 import pytest
 
 from app.chain import ending_images, find_chain
-from app.evaluation import delivered_recipes
 from core.engine import Engine
 from core.errors import NetworkError
 from core.network_file import parse_network
-from core.policy import Policy
-from core.store import Store
-from core.work import Work
 from nodes.library import standard_library
 
 
@@ -113,13 +109,3 @@ def test_a_network_without_pictures():
         "links": [],
     }
     assert chain_of(document).final is None
-
-
-def test_a_stage_below_the_budget_is_named_with_its_bound(small):
-    small["nodes"]["blur"]["params"] = {"sigma_x_mrad": 1e-6, "sigma_y_mrad": 0.0}
-    plan = plan_of(small)
-    recipes = delivered_recipes(plan)
-    assert recipes
-    _, skipped = recipes[0].spent(Work(Policy(), Store()))
-    assert [stage.node for stage in skipped] == ["blur"]
-    assert 0 < skipped[0].bound < Policy().budget

@@ -90,23 +90,6 @@ def test_html_needs_no_other_file(imagechain, write, published, tmp_path):
         assert words in page
 
 
-def test_says_what_was_skipped(imagechain, write, small, tmp_path):
-    words = ["--set", "jitter.sigma_mrad=0", "--report", "r.json", "--report", "r.html"]
-    imagechain("run", write(small), *words)
-    report = json.loads((tmp_path / "r.json").read_text())
-    assert report["skipped"] == {"neutral": ["jitter"], "disabled": [], "below_budget": {}}
-    assert "neutral: skipped" in (tmp_path / "r.html").read_text()
-
-
-def test_says_what_the_budget_left_out(imagechain, write, small, tmp_path):
-    words = ["--set", "jitter.sigma_mrad=1e-6", "--report", "r.json", "--report", "r.html"]
-    imagechain("run", write(small), *words)
-    report = json.loads((tmp_path / "r.json").read_text())
-    assert report["skipped"]["neutral"] == []
-    assert 0 < report["skipped"]["below_budget"]["jitter"] < report["run"]["tolerance"]
-    assert "left out: at most" in (tmp_path / "r.html").read_text()
-
-
 def test_noise_pictures(imagechain, write, small, tmp_path):
     small["nodes"]["noise"] = {"module": "poisson_noise"}
     small["links"][0] = ["scene.image", "noise.image"]

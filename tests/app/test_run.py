@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from app.arguments import Assignment
+from app.option_values import Assignment
 from app.overrides import with_settings
 from app.tables import number_text, without_rounding
 from core.network_file import parse_network

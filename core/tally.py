@@ -1,0 +1,33 @@
+"""What one evaluation has asked for, and what of it had to be computed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from core.recipes import Recipe
+
+
+class Tally:
+    """Notes of one evaluation; nothing that is computed depends on them.
+
+    Each note is one operation on a built-in dict or set, which threads may share.
+
+    Attributes
+    ----------
+    asked : dict of key to Recipe
+        Recipes whose value was wanted.
+    computed : set of str
+        Keys of those whose computation was begun.
+    looked_at : set of str
+        Keys of spectra and transfer functions of which an array was made.
+    """
+
+    def __init__(self) -> None:
+        self.asked: dict[str, Recipe] = {}
+        self.computed: set[str] = set()
+        self.looked_at: set[str] = set()
+
+    def reused(self) -> list[Recipe]:
+        """Recipes whose value was there already."""
+        return [recipe for key, recipe in list(self.asked.items()) if key not in self.computed]
