@@ -90,25 +90,24 @@ def _fold(
     """Multiply and fold: the aliases up to Nyquist, and those beyond it, still unturned."""
     rows, columns = grid.rows // factor_y, grid.columns // factor_x
     width = columns // 2 + 1
-    response = _Response(work, product, grid)
-    kernel_x = mean_kernel(grid.columns, factor_x)[: spectrum.shape[1]] / factor_x
-    kernel_y = mean_kernel(grid.rows, factor_y) / factor_y
-    direct = np.zeros((rows, width), spectrum.dtype)
-    turned = np.zeros((rows, width), spectrum.dtype) if factor_x > 1 else None
-    height = max(1, BLOCK_SAMPLES // spectrum.shape[1])
+    response = _Response(work, product, grid, factor_x, factor_y)
+    direct = np.empty((rows, width), spectrum.dtype)
+    turned = np.empty((rows, width), spectrum.dtype) if factor_x > 1 else None
+    height = max(1, BLOCK_SAMPLES // (spectrum.shape[1] * factor_y))
 
     def one(start: int) -> None:
         stop = min(start + height, rows)
+        total: Array | None = None
         for alias in range(factor_y):
             lines = slice(alias * rows + start, alias * rows + stop)
             values = response.apply(spectrum[lines], lines)
-            if factor_x > 1:
-                values *= kernel_x.astype(values.dtype)
-            if factor_y > 1:
-                values *= kernel_y[lines, np.newaxis].astype(values.dtype)
-            direct[start:stop] += _aliases_up(values, columns, width)
-            if turned is not None:
-                turned[start:stop] += _aliases_beyond(values, grid.columns, columns, width)
+            total = values if total is None else np.add(total, values, out=total)
+        assert total is not None
+        if turned is None:
+            direct[start:stop] = total
+        else:
+            direct[start:stop] = _aliases_up(total, columns, width)
+            turned[start:stop] = _aliases_beyond(total, grid.columns, columns, width)
 
     work.each(one, range(0, rows, height))
     return direct, turned
@@ -147,30 +146,42 @@ def _aliases_beyond(values: Array, size: int, columns: int, width: int) -> Array
 
 
 class _Response:
-    """H on blocks of rows of the half spectrum, Hermitian at Nyquist."""
+    """H on blocks of rows of the half spectrum, Hermitian at Nyquist, with the mean's kernel."""
 
-    def __init__(self, work: Work, product: Product, grid: Grid) -> None:
+    def __init__(
+        self, work: Work, product: Product, grid: Grid, factor_x: int, factor_y: int
+    ) -> None:
         self.work, self.product, self.grid = work, product, grid
         self.xi, self.eta = grid.xi_half(), grid.eta()
         self.across = product.across(work, self.xi)
         self.along = product.along(work, self.eta)
         self.planes = Planes(work, product, grid, "periodic") if product.symmetric else None
+        # 1/f undoes the difference between the forward and the smaller inverse transform.
+        kernel_x = mean_kernel(grid.columns, factor_x)[: len(self.xi)] / factor_x
+        kernel_y = mean_kernel(grid.rows, factor_y) / factor_y
+        self.kernels = (kernel_x, kernel_y) if factor_x > 1 or factor_y > 1 else None
         if product.symmetric:
             if grid.columns % 2 == 0:
                 self.across[-1] = self.across[-1].real
             if grid.rows % 2 == 0:
                 self.along[grid.rows // 2] = self.along[grid.rows // 2].real
+            if factor_x > 1:
+                self.across = self.across * kernel_x
+            if factor_y > 1:
+                self.along = self.along * kernel_y
 
     def apply(self, values: Array, rows: slice) -> Array:
         """H times a block of the spectrum; a new array."""
         real = values.real.dtype
         if self.planes is None:
-            return np.asarray(values * self._general(rows).astype(values.dtype))
+            total = self._general(rows)
+            if self.kernels is not None:
+                total *= self.kernels[1][rows, np.newaxis] * self.kernels[0]
+            return np.asarray(values * total.astype(values.dtype))
+        result = values * _narrow(self.along[rows, np.newaxis], real)
         plane = self.planes.block(rows)
-        shared = self.along[rows, np.newaxis]
         if plane is not None:
-            shared = shared * plane
-        result = values * _narrow(shared, real)
+            result *= plane
         result *= _narrow(self.across, real)
         return np.asarray(result)
 

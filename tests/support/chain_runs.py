@@ -58,7 +58,7 @@ def run(chain: Chain, picture: np.ndarray, folder, precision: str, threads: int 
         if chain.keeps_mean:
             # Below the least normal number there are no digits to keep.
             scale = np.abs(picture).max() + np.finfo(final.dtype).tiny / MEAN_ERROR[precision]
-            error = abs(final.mean(dtype=float) - picture.mean())
+            error = abs(final.mean(dtype=np.longdouble) - picture.mean(dtype=np.longdouble))
             assert error <= MEAN_ERROR[precision] * scale
     for name, node in plan.nodes.items():
         if node.error is not None:
