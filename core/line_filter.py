@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from core.arithmetic import require_finite
 from core.factors import Separable
+from core.fourier import fourier
 from core.grid import Grid
 from core.product import Product
 from core.values import Edges
@@ -78,9 +79,9 @@ def _periodic(values: Array, response: Array) -> Array:
     size = values.shape[1]
     if size == 1:
         return values
-    spectrum = scipy.fft.rfft(values, axis=1, overwrite_x=True)
+    spectrum = fourier().rfft(values, axis=1, overwrite_x=True)
     if size % 2 == 0:
         response = response.copy()
         response[-1] = response[-1].real  # at Nyquist the Hermitian part acts
     spectrum *= response.astype(spectrum.dtype)
-    return np.asarray(scipy.fft.irfft(spectrum, n=size, axis=1, overwrite_x=True))
+    return np.asarray(fourier().irfft(spectrum, n=size, axis=1, overwrite_x=True))

@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 from core.arithmetic import require_finite
+from core.fourier import fourier
 from core.grid import Grid
 from core.mirrored import BLOCK_SAMPLES, MeanFree
 from core.planes import Planes
@@ -26,7 +26,7 @@ def periodic_spectrum(work: Work, image: Array) -> MeanFree:
     """Half spectrum (rows, columns // 2 + 1) of the frame less its mean."""
     mean = float(np.mean(image))
     values = np.subtract(image, mean, dtype=work.policy.dtype)
-    return MeanFree(scipy.fft.rfft2(values, overwrite_x=True, workers=work.policy.workers), mean)
+    return MeanFree(fourier().rfft2(values, overwrite_x=True, workers=work.policy.workers), mean)
 
 
 def crossed_spectrum(
@@ -44,7 +44,7 @@ def crossed_spectrum(
         mean = abs(float(np.mean(modulus, dtype=np.float64)))
         values = np.abs(periodic_spectrum(work, modulus).values)
     if phase is not None:
-        other = scipy.fft.rfft2(phase, overwrite_x=False, workers=workers)
+        other = fourier().rfft2(phase, overwrite_x=False, workers=workers)
         other[0, 0] = np.sum(phase, dtype=np.float64)
         size_of = np.abs(other)
         # A frequency that is absent has phase 0.
@@ -76,7 +76,7 @@ def periodic_filter(
     if rows == 1 and columns == 1:
         image = np.real(direct)
     else:
-        image = scipy.fft.irfft2(
+        image = fourier().irfft2(
             direct, s=(rows, columns), overwrite_x=True, workers=work.policy.workers
         )
     require_finite(image)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 from core.arithmetic import require_finite
 from core.data import SampledTransfer
+from core.fourier import fourier
 from core.recipes import Recipe, Step
 from core.values import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
 from core.work import Work
@@ -61,7 +61,7 @@ def spectrum(work: Work, image: Array) -> Array:
     """Unnormalised plain FFT of the frame, its mean exact to double precision."""
     mean = float(np.mean(image, dtype=np.float64))
     centred = np.subtract(image, mean, dtype=work.policy.dtype)
-    values = scipy.fft.fft2(centred, workers=work.policy.workers)
+    values = fourier().fft2(centred, workers=work.policy.workers)
     require_finite(values)
     values[0, 0] = mean * image.size
     return np.asarray(values)

@@ -15,6 +15,7 @@ from app.evaluation import Evaluation
 from app.report.published import conflicts, published_rows
 from app.responses import StageResponse, at_nyquist
 from core.engine import PlannedNode
+from core.fourier import backend
 from core.parameters import plain
 from core.plain import thaw
 from core.realize import realize
@@ -110,6 +111,7 @@ def _run(found: Evaluation) -> dict[str, Any]:
             "numpy": np.__version__,
             "scipy": scipy.__version__,
         },
+        "transforms": backend(),
     }
 
 

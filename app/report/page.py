@@ -57,6 +57,7 @@ def _run_line(facts: dict[str, Any]) -> str:
         f"{run['threads']} threads" if run["threads"] != 1 else "1 thread",
         f"{run['seconds']['total']:.2f} s",
         versions,
+        f"transforms by {run['transforms']}",
         run["date"],
     ]
     return f"<p class=run>{escape(' · '.join(words))}</p>"
