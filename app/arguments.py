@@ -54,6 +54,8 @@ class Options:
     module: str = ""
     bench_json: Path | None = None
     bench_html: Path | None = None
+    bench_markdown: Path | None = None
+    bench_pictures: Path | None = None
     quick: bool = False
     parts: tuple[str, ...] = ()
     size: int | None = None
@@ -109,6 +111,8 @@ def parse(argv: list[str]) -> Options:
             "bench",
             bench_json=file_path("--json", found.json),
             bench_html=file_path("--html", found.html),
+            bench_markdown=file_path("--markdown", found.markdown),
+            bench_pictures=file_path("--pictures", found.pictures),
             quick=found.quick,
             parts=tuple(found.only),
             size=whole_number("--size", found.size),
@@ -225,6 +229,13 @@ def _bench_words(parser: argparse.ArgumentParser) -> None:
     add: Any = parser.add_argument
     add("--json", metavar="FILE", help="write every figure, for programs")
     add("--html", metavar="FILE", help="write a page with tables and pictures")
+    add(
+        "--markdown",
+        metavar="FILE",
+        help="write the tables of speed and peers, in a file that is there between its lines "
+        "<!-- bench table --> and <!-- end of bench table -->",
+    )
+    add("--pictures", metavar="DIR", help="write each picture as bench_NAME.png")
     add("--quick", action="store_true", help="fewer repetitions and sizes")
     add(
         "--only",

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 from app.arguments import Options
+from app.bench.files import Facts, Files
 from app.bench.isolation import isolate
 from app.bench.machine import machine_facts
 from app.bench.settings import PARTS, Settings
 from app.bench.tables import Table, terminal_text
-from app.staging import Staging
-from app.tables import jsonable
-from core.atomic import write_text
-
-Facts = dict[str, Any]
 
 
 def bench(options: Options) -> None:
@@ -39,25 +33,15 @@ def bench(options: Options) -> None:
         "machine": machine_facts(),
         "settings": settings.facts(),
     }
-    files = [path for path in (options.bench_json, options.bench_html) if path is not None]
-    # Its folder is the one that may be missing: none here, so a file stands for it.
-    with Staging(files[0] if files else Path()) as staging:
-        for path in files:
-            staging.claim(path)
+    files = Files.of(options, settings)
+    with files.staging() as staging:
         print(_heading(facts), flush=True)
         parts = {name: _measured(name, settings) for name in settings.parts}
         facts["seconds"] = time.perf_counter() - start
         facts["parts"] = {name: [t.facts() for t in found] for name, found in parts.items()}
-        if options.bench_json is not None:
-            text = json.dumps(jsonable(facts), indent=1, ensure_ascii=False, allow_nan=False)
-            staging.write(options.bench_json, lambda path: write_text(path, text + "\n"))
-        if options.bench_html is not None:
-            from app.bench.page import page
-
-            shown = page(facts, parts)
-            staging.write(options.bench_html, lambda path: write_text(path, shown))
+        files.write(staging, facts, parts, settings)
         staging.commit()
-    print(f"{facts['seconds']:.0f} s" + "".join(f"; wrote {path}" for path in files))
+    print(f"{facts['seconds']:.0f} s" + "".join(f"; wrote {path}" for path in files.named()))
 
 
 def _measured(name: str, settings: Settings) -> list[Table]:
@@ -81,7 +65,7 @@ def _heading(facts: Facts) -> str:
     versions = ", ".join(f"{name} {each}" for name, each in machine["versions"].items())
     return (
         f"{machine['processor']}, {machine['usable_cores']} of {machine['cores']} cores, "
-        f"load {machine['load']:.1f}; {versions}\n"
+        f"load {machine['load']:.1f}; {versions}; periodic frames by {machine['fft']}\n"
         "T0 = scipy.fft.irfft2(scipy.fft.rfft2(image)), same image, type and threads, measured in "
         "turn with the subject"
     )

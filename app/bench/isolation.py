@@ -40,10 +40,14 @@ def environment() -> dict[str, str]:
 
 def _words(options: Options) -> list[str]:
     words = ["bench"]
-    if options.bench_json is not None:
-        words += ["--json", str(options.bench_json)]
-    if options.bench_html is not None:
-        words += ["--html", str(options.bench_html)]
+    files = {
+        "--json": options.bench_json,
+        "--html": options.bench_html,
+        "--markdown": options.bench_markdown,
+        "--pictures": options.bench_pictures,
+    }
+    for option, path in files.items():
+        words += [] if path is None else [option, str(path)]
     if options.quick:
         words.append("--quick")
     for part in options.parts:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,11 @@ import numpy as np
 import scipy
 
 from app.arguments import version
+from core.fourier import backend
 
 
 def machine_facts() -> dict[str, Any]:
-    """Processor, cores, memory, load and versions."""
+    """Processor, cores, memory, load, transforms and versions."""
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),
@@ -22,6 +24,7 @@ def machine_facts() -> dict[str, Any]:
         "memory_bytes": os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"),
         "load": os.getloadavg()[0],
         "system": platform.platform(),
+        "fft": fft_backend(),
         "versions": {
             "imagechain": version(),
             "python": platform.python_version(),
@@ -29,6 +32,23 @@ def machine_facts() -> dict[str, Any]:
             "scipy": scipy.__version__,
         },
     }
+
+
+def fft_backend() -> str:
+    """What computes the Fourier transforms of periodic frames; all others, and T0, are scipy's."""
+    return backend()
+
+
+def machine_words(facts: Mapping[str, Any]) -> list[str]:
+    """The facts as people read them."""
+    return [
+        facts["processor"],
+        f"{facts['usable_cores']} of {facts['cores']} cores",
+        f"{facts['memory_bytes'] / 2**30:.0f} GiB",
+        f"load {facts['load']:.1f} at the start",
+        *(f"{name} {each}" for name, each in facts["versions"].items()),
+        f"periodic frames by {facts['fft']}",
+    ]
 
 
 def _processor() -> str:

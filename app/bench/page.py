@@ -7,6 +7,7 @@ from html import escape
 from typing import Any
 
 from app.bench.charts import chart_png
+from app.bench.machine import machine_words
 from app.bench.settings import PARTS
 from app.bench.tables import Table
 from app.report.markup import figure, table
@@ -45,15 +46,11 @@ def page(facts: Mapping[str, Any], parts: Mapping[str, Sequence[Table]]) -> str:
 
 
 def _machine_line(facts: Mapping[str, Any]) -> str:
-    machine, settings = facts["machine"], facts["settings"]
+    settings = facts["settings"]
     words = [
-        machine["processor"],
-        f"{machine['usable_cores']} of {machine['cores']} cores",
-        f"{machine['memory_bytes'] / 2**30:.0f} GiB",
-        f"load {machine['load']:.1f} at the start",
+        *machine_words(facts["machine"]),
         f"{settings['threads']} threads",
         *(["quick"] if settings["quick"] else []),
-        *(f"{name} {each}" for name, each in machine["versions"].items()),
         facts["date"],
         f"{facts['seconds']:.0f} s",
     ]
@@ -62,17 +59,18 @@ def _machine_line(facts: Mapping[str, Any]) -> str:
 
 def _section(shown: Table) -> str:
     parts = [f"<h3>{escape(shown.title)}</h3>"]
+    if shown.text:
+        parts.append(f"<p>{escape(shown.text)}</p>")
+    drawn = chart_png(shown, titled=False)
+    if drawn is not None:
+        assert shown.chart is not None
+        parts.append(figure(drawn, shown.chart.title or shown.title, shown.title))
     cells = shown.cells()
     if cells:
         heads = list(shown.heads.values())
         verdicts = {text: _mark(text) for row in cells for text in row if _mark(text)}
         marks = {index: verdicts for index, name in enumerate(shown.heads) if "verdict" in name}
         parts.append(table(heads, cells, numbers=shown.numeric(), marks=marks))
-    if shown.text:
-        parts.append(f"<p>{escape(shown.text)}</p>")
-    drawn = chart_png(shown)
-    if drawn is not None:
-        parts.append(figure(drawn, shown.title + ".", shown.title))
     return "".join(parts)
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from app.bench.peer_imports import load
 
 Array = NDArray[Any]
 Deliver = Callable[[Array], Array]
@@ -51,7 +52,7 @@ RANGE_M = 1000.0
 
 
 def _pybsm_sensor(task: Task) -> tuple[Any, Any, float]:
-    simulation = import_module("pybsm.simulation")
+    simulation = load("pybsm.simulation")
     around = task.wavelength_um * 1e-6
     sensor = simulation.Sensor(
         name="sensor",
@@ -71,7 +72,7 @@ def _pybsm_sensor(task: Task) -> tuple[Any, Any, float]:
 
 def pybsm_simulate_image(task: Task) -> Deliver:
     """The function `simulate_image`; its blurred picture, back on the scale of the frame."""
-    simulation = import_module("pybsm.simulation")
+    simulation = load("pybsm.simulation")
     sensor, scenario, gsd = _pybsm_sensor(task)
 
     def deliver(frame: Array) -> Array:
@@ -94,7 +95,7 @@ def pybsm_simulate_image(task: Task) -> Deliver:
 def pybsm_cached(task: Task) -> Deliver:
     """`SystemOTFSimulator`, which keeps its PSF."""
     sensor, scenario, gsd = _pybsm_sensor(task)
-    simulator = import_module("pybsm.simulation.image_simulator").SystemOTFSimulator(
+    simulator = load("pybsm.simulation.image_simulator").SystemOTFSimulator(
         sensor=sensor,
         scenario=scenario,
         mtf_wavelengths=np.array([task.wavelength_um * 1e-6]),
@@ -112,7 +113,7 @@ def galsim_with(interpolant: str) -> Callable[[Task], Deliver]:
     """An interpolated image convolved with an Airy function and a pixel."""
 
     def build(task: Task) -> Deliver:
-        galsim: Any = import_module("galsim")
+        galsim: Any = load("galsim")
         airy = galsim.Airy(lam_over_diam=task.wavelength_um / task.aperture_mm)
         pixel = galsim.Pixel(task.pixel_mrad)
 
@@ -131,10 +132,10 @@ def galsim_with(interpolant: str) -> Callable[[Task], Deliver]:
 
 def prysm_pupil(task: Task) -> Deliver:
     """A sampled pupil to its PSF and MTF, which multiplies the frame's spectrum."""
-    coordinates: Any = import_module("prysm.coordinates")
-    geometry: Any = import_module("prysm.geometry")
-    otf: Any = import_module("prysm.otf")
-    propagation: Any = import_module("prysm.propagation")
+    coordinates: Any = load("prysm.coordinates")
+    geometry: Any = load("prysm.geometry")
+    otf: Any = load("prysm.otf")
+    propagation: Any = load("prysm.propagation")
     psf_um = task.interval_mrad * task.focal_length_mm
     # As wide an array that the PSF has the frame's interval, and so the MTF its frequencies.
     pitch_mm = task.wavelength_um * task.focal_length_mm / (task.size * psf_um)

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.bench.kodak import SceneStore
+from app.bench.chain import SCENE, SceneStore, network_of
 from app.bench.peer_programs import Deliver, Noted, Task
 from core.engine import Engine
 from core.factors import Planar
-from core.network import Link, Network, Node
+from core.network import Network
 from core.planes import Axes, Known
 from core.policy import Policy, Precision
 from nodes.library import standard_library
@@ -58,10 +58,7 @@ def _network(task: Task, edges: str) -> Network:
         "pixel": ("detector_mtf", {}),
         "back": ("back_transform", {}),
     }  # fmt: skip
-    return Network(
-        nodes={name: Node(name, key, params) for name, (key, params) in nodes.items()},
-        links=tuple(Link.between(*link) for link in LINKS),
-    )
+    return network_of(nodes, LINKS)
 
 
 def chain(edges: str, precision: Precision, *, known: bool = False) -> Callable[[Task], Deliver]:
@@ -73,7 +70,7 @@ def chain(edges: str, precision: Precision, *, known: bool = False) -> Callable[
         engine = Engine(standard_library(), store)
         work = engine.work(Policy(precision=precision))
         plan = engine.plan(network)
-        key = f"{plan.output('scene.image').recipe.key}/{work.policy.key}"
+        key = f"{plan.output(SCENE).recipe.key}/{work.policy.key}"
         factor = plan.output("optics.mtf").factors[0]
         assert isinstance(factor, Planar)
         grid = plan.output("init.context").grid

@@ -9,18 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from importlib import import_module, metadata
+from importlib import metadata
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.bench import truth
+from app.arguments import version
+from app.bench.peer_imports import why_missing
 from app.bench.peer_programs import PEERS, Task
 from app.bench.peer_self import OURS
 from app.bench.settings import Settings
 from app.bench.tables import Chart, Table
 from app.bench.timing import paired, round_trip, seconds
+from app.bench.truth_pictures import Sensor
 
 Array = NDArray[Any]
 
@@ -34,14 +36,15 @@ def peers(settings: Settings) -> list[Table]:
         expected = _analytic(task)
         scene = np.random.default_rng(3).uniform(20, 60, (size, size)).astype(np.float32)
         for name, build in OURS:
-            rows.append(_measured(name, size, partial(build, task), scene, expected, settings))
+            row = _measured(name, size, partial(build, task), scene, expected, settings)
+            rows.append(row | {"maker": "imagechain", "version": version()})
         for package, name, build in PEERS:
-            missing = _missing(package)
+            missing = why_missing(package)
             if missing:
                 rows.append({"program": name, "size": size, "note": missing})
                 continue
             row = _measured(name, size, partial(build, task), scene, expected, settings)
-            rows.append(row | {"version": metadata.version(package)})
+            rows.append(row | {"maker": package, "version": metadata.version(package)})
     heads = {
         "program": "program",
         "version": "version",
@@ -55,11 +58,24 @@ def peers(settings: Settings) -> list[Table]:
     title = "Circular aperture and square pixel: the frame filtered"
     text = (
         "T0 is the round trip of the frame in single precision for every row. `known`: the "
-        "transfer function or PSF is there already and only the frame is new. Extra `peers` "
-        "installs the other programs."
+        "transfer function or PSF is there already and only the frame is new. `mirrored`: tails of "
+        "the point's image come back from the edges, which the FFT takes for an error. Extra "
+        "`peers` installs the other programs."
     )
-    chart = Chart("ms", "error", "time (ms)", "delivered MTF error", "size", "program", True)
-    return [Table("peers", title, heads, tuple(rows), text, chart)]
+    chart = Chart(
+        "t0",
+        "error",
+        "time (T0, the bare Fourier round trip of the frame)",
+        "largest error of the delivered MTF",
+        "program",
+        "maker",
+        title=f"Aperture and pixel: error of the delivered MTF against time, {sizes[-1]}²",
+        where=("size", sizes[-1]),
+        by_colour=True,
+    )
+    return [
+        Table("peers", title, heads, tuple(rows), text, chart, tuple(heads), ("size", sizes[-1]))
+    ]
 
 
 def _measured(
@@ -90,17 +106,9 @@ def _measured(
     return row | found.facts() | {"error": wrong, "shift": shift, "note": note}
 
 
-def _missing(package: str) -> str:
-    try:
-        import_module(package)
-    except ImportError as error:
-        return "not installed" if error.name == package else f"not importable: {error}"[:120]
-    return ""
-
-
 def _analytic(task: Task) -> Array:
     frequency = np.fft.fftfreq(task.size, task.interval_mrad).astype(np.longdouble)
-    sensor = truth.Sensor(
+    sensor = Sensor(
         task.interval_mrad,
         aperture_mm=task.aperture_mm,
         wavelength_um=task.wavelength_um,

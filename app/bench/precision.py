@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
-from app.bench.precision_laws import MEASURES as LAWS
+from app.bench.precision_charge_transfer import MEASURES as CHARGE_TRANSFER
+from app.bench.precision_low_rank import MEASURES as LOW_RANK
 from app.bench.precision_pictures import MEASURES as PICTURES
+from app.bench.precision_poisson import MEASURES as POISSON
 from app.bench.precision_pupils import MEASURES as PUPILS
+from app.bench.precision_scanning import MEASURES as SCANNING
+from app.bench.precision_skip import MEASURES as SKIPPING
 from app.bench.precision_wavelengths import MEASURES as WAVELENGTHS
 
-MEASURES = (*PICTURES, *PUPILS, *WAVELENGTHS, *LAWS)
+MEASURES = (
+    *PICTURES,
+    *PUPILS,
+    *LOW_RANK,
+    *WAVELENGTHS,
+    *CHARGE_TRANSFER,
+    *POISSON,
+    *SKIPPING,
+    *SCANNING,
+)

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.bench import truth
 from app.bench.kodak import PIXELS, Kodak
 from app.bench.settings import Settings
 from app.bench.tables import Chart, Table
 from app.bench.timing import paired, round_trip
+from app.bench.truth_pictures import Sensor, mirrored_picture, periodic_picture
 from core.policy import Precision
 
 Array = NDArray[Any]
@@ -22,15 +22,12 @@ def precision(settings: Settings) -> list[Table]:
     """Single against double precision."""
     single = Kodak(settings.small)
     scene, interval = single.scene, _interval(single)
-    expected = truth.mirrored_picture(scene, truth.Sensor(interval))
+    expected = mirrored_picture(scene, Sensor(interval))
     rows = []
     kinds: tuple[Precision, ...] = ("single", "double")
     for kind in kinds:
-        kodak = Kodak(settings.small, kind)
         # The same samples for both, so that drawing in another precision is no error.
-        plan = kodak.engine.plan(kodak.network)
-        same = scene.astype(kodak.policy.dtype)
-        kodak.store.hold(f"{plan.output('scene.image').recipe.key}/{kodak.policy.key}", same)
+        kodak = Kodak(settings.small, kind, scene)
         quiet = kodak.without_photons()
         found = kodak.value(quiet, PIXELS)
         mean, true_mean = float(found.mean(dtype=np.float64)), float(expected.mean())
@@ -60,10 +57,10 @@ def precision(settings: Settings) -> list[Table]:
 def edges(settings: Settings) -> list[Table]:
     """Mirrored against periodic edges, each against a direct sum of its own kind."""
     kodak = Kodak(settings.small)
-    sensor = truth.Sensor(_interval(kodak))
+    sensor = Sensor(_interval(kodak))
     expected = {
-        "reflect": truth.mirrored_picture(kodak.scene, sensor),
-        "periodic": truth.periodic_picture(kodak.scene, sensor),
+        "reflect": mirrored_picture(kodak.scene, sensor),
+        "periodic": periodic_picture(kodak.scene, sensor),
     }
     rows = []
     for choice, picture in expected.items():

@@ -14,6 +14,22 @@ PARTS = {
     "precision": "Time against error",
     "peers": "Beside other programs",
 }
+TABLES = {
+    "speed": ("networks", "growth", "fresh_process"),
+    "precision": (
+        "precision",
+        "edges",
+        "pupil_sampling",
+        "interpolation",
+        "low_rank",
+        "wavelengths",
+        "charge_transfer",
+        "poisson",
+        "skipping",
+        "scanning",
+    ),
+    "peers": ("peers",),
+}
 SIZE = 1024
 LARGEST = 8192
 
@@ -80,6 +96,13 @@ class Settings:
         while 2 * sizes[-1] <= last:
             sizes.append(2 * sizes[-1])
         return tuple(sizes)
+
+    def words(self) -> list[str]:
+        """Options of the command line that ask for this."""
+        words = ["--quick"] if self.quick else []
+        if self.parts != tuple(PARTS):
+            words += [f"--only {part}" for part in self.parts]
+        return [*words, f"--size {self.size}"] if self.size != SIZE else words
 
     def facts(self) -> dict[str, Any]:
         """For the JSON file."""

@@ -13,7 +13,7 @@ from app.bench.isolation import command, environment
 from app.bench.kodak import FINAL, NAME, PIXELS, SHIPPED_SIZE, Kodak
 from app.bench.settings import Settings
 from app.bench.stage_by_stage import whole_chain
-from app.bench.tables import Table, verdict
+from app.bench.tables import Chart, Table, verdict
 from app.bench.timing import paired, round_trip, seconds
 
 HEADS = {
@@ -24,11 +24,12 @@ HEADS = {
     "high": "75 %",
     "ms": "ms",
     "t0_ms": "T0 ms",
-    "alone_ms": "back to back",
+    "alone_ms": "T0 ms, back to back",
     "reach": "reach",
     "aim": "aim",
     "verdict": "",
 }
+BRIEF = tuple(name for name in HEADS if name != "alone_ms")
 SIGMAS = tuple(0.1 + 1e-3 * step for step in range(1, 32))
 SNRS = tuple(100.0 + step for step in range(1, 32))
 BITS = (4, 8, 12, 16, 24)
@@ -42,10 +43,19 @@ def networks(settings: Settings) -> list[Table]:
     rows += [_unchanged(kodak, settings)]
     title = f"Kodak KIR-310, {settings.size}² → {settings.size // 2}², single precision"
     text = (
-        "Cold: nothing computed but the scene, which is in memory; imports done. Median of the "
-        "ratios of pairs, their quartiles, the T0 measured in turn, and T0 back to back."
+        "Cold: nothing computed but the scene, which is in memory; imports done. Median and "
+        "quartiles of the ratios of pairs, the subject and T0 in turn."
     )
-    return [Table("networks", title, HEADS, tuple(rows), text)]
+    chart = Chart(
+        "value",
+        "ms",
+        "time (T0)",
+        "",
+        kind="bars",
+        where=("unit", "T0"),
+        title=f"Time of the whole chain and of edits: {title}",
+    )
+    return [Table("networks", title, HEADS, tuple(rows), text, chart, BRIEF)]
 
 
 def _row(subject: str, facts: dict[str, Any], reach: float | None, aim: float | None) -> Any:
@@ -161,7 +171,7 @@ def fresh_process(settings: Settings) -> list[Table]:
              "high": "most"}  # fmt: skip
     title = f"Fresh process, {settings.size}², median of {len(took)}"
     text = "With the start of Python, the drawing of the scene and the files written."
-    return [Table("fresh_process", title, heads, (row,), text)]
+    return [Table("fresh_process", title, heads, (row,), text, brief=tuple(heads))]
 
 
 MEASURES = (networks, growth, fresh_process)

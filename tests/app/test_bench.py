@@ -1,56 +1,47 @@
-"""The benchmark runs, says what it promises and compares with a truth that is one; no timings."""
+"""The benchmark runs, says what it promises and writes what it is asked for; no timings."""
 
 from __future__ import annotations
 
 import json
-import math
 import os
 import subprocess
+import sys
+import warnings
 
 import numpy as np
 import pytest
 
-from app.bench import truth
+from app.bench import markdown, truth_laws
+from app.bench.chain import SCENE
 from app.bench.isolation import STEADY, command, environment
-from app.bench.kodak import FINAL, PIXELS, SCENE, Kodak
+from app.bench.kodak import FINAL, Kodak
+from app.bench.markdown import END, START, inserted
+from app.bench.peer_imports import load
 from app.bench.peer_self import OURS
-from app.bench.precision_pupils import SHAPES
-from app.bench.stage_by_stage import optics, whole_chain
-from app.bench.tables import figure_text, verdict
-from app.bench.timing import paired
+from app.bench.settings import PARTS, TABLES, Settings
 from app.cli import main
+from core.errors import FileError, UsageError
 
-TABLES = {
-    "speed": ["networks", "growth", "fresh_process"],
-    "precision": [
-        "precision",
-        "edges",
-        "pupil_sampling",
-        "low_rank",
-        "wavelengths",
-        "charge_transfer",
-        "poisson",
-    ],
-    "peers": ["peers"],
-}
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
+UNDRAWN = {"fresh_process"}
 
 
-@pytest.mark.parametrize("part", TABLES)
+@pytest.mark.parametrize("part", PARTS)
 def test_part(part, imagechain, tmp_path):
     words = ["--quick", "--only", part, "--size", 32, "--json", "b.json", "--html", "b.html"]
+    words += ["--markdown", "b.md", "--pictures", "drawn/here"]
     done = imagechain("bench", *words)
     assert (done.returncode, done.stderr) == (0, "")
     facts = json.loads((tmp_path / "b.json").read_text())
     assert set(facts) == FACTS
     assert (facts["format"], facts["version"]) == ("imagechain-bench", 1)
-    assert {"processor", "cores", "usable_cores", "memory_bytes", "versions"} <= set(
-        facts["machine"]
-    )
-    assert set(facts["machine"]["versions"]) == {"imagechain", "python", "numpy", "scipy"}
+    machine = facts["machine"]
+    assert {"processor", "cores", "usable_cores", "memory_bytes", "versions"} <= set(machine)
+    assert set(machine["versions"]) == {"imagechain", "python", "numpy", "scipy"}
+    assert machine["fft"] in done.stdout
     assert facts["settings"]["parts"] == [part]
-    assert [table["name"] for table in facts["parts"][part]] == TABLES[part]
-    page = (tmp_path / "b.html").read_text()
+    assert tuple(table["name"] for table in facts["parts"][part]) == TABLES[part]
+    page, short = (tmp_path / "b.html").read_text(), (tmp_path / "b.md").read_text()
     for table in facts["parts"][part]:
         assert set(table) == {"name", "title", "columns", "rows", "text"}
         assert table["rows"]
@@ -59,7 +50,13 @@ def test_part(part, imagechain, tmp_path):
             assert set(row) & set(table["columns"])
         assert table["title"] in done.stdout
         assert table["title"] in page
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["b.html", "b.json"]
+        assert (table["title"] in short) is (part != "precision")
+    assert f"`imagechain bench --markdown README.md --quick --only {part} --size 32`" in short
+    files = {str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*") if p.is_file()}
+    drawn = {f"drawn/here/bench_{name}.png" for name in set(TABLES[part]) - UNDRAWN}
+    assert files == {"b.html", "b.json", "b.md", *drawn}
+    for name in drawn:
+        assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize(
@@ -70,6 +67,8 @@ def test_part(part, imagechain, tmp_path):
         (["--size", "many"], "whole number"),
         (["--json", ""], "file name"),
         (["--json", "no/such/folder/b.json"], "no folder"),
+        (["--markdown", "."], "it is a folder"),
+        (["--json", "p/bench_peers.png", "--pictures", "p", "--only", "peers"], "two outputs"),
         (["kodak_kir310"], "kodak_kir310"),
     ],
 )
@@ -79,6 +78,15 @@ def test_bad_words(words, told, fails):
 
 def test_same_file_twice(fails):
     assert "two outputs" in fails("bench", "--json", "b", "--html", "b")
+
+
+def test_a_text_without_the_marks_is_left_alone(imagechain, tmp_path):
+    """And known before anything is measured."""
+    (tmp_path / "README.md").write_text("# Mine\n")
+    done = imagechain("bench", "--quick", "--markdown", "README.md")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert START in done.stderr
+    assert (tmp_path / "README.md").read_text() == "# Mine\n"
 
 
 def test_in_this_process(capsys, monkeypatch, tmp_path):
@@ -95,12 +103,40 @@ def test_in_this_process(capsys, monkeypatch, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_mpmath_missing_is_said(monkeypatch):
-    from app.bench.precision_laws import charge_transfer
-    from app.bench.precision_wavelengths import wavelengths
-    from app.bench.settings import Settings
+def test_markdown_goes_between_the_marks(tmp_path):
+    file = tmp_path / "README.md"
+    text = f"{START}\nnew\n{END}"
+    assert inserted(file, text) == text + "\n"
+    file.write_text(f"# Größe\n\n{START}\nold\n{END}\n\nrest\n", encoding="utf-8")
+    assert inserted(file, text) == f"# Größe\n\n{text}\n\nrest\n"
+    file.write_text(inserted(file, text), encoding="utf-8")
+    assert inserted(file, text) == file.read_text(encoding="utf-8")
 
-    monkeypatch.setattr(truth, "mpmath", lambda: None)
+
+@pytest.mark.parametrize("content", [b"", f"{START}\n".encode(), f"{END}\n{START}\n".encode()])
+def test_markdown_without_both_marks_is_refused(content, tmp_path):
+    (tmp_path / "a.md").write_bytes(content)
+    with pytest.raises(UsageError, match="end of bench table"):
+        inserted(tmp_path / "a.md", "")
+
+
+def test_markdown_that_is_no_text_is_refused(tmp_path):
+    (tmp_path / "a.md").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(FileError, match="not text"):
+        inserted(tmp_path / "a.md", "")
+
+
+def test_settings_tell_their_options():
+    assert Settings(tuple(PARTS)).words() == []
+    told = Settings(("speed", "peers"), 64, True).words()
+    assert told == ["--quick", "--only speed", "--only peers", "--size 64"]
+
+
+def test_mpmath_missing_is_said(monkeypatch):
+    from app.bench.precision_charge_transfer import charge_transfer
+    from app.bench.precision_wavelengths import wavelengths
+
+    monkeypatch.setattr(truth_laws, "mpmath", lambda: None)
     for measure in (charge_transfer, wavelengths):
         (table,) = measure(Settings(("precision",), 32, True))
         assert not table.rows
@@ -109,7 +145,6 @@ def test_mpmath_missing_is_said(monkeypatch):
 
 def test_peers_that_are_missing_or_fail_are_rows(monkeypatch):
     from app.bench import peers
-    from app.bench.settings import Settings
 
     def broken(task):
         raise ZeroDivisionError("theirs")
@@ -122,85 +157,29 @@ def test_peers_that_are_missing_or_fail_are_rows(monkeypatch):
     notes = {row["program"]: row["note"] for row in table.rows}
     assert notes["Absent"] == "not installed"
     assert notes["Broken"] == "failed: ZeroDivisionError: theirs"
+    assert markdown._section(table.shortened()).count("\n|") == 5  # head, rule, three programs
 
 
-@pytest.mark.parametrize(
-    ("value", "reach", "aim", "told"),
-    [
-        (6.0, 5.0, 2.5, "missed: 1.20 × reach"),
-        (4.0, 5.0, 2.5, "met; 1.60 × aim"),
-        (2.5, 5.0, 2.5, "met, aim too"),
-        (40.0, 50.0, None, "met"),
-        (40.0, None, None, ""),
-    ],
-)
-def test_verdict(value, reach, aim, told):
-    assert verdict(value, reach, aim) == told
-
-
-@pytest.mark.parametrize(
-    ("value", "text"), [(None, "-"), (0.0, "0"), (1.234567, "1.23"), (3e-7, "3e-7"), (5, "5")]
-)
-def test_figure_text(value, text):
-    assert figure_text(value) == text
-
-
-def test_pairs_are_ratios_of_neighbours():
-    units = iter([9.0, 1.0, 2.0, 4.0, 7.0, 5.0, 6.0])
-    subjects = iter([9.0, 3.0, 4.0, 40.0])
-    found = paired(lambda: next(subjects), lambda: next(units), pairs=3, warm_up=1)
-    assert found.ratio == 3.0  # 3, 2 and 10
-    assert (found.seconds, found.t0_seconds, found.alone_seconds) == (4.0, 2.0, 6.0)
-
-
-def test_stage_by_stage_is_the_same_optics():
-    """Two independent programs of one chain agree, periodic as in 1996."""
-    kodak = Kodak(64, "double")
-    network = kodak.without_photons().with_parameter("init", "edges", "periodic")
-    expected = optics(kodak.scene)
-    got = kodak.value(network, PIXELS)
-    # 1 − 0.99999 keeps eleven digits, and 640 transfers of that error are left.
-    np.testing.assert_allclose(got, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
-    picture = whole_chain(kodak.scene, lines=30, samples=32, seed=1)
-    assert picture.shape == (30, 32)
-    assert len(np.unique(optics(np.full((8, 8), 7.0)).round(12))) == 1
-
-
-@pytest.mark.parametrize(
-    ("edges", "direct"),
-    [("reflect", truth.mirrored_picture), ("periodic", truth.periodic_picture)],
-)
-def test_direct_sums(edges, direct):
-    kodak = Kodak(36, "double")
-    network = kodak.without_photons().with_parameter("init", "edges", edges)
-    interval = math.radians(25) * 1000 / 36
-    expected = direct(kodak.scene, truth.Sensor(interval))
-    got = kodak.value(network, PIXELS)
-    np.testing.assert_allclose(got, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
-
-
-def test_overlap_areas_by_counting():
-    """The chord integrals against counted points, and the disc's closed form."""
-    fine = 1200  # shifts of whole points: straight edges lie on the points' borders
-    x, y = np.meshgrid(*2 * [(np.arange(2 * fine) + 0.5) / fine * 50 - 50])
-
-    def lit(aperture, x, y):
-        square = x * x + y * y
-        inside = (square <= aperture.radius**2) & (square >= aperture.inner**2)
-        inside &= np.abs(x) >= aperture.half_bar
-        return inside & (x >= 0) if aperture.half_moon else inside
-
-    for shape, (_, aperture) in SHAPES.items():
-        if aperture is None:
-            continue
-        here = lit(aperture, x, y)
-        counted = np.mean(here & lit(aperture, x - 3.75, y - 1.875)) / np.mean(here)
-        assert aperture.otf(3.75, 1.875) == pytest.approx(counted, abs=2e-4), shape
-        assert aperture.otf(0.0, 0.0) == 1.0
-    v = 0.3
-    disc = 2 / math.pi * (math.acos(v) - v * math.sqrt(1 - v * v))
-    assert truth.Aperture(45.0).otf(0.0, 90 * v) == pytest.approx(disc, abs=1e-14)
-    assert truth.Aperture(45.0).otf(90 * v, 0.0) == pytest.approx(disc, abs=1e-14)
+def test_a_program_that_asks_pkg_resources_is_answered(monkeypatch, tmp_path):
+    """As prysm does, where setuptools has it no more; what it warns of is not ours to say."""
+    lines = [
+        "import warnings",
+        "import pkg_resources",
+        "from pkg_resources import get_distribution",
+        "of_setuptools = hasattr(pkg_resources, '__path__')",
+        "warnings.warn('mine')",
+        "__version__ = get_distribution('numpy').version",
+    ]
+    (tmp_path / "asks_its_version.py").write_text("\n".join(lines))
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "pkg_resources", raising=False)
+    monkeypatch.setattr("app.bench.peer_imports.find_spec", {}.get)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = load("asks_its_version")
+    assert found.__version__ == np.__version__
+    assert not found.of_setuptools
+    assert "pkg_resources" not in sys.modules
 
 
 def test_edits_start_from_what_was_there():
