@@ -19,7 +19,8 @@ from core.work import Work
 Array = NDArray[Any]
 Kind = Literal["dct", "idct", "dst", "idst"]
 
-BLOCK_SAMPLES = 1 << 17
+BLOCK_SAMPLES = 1 << 18
+LEAST_BLOCKS = 4  # of a picture that would fit into one, for several threads to share
 LEAST_COLUMNS = 64  # narrower blocks are copied in pieces shorter than a line of the cache
 
 
@@ -52,7 +53,7 @@ def transform_columns(work: Work, values: Array, kind: Kind, width: int | None =
     """Transform every column, or the first `width`, in place; see `transform_rows`."""
     rows, columns = values.shape
     columns = columns if width is None else width
-    step = max(LEAST_COLUMNS, BLOCK_SAMPLES // rows)
+    step = max(LEAST_COLUMNS, min(BLOCK_SAMPLES // rows, -(-columns // LEAST_BLOCKS)))
 
     def one(start: int) -> None:
         block = values[:, start : min(start + step, columns)]
@@ -63,5 +64,5 @@ def transform_columns(work: Work, values: Array, kind: Kind, width: int | None =
 
 def row_blocks(shape: tuple[int, ...]) -> list[slice]:
     """Blocks of rows that stay in a core's cache."""
-    height = max(1, BLOCK_SAMPLES // shape[1])
+    height = max(1, min(BLOCK_SAMPLES // shape[1], -(-shape[0] // LEAST_BLOCKS)))
     return [slice(start, start + height) for start in range(0, shape[0], height)]

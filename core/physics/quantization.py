@@ -128,8 +128,7 @@ def _sum_of_squares(before: NDArray[Any], after: NDArray[Any], *, scale: float) 
         if scale != 1.0:
             difference /= scale
         with np.errstate(over="ignore"):
-            np.square(difference, out=difference)
-            sums.append(float(difference.sum()))
+            sums.append(float(np.einsum("i,i->", difference, difference)))
     return math.fsum(sums) if math.isfinite(max(sums)) else math.inf
 
 
@@ -151,7 +150,7 @@ def _quantize_block(
 
 
 def _difference(before: NDArray[Any], after: NDArray[Any]) -> NDArray[np.float64]:
-    return np.asarray(np.subtract(before, after, dtype=np.float64))
+    return np.asarray(np.subtract(before, after, dtype=np.float64).ravel())
 
 
 def _blocks(
