@@ -11,6 +11,7 @@ from typing import Any, Literal, NoReturn, cast
 from app.option_values import (
     SAVE_SUFFIXES,
     Assignment,
+    Save,
     assignment,
     file_path,
     report_path,
@@ -43,7 +44,7 @@ class Options:
     command: Literal["run", "check", "modules", "bench"]
     network: str = ""
     settings: tuple[Assignment, ...] = ()
-    saves: tuple[Assignment, ...] = ()
+    saves: tuple[Save, ...] = ()
     output_dir: Path | None = None
     reports: tuple[Path, ...] = ()
     precision: Precision = "single"
@@ -191,7 +192,9 @@ def _run_words(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NODE.PORT=FILE",
-        help=f"write what a port gives, as {' '.join(SAVE_SUFFIXES)}; may be repeated",
+        help=f"write what a port gives, as {' '.join(SAVE_SUFFIXES)}; NODE.PORT[TOP:BOTTOM,"
+        "LEFT:RIGHT]=FILE writes those rows and columns of an image, counted from 0, the ends "
+        "exclusive, a bound left out being the image's; may be repeated",
     )
     add(
         "--output-dir",

@@ -17,6 +17,7 @@ from core.network import Network
 from core.policy import Policy
 from core.realize import realize
 from core.recipes import Recipe
+from core.region import Region
 from core.store import Store
 from core.validate import NetworkProblems
 from core.values import Image, Magnitude, Phase, Transfer
@@ -41,12 +42,12 @@ class TimedWork(Work):
         self._lock = threading.Lock()
         self._local = threading.local()
 
-    def _compute(self, recipe: Recipe) -> Any:
+    def _compute(self, recipe: Recipe, region: Region | None = None) -> Any:
         inner = getattr(self._local, "inner", 0.0)
         self._local.inner = 0.0
         start = time.perf_counter()
         try:
-            return super()._compute(recipe)
+            return super()._compute(recipe, region)
         finally:
             whole = time.perf_counter() - start
             own = whole - self._local.inner

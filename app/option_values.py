@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from core.errors import UsageError
+from core.region import Region
 
 REPORT_SUFFIXES = (".json", ".html")
 SAVE_SUFFIXES = (".npy", ".exr", ".tif", ".tiff", ".png", ".csv")
 _LONGEST_NUMBER = 20
+_BOUNDS = re.compile(r"([0-9]{0,18}):([0-9]{0,18}),([0-9]{0,18}):([0-9]{0,18})", re.ASCII)
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
 
 
@@ -38,11 +40,52 @@ def assignment(option: str, text: str, form: str) -> Assignment:
     return Assignment(node, name, right)
 
 
-def save_target(text: str) -> Assignment:
-    """A port and the file it is saved to."""
+@dataclass(frozen=True)
+class Save(Assignment):
+    """A port and the file it is saved to; `bounds` are ``TOP:BOTTOM,LEFT:RIGHT`` or nothing."""
+
+    bounds: str = ""
+
+    @property
+    def shown(self) -> str:
+        """The option as it was given."""
+        bounds = f"[{self.bounds}]" if self.bounds else ""
+        return f"--save {self.port}{bounds}={self.text}"
+
+    def region(self, rows: int, columns: int) -> Region | None:
+        """The samples wanted of a picture of that size; None for all of them.
+
+        Raises
+        ------
+        UsageError
+            If there are none, or they go beyond the picture.
+        """
+        ends = _BOUNDS.fullmatch(self.bounds)
+        if ends is None:
+            return None
+        top, left = int(ends[1] or 0), int(ends[3] or 0)
+        bottom, right = int(ends[2] or rows), int(ends[4] or columns)
+        if bottom > rows or right > columns:
+            raise UsageError(f"{self.shown}: the picture has {rows} rows and {columns} columns")
+        if bottom <= top or right <= left:
+            raise UsageError(f"{self.shown}: rows {top}:{bottom}, columns {left}:{right} are empty")
+        return Region(top, left, bottom - top, right - left)
+
+
+def save_target(text: str) -> Save:
+    """A port, perhaps a region of it, and the file it is saved to."""
+    port, _, file = text.partition("=")
+    bounds = ""
+    if "[" in port.rpartition(".")[2] or port.endswith("]"):
+        port, _, bounds = port.rpartition("[")
+        bounds, bracket, rest = bounds.partition("]")
+        if not (_BOUNDS.fullmatch(bounds) and bracket and not rest and "." in port):
+            form = "NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, each bound a whole number or left out"
+            raise UsageError(f"--save {text!r:.120}: write {form}")
+        text = f"{port}={file}"
     save = assignment("--save", text, "NODE.PORT=FILE")
     _with_suffix("--save", save.text, SAVE_SUFFIXES)
-    return save
+    return Save(save.node, save.name, save.text, bounds)
 
 
 def report_path(text: str) -> Path:

@@ -13,6 +13,7 @@ from typing import Any
 
 from app.arguments import Options
 from app.evaluation import Evaluation, TimedWork, evaluate, planned
+from app.option_values import Save
 from app.overrides import with_settings
 from app.png import encode_png, grey_levels, robust_limits
 from app.progress import Progress
@@ -31,8 +32,10 @@ from core.network_file import read_network
 from core.plain import close, shown
 from core.policy import Policy
 from core.realize import realize
+from core.region import Region
 from core.skips import Skip, skips
 from core.validate import check_network
+from core.values import Image
 from nodes.files.read import check_finite
 from nodes.library import standard_library
 
@@ -132,14 +135,14 @@ def _input_files(plan: Plan, folder: Path) -> list[Path]:
 
 def _claim(
     plan: Plan, options: Options, folder: Path, sinks: dict[str, Path], staging: Staging
-) -> list[tuple[Path, str]]:
-    """Say early what will be written; gives the ``--save`` files with their ports."""
+) -> list[tuple[Path, str, Region | None]]:
+    """Say early what will be written; gives the ``--save`` files, each with port and region."""
     saves = []
     for save in options.saves:
-        path = Path(save.text)
-        check_suffix(save.port, _port_value(plan, save.node, save.name), path)
+        path, value = Path(save.text), _port_value(plan, save.node, save.name)
+        check_suffix(save.port, value, path)
+        saves.append((path, save.port, _region(save, value)))
         staging.claim(path)
-        saves.append((path, save.port))
     for path in (*options.reports, *(folder / name for name in (FINAL, MTF, READOUTS))):
         staging.claim(path)
     for node, path in sinks.items():
@@ -171,14 +174,22 @@ def _port_value(plan: Plan, node: str, port: str) -> Any:
     return known.outputs[port]
 
 
+def _region(save: Save, value: Any) -> Region | None:
+    if isinstance(value, Image):
+        return save.region(value.rows, value.columns)
+    if save.bounds:
+        raise UsageError(f"{save.shown}: only an image has a region, and no {value.port_type}")
+    return None
+
+
 def _write(
     found: Evaluation,
-    saves: list[tuple[Path, str]],
+    saves: list[tuple[Path, str, Region | None]],
     staging: Staging,
     folder: Path,
 ) -> None:
-    for path, port in saves:
-        staging.write(path, partial(_save, found, port))
+    for path, port, region in saves:
+        staging.write(path, partial(_save, found, port, region))
     for path, writer in _sink_files(found):
         staging.write(path, writer)
     if found.chain.final is not None:
@@ -197,9 +208,9 @@ def _write_reports(
         staging.write(path, partial(write_report, found, skipped))
 
 
-def _save(found: Evaluation, port: str, path: Path) -> None:
+def _save(found: Evaluation, port: str, region: Region | None, path: Path) -> None:
     try:
-        save_value(found.plan.output(port), path, found.work, port=port)
+        save_value(found.plan.output(port), path, found.work, port=port, region=region)
     except ImagechainError as error:
         raise error.at(port.rpartition(".")[0]) from error
 

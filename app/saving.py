@@ -17,6 +17,7 @@ from core.atomic import write_bytes, write_text
 from core.data import CurveData, TableData
 from core.errors import UsageError
 from core.realize import realize
+from core.region import Region
 from core.values import Context, Curve, Image, Table
 from core.work import Work
 from nodes.files.arrays import write_curves, write_matrix, write_npy
@@ -47,8 +48,12 @@ def check_suffix(port: str, value: Any, path: Path) -> None:
         )
 
 
-def save_value(value: Any, path: Path, work: Work, *, port: str) -> None:
+def save_value(
+    value: Any, path: Path, work: Work, *, port: str, region: Region | None = None
+) -> None:
     """Write the computed value: arrays as they are, curves as columns, tables as rows.
+
+    Of an image, only the region is computed and written.
 
     A ``.png`` runs from black at the least to white at the greatest sample, in 8 bits. A pupil
     with a wavefront is written as its amplitude.
@@ -58,7 +63,7 @@ def save_value(value: Any, path: Path, work: Work, *, port: str) -> None:
     ImagechainError
         From computing, or from the writer.
     """
-    made = realize(value, work)
+    made = realize(value, work, region)
     suffix = path.suffix.lower()
     if isinstance(made, TableData):
         _save_rows(path, [(row.name, row.value, row.unit, row.meaning) for row in made.rows])
@@ -69,7 +74,7 @@ def save_value(value: Any, path: Path, work: Work, *, port: str) -> None:
     else:
         array = real_array(made, work)
         check_finite(array, port)
-        metadata = _metadata(value) if isinstance(value, Image) else {}
+        metadata = _metadata(value, array.shape) if isinstance(value, Image) else {}
         _save_array(path, array, suffix, metadata)
 
 
@@ -93,12 +98,14 @@ def _save_array(path: Path, array: Array, suffix: str, metadata: dict[str, Any])
         write_picture(path, array, dtype="double" if double else "float", metadata=metadata)
 
 
-def _metadata(image: Image) -> dict[str, Any]:
+def _metadata(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
+    """What the image's header says, the field of view being that of the samples written."""
+    x, y = image.header.fov_x_deg, image.header.fov_y_deg
     header = {
         "unit": image.unit,
         "focal_length_mm": image.header.focal_length_mm,
-        "fov_x_deg": image.header.fov_x_deg,
-        "fov_y_deg": image.header.fov_y_deg,
+        "fov_x_deg": None if x is None else x * (shape[1] / image.columns),
+        "fov_y_deg": None if y is None else y * (shape[0] / image.rows),
     }
     return {name: value for name, value in header.items() if value not in (None, "")}
 

@@ -15,7 +15,8 @@ from core.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
 from core.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
 from core.planes import Axes, axes_of
 from core.product import Product
-from core.recipes import Recipe, Step
+from core.recipes import Recipe, Step, in_parts
+from core.region import Region
 from core.values import Image, Magnitude, Phase
 from core.work import Work
 
@@ -91,22 +92,41 @@ class Delivered(Recipe):
             and a.edges == b.edges
         )
 
+    @property
+    def in_parts(self) -> bool:
+        """Half of the inverse transform serves a region as well."""
+        return True
+
+    def share(self, region: Region, shape: tuple[int, int]) -> float:
+        """All of the first half; of the second the columns if mirrored, else the rows."""
+        part = region.columns / shape[1] if self.mirrored else region.rows / shape[0]
+        return 0.5 + 0.5 * part
+
     def compute(self, work: Work) -> Array:
         """One multiplication of the spectrum and one inverse transform."""
+        return self._made(work)
+
+    def compute_part(self, work: Work, region: Region) -> Array:
+        """The same, the second half of the transform for the region alone."""
+        return self._made(work, region)
+
+    def _made(self, work: Work, region: Region | None = None) -> Array:
         grid = self.magnitude.grid
         kept, _ = self.spent(work)
         product = Product(kept)
         source = self.magnitude.image
         if source is not None and self.one_source:
             if not kept and self.factor_x == self.factor_y == 1:
-                return np.asarray(work.value(source.recipe), work.policy.dtype)
+                picture = source.recipe
+                samples = work.part(picture, region) if region else work.value(picture)
+                return np.asarray(samples, work.policy.dtype)
             transform = mirrored_spectrum if self.mirrored else periodic_spectrum
             spectrum = work.value(Step.of(transform, source.recipe, node=self.node))
             apply = mirrored_filter if self.mirrored else periodic_filter
         else:
             spectrum, apply = self._crossed(work), periodic_filter
         work.check()
-        result = apply(work, spectrum, product, grid, self.factor_x, self.factor_y)
+        result = apply(work, spectrum, product, grid, self.factor_x, self.factor_y, region)
         if self.mode == "sum":
             result *= result.dtype.type(self.factor_x * self.factor_y)
         return result
@@ -173,6 +193,20 @@ def combine_pixels(
     )
 
 
+def _combined_part(
+    work: Work, region: Region, image: Recipe, *, factor_x: int, factor_y: int, mode: str
+) -> Array:
+    wanted = Region(
+        region.top * factor_y,
+        region.left * factor_x,
+        region.rows * factor_y,
+        region.columns * factor_x,
+    )
+    blocks = work.part(image, wanted)
+    return block_combine(work, blocks, factor_x=factor_x, factor_y=factor_y, mode=mode)
+
+
+@in_parts(_combined_part)
 def block_combine(work: Work, image: Array, *, factor_x: int, factor_y: int, mode: str) -> Array:
     """Mean or sum of whole blocks, sums in double."""
     rows, columns = image.shape[0] // factor_y, image.shape[1] // factor_x

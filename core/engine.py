@@ -16,6 +16,7 @@ from core.network import Link, Network, Node, passed_through
 from core.policy import Policy
 from core.realize import realize
 from core.recipes import Recipe
+from core.region import Region
 from core.store import Store
 from core.values import SpectrumWire, Transfer
 from core.work import Work
@@ -134,13 +135,17 @@ class Engine:
         """One evaluation over this engine's store."""
         return Work(policy, self.store, cancel, progress, self._workers)
 
-    def value(self, plan: Plan, port: str, work: Work) -> Any:
-        """The computed value of one ``node.port``."""
+    def value(self, plan: Plan, port: str, work: Work, region: Region | None = None) -> Any:
+        """The computed value of one ``node.port``.
+
+        Of an image, a `region` gives the samples that the whole picture has there, to the bit,
+        and computes no more than they need.
+        """
         value = plan.output(port)
         node = port.rpartition(".")[0]
         try:
             with watched(node):
-                return realize(value, work)
+                return realize(value, work, region)
         except ImagechainError as error:
             raise error.at(node) from error
 

@@ -24,11 +24,14 @@ from core.arithmetic import require_finite
 from core.grid import Grid
 from core.planes import Planes
 from core.product import Product
+from core.region import Region
 from core.transforms import Kind, row_blocks, transform_block, transform_columns
 from core.work import Work
 
 Array = NDArray[Any]
-BLOCK_SAMPLES = 1 << 17  # of the spectrum, that a block of rows is made of
+# Of the spectrum, that a block of rows is made of. In smaller ones two threads wait for each other
+# between the calls: 4.2 ms in 2^17, 3.6 in 2^18 for the Kodak optics.
+BLOCK_SAMPLES = 1 << 18
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,7 @@ def mirrored_filter(
     grid: Grid,
     factor_x: int = 1,
     factor_y: int = 1,
+    region: Region | None = None,
 ) -> Array:
     """The filtered frame, its `factor_y` × `factor_x` blocks averaged.
 
@@ -78,18 +82,25 @@ def mirrored_filter(
         Sampling of the unfiltered frame.
     factor_x, factor_y : int
         Block size; each divides the frame's size.
+    region : Region, optional
+        Of the result, all that is wanted: then only its columns are transformed along y.
 
     Returns
     -------
-    ndarray, shape (rows // factor_y, columns // factor_x)
+    ndarray, shape (rows // factor_y, columns // factor_x), or the region's
     """
     terms = _Terms(work, product, grid, factor_x, factor_y)
+    whole = Region(0, 0, *terms.shape)
+    rows, columns = (region or whole).slices
     total: Array | None = None
     for odd_y in terms.odd_y:
-        part = _lines(work, spectrum.values, terms, odd_y)
+        part = _lines(work, spectrum.values, terms, odd_y, columns)
         transform_columns(work, part, _inverse(odd_y))
+        part = part[rows]
         total = part if total is None else np.add(total, part, out=total)
     assert total is not None
+    if len(total) != terms.shape[0]:
+        total = total.copy()  # lets go of the other rows
     require_finite(total)
     total += np.asarray(spectrum.mean * product.at_zero(work), total.dtype)
     return total
@@ -185,10 +196,13 @@ def mean_kernel(size: int, factor: int) -> Array:
     return kernel
 
 
-def _lines(work: Work, spectrum: Array, terms: _Terms, odd_y: bool) -> Array:
-    """Multiply, fold and transform back along x, all in one pass over blocks of output rows."""
+def _lines(work: Work, spectrum: Array, terms: _Terms, odd_y: bool, columns: slice) -> Array:
+    """Multiply, fold and transform back along x, all in one pass over blocks of output rows.
+
+    Of each row those columns are kept.
+    """
     rows_out = terms.shape[0]
-    lines = np.empty(terms.shape, spectrum.dtype)
+    lines = np.empty((rows_out, columns.stop - columns.start), spectrum.dtype)
     height = max(1, BLOCK_SAMPLES // (spectrum.shape[1] * terms.factor_y))
 
     def one(start: int) -> None:
@@ -197,7 +211,7 @@ def _lines(work: Work, spectrum: Array, terms: _Terms, odd_y: bool) -> Array:
         for odd_x, values in terms.apply(spectrum, start, stop, odd_y):
             part = transform_block(terms.fold_x[odd_x](values), _inverse(odd_x), axis=1)
             total = part if total is None else np.add(total, part, out=total)
-        lines[start:stop] = 0 if total is None else total
+        lines[start:stop] = 0 if total is None else total[:, columns]
 
     work.each(one, range(0, rows_out, height))
     return lines

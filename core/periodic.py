@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.arithmetic import require_finite
-from core.fourier import fourier
+from core.fourier import backend, fourier
 from core.grid import Grid
 from core.mirrored import BLOCK_SAMPLES, MeanFree
 from core.planes import Planes
 from core.product import Product
+from core.region import Region
 from core.work import Work
 
 Array = NDArray[Any]
@@ -62,6 +63,7 @@ def periodic_filter(
     grid: Grid,
     factor_x: int = 1,
     factor_y: int = 1,
+    region: Region | None = None,
 ) -> Array:
     """The filtered frame, its `factor_y` × `factor_x` blocks averaged.
 
@@ -73,15 +75,29 @@ def periodic_filter(
         # An alias beyond Nyquist is the conjugate of the mirrored frequency's value.
         flip = -np.arange(rows) % rows
         direct += turned[flip].conj()
-    if rows == 1 and columns == 1:
-        image = np.real(direct)
-    else:
-        image = fourier().irfft2(
-            direct, s=(rows, columns), overwrite_x=True, workers=work.policy.workers
-        )
+    image = _inverse(work, direct, (rows, columns), region)
     require_finite(image)
     image += np.asarray(spectrum.mean * product.at_zero(work), image.dtype)
-    return np.asarray(image)
+    return image
+
+
+def _inverse(
+    work: Work, spectrum: Array, shape: tuple[int, int], region: Region | None = None
+) -> Array:
+    """The picture of a half spectrum, which is overwritten, or a region of it."""
+    workers = work.policy.workers
+    if shape == (1, 1):
+        return np.real(spectrum)
+    # Of scipy's transforms it is known that a row's bits do not depend on the other rows.
+    if region is None or backend() != "scipy.fft":
+        image = fourier().irfft2(spectrum, s=shape, overwrite_x=True, workers=workers)
+        return np.asarray(image if region is None else region.cut(image))
+    # irfft2 step by step: all columns, then rows, each sample scaled last of all.
+    how = {"norm": "forward", "overwrite_x": True, "workers": workers}
+    lines = fourier().ifft(spectrum, axis=0, **how)
+    rows, columns = region.slices
+    image = fourier().irfft(lines[rows], n=shape[1], axis=1, **how)[:, columns]
+    return np.asarray(image * image.dtype.type(np.longdouble(1) / (shape[0] * shape[1])))
 
 
 def _fold(

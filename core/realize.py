@@ -9,21 +9,34 @@ from numpy.typing import NDArray
 
 from core.arithmetic import require_finite
 from core.data import SampledTransfer
+from core.errors import ParameterError
 from core.fourier import fourier
 from core.recipes import Recipe, Step
+from core.region import Region
 from core.values import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
 from core.work import Work
 
 Array = NDArray[Any]
 
 
-def realize(value: Any, work: Work) -> Any:
-    """The computed form of a port's value.
+def realize(value: Any, work: Work, region: Region | None = None) -> Any:
+    """The computed form of a port's value, or a region of it if it is an image.
 
     Image: pixels. Transfer, magnitude and phase: full 2-D arrays in FFT order, MTF and magnitude
     real and signed, PTF and phase in radians. Curve: `CurveData`. Table: `TableData`. Context:
     itself. A pupil gives its samples.
+
+    Raises
+    ------
+    ParameterError
+        For a region of what is no image, or beyond the image.
     """
+    if region is not None:
+        if not isinstance(value, Image):
+            kind = getattr(value, "port_type", type(value).__name__)
+            raise ParameterError("region", str(region), f"only an image has one, and no {kind}")
+        if region.within(value.shape).shape != value.shape:
+            return work.part(value.recipe, region)
     if isinstance(value, Image | Curve | Table):
         return work.value(value.recipe)
     if isinstance(value, Transfer | SpectrumWire):

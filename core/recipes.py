@@ -1,7 +1,8 @@
 """Recipes: how a value is made, without the value.
 
 A recipe has a content key. Two recipes with equal keys give the same value to the last bit, so the
-value is made once and shared. Nothing is computed until `Work.value` asks.
+value is made once and shared. Nothing is computed until `Work.value` asks. Of a picture,
+`Work.part` asks for a region alone; a recipe that is `in_parts` then makes no more than that.
 """
 
 from __future__ import annotations
@@ -10,12 +11,16 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from core.keys import content_key
 
 if TYPE_CHECKING:
+    from core.region import Region
     from core.work import Work
+
+F = TypeVar("F", bound=Callable[..., Any])
+Share = Callable[["Region", tuple[int, int]], float]
 
 
 class Recipe(ABC):
@@ -40,6 +45,19 @@ class Recipe(ABC):
     @abstractmethod
     def compute(self, work: Work) -> Any:
         """Make the value; inputs come from `work.value`."""
+
+    @property
+    def in_parts(self) -> bool:
+        """Whether a region of the picture can be made without the rest."""
+        return False
+
+    def compute_part(self, work: Work, region: Region) -> Any:
+        """Make a region, to the bit as the whole has it; for recipes that are `in_parts`."""
+        raise NotImplementedError
+
+    def share(self, region: Region, shape: tuple[int, int]) -> float:
+        """Share of the whole picture's work that a region takes: of its samples, if no other."""
+        return region.rows * region.columns / (shape[0] * shape[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,3 +100,46 @@ class Step(Recipe):
         values = [work.value(recipe) for recipe in self.inputs]
         work.check()
         return self.function(work, *values, **dict(self.parameters))
+
+    @property
+    def in_parts(self) -> bool:
+        """Whether the function is marked so, by `in_parts` or `pointwise`."""
+        return hasattr(self.function, "part")
+
+    def compute_part(self, work: Work, region: Region) -> Any:
+        """Let the function's part look after its inputs."""
+        make: Callable[..., Any] = self.function.part  # type: ignore[attr-defined]
+        return make(work, region, *self.inputs, **dict(self.parameters))
+
+    def share(self, region: Region, shape: tuple[int, int]) -> float:
+        """As it was given to `in_parts`."""
+        told: Share = getattr(self.function, "share", None) or super().share
+        return told(region, shape)
+
+
+def in_parts(part: Callable[..., Any], share: Share | None = None) -> Callable[[F], F]:
+    """Mark a step's function with another that makes a region of its result.
+
+    Parameters
+    ----------
+    part : callable
+        Called as ``part(work, region, *inputs, **parameters)``, where `inputs` are the recipes:
+        it asks `work.part` or `work.parts` for what it needs of them.
+    share : callable, optional
+        Called with region and shape of the picture: share of the whole's work that it takes.
+    """
+
+    def mark(function: F) -> F:
+        function.part, function.share = part, share  # type: ignore[attr-defined]
+        return function
+
+    return mark
+
+
+def pointwise(function: F) -> F:
+    """Mark a step's function that makes each sample of the pictures' samples at its place."""
+
+    def part(work: Work, region: Region, *inputs: Recipe, **parameters: Any) -> Any:
+        return function(work, *work.parts(inputs, region), **parameters)
+
+    return in_parts(part)(function)

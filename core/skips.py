@@ -25,6 +25,7 @@ Kind = Literal[
     "mirrored_edges",
     "pupil_centre",
     "folded",
+    "region",
 ]
 
 
@@ -40,7 +41,8 @@ class Skip:
         ``disabled``; ``identity``, a setting that changes nothing; ``below_budget``, a stage left
         out; ``unseen``, outputs that nobody asked for; ``unchanged``, values that were there
         already; ``mirrored_edges``, a frame that needs no padding; ``pupil_centre``, an OTF
-        evaluated within the image's band alone; ``folded``, a pixel mean taken on the spectrum.
+        evaluated within the image's band alone; ``folded``, a pixel mean taken on the spectrum;
+        ``region``, a picture of which only a region was wanted.
     text : str
         One line for people, without `bound` and `share`.
     bound : float, optional
@@ -101,7 +103,8 @@ class _Account:
         self.asked, self.computed = {**work.tally.asked}, {*work.tally.computed}
         reused = work.tally.reused()
         behind = _behind(reused)
-        self.known = behind.union(self.asked, work.tally.looked_at)
+        self.parts = {**work.tally.parts}
+        self.known = behind.union(self.asked, work.tally.looked_at, (key for key, _ in self.parts))
         self.was_there = behind.union(recipe.key for recipe in reused)
 
     def of_node(self, name: str, planned: PlannedNode) -> Iterator[Skip]:
@@ -120,6 +123,8 @@ class _Account:
             yield Skip(name, "unseen", text, ports=unseen)
         yield from self._unchanged(name, set(keys.values()))
         for value in made.values():
+            if isinstance(value, Image):
+                yield from self._of_regions(name, value)
             recipe = getattr(value, "recipe", None)
             if isinstance(recipe, Delivered) and recipe.key in self.known:
                 yield from self._of_picture(name, recipe)
@@ -135,6 +140,25 @@ class _Account:
             return
         share = (len(steps) - len(reused)) / len(steps) if steps else 0.0
         yield Skip(name, "unchanged", text, share=share)
+
+    def _of_regions(self, name: str, image: Image) -> Iterator[Skip]:
+        """What was made of a picture for a region of it, and of the pictures it takes."""
+        maker = image.recipe.node or name
+        shares = []
+        for (key, region), recipe in self.parts.items():
+            if recipe.node == maker and key in self.asked:
+                shares += [1.0] if key in self.computed else []
+            elif recipe.node == maker and (key, region) in self.computed:
+                shares.append(recipe.share(region, image.shape))
+        for key, region in self.parts if shares else ():
+            if key == image.key:
+                alone = sum(share < 1 for share in shares)
+                made = f"{alone} of {len(shares)} steps made no more than they take"
+                text = (
+                    f"{region.columns} × {region.rows} of {image.columns} × {image.rows} samples "
+                    f"were wanted: {made if alone else 'the whole was made'}"
+                )
+                yield Skip(maker, "region", text, share=sum(shares) / len(shares))
 
     def _of_picture(self, name: str, recipe: Delivered) -> Iterator[Skip]:
         """What was skipped to make a picture that comes out of an inverse transform."""

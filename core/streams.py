@@ -19,6 +19,7 @@ from numpy.random import Generator, Philox
 from numpy.typing import DTypeLike, NDArray
 
 from core.errors import DataError, ParameterError
+from core.region import Region, runs
 from core.workers import Each, in_turn
 
 Floats = TypeVar("Floats", NDArray[np.float32], NDArray[np.float64])
@@ -26,8 +27,9 @@ _Array = NDArray[Any]
 _Draw = Callable[[Generator, _Array], None]
 _Work = Callable[[Generator, slice], None]
 
-BLOCK = 65536
-"""Samples drawn from one counter; part of what defines a field."""
+BLOCK = 1 << 17
+"""Samples drawn from one counter; part of what defines a field. Shorter ones keep two threads
+waiting for each other: 0.74 ms for 512² normals in place of 0.94."""
 
 SPARSE_MEAN = 4.0
 """Up to this mean, drawing a block's events is faster than a deviate for every sample."""
@@ -38,6 +40,7 @@ rejection method would lose its accuracy to cancelling logarithms."""
 
 _AT_ONCE = BLOCK // 2  # words drawn at a time: a block of normals in one go
 _ALL_BITS = 2**64 - 1
+_PLACE_BITS = (BLOCK - 1).bit_length()  # of a random word, that tell a place in a block
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,33 @@ def normal_field(
     """
     draw = _box_muller if _is_single(dtype) else _ziggurat
     return _drawn(stream, np.empty(shape, dtype), draw, each)
+
+
+def normal_part(
+    stream: Stream,
+    shape: tuple[int, int],
+    region: Region,
+    *,
+    dtype: DTypeLike = np.float64,
+    each: Each = in_turn,
+) -> _Array:
+    """A region of the `normal_field` of that shape; no block is drawn that lies beside it."""
+    draw = _box_muller if _is_single(dtype) else _ziggurat
+    (rows, columns), key, part = shape, stream.key, np.empty(region.shape, dtype)
+
+    def one(block: int) -> None:
+        start = block * BLOCK
+        samples = np.empty(min(BLOCK, rows * columns - start), dtype)
+        draw(_generator(key, block), samples)
+        for run in runs(start, start + len(samples), columns):
+            both = run.overlap(region)
+            if both is not None:
+                offset = run.top * columns + run.left - start
+                lines = samples[offset : offset + run.rows * run.columns].reshape(run.shape)
+                part[both.seen_from(region)] = lines[both.seen_from(run)]
+
+    each(one, region.blocks(columns, BLOCK))
+    return part
 
 
 def uniform_field(
@@ -236,12 +266,12 @@ def _thinned(generator: Generator, mean: _Array, largest: float, counts: _Array)
     bits = max((mean.size - 1).bit_length(), 1)
     places = 1 << bits  # those beyond the block's end have mean 0
     left = int(generator.poisson(largest * places))
-    unit = largest * 2.0**-48
+    unit = largest * 2.0 ** -(64 - _PLACE_BITS)
     while left > 0:
         words = _words(generator, min(left, _AT_ONCE))
         left -= words.size
         place = (words & np.uint64(places - 1)).astype(np.intp)
-        words >>= np.uint64(16)  # the place is in the lowest 16 bits: what is left is independent
+        words >>= np.uint64(_PLACE_BITS)  # what is left is independent of the place
         if places != mean.size:
             inside = place < mean.size
             place, words = place[inside], words[inside]

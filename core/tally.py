@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from core.recipes import Recipe
+    from core.region import Region
 
 
 class Tally:
@@ -17,17 +18,25 @@ class Tally:
     ----------
     asked : dict of key to Recipe
         Recipes whose value was wanted.
-    computed : set of str
-        Keys of those whose computation was begun.
+    parts : dict of (key, Region) to Recipe
+        Pictures of which a region was wanted.
+    computed : set of str or (key, Region)
+        Those of both whose computation was begun.
     looked_at : set of str
         Keys of spectra and transfer functions of which an array was made.
     """
 
     def __init__(self) -> None:
         self.asked: dict[str, Recipe] = {}
-        self.computed: set[str] = set()
+        self.parts: dict[tuple[str, Region], Recipe] = {}
+        self.computed: set[str | tuple[str, Region]] = set()
         self.looked_at: set[str] = set()
 
     def reused(self) -> list[Recipe]:
-        """Recipes whose value was there already."""
-        return [recipe for key, recipe in list(self.asked.items()) if key not in self.computed]
+        """Recipes whose value, or what was wanted of it, was there already."""
+        whole = [recipe for key, recipe in list(self.asked.items()) if key not in self.computed]
+        return whole + [
+            recipe
+            for (key, region), recipe in list(self.parts.items())
+            if key not in self.asked and (key, region) not in self.computed
+        ]

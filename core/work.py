@@ -6,10 +6,13 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from core.arithmetic import watched
 from core.errors import Cancelled, ImagechainError
 from core.policy import Policy
 from core.recipes import Recipe
+from core.region import Region
 from core.store import Store
 from core.tally import Tally
 from core.workers import Workers
@@ -60,6 +63,34 @@ class Work:
         self.tally.asked[recipe.key] = recipe
         return self.store.get(f"{recipe.key}/{self.policy.key}", lambda: self._compute(recipe))
 
+    def part(self, recipe: Recipe, region: Region) -> Any:
+        """The samples of a picture in a region; what is no array comes whole.
+
+        They are cut from the whole where it is known already or has to be made, and the same to
+        the bit where they are made alone.
+        """
+        key = f"{recipe.key}/{self.policy.key}"
+        if recipe.in_parts and self.store.peek(key) is None:
+            self.tally.parts[recipe.key, region] = recipe
+            return self.store.get(f"{key}/{region}", lambda: self._compute(recipe, region))
+        value = self.value(recipe)
+        if not isinstance(value, np.ndarray):
+            return value
+        self.tally.parts[recipe.key, region] = recipe
+        cut = region.cut(value)
+        cut.flags.writeable = False
+        return cut
+
+    def parts(self, recipes: Sequence[Recipe], region: Region) -> list[Any]:
+        """The same region of several pictures.
+
+        Those that only come whole are made first: what they are made of is then known, and parts
+        of it need not be made once more.
+        """
+        order = sorted(range(len(recipes)), key=lambda index: recipes[index].in_parts)
+        found = {index: self.part(recipes[index], region) for index in order}
+        return [found[index] for index in range(len(recipes))]
+
     def check(self) -> None:
         """Raise `Cancelled` if the caller has asked to stop."""
         if self._cancel is not None and self._cancel.is_set():
@@ -75,13 +106,15 @@ class Work:
 
         self._workers.each(one, items, self.policy.workers)
 
-    def _compute(self, recipe: Recipe) -> Any:
-        self.tally.computed.add(recipe.key)
+    def _compute(self, recipe: Recipe, region: Region | None = None) -> Any:
+        self.tally.computed.add(recipe.key if region is None else (recipe.key, region))
         self.check()
         if self._progress is not None:
             self._progress(recipe.node)
         try:
             with watched(recipe.node):
+                if region is not None:
+                    return recipe.compute_part(self, region)
                 return recipe.compute(self)
         except ImagechainError as error:
             if recipe.node is None:

@@ -17,6 +17,7 @@ _KINDS = {
     "pupil_centre": ("the pupil's OTF beyond the band", "it does not reach the picture"),
     "mirrored_edges": ("a frame padded for its edges", "cosine transforms mirror by themselves"),
     "folded": ("the picture before its pixels are combined", "the spectrum is folded instead"),
+    "region": ("pictures beyond a region", "nobody asked for more of them"),
     "unchanged": ("values that were there", "nothing they are made of has changed"),
     "unseen": ("whole arrays of outputs", "nobody asked for them"),
 }
@@ -31,7 +32,7 @@ def economy(facts: dict[str, Any]) -> str:
             node + _detail(fact)
             for node, listed in facts["skipped"].items()
             for fact in listed
-            if fact["kind"] == kind
+            if fact["kind"] == kind and fact["share"] != 1  # a region may take the whole picture
         ]
         if where:
             rows.append((what, why.format(budget=budget), ", ".join(where)))
@@ -59,6 +60,7 @@ def _detail(fact: Fact) -> str:
         "pupil_centre": "{share} % of it evaluated",
         "mirrored_edges": "{share} % of its samples transformed",
         "folded": "inverse of {share} % of its samples",
+        "region": "{share} % computed",
         "unchanged": "{share} % of its steps computed",
         "unseen": "{ports}",
     }.get(fact["kind"])

@@ -78,6 +78,6 @@ def apply_gain_bias(
 
 
 def _typed(pattern: ArrayLike, radiance: NDArray[Any]) -> NDArray[Any]:
-    """In double while small, in the picture's own type where every sample has its own."""
+    """In double while small, in its own type where every sample has its own."""
     values = np.asarray(pattern)
-    return values.astype(radiance.dtype if values.size >= radiance.size else float, copy=False)
+    return values if values.size >= radiance.size else values.astype(float)

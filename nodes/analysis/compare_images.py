@@ -15,7 +15,7 @@ from core.grid import Grid
 from core.mirrored import mirrored_spectrum
 from core.parameters import Param
 from core.periodic import periodic_spectrum
-from core.recipes import Recipe, Step
+from core.recipes import Recipe, Step, pointwise
 from core.values import Curve, Edges, Image, Table
 from core.work import Work
 from nodes.analysis.spectrum_ratio import axes_ratio, radial_ratio
@@ -99,6 +99,7 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
         return Step.of(figure, outputs.table.recipe, name="mean_difference")
 
 
+@pointwise
 def subtracted(work: Work, image: Array, reference: Array) -> Array:
     """Image less reference."""
     return np.subtract(image, reference, dtype=work.policy.dtype)

@@ -18,7 +18,7 @@ from core.physics.electronics import (
 )
 from core.physics.noise_equivalent import detector_area_cm2
 from core.physics.post_filter import corner_in_cyc_per_mrad, post_filter_mtf, post_filter_ptf
-from core.recipes import Recipe, Step
+from core.recipes import Step
 from core.values import Context, Image, Table, Transfer
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import (
@@ -167,7 +167,7 @@ class ElectronicsNoise(
             amplified = plan.amplifier_noise(filtered, table)
         shaped = plan.filter(amplified, post, context.edges)
         clean = plan.filter(plan.filter(image.recipe, filters, context.edges), post, context.edges)
-        final = self._quantized(shaped, node)
+        final = plan.quantized(shaped, self.bits, *self._range()) if self.bits else shaped
 
         grid, all_filters = image.grid(), (*filters, *post)
         parts = {p: tuple(f for f in all_filters if f.part == p) for p in ("mtf", "ptf")}
@@ -276,12 +276,6 @@ class ElectronicsNoise(
         if not self.range_low and not self.range_high:
             return None, None
         return self.range_low, self.range_high
-
-    def _quantized(self, picture: Recipe, node: str) -> Recipe:
-        if self.bits == 0:
-            return picture
-        low, high = self._range()
-        return Step.of(steps.quantized, picture, node=node, bits=self.bits, low=low, high=high)
 
     bandwidth_figure = _figure("bandwidth_Hz", "Hz", "Noise bandwidth.")
     g_number = _figure("g_number", "1/sr", "Optical throughput number G#.")

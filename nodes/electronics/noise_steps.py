@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from core.data import TableData, TableRow
 from core.errors import ParameterError
 from core.factors import Separable
+from core.grid import Grid
 from core.line_filter import filter_lines
 from core.physics.gain_bias import apply_gain_bias
 from core.physics.quantization import quantization_rms, quantize
-from core.recipes import Recipe, Step
-from core.streams import Stream, normal_field
+from core.recipes import Recipe, Step, in_parts, pointwise
+from core.region import Region
+from core.streams import BLOCK, Stream, normal_field, normal_part
 from core.values import Edges, Image, Platform
 from core.work import Work
 from nodes.electronics.detector_figures import DetectorFigures, Statistics
@@ -99,22 +101,49 @@ class NoisePlan:
 
     def _pattern(self, name: str) -> Recipe:
         rows, columns = self.image.shape
-        shapes = {"line": (1, 1), "push": (1, columns), "array": (rows, columns)}
-        return self._deviates(name, shapes[self.platform])
+        shapes = {"line": (1, 1), "push": (1, columns)}
+        if self.platform not in shapes:
+            return self._deviates(name, (rows, columns))
+        return Step.of(in_double, self._deviates(name, shapes[self.platform]), node=self.node)
 
     def _deviates(self, name: str, shape: tuple[int, int]) -> Recipe:
         return Step.of(unit_deviates, node=self.node, stream=self.stream(name), shape=shape)
 
+    def quantized(
+        self, picture: Recipe, bits: int, low: float | None, high: float | None
+    ) -> Recipe:
+        """The picture in 2^bits levels over the range, by default its own."""
+        if low is not None and high is not None:
+            return Step.of(quantized, picture, node=self.node, bits=bits, limits=(low, high))
+        limits = Step.of(value_range, picture, node=self.node, low=low, high=high)
+        return Step.of(quantized, picture, limits, node=self.node, bits=bits)
 
+
+def _deviates_part(work: Work, region: Region, *, stream: Stream, shape: tuple[int, int]) -> Array:
+    wanted = region.broadcast(shape)
+    return normal_part(stream, shape, wanted, dtype=work.policy.dtype, each=work.each)
+
+
+def _deviates_share(region: Region, shape: tuple[int, int]) -> float:
+    return len(region.blocks(shape[1], BLOCK)) / -(-shape[0] * shape[1] // BLOCK)
+
+
+@in_parts(_deviates_part, _deviates_share)
 def unit_deviates(work: Work, *, stream: Stream, shape: tuple[int, int]) -> Array:
     """Standard normal deviates."""
     return normal_field(stream, shape, dtype=work.policy.dtype, each=work.each)
 
 
-def quantized(
-    work: Work, picture: Array, *, bits: int, low: float | None, high: float | None
-) -> Array:
-    """Nearest of 2^bits levels over the range, by default the picture's own."""
+@pointwise
+def in_double(work: Work, pattern: Array) -> Array:
+    """A pattern of one line or one sample, whose digits cost nothing."""
+    return pattern.astype(np.float64)
+
+
+def value_range(
+    work: Work, picture: Array, *, low: float | None, high: float | None
+) -> tuple[float, float]:
+    """Ends of the quantizer's range; those not given are the picture's own."""
     lowest = float(picture.min()) if low is None else low
     highest = float(picture.max()) if high is None else high
     if lowest > highest:
@@ -126,7 +155,14 @@ def quantized(
             f"{picture.max():.6g}, or give both ends",
             unit="W/m²/sr",
         )
-    return quantize(picture, bits=bits, low=lowest, high=highest, each=work.each)
+    return lowest, highest
+
+
+@pointwise
+def quantized(work: Work, picture: Array, limits: tuple[float, float], *, bits: int) -> Array:
+    """Nearest of 2^bits levels between the limits."""
+    low, high = limits
+    return quantize(picture, bits=bits, low=low, high=high, each=work.each)
 
 
 def with_quantization(work: Work, table: TableData, final: Array, before: Array) -> TableData:
@@ -141,6 +177,7 @@ def pick(work: Work, table: TableData, *, name: str) -> Any:
     return table.as_dict()[name]
 
 
+@pointwise
 def _detected(
     work: Work,
     picture: Array,
@@ -166,12 +203,14 @@ def _detected(
     return read
 
 
+@pointwise
 def _noisy(work: Work, picture: Array, *noise: Any, variability_percent: float) -> Array:
     return np.asarray(
         picture + _detector_noise(work, *noise, variability_percent=variability_percent)
     )
 
 
+@pointwise
 def _detector_noise(
     work: Work,
     figures: DetectorFigures,
@@ -187,14 +226,23 @@ def _detector_noise(
     return np.asarray(deviates * np.asarray(sigma, deviates.dtype))
 
 
+@pointwise
 def _amplifier_noise(work: Work, picture: Array, table: TableData, deviates: Array) -> Array:
     sigma: Any = table.as_dict()["amplifier_noise"]
     return np.asarray(picture + deviates * deviates.dtype.type(sigma))
 
 
+def _filtered_part(work: Work, region: Region, picture: Recipe, *, grid: Grid, **how: Any) -> Array:
+    wanted = Region(region.top, 0, region.rows, grid.columns)
+    lines = filter_lines(work, work.part(picture, wanted), grid=grid, **how)
+    return np.ascontiguousarray(lines[:, region.slices[1]])
+
+
+@in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
 def _filtered(work: Work, picture: Array, **how: Any) -> Array:
     return filter_lines(work, picture, **how)
 
 
+@pointwise
 def _difference(work: Work, picture: Array, other: Array) -> Array:
     return np.asarray(picture - other)

@@ -12,7 +12,8 @@ from core.declaration import Here, Module
 from core.grid import Grid
 from core.parameters import Param
 from core.physics.periodic_noise import periodic_pattern
-from core.recipes import Step
+from core.recipes import Step, in_parts, pointwise
+from core.region import Region
 from core.values import Image
 from core.work import Work
 
@@ -76,20 +77,28 @@ def silence(work: Work, *, rows: int, columns: int) -> Array:
     return np.zeros((rows, columns), work.policy.dtype)
 
 
-def drawn(work: Work, *, grid: Grid, **values: float) -> Array:
-    """The pattern on the picture's samples, computed in double by blocks of rows."""
-    pattern = np.empty(grid.shape, work.policy.dtype)
-    x_mrad = np.arange(grid.columns) * grid.interval_x_mrad
+def _drawn_part(work: Work, region: Region, *, grid: Grid, **values: float) -> Array:
+    """A region of the pattern, computed in double by blocks of rows."""
+    pattern = np.empty(region.shape, work.policy.dtype)
+    rows, columns = region.slices
+    x_mrad = np.arange(columns.start, columns.stop) * grid.interval_x_mrad
+    y_mrad = np.arange(rows.start, rows.stop)[:, np.newaxis] * grid.interval_y_mrad
 
-    def block(rows: slice) -> None:
-        y_mrad = np.arange(grid.rows)[rows, np.newaxis] * grid.interval_y_mrad
-        pattern[rows] = periodic_pattern(x_mrad=x_mrad, y_mrad=y_mrad, **values)
+    def block(lines: slice) -> None:
+        pattern[lines] = periodic_pattern(x_mrad=x_mrad, y_mrad=y_mrad[lines], **values)
 
-    step = max(1, _BLOCK_SAMPLES // grid.columns)
-    work.each(block, [slice(start, start + step) for start in range(0, grid.rows, step)])
+    step = max(1, _BLOCK_SAMPLES // region.columns)
+    work.each(block, [slice(start, start + step) for start in range(0, region.rows, step)])
     return pattern
 
 
+@in_parts(_drawn_part)
+def drawn(work: Work, *, grid: Grid, **values: float) -> Array:
+    """The pattern on the picture's samples."""
+    return _drawn_part(work, Region(0, 0, *grid.shape), grid=grid, **values)
+
+
+@pointwise
 def summed(work: Work, image: Array, noise: Array) -> Array:
     """Picture and noise."""
     return np.add(image, noise, dtype=work.policy.dtype)

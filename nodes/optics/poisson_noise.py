@@ -13,7 +13,7 @@ from core.local_mean import local_mean
 from core.parameters import Param
 from core.photon_events import displaced_events, events_are_few
 from core.physics.poisson_noise import photon_means, published_means, radiance_of_photons
-from core.recipes import Recipe, Step
+from core.recipes import Recipe, Step, pointwise
 from core.streams import Stream, poisson_field
 from core.values import Image
 from core.work import Work
@@ -109,10 +109,12 @@ def _photons(work: Work, image: Array, *, photons_per_unit: float, stream: Strea
     return radiance_of_photons(counts, photons_per_unit=photons_per_unit)
 
 
+@pointwise
 def _sum(work: Work, image: Array, noise: Array) -> Array:
     return np.asarray(image + noise)
 
 
+@pointwise
 def _difference(work: Work, noisy: Array, image: Array) -> Array:
     return np.asarray(noisy - image)
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from core.declaration import Here, Module
 from core.parameters import Param
-from core.recipes import Step
+from core.recipes import Recipe, Step, in_parts
+from core.region import Region
 from core.values import Image
 from core.work import Work
 from nodes.ports import ImageOutput
@@ -42,7 +43,12 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
         if (height, width) == image.shape:
             return ImageOutput(image)
         recipe = Step.of(
-            resampled, image.recipe, node=here.node, width=width, height=height, order=self.order
+            resampled,
+            image.recipe,
+            node=here.node,
+            old=image.shape,
+            new=(height, width),
+            order=self.order,
         )
         x, y = image.interval_x_mrad, image.interval_y_mrad
         return ImageOutput(
@@ -56,22 +62,55 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
         )
 
 
-def resampled(work: Work, image: Array, *, width: int, height: int, order: int) -> Array:
-    """The image at `height` × `width` samples; along first, then across, by blocks of rows."""
-    base_y, further_y = taps(image.shape[0], height, order)
-    base_x, further_x = taps(image.shape[1], width, order)
-    result = np.empty((height, width), work.policy.dtype)
+def _resampled_part(
+    work: Work,
+    region: Region,
+    image: Recipe,
+    *,
+    old: tuple[int, int],
+    new: tuple[int, int],
+    order: int,
+) -> Array:
+    rows, columns = region.slices
+    top, height, along = _needed(taps(old[0], new[0], order), rows)
+    left, width, across = columns.start, region.columns, None
+    if old[1] != new[1]:
+        left, width, across = _needed(taps(old[1], new[1], order), columns)
+    return _sampled(work, work.part(image, Region(top, left, height, width)), along, across)
+
+
+@in_parts(_resampled_part)
+def resampled(
+    work: Work, image: Array, *, old: tuple[int, int], new: tuple[int, int], order: int
+) -> Array:
+    """The image's `old` rows and columns as `new` ones."""
+    along, across = (taps(old[axis], new[axis], order) for axis in (0, 1))
+    return _sampled(work, image, along, None if old[1] == new[1] else across)
+
+
+def _sampled(work: Work, image: Array, along: Taps, across: Taps | None) -> Array:
+    """Combine samples along first, then across, by blocks of rows."""
+    (base, further), old_width = along, image.shape[1]
+    width = old_width if across is None else len(across[0])
+    result = np.empty((len(base), width), work.policy.dtype)
 
     def block(rows: slice) -> None:
-        wanted = [(index[rows], weight[rows, np.newaxis]) for index, weight in further_y]
-        lines = _combined(image, base_y[rows], wanted, axis=0)
-        if width != image.shape[1]:
-            lines = _combined(lines, base_x, further_x, axis=1)
-        result[rows] = lines
+        wanted = [(index[rows], weight[rows, np.newaxis]) for index, weight in further]
+        lines = _combined(image, base[rows], wanted, axis=0)
+        result[rows] = lines if across is None else _combined(lines, *across, axis=1)
 
-    step = max(1, _BLOCK_SAMPLES // max(width, image.shape[1]))
-    work.each(block, [slice(start, start + step) for start in range(0, height, step)])
+    step = max(1, _BLOCK_SAMPLES // max(width, old_width))
+    work.each(block, [slice(start, start + step) for start in range(0, len(base), step)])
     return result
+
+
+def _needed(taps: Taps, wanted: slice) -> tuple[int, int, Taps]:
+    """First sample and number of samples that some new ones need, and their taps counted so."""
+    base, further = taps[0][wanted], [(index[wanted], weight[wanted]) for index, weight in taps[1]]
+    first = min(int(index.min()) for index in (base, *(index for index, _ in further)))
+    last = max(int(index.max()) for index in (base, *(index for index, _ in further)))
+    moved = [(index - first, weight) for index, weight in further]
+    return first, last - first + 1, (base - first, moved)
 
 
 def _combined(

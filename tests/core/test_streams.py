@@ -223,4 +223,4 @@ def test_generator_of_a_block_is_what_the_field_is_made_of():
     field = normal_field(stream(), (2 * BLOCK,))
     second = stream().generator(1).standard_normal(BLOCK)
     assert np.array_equal(field[BLOCK:], second)
-    assert streams.BLOCK == 65536
+    assert streams.BLOCK == 131072

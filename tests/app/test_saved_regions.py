@@ -1,0 +1,127 @@
+"""``--save NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE``: rows and columns of an image."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from nodes.files.picture_writing import write_picture
+from nodes.files.read import read_info
+
+ROWS, COLUMNS = 40, 48
+BOUNDS = {
+    "5:21,8:19": (slice(5, 21), slice(8, 19)),
+    ":21,8:": (slice(0, 21), slice(8, COLUMNS)),
+    "39:,:1": (slice(39, ROWS), slice(0, 1)),
+    ":,:": (slice(None), slice(None)),
+    "0:40,0:48": (slice(None), slice(None)),
+    "007:9,00:48": (slice(7, 9), slice(None)),
+}
+FORM = "write NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, each bound a whole number or left out"
+FAULTS = {
+    "beyond below": ("back.image[0:41,:]=a.npy", "the picture has 40 rows and 48 columns"),
+    "beyond right": (
+        "back.image[:,40:49]=a.npy",
+        "--save back.image[:,40:49]=a.npy: the picture has 40 rows and 48 columns",
+    ),
+    "far beyond": ("back.image[0:999999999999999999,:]=a.npy", "the picture has 40 rows"),
+    "of the smaller picture": ("pixels.image[0:21,:]=a.npy", "has 20 rows and 24 columns"),
+    "no rows": ("back.image[7:7,:]=a.npy", "rows 7:7, columns 0:48 are empty"),
+    "rows turned round": ("back.image[9:7,:]=a.npy", "rows 9:7, columns 0:48 are empty"),
+    "no columns": ("back.image[:,48:]=a.npy", "rows 0:40, columns 48:48 are empty"),
+    "negative": ("back.image[-3:,:]=a.npy", FORM),
+    "no whole number": ("back.image[0.5:2,:]=a.npy", FORM),
+    "a step": ("back.image[0:9:2,:]=a.npy", FORM),
+    "rows alone": ("back.image[0:9]=a.npy", FORM),
+    "one row": ("back.image[3,:]=a.npy", FORM),
+    "nothing": ("back.image[]=a.npy", FORM),
+    "not closed": ("back.image[0:9,:=a.npy", FORM),
+    "not opened": ("back.image0:9,:]=a.npy", FORM),
+    "too late": ("back.image=a.npy[0:9,:]", "must end in"),
+    "no port": ("back[0:9,:]=a.npy", FORM),
+    "too many digits": (f"back.image[{'9' * 5000}:,:]=a.npy", FORM),
+    "no file": ("back.image[0:9,:]=", "give a file name"),
+    "no image": (
+        "init.magnitude[:,:]=a.npy",
+        "--save init.magnitude[:,:]=a.npy: only an image has a region, and no magnitude",
+    ),
+    "no such port": ("back.imag[0:9,:]=a.npy", "mean image?"),
+    "one file twice": ("back.image[0:9,:]=./b.npy", "two outputs"),
+}
+
+
+@pytest.fixture(autouse=True)
+def _network(write, small):
+    write(small)
+
+
+@pytest.mark.parametrize("port", ["back.image", "scene.image"])
+def test_is_the_crop_of_the_whole(port, imagechain, tmp_path):
+    words = ["run", "net.json", "--save", f"{port}=whole.npy"]
+    for number, bounds in enumerate(BOUNDS):
+        words += ["--save", f"{port}[{bounds}]={number}.npy"]
+    done = imagechain(*words)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "also whole.npy, 0.npy, 1.npy" in done.stdout
+    alone = imagechain("run", "net.json", "--save", f"{port}[5:21,8:19]=alone.npy")
+    assert alone.returncode == 0
+    whole = np.load(tmp_path / "whole.npy")
+    assert whole.shape == (ROWS, COLUMNS)
+    for number, slices in enumerate(BOUNDS.values()):
+        np.testing.assert_array_equal(np.load(tmp_path / f"{number}.npy"), whole[slices])
+    np.testing.assert_array_equal(np.load(tmp_path / "alone.npy"), whole[5:21, 8:19])
+
+
+def test_a_node_may_have_brackets_in_its_name(imagechain, write, small, tmp_path):
+    text = json.dumps(small)
+    for end in ('"', "."):
+        text = text.replace(f'"back{end}', f'"b[0:1,:]{end}')
+    write(json.loads(text))
+    ports = ["b[0:1,:].image=whole.npy", "b[0:1,:].image[3:9,:]=part.npy"]
+    done = imagechain("run", "net.json", "--save", ports[0], "--save", ports[1])
+    assert (done.returncode, done.stderr) == (0, "")
+    whole = np.load(tmp_path / "whole.npy")
+    np.testing.assert_array_equal(np.load(tmp_path / "part.npy"), whole[3:9])
+
+
+@pytest.mark.parametrize("suffix", ["tif", "exr"])
+def test_field_of_view_of_what_was_written(suffix, imagechain, small, write, tmp_path):
+    """So that a crop that is read again has the sampling interval that it had."""
+    fov = {"fov_x_deg": 3.0, "fov_y_deg": 2.5}
+    write_picture(tmp_path / "in.tif", np.ones((ROWS, COLUMNS)), dtype="float", metadata=fov)
+    small["nodes"]["read"] = {"module": "read_image", "params": {"path": "in.tif"}}
+    save = f"read.image[4:14,6:30]=crop.{suffix}"
+    done = imagechain("run", write(small), "--save", save)
+    assert (done.returncode, done.stderr) == (0, "")
+    info = read_info(tmp_path / f"crop.{suffix}")
+    assert (info.rows, info.columns) == (10, 24)
+    assert info.fov_x_deg == pytest.approx(3.0 / 2, rel=1e-6)
+    assert info.fov_y_deg == pytest.approx(2.5 / 4, rel=1e-6)
+
+
+@pytest.mark.parametrize(("save", "told"), FAULTS.values(), ids=FAULTS.keys())
+def test_faults(save, told, fails):
+    assert told in fails("run", "net.json", "--save", "pixels.image=b.npy", "--save", save)
+
+
+def test_the_report_tells_what_a_region_saved(imagechain, tmp_path):
+    words = ["--save", "back.image[3:8,12:36]=a.npy", "--report", "r.json", "--report", "r.html"]
+    imagechain("run", "net.json", *words)
+    report = json.loads((tmp_path / "r.json").read_text())
+    (fact,) = [each for each in report["skipped"]["back"] if each["kind"] == "region"]
+    assert fact["share"] == pytest.approx(0.5 + 0.5 * 24 / 48)
+    page = (tmp_path / "r.html").read_text()
+    assert "pictures beyond a region" in page
+    assert "back (75 % computed)" in page
+    imagechain("run", "net.json", "--save", "pixels.image[3:8,12:24]=a.npy", *words[2:])
+    report = json.loads((tmp_path / "r.json").read_text())
+    (fact,) = [each for each in report["skipped"]["back"] if each["kind"] == "region"]
+    assert fact["share"] == 1  # the final picture is made whole in any case
+    assert "pictures beyond a region" not in (tmp_path / "r.html").read_text()
+
+
+def test_help_tells_of_it(imagechain):
+    told = " ".join(imagechain("run", "--help").stdout.split())
+    assert "NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE" in told
