@@ -12,6 +12,7 @@ from linked_network import linked_network
 from nodes.input_output.read_image import ReadImage
 from nodes.transform.anti_alias import AntiAlias, box_mtf, lanczos_mtf
 from nodes.transform.interpolate import Interpolate
+from slow_reference.resampling import interpolated
 
 ENGINE_LIBRARY = library_of([ReadImage, AntiAlias, Interpolate])
 TOLERANCE = {"double": 1e-13, "single": 1e-6}
@@ -36,36 +37,6 @@ def through(folder, array, key, params, precision="double", threads=1):
     return source, image, engine.value(plan, "out.image", work), readouts
 
 
-def keys_cubic(s):
-    s = abs(s)
-    if s <= 1:
-        return 1.5 * s**3 - 2.5 * s**2 + 1
-    return -0.5 * s**3 + 2.5 * s**2 - 4 * s + 2 if s < 2 else 0.0
-
-
-KERNELS = {1: lambda s: max(0.0, 1 - abs(s)), 3: keys_cubic}
-
-
-def direct_line(line, new, order):
-    """Every new sample as a sum over all old ones, those at the ends repeated."""
-    old, reach = len(line), 4
-    padded = np.concatenate([np.full(reach, line[0]), line, np.full(reach, line[-1])])
-    result = []
-    for j in range(new):
-        x = (j + 0.5) * old / new - 0.5
-        if order == 0:
-            result.append(line[min(range(old), key=lambda i: (abs(i - x), -i))])
-        else:
-            weights = [KERNELS[order](x - (i - reach)) for i in range(len(padded))]
-            result.append(float(np.dot(weights, padded)))
-    return np.array(result)
-
-
-def direct(array, width, height, order):
-    columns = np.stack([direct_line(c, height, order) for c in array.T], axis=1)
-    return np.stack([direct_line(r, width, order) for r in columns])
-
-
 @pytest.mark.parametrize("precision", ["double", "single"])
 @pytest.mark.parametrize("order", [0, 1, 3])
 @pytest.mark.parametrize(
@@ -75,7 +46,7 @@ def test_interpolate_is_the_direct_sum(tmp_path, size, new, order, precision):
     array = picture(*size)
     params = {"width": new[1], "height": new[0], "order": order}
     source, image, value, _ = through(tmp_path, array, "interpolate", params, precision)
-    expected = direct(array, new[1], new[0], order)
+    expected = interpolated(array, new[1], new[0], order)
     assert value.dtype == (np.float32 if precision == "single" else np.float64)
     assert np.abs(value - expected).max() <= TOLERANCE[precision] * 60
     assert image.shape == value.shape == new
