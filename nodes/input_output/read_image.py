@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
-from core.declaration import Here, Module
+from core.declaration import Here, Module, readout
 from core.errors import ParameterError
 from core.parameters import Param
 from core.physics.sampling import interval_mrad
+from core.recipes import Step
 from core.values import Header, Image
 from nodes.files.paths import checked_band
 from nodes.files.picture_info import PictureInfo
-from nodes.input_output.source_file import picture_source, read_step
+from nodes.input_output.source_file import count_missing, picture_source, read_step
 from nodes.ports import ImageOutput
 
 _PER_CM2 = re.compile(r"/\s*cm\s*(\^?2|²)|cm\s*(\^?-2|⁻²)", re.IGNORECASE)
@@ -26,7 +27,8 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for every other
     file these two say which band the samples are of. Where the header says radiance per cm², as
     DIRSIG's W cm⁻² sr⁻¹ µm⁻¹, a scale of 1 stands for the 10000 to W m⁻² sr⁻¹. An empty field of
-    view is taken from the header. FITS pictures come with their first row at the bottom.
+    view is taken from the header. FITS pictures come with their first row at the bottom. Samples
+    that are no numbers are refused unless `missing` says what stands for them.
     """
 
     path: Annotated[Path | None, Param("picture file, relative to the network file's folder")] = (
@@ -43,6 +45,11 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     ] = None
     cut_on_um: Annotated[float | None, Param("shortest wavelength", unit="µm", low=0)] = None
     cut_off_um: Annotated[float | None, Param("longest wavelength", unit="µm", low=0)] = None
+
+    missing: Annotated[
+        Literal["refuse", "mean", "zero"],
+        Param("samples that are NaN or infinite: an error, or the others' mean or 0 for them"),
+    ] = "refuse"
 
     def check(self) -> None:
         """Refuse half a band and an empty one."""
@@ -66,6 +73,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
             scale=self.scale * (_per_m2(info) if self.scale == 1.0 else 1.0),
             node=here.node,
             interval_um=stated if spectral else None,
+            missing=self.missing,
         )
         fov_x_deg = self.fov_x_deg or info.fov_x_deg
         fov_y_deg = self.fov_y_deg or info.fov_y_deg
@@ -81,6 +89,14 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
                 header=Header(fov_x_deg, fov_y_deg, info.focal_length_mm),
             )
         )
+
+    @readout("samples")
+    def missing_samples(self, outputs: ImageOutput) -> Step | int:
+        """Samples of the file that are NaN or infinite."""
+        read = outputs.image.recipe
+        if self.missing == "refuse" or not isinstance(read, Step):
+            return 0
+        return Step.of(count_missing, node=read.node, **dict(read.parameters))
 
     def _stated_band(self) -> tuple[float, float] | None:
         if self.cut_on_um is None or self.cut_off_um is None:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.declaration import Here
-from core.errors import FileError, ParameterError
+from core.errors import DataError, FileError, ParameterError
 from core.recipes import Step
 from core.work import Work
 from nodes.files.envi_bands import integrate_bands
@@ -21,6 +21,8 @@ from nodes.files.picture_info import PictureInfo
 from nodes.files.read import check_finite, read_info, read_pixels
 
 Stamp = tuple[str, int, int]
+Missing = Literal["refuse", "mean", "zero"]
+"""What to do with samples that are NaN or infinite."""
 _BLOCK_SAMPLES = 1 << 20
 
 
@@ -62,8 +64,12 @@ def read_step(
     scale: float,
     node: str,
     interval_um: tuple[float, float] | None = None,
+    missing: Missing = "refuse",
 ) -> Step:
-    """Recipe of the samples of a band, or integrated over an interval, times `scale`."""
+    """Recipe of the samples of a band, or integrated over an interval, times `scale`.
+
+    Samples that are not finite are refused, or replaced by the mean of the others, or by zero.
+    """
     return Step.of(
         read_scaled,
         node=node,
@@ -72,6 +78,7 @@ def read_step(
         band=band,
         scale=scale,
         interval_um=interval_um,
+        missing=missing,
     )
 
 
@@ -83,6 +90,7 @@ def read_scaled(
     band: int,
     scale: float,
     interval_um: tuple[float, float] | None,
+    missing: Missing,
 ) -> NDArray[np.floating]:
     """Samples in the evaluation's precision.
 
@@ -93,16 +101,48 @@ def read_scaled(
     DataError
         Samples that are not finite, or not any more after scaling.
     """
-    if tuple(_stamp(Path(name)) for name, _, _ in stamps) != stamps:
-        raise FileError(f"{file}: has changed since the network was planned: run it again")
-    if interval_um is None:
-        samples = read_pixels(file, band)
+    samples = _stored(file, stamps, band, interval_um)
+    if missing == "refuse":
+        check_finite(samples, str(file))
     else:
-        samples = integrate_bands(file, *interval_um)
-    check_finite(samples, str(file))
+        samples = _filled(samples, missing, file)
     if scale == 1.0 and samples.dtype == work.policy.dtype:
         return samples
     return _scaled(work, samples, scale, file)
+
+
+def count_missing(
+    work: Work,
+    *,
+    file: Path,
+    stamps: tuple[Stamp, ...],
+    band: int,
+    interval_um: tuple[float, float] | None,
+    **_: Any,
+) -> int:
+    """How many samples are not finite; takes the parameters of `read_scaled`."""
+    samples = _stored(file, stamps, band, interval_um)
+    return int(samples.size - np.count_nonzero(np.isfinite(samples)))
+
+
+def _stored(
+    file: Path, stamps: tuple[Stamp, ...], band: int, interval_um: tuple[float, float] | None
+) -> NDArray[Any]:
+    if tuple(_stamp(Path(name)) for name, _, _ in stamps) != stamps:
+        raise FileError(f"{file}: has changed since the network was planned: run it again")
+    if interval_um is None:
+        return read_pixels(file, band)
+    return integrate_bands(file, *interval_um)
+
+
+def _filled(samples: NDArray[Any], missing: Missing, file: Path) -> NDArray[Any]:
+    known = np.isfinite(samples)
+    if known.all():
+        return samples
+    if not known.any():
+        raise DataError(f"{file}: none of its {samples.size} samples is finite")
+    value = float(np.mean(samples[known], dtype=np.float64)) if missing == "mean" else 0.0
+    return np.where(known, samples, samples.dtype.type(value))
 
 
 def _scaled(work: Work, samples: NDArray[Any], scale: float, file: Path) -> NDArray[np.floating]:

@@ -143,6 +143,29 @@ def test_samples_not_finite_are_refused_with_their_place(tmp_path):
         reading(tmp_path, "single", path="b.npy", scale=1e20).value("in.image")
 
 
+@pytest.mark.parametrize("precision", ["single", "double"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_missing_samples_are_counted_and_stood_in_for_if_asked(tmp_path, bad, precision):
+    array = np.array([[1.0, bad, 3.0], [bad, 8.0, 0.0]])
+    np.save(tmp_path / "a.npy", array)
+    for missing, value in (("mean", 3.0), ("zero", 0.0)):
+        bench = reading(tmp_path, precision, path="a.npy", scale=2.0, missing=missing)
+        expected = [[2.0, 2 * value, 6.0], [2 * value, 16.0, 0.0]]
+        np.testing.assert_array_equal(bench.value("in.image"), expected)
+        assert bench.readouts("in")["missing_samples"] == 2
+    whole = np.where(np.isfinite(array), array, 7.0)
+    np.save(tmp_path / "b.npy", whole)
+    bench = reading(tmp_path, precision, path="b.npy", missing="mean")
+    np.testing.assert_array_equal(bench.value("in.image"), whole)
+    assert bench.readouts("in")["missing_samples"] == 0
+
+
+def test_a_picture_of_nothing_has_no_mean(tmp_path):
+    np.save(tmp_path / "a.npy", np.full((3, 4), np.nan))
+    with pytest.raises(DataError, match="none of its 12 samples is finite"):
+        reading(tmp_path, path="a.npy", missing="mean").value("in.image")
+
+
 def test_reads_the_real_frame_where_it_is_there():
     frame = Path(__file__).parents[2] / "../shared/data/sc660_lwir.img"
     if frame.exists():
