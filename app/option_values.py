@@ -6,9 +6,12 @@ import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from core.errors import UsageError
-from core.region import Region
+
+if TYPE_CHECKING:
+    from core.region import Region
 
 REPORT_SUFFIXES = (".json", ".html")
 SAVE_SUFFIXES = (".npy", ".exr", ".tif", ".tiff", ".png", ".csv")
@@ -69,6 +72,8 @@ class Save(Assignment):
             raise UsageError(f"{self.shown}: the picture has {rows} rows and {columns} columns")
         if bottom <= top or right <= left:
             raise UsageError(f"{self.shown}: rows {top}:{bottom}, columns {left}:{right} are empty")
+        from core.region import Region  # not for every command: it takes numpy to load
+
         return Region(top, left, bottom - top, right - left)
 
 
