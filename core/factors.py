@@ -167,8 +167,6 @@ class Planar:
         Which aspect of the law's value this factor carries. A magnitude wire carries "real" or
         "modulus", a phase wire "phase"; where modulus and phase of one law meet again they become
         "complex".
-    smooth : bool
-        Smooth inside its support but for the centre, so that a low rank may serve there.
     ratios : (float, float)
         What xi and eta are multiplied by first: see `rescaled`.
     cutoff : (float, float) or None
@@ -182,7 +180,6 @@ class Planar:
     radial: bool = False
     symmetric: bool = True
     take: Take = "real"
-    smooth: bool = False
     ratios: tuple[float, float] = (1.0, 1.0)
     cutoff: tuple[float, float] | None = field(default=None, compare=False)
     label: str = field(default="", compare=False)
@@ -204,7 +201,7 @@ class Planar:
         return content_key(
             "planar",
             self.law,
-            (self.radial, self.symmetric, self.take, self.smooth),
+            (self.radial, self.symmetric, self.take),
             self.ratios,
         )
 
@@ -242,7 +239,8 @@ class Planar:
             xi, eta = xi * self.ratios[0], eta * self.ratios[1]
         with _placed(self.node):
             if self.radial:
-                return np.asarray(self.law(work, rho=np.hypot(xi, eta)))
+                # Ten times as fast as hypot, and frequencies are far from where it overflows.
+                return np.asarray(self.law(work, rho=np.sqrt(xi * xi + eta * eta)))
             return np.asarray(self.law(work, xi=xi, eta=eta))
 
 

@@ -78,7 +78,7 @@ def chain(edges: str, precision: Precision, *, known: bool = False) -> Callable[
         if known:
             axes: Axes = "mirrored" if edges == "reflect" else "periodic"
             found = work.value(Known(factor, grid, axes, node=factor.node))
-            note = ("evaluated anew each time", "whole plane kept", "low rank kept")[len(found)]
+            note = found.told
         kept = store.keys()
 
         def deliver(frame: Array) -> Array:

@@ -45,7 +45,7 @@ def wavelengths(settings: Settings) -> list[Table]:
                 {
                     "aperture": aperture,
                     "choice": count,
-                    **paired(otf.low_rank, t0, pairs=3, warm_up=1).facts(),
+                    **paired(otf.plane, t0, pairs=3, warm_up=1).facts(),
                     "error": float(np.abs(found - np.array(expected)).max()),
                 }
             )

@@ -60,8 +60,8 @@ class Otf:
         """Seconds of evaluating it at every frequency, nothing known before."""
         return self._seconds(lambda factor: self._blocks(lambda rows: self._plane(factor, rows)))
 
-    def low_rank(self) -> float:
-        """Seconds of the same by thin matrices, where they serve."""
+    def plane(self) -> float:
+        """Seconds of the plane as a picture's filter takes it."""
 
         def evaluate(factor: Planar) -> None:
             self._blocks(self.planes(factor).block)
@@ -69,7 +69,7 @@ class Otf:
         return self._seconds(evaluate)
 
     def known(self) -> float:
-        """Seconds of the thin matrices' product alone."""
+        """Seconds of reading the plane once it is known."""
         planes = self.planes(self.factor)
         start = time.perf_counter()
         self._blocks(planes.block)

@@ -62,12 +62,15 @@ def angle_minus_sine(angle: ArrayLike) -> Floats:
         ``x - sin(x)``.
     """
     x = np.asarray(angle, dtype=np.float64)
-    square = np.minimum(x, 1.0) ** 2
+    least = np.minimum(x, 1.0)
+    square = least * least
     series = np.ones_like(square)
     for k in range(10, 0, -1):
         series = 1.0 - series * square / ((2 * k + 2) * (2 * k + 3))
-    small = np.minimum(x, 1.0) ** 3 / 6.0 * series
-    return np.where(x < 1.0, small, x - np.sin(x))
+    small = least * square / 6.0 * series
+    if x.max(initial=0.0) >= 1.0:
+        small = np.where(x < 1.0, small, x - np.sin(x))
+    return np.asarray(small)
 
 
 def disc_overlap_fraction(*, distance_ratio: ArrayLike) -> Floats:
@@ -83,20 +86,29 @@ def disc_overlap_fraction(*, distance_ratio: ArrayLike) -> Floats:
     ndarray
         Fraction in [0, 1]; exactly 0 from distance_ratio 1 on, relative precision up to there.
     """
-    v = np.minimum(np.asarray(distance_ratio, dtype=np.float64), 1.0)
-    half = np.arctan2(np.sqrt((1.0 - v) * (1.0 + v)), v)
-    fraction: Floats = angle_minus_sine(2.0 * half) / np.pi
-    return np.where(v == 0.0, 1.0, fraction)
+    v = np.minimum(np.atleast_1d(np.asarray(distance_ratio, dtype=np.float64)), 1.0)
+    chord = np.sqrt((1.0 - v) * (1.0 + v))
+    half = np.arctan2(chord, v)
+    fraction = (half - v * chord) * (2.0 / np.pi)
+    fraction[v == 0.0] = 1.0
+    slight = (v > _SLIGHT) & (v < 1.0)
+    if slight.any():
+        fraction[slight] = angle_minus_sine(2.0 * half[slight]) / np.pi
+    found: Floats = fraction.reshape(np.shape(distance_ratio))
+    return found
 
 
-def annulus_overlap_fraction(*, distance_ratio: ArrayLike, obscuration_ratio: ArrayLike) -> Floats:
+_SLIGHT = 0.9  # beyond it the segments' angle and sine cancel
+
+
+def annulus_overlap_fraction(*, distance_ratio: ArrayLike, obscuration_ratio: float) -> Floats:
     """Overlap of two equal annuli as a fraction of one annulus' area.
 
     Parameters
     ----------
     distance_ratio : array_like
         Distance of the centres over the outer diameter, not negative.
-    obscuration_ratio : array_like
+    obscuration_ratio : float
         Inner over outer radius, in (0, 1).
 
     Returns
@@ -110,32 +122,51 @@ def annulus_overlap_fraction(*, distance_ratio: ArrayLike, obscuration_ratio: Ar
     of the full ring is summed instead, and far from it, for thin rings, the two kites in which
     they cross: the terms are then as small as the result.
     """
-    s = 2.0 * np.asarray(distance_ratio, dtype=np.float64)
-    r = np.asarray(obscuration_ratio, dtype=np.float64)
+    s = 2.0 * np.asarray(distance_ratio, dtype=np.float64).ravel()
+    r = float(obscuration_ratio)
     ring = (1.0 - r) * (1.0 + r)
-    crossing = np.where(s < 2.0 * r, _two_kites(s, r), _far_overlap(s, r))
-    area = np.where(s < _NEAR_LAG * ring, _near_overlap(s, r), crossing)
-    fraction = np.clip(area / (np.pi * ring), 0.0, 1.0)
-    fraction = np.where(
-        s >= 1.0 + r, disc_overlap_fraction(distance_ratio=s / 2.0) / ring, fraction
+    beyond = s >= 1.0 + r
+    near = ~beyond & (s < _NEAR_LAG * ring)
+    apart = near & (s <= 1.0 - r)
+    rest = ~(beyond | near)
+    forms = (
+        (apart, _overlap_inside),
+        (near & ~apart, _near_overlap),
+        (rest & (s < 2.0 * r), _two_kites),
+        (rest & (s >= 2.0 * r), _far_overlap),
     )
-    return np.where(s == 0.0, 1.0, fraction)
+    fraction = np.empty_like(s)
+    for chosen, form in forms:
+        if chosen.any():
+            fraction[chosen] = np.clip(form(s[chosen], r) / (np.pi * ring), 0.0, 1.0)
+    fraction[beyond] = disc_overlap_fraction(distance_ratio=s[beyond] / 2.0) / ring
+    fraction[s == 0.0] = 1.0
+    return fraction.reshape(np.shape(distance_ratio))
 
 
+_TINY = 1e-300
 _NEAR_LAG = 60.0  # in ring thicknesses: where the errors of the two forms, 1e-14, are alike
 
 
-def _near_overlap(s: Floats, r: Floats) -> Floats:
-    """Annulus minus what the two outer and two inner discs miss of each other, plus the lunes."""
+def _overlap_inside(s: Floats, r: float) -> Floats:
+    """Annulus minus what the outer and inner discs miss of each other.
+
+    Neither inner disc may reach beyond the other's outer one.
+    """
     missing = _missing_of_disc(s / 2.0) + r * r * _missing_of_disc(s / (2.0 * r))
-    # Lune of the moved inner disc outside the outer one: angle seen from the outer centre, and
-    # the small angle between the two radii at the lune's tip.
+    area: Floats = np.pi * ((1.0 - r) * (1.0 + r)) - missing
+    return area
+
+
+def _near_overlap(s: Floats, r: float) -> Floats:
+    """The same, plus the lunes of each inner disc outside the other outer one."""
+    # Angle of the moved inner disc's lune seen from the outer centre, and the small angle between
+    # the two radii at the lune's tip.
     seen = arc_half_angle(radius=1.0, disc_radius=r, distance=s)
-    tip = np.arctan2(_four_triangle_areas(np.ones_like(r), r, s), 1.0 + r * r - s * s)
+    tip = np.arctan2(_four_triangle_areas(np.ones(1), np.full(1, r), s), 1.0 + r * r - s * s)
     ring = (1.0 - r) * (1.0 + r)
     lunes = 2.0 * r * r * (tip - np.cos(2.0 * seen + tip) * np.sin(tip))
-    lunes = lunes - ring * angle_minus_sine(2.0 * seen)
-    area: Floats = np.pi * ring - missing + lunes
+    area: Floats = _overlap_inside(s, r) + lunes - ring * angle_minus_sine(2.0 * seen)
     return area
 
 
@@ -146,13 +177,12 @@ def _missing_of_disc(ratio: Floats) -> Floats:
     return area
 
 
-def _two_kites(s: Floats, r: Floats) -> Floats:
+def _two_kites(s: Floats, r: float) -> Floats:
     """The two curved kites in which two rings cross: straight ones plus and minus segments."""
     ring = (1.0 - r) * (1.0 + r)
     outer_y = np.sqrt(np.maximum((1.0 - s / 2.0) * (1.0 + s / 2.0), 0.0))
     inner_y = np.sqrt(np.maximum((r - s / 2.0) * (r + s / 2.0), 0.0))
-    height = outer_y + inner_y
-    straight = np.divide(ring * ring, s * height, out=np.zeros_like(s), where=s * height > 0.0)
+    straight = ring * ring / (s * (outer_y + inner_y))
     arc = arc_half_angle(radius=1.0, disc_radius=1.0, distance=s)
     arc = arc - arc_half_angle(radius=1.0, disc_radius=r, distance=s)
     inner_arc = arc_half_angle(radius=r, disc_radius=1.0, distance=s)
@@ -162,7 +192,7 @@ def _two_kites(s: Floats, r: Floats) -> Floats:
     return area
 
 
-def _far_overlap(s: Floats, r: Floats) -> Floats:
+def _far_overlap(s: Floats, r: float) -> Floats:
     """Lens of the outer discs less those with the other's inner disc; the inner ones are apart."""
     lens = angle_minus_sine(2.0 * arc_half_angle(radius=1.0, disc_radius=1.0, distance=s))
     seen = angle_minus_sine(2.0 * arc_half_angle(radius=1.0, disc_radius=r, distance=s))
@@ -188,20 +218,17 @@ def half_disc_overlap_area(*, radius: float, lag_x: ArrayLike, lag_y: ArrayLike)
     """
     a, b = (np.abs(np.asarray(lag, dtype=np.float64)) / radius for lag in (lag_x, lag_y))
     a, b = np.minimum(a, 1.0), np.minimum(b, 2.0)
-    top = np.sqrt((1.0 - a) * (1.0 + a))
-    lag = np.hypot(a, b)
-    half_chord = np.sqrt(np.maximum((1.0 - lag / 2.0) * (1.0 + lag / 2.0), 0.0))
-    along = np.divide(half_chord, lag, out=np.ones_like(lag), where=lag > 0.0)
-    # The corner where the two circles cross, lower right; at zero lag any point of the rim.
-    shift_x, shift_y = along * b, -along * a
-    shift_x = np.where(lag > 0.0, shift_x, 1.0)
-    corner_x, corner_y = a / 2.0 + shift_x, b / 2.0 + shift_y
-    rim = np.arctan2(corner_x * top - corner_y * a, corner_x * a + corner_y * top)
-    moved = np.arctan2(corner_x - a, b - corner_y)
-    chord = a * (corner_y - (b - 1.0)) - b * (corner_x - a)
-    cut = 0.5 * (rim + moved + chord + a * (b - 1.0 - top))
-    segment = np.arctan2(top, a) - a * top
-    area = np.where(b - 1.0 >= -top, cut, segment)
-    empty = (b - 1.0 >= top) | (lag >= 2.0)
-    result: Floats = np.where(empty, 0.0, np.maximum(area, 0.0)) * radius**2
+    square = a * a + b * b
+    # Lower right of the two points where the circles cross.
+    slope = np.sqrt(np.maximum(1.0 - 0.25 * square, 0.0) / np.maximum(square, _TINY))
+    x, y = 0.5 * a + slope * b, 0.5 * b - slope * a
+    chord = np.sqrt((1.0 - a) * (1.0 + a))
+    angle = np.arctan2(a, chord)
+    # From the moved straight edge to that point the upper circle and the lower moved one bound the
+    # overlap, and beyond it, where it lies below the axis, the circle alone.
+    crossed = 0.5 * (np.arctan2(x, y) + np.arctan2(x - a, b - y) + a * (b + y) - b * x)
+    crossed = crossed - 0.5 * (a * chord + angle)
+    segment = 0.5 * np.pi - (a * chord + angle)
+    area = np.maximum(np.where(x > a, crossed, (y < 0.0) * segment), 0.0)
+    result: Floats = np.where(square == 0.0, 0.5 * np.pi, area) * radius**2
     return result

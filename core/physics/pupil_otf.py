@@ -13,6 +13,7 @@ from core.physics.defocus_otf import defocus_otf
 from core.physics.geometric_otf import geometric_otf
 from core.physics.pupil_shapes import PupilShape
 from core.physics.sampled_otf import sampled_otf
+from core.physics.tiles import by_tiles
 
 Array = NDArray[Any]
 
@@ -90,17 +91,20 @@ def circular_pupil_otf(
     -----
     Source: as `geometric_pupil_otf`; Tantalo 1996, appendix E.
     """
-    rho = np.asarray(rho, np.float64)
-    return _over_band(
-        (
-            annular_otf(
-                frequency_ratio=wavelength * rho / diameter_mm,
-                obscuration_ratio=obscuration_ratio,
-            )
-            for wavelength in wavelengths_um
-        ),
-        weights,
-    )
+
+    def tile(rho: Array) -> Array:
+        return _over_band(
+            (
+                annular_otf(
+                    frequency_ratio=wavelength * rho / diameter_mm,
+                    obscuration_ratio=obscuration_ratio,
+                )
+                for wavelength in wavelengths_um
+            ),
+            weights,
+        )
+
+    return by_tiles(tile, np.asarray(rho, np.float64))
 
 
 def defocused_disc_otf(
@@ -178,7 +182,9 @@ def sampled_pupil_otf(
     ndarray, float64 or complex128
     """
     xi, eta = np.asarray(xi, np.float64), np.asarray(eta, np.float64)
-    total = _over_band(
+    if real:
+        correlations = tuple(np.real(correlation) for correlation in correlations)
+    return _over_band(
         (
             sampled_otf(
                 correlations[min(index, len(correlations) - 1)],
@@ -190,7 +196,6 @@ def sampled_pupil_otf(
         ),
         weights,
     )
-    return np.real(total) if real else total
 
 
 def _over_band(otfs: Iterable[Array], weights: tuple[float, ...]) -> Array:

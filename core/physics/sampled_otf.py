@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
 from core.errors import DataError, ParameterError
 
+Array = NDArray[Any]
 Complexes = NDArray[np.complex128]
+Indices = NDArray[np.int64]
+Corner = Callable[[int, int], Array]  # of the cells: (0 near or 1 far along, likewise across)
 INTERPOLATIONS = ("linear", "bilinear")
 
 
@@ -89,16 +96,17 @@ def _checked(pupil: ArrayLike) -> Complexes:
 
 
 def sampled_otf(
-    correlation: Complexes, *, lag_x: ArrayLike, lag_y: ArrayLike, interpolation: str = "bilinear"
-) -> Complexes:
+    correlation: Array, *, lag_x: ArrayLike, lag_y: ArrayLike, interpolation: str = "bilinear"
+) -> Array:
     """OTF between the integer lags of a raw autocorrelation.
 
     Parameters
     ----------
     correlation : ndarray
-        From `autocorrelation`, odd sizes, zero lag in the middle.
+        From `autocorrelation`, or its real part; odd sizes, zero lag in the middle.
     lag_x, lag_y : array_like
-        Lags [samples of the pupil]; they broadcast. 0 is returned beyond the array.
+        Lags [samples of the pupil]; they broadcast, soonest as one row and one column. 0 is
+        returned beyond the array.
     interpolation : str
         ``bilinear`` over the four lags around, or ``linear`` over the triangle of three that the
         cell's diagonal through its corner nearest to zero lag leaves.
@@ -106,7 +114,7 @@ def sampled_otf(
     Returns
     -------
     ndarray
-        Complex OTF, Hermitian to the last bit: H(-lag) = conj(H(lag)).
+        OTF, complex as the autocorrelation is; Hermitian to the last bit: H(-lag) = conj(H(lag)).
 
     Raises
     ------
@@ -121,38 +129,80 @@ def sampled_otf(
     """
     if interpolation not in INTERPOLATIONS:
         raise ParameterError("interpolation", interpolation, "one of " + ", ".join(INTERPOLATIONS))
-    x, y = np.broadcast_arrays(
-        np.asarray(lag_x, dtype=np.float64), np.asarray(lag_y, dtype=np.float64)
-    )
+    x, y = np.asarray(lag_x, dtype=np.float64), np.asarray(lag_y, dtype=np.float64)
     if not (np.all(np.isfinite(x)) and np.all(np.isfinite(y))):
         raise DataError("a lag of the pupil's OTF is not finite")
-    reach_y, reach_x = (size // 2 for size in correlation.shape)
-    # Cells count away from zero lag, so that opposite lags use the same weights.
-    column, part_x = _cell(np.abs(x), reach_x)
-    row, part_y = _cell(np.abs(y), reach_y)
-    side_x, side_y = np.where(x < 0.0, -1, 1), np.where(y < 0.0, -1, 1)
-    framed = np.pad(correlation, 2)
+    interpolate = _bilinear if interpolation == "bilinear" else _linear
+    rows, columns = (size // 2 for size in correlation.shape)
+    across, along = _Cells.of(x, columns), _Cells.of(y, rows)
+    if x.ndim == y.ndim == 2 and x.shape[0] == y.shape[1] == 1:
+        lines, near, far = along.lines()
+        found = _framed(correlation, lines)
+        beside = [np.take(found, index[0], axis=1) for index in (across.near, across.far)]
 
-    def corner(down: int | NDArray[np.int64], right: int | NDArray[np.int64]) -> Complexes:
-        lag_rows, lag_columns = side_y * (row + down), side_x * (column + right)
-        found: Complexes = framed[lag_rows + reach_y + 2, lag_columns + reach_x + 2]
-        return found
+        def corner(down: int, right: int) -> Array:
+            part: Array = beside[right][(far if down else near)[:, 0]]
+            return part
 
-    near, far = corner(0, 0), corner(1, 1)
-    if interpolation == "bilinear":
-        top = near * (1.0 - part_x) + corner(0, 1) * part_x
-        bottom = corner(1, 0) * (1.0 - part_x) + far * part_x
-        otf: Complexes = top * (1.0 - part_y) + bottom * part_y
-        return otf
-    across = part_x >= part_y
-    third = corner(np.where(across, 0, 1), np.where(across, 1, 0))
+    else:
+        framed = np.pad(correlation, FRAME)
+
+        def corner(down: int, right: int) -> Array:
+            part: Array = framed[
+                along.far if down else along.near, across.far if right else across.near
+            ]
+            return part
+
+    return interpolate(corner, across.part, along.part)
+
+
+FRAME = 2  # zeros around the autocorrelation, in which lags beyond it end
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Places in a framed array of the lags that a lag lies between, and how far it is from one.
+
+    Cells count away from zero lag, so that opposite lags use the same weights.
+    """
+
+    near: Indices
+    far: Indices
+    part: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, lag: NDArray[np.float64], reach: int) -> _Cells:
+        inside = np.minimum(np.abs(lag), reach + 1.0)
+        lower = np.floor(inside)
+        side, index = np.where(lag < 0.0, -1, 1), lower.astype(np.int64)
+        middle = reach + FRAME
+        return cls(middle + side * index, middle + side * (index + 1), inside - lower)
+
+    def lines(self) -> tuple[Indices, Indices, Indices]:
+        """Every place once, without the frame, and where among them near and far ones are."""
+        places, index = np.unique(np.stack([self.near, self.far]), return_inverse=True)
+        near, far = index.reshape(2, *self.near.shape)
+        return places - FRAME, near, far
+
+
+def _framed(correlation: Array, lines: Indices) -> Array:
+    """Rows of the autocorrelation in their frame of zeros."""
+    height, width = correlation.shape
+    inside = (lines >= 0) & (lines < height)
+    found = np.zeros((len(lines), width + 2 * FRAME), correlation.dtype)
+    found[inside, FRAME:-FRAME] = correlation[lines[inside]]
+    return found
+
+
+def _bilinear(corner: Corner, part_x: NDArray[np.float64], part_y: NDArray[np.float64]) -> Array:
+    top = corner(0, 0) * (1.0 - part_x) + corner(0, 1) * part_x
+    bottom = corner(1, 0) * (1.0 - part_x) + corner(1, 1) * part_x
+    otf: Array = top * (1.0 - part_y) + bottom * part_y
+    return otf
+
+
+def _linear(corner: Corner, part_x: NDArray[np.float64], part_y: NDArray[np.float64]) -> Array:
+    third = np.where(part_x >= part_y, corner(0, 1), corner(1, 0))
     larger, smaller = np.maximum(part_x, part_y), np.minimum(part_x, part_y)
-    otf = near * (1.0 - larger) + third * (larger - smaller) + far * smaller
-    return np.asarray(otf, dtype=np.complex128)
-
-
-def _cell(lag: NDArray[np.float64], reach: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Lower corner and fraction of a lag; beyond the array a corner of the zero frame."""
-    inside = np.minimum(lag, reach + 1.0)
-    lower = np.floor(inside)
-    return lower.astype(np.int64), inside - lower
+    otf: Array = corner(0, 0) * (1.0 - larger) + third * (larger - smaller) + corner(1, 1) * smaller
+    return otf

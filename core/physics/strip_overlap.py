@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from core.physics.disc_lens import half_chord
 from core.physics.interval_gaps import Interval, open_gaps
 from core.physics.overlap_area import arc_half_angle
 
@@ -46,7 +47,10 @@ class Strip:
 
 @dataclass(frozen=True)
 class StripPupil:
-    """Annulus with strips. Strips differ in direction; a point-symmetric pupil has only bars."""
+    """Annulus with strips, bars only if it is point-symmetric.
+
+    Strips differ in direction, or have no edge in common and cover none of the other's.
+    """
 
     radius: float
     inner_radius: float
@@ -60,8 +64,12 @@ class StripPupil:
 
 @dataclass(frozen=True)
 class _Moved:
-    """The moved pupil of one block. `leaning` is the side a lag on a tie is taken to lie on."""
+    """The moved pupil for one block of lags, of the same circles.
 
+    `leaning` is the side a lag on a tie is taken to lie on.
+    """
+
+    pupil: StripPupil
     x: Floats
     y: Floats
     leaning: int
@@ -72,8 +80,10 @@ def strip_pupil_area(*, pupil: StripPupil) -> float:
     return float(_half_moment(pupil, None)[0])
 
 
-def strip_overlap_area(*, pupil: StripPupil, lag_x: Floats, lag_y: Floats) -> Floats:
-    """Overlap area of the pupil with itself moved, for nonzero lags.
+def strip_overlap_area(
+    *, pupil: StripPupil, lag_x: Floats, lag_y: Floats, other: StripPupil | None = None
+) -> Floats:
+    """Overlap area of the pupil with itself, or another one, moved; for nonzero lags.
 
     Parameters
     ----------
@@ -81,22 +91,25 @@ def strip_overlap_area(*, pupil: StripPupil, lag_x: Floats, lag_y: Floats) -> Fl
         The pupil.
     lag_x, lag_y : ndarray
         Lags, one shape, in the pupil's length unit, nowhere both zero.
+    other : StripPupil, optional
+        What is moved: a pupil of the same circles, of whose strips none has the direction of any of
+        the other's.
 
     Returns
     -------
     ndarray
-        Area, same shape; absolute error about 1e-15 of the pupil's area, 1e-8 of it at worst
-        where an edge touches a circle within rounding.
+        Area, same shape; absolute error about 1e-15 of a disc's.
     """
     x, y = lag_x.ravel(), lag_y.ravel()
+    partner = pupil if other is None else other
     area = np.empty(x.size)
     for start in range(0, x.size, _POINTS_PER_BLOCK):
         block = slice(start, start + _POINTS_PER_BLOCK)
-        ahead = _half_moment(pupil, _Moved(x[block], y[block], 1))
-        if pupil.symmetric:
+        ahead = _half_moment(pupil, _Moved(partner, x[block], y[block], 1))
+        if pupil.symmetric and other is None:
             area[block] = 2.0 * ahead
         else:
-            area[block] = ahead + _half_moment(pupil, _Moved(-x[block], -y[block], -1))
+            area[block] = ahead + _half_moment(partner, _Moved(pupil, -x[block], -y[block], -1))
     return np.maximum(area, 0.0).reshape(lag_x.shape)
 
 
@@ -129,20 +142,21 @@ def _circle_moment(pupil: StripPupil, radius: float, moved: _Moved | None) -> Fl
             opaque.append((-hidden, hidden))
     # Seen from outside, half of the rim at least is cut off: no arc can come round to the front.
     wraps = moved is None or radius < pupil.radius
-    for strip in pupil.strips:
-        offsets = [(zero, zero)]
-        if moved is not None:
-            offsets.append((strip.along(moved.x, moved.y), strip.across(moved.x, moved.y)))
+    placed = [(strip, zero, zero) for strip in pupil.strips]
+    if moved is not None:
+        for strip in moved.pupil.strips:
+            along, across = strip.along(moved.x, moved.y), strip.across(moved.x, moved.y)
+            placed.append((strip, along, across))
+    for strip, begin, across in placed:
         turn = math.atan2(strip.sin, strip.cos) - direction
-        for begin, across in offsets:
-            for low, high, base in _strip_arcs(strip, radius, begin, across):
-                middle = 0.5 * (low + high) + turn + base
-                turns = np.round(middle / (2.0 * np.pi))
-                place = turn + base - 2.0 * np.pi * turns
+        for low, high, base in _strip_arcs(strip, radius, begin, across):
+            middle = 0.5 * (low + high) + turn + base
+            turns = np.round(middle / (2.0 * np.pi))
+            place = turn + base - 2.0 * np.pi * turns
+            opaque.append((low + place, high + place))
+            if wraps:
+                place = place - np.copysign(2.0 * np.pi, middle - 2.0 * np.pi * turns)
                 opaque.append((low + place, high + place))
-                if wraps:
-                    place = place - np.copysign(2.0 * np.pi, middle - 2.0 * np.pi * turns)
-                    opaque.append((low + place, high + place))
     start, end = open_gaps(window=(-window, window), opaque=opaque)
     moment = radius**2 * np.sum(end - start, axis=0)
     if moved is not None:
@@ -188,21 +202,30 @@ def _edge_moment(
     if pupil.inner_radius > abs(offset):
         hidden = math.sqrt((pupil.inner_radius - offset) * (pupil.inner_radius + offset))
         opaque.append((-hidden, hidden))
-    others = [other for position, other in enumerate(pupil.strips) if position != index]
     zero = np.zeros(1)
-    opaque += [_strip_on_line(other, strip, offset, zero, zero) for other in others]
+    opaque += [_strip_on_line(other, strip, offset, zero, zero) for other in _turned(pupil, strip)]
     arm = -side * np.full_like(low, offset)
     if moved is not None:
         along, across = strip.along(moved.x, moved.y), strip.across(moved.x, moved.y)
         low, high = _add_discs(pupil, along, offset - across, (low, high), opaque)
-        opaque += [_strip_on_line(other, strip, offset, moved.x, moved.y) for other in others]
-        covered = _same_strip_covers(side * across, strip.high - strip.low, side * moved.leaning)
-        begin = along if strip.half else np.full_like(along, -_FAR)
-        opaque.append((np.where(covered, begin, _FAR), _FAR))
+        for other in _turned(moved.pupil, strip):
+            opaque.append(_strip_on_line(other, strip, offset, moved.x, moved.y))
+        if moved.pupil is pupil:
+            covered = _same_strip_covers(
+                side * across, strip.high - strip.low, side * moved.leaning
+            )
+            begin = along if strip.half else np.full_like(along, -_FAR)
+            opaque.append((np.where(covered, begin, _FAR), _FAR))
         arm = -side * (offset - 0.5 * across)
     start, end = open_gaps(window=(low, high), opaque=opaque)
     moment: Floats = arm * np.sum(end - start, axis=0)
     return moment
+
+
+def _turned(pupil: StripPupil, strip: Strip) -> list[Strip]:
+    """Strips of another direction; those of the same one meet no edge of this one."""
+    direction = strip.cos, strip.sin
+    return [other for other in pupil.strips if (other.cos, other.sin) != direction]
 
 
 def _end_moment(pupil: StripPupil, moved: _Moved | None) -> Floats:
@@ -230,10 +253,10 @@ def _add_discs(
     opaque: list[Interval],
 ) -> tuple[Floats, Floats]:
     """Narrow a line's window to the moved outer disc and add the moved inner one."""
-    square = distance * distance
-    half = np.sqrt(np.maximum(pupil.radius**2 - square, 0.0))
+    # Not the differences of squares: where an edge touches a circle half the digits would be lost.
+    half = half_chord(pupil.radius, distance)
     if pupil.inner_radius > 0.0:
-        hidden = np.sqrt(np.maximum(pupil.inner_radius**2 - square, 0.0))
+        hidden = half_chord(pupil.inner_radius, distance)
         opaque.append((centre - hidden, centre + hidden))
     low = np.maximum(window[0], centre - half)
     return low, np.maximum(low, np.minimum(window[1], centre + half))

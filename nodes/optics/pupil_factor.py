@@ -82,7 +82,10 @@ def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Plan
     return Planar(
         law,
         radial=law.function is not geometric_pupil_otf,
-        smooth=not pupil.defocus_waves,
+        # Unequal sizes of a sample make an ellipse of a disc, and of its OTF.
+        ratios=(1.0, scale.pitch_x_mm / scale.pitch_y_mm)
+        if law.function is circular_pupil_otf
+        else (1.0, 1.0),
         cutoff=(width * scale.pitch_x_mm / shortest, height * scale.pitch_y_mm / shortest),
         label=label,
         node=node,
@@ -90,8 +93,7 @@ def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Plan
 
 
 def _exact_law(pupil: Pupil, shape: PupilShape, scale: PupilScale) -> Law | None:
-    round_pupil = scale.pitch_x_mm == scale.pitch_y_mm
-    if not pupil.defocus_waves and round_pupil and shape.shape in ("clear", "cassegrain"):
+    if not pupil.defocus_waves and shape.shape in ("clear", "cassegrain"):
         obscured = shape.shape == "cassegrain"
         return Law.of(
             circular_pupil_otf,
@@ -109,7 +111,7 @@ def _exact_law(pupil: Pupil, shape: PupilShape, scale: PupilScale) -> Law | None
             wavelengths_um=scale.wavelengths_um,
             weights=scale.weights,
         )
-    if shape.shape != "clear" or not round_pupil:
+    if shape.shape != "clear" or scale.pitch_x_mm != scale.pitch_y_mm:
         return None
     return Law.of(
         defocused_disc_otf,

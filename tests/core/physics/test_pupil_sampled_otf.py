@@ -87,6 +87,22 @@ def test_interpolation_keeps_nodes_symmetry_and_linear_fields(interpolation):
     np.testing.assert_allclose(got, 1 + 2 * x - 3 * y, rtol=0, atol=1e-13)
 
 
+@pytest.mark.parametrize("interpolation", ["linear", "bilinear"])
+def test_a_row_and_a_column_of_lags_have_the_bits_of_their_pairs(interpolation):
+    """On them, beyond the array on either side, and with rows in no order."""
+    rng = np.random.default_rng(6)
+    table = autocorrelation(rng.normal(size=(6, 9)) + 1j * rng.normal(size=(6, 9)))
+    x = np.concatenate([rng.uniform(-11, 11, 40), [-8.0, 0.0, 8.0]])[np.newaxis, :]
+    y = np.concatenate([rng.uniform(-8, 8, 30), [5.0, 0.0, -5.0, 1e300]])[:, np.newaxis]
+    plane = sampled_otf(table, lag_x=x, lag_y=y, interpolation=interpolation)
+    x, y = np.broadcast_arrays(x, y)
+    pairs = sampled_otf(table, lag_x=x.ravel(), lag_y=y.ravel(), interpolation=interpolation)
+    np.testing.assert_array_equal(plane, pairs.reshape(x.shape))
+    real = sampled_otf(table.real, lag_x=x[:1], lag_y=y[:, :1], interpolation=interpolation)
+    assert real.dtype == np.float64
+    np.testing.assert_array_equal(real, plane.real)
+
+
 def test_interpolations_differ_by_the_twist_of_a_cell():
     twist = np.zeros((5, 5), complex)
     twist[3, 3] = 1.0
