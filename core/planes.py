@@ -164,8 +164,8 @@ def _of_radius(work: Work, factor: Planar) -> Function:
 def _thin(
     work: Work, factor: Planar, table: RadialTable | None, quarter: Quarter
 ) -> tuple[Array, Array] | None:
-    """Thin matrices of a radial factor whose support's edge is not in the plane."""
-    if table is None or not quarter.inside or quarter.samples < THIN_SAMPLES:
+    """Thin matrices of a radial factor without kinks, such as the edge of a support is."""
+    if table is None or table.rough or quarter.samples < THIN_SAMPLES:
         return None
     function = _of_radius(work, factor)
 

@@ -25,15 +25,12 @@ class Quarter:
         For every row of the grid its place in `eta`; beyond the end the row is 0.
     columns : int
         Columns of the grid; from ``len(xi)`` on they are 0.
-    inside : bool
-        Whether the edge of the support lies beyond all of these frequencies.
     """
 
     xi: Array
     eta: Array
     places: Array
     columns: int
-    inside: bool
 
     @classmethod
     def of(cls, xi: Array, eta: Array, cutoff: tuple[float, float] | None) -> Quarter:
@@ -43,11 +40,9 @@ class Quarter:
         if np.any(eta < 0.0):
             lines, places = np.unique(lines, return_inverse=True)
         if cutoff is None:
-            return cls(xi, lines, places, columns, True)
+            return cls(xi, lines, places, columns)
         across, along = ((1.0 + MARGIN) * each for each in cutoff)
-        xi, lines = xi[xi <= across], lines[lines <= along]
-        inside = (xi[-1] / cutoff[0]) ** 2 + (lines[-1] / cutoff[1]) ** 2 < 1.0
-        return cls(xi, lines, places, columns, bool(inside))
+        return cls(xi[xi <= across], lines[lines <= along], places, columns)
 
     @property
     def samples(self) -> int:

@@ -59,6 +59,11 @@ class RadialTable:
                 return cls(2 * intervals / reach, values, np.append(steps, 0.0))
         return None
 
+    @property
+    def rough(self) -> bool:
+        """Whether the function has a kink on the way."""
+        return bool(np.isnan(self.steps).any())
+
     def at(self, square: Array, function: Function) -> Array:
         """Values at the squares of radii, of the function that was tabulated."""
         radius = np.sqrt(square)

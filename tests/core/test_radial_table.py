@@ -40,12 +40,14 @@ def test_places_too_rough_to_interpolate_are_evaluated():
         return np.where(radii < 0.31, 1.0, 0.25)
 
     table = RadialTable.of(step, reach=1.0, error=1e-8)
+    assert table.rough
     radii = 0.31 + np.linspace(-1e-3, 1e-3, 1001)
     np.testing.assert_array_equal(table.at(radii**2, step), step(np.sqrt(radii**2)))
 
 
 def test_the_last_value_holds_beyond_the_end():
     table = RadialTable.of(lambda radii: 1.0 - radii, reach=1.0, error=1e-8)
+    assert not table.rough
     np.testing.assert_array_equal(table.at(np.array([1.0, 1.1, 9e9]), None), 0.0)
 
 
