@@ -13,8 +13,9 @@ from core.errors import DataError, ParameterError
 from core.physics.scalar_checks import finite, within
 from core.workers import Each, in_turn
 
-# Samples worked on at once: two float64 buffers of them stay in the second-level cache.
-_BLOCK_SAMPLES = 65536
+# Samples worked on at once. A picture of 512² is done sooner in one block than by two threads:
+# 0.45 ms against 0.7, most of it waiting for each other.
+_BLOCK_SAMPLES = 1 << 18
 # Below this, squares of differences may have underflowed.
 _SMALLEST_SUM = 1e-250
 

@@ -17,7 +17,7 @@ from nodes.ports import ImageOutput
 
 Array = NDArray[Any]
 Taps = tuple[NDArray[np.intp], list[tuple[NDArray[np.intp], NDArray[np.float64]]]]
-_BLOCK_SAMPLES = 1 << 16
+_BLOCK_SAMPLES = 1 << 18  # 512² are done sooner in one block than by two threads
 
 
 class Interpolate(Module, key="interpolate", title="Interpolate", group="Transform"):
