@@ -10,8 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.workers import Each, in_turn
+
 Array = NDArray[Any]
 BLOCK_SAMPLES = 1 << 18
+_LEAST, _MOST = 1e-100, 1e100  # deviations that can be squared as they are
 
 
 @dataclass(frozen=True)
@@ -32,18 +35,49 @@ def blocks(samples: Array, check: Callable[[], None]) -> Iterator[NDArray[np.flo
         yield flat[start : start + BLOCK_SAMPLES].astype(np.float64)
 
 
-def statistics(samples: Array, *, check: Callable[[], None]) -> Statistics:
-    """Statistics of a real array of any shape that is not empty."""
+def statistics(samples: Array, *, each: Each = in_turn) -> Statistics:
+    """Statistics of a real array of any shape that is not empty.
+
+    Parameters
+    ----------
+    samples : ndarray
+        The samples.
+    each : callable
+        Calls a function on every block, in any order: `Work.each`.
+    """
     low, high = float(samples.min()), float(samples.max())
     # Relative to the minimum: the sum of large equal samples would round their mean.
-    mean = low + math.fsum(float(np.sum(b - low)) for b in blocks(samples, check)) / samples.size
+    mean = low + _sum_of(samples, lambda block: float(np.sum(block)), low, each) / samples.size
     mean = min(max(mean, low), high)
     reach = max(high - mean, mean - low)
     if reach == 0.0:
         return Statistics(low, high, mean, 0.0)
-    # Relative to the reach: squares of huge or tiny deviations leave the range of numbers.
-    squares = math.fsum(float(np.sum(((b - mean) / reach) ** 2)) for b in blocks(samples, check))
-    return Statistics(low, high, mean, reach * math.sqrt(squares / samples.size))
+    # Squares of huge or tiny deviations leave the range of numbers.
+    scale = 1.0 if _LEAST < reach < _MOST else reach
+
+    def squares(block: Array) -> float:
+        if scale != 1.0:
+            block /= scale
+        return float(np.einsum("i,i->", block, block))
+
+    mean_square = _sum_of(samples, squares, mean, each) / samples.size
+    return Statistics(low, high, mean, scale * math.sqrt(mean_square))
+
+
+def _sum_of(samples: Array, summed: Callable[[Array], float], offset: float, each: Each) -> float:
+    """Sum of a function's values on the blocks in double precision, less an offset."""
+    flat = samples.reshape(-1)
+    starts = range(0, flat.size, BLOCK_SAMPLES)
+    sums = [0.0] * len(starts)
+
+    def one(index: int) -> None:
+        start = starts[index]
+        block = flat[start : start + BLOCK_SAMPLES].astype(np.float64)
+        block -= offset
+        sums[index] = summed(block)
+
+    each(one, range(len(starts)))
+    return math.fsum(sums)
 
 
 def histogram(

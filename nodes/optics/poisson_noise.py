@@ -17,6 +17,7 @@ from core.recipes import Recipe, Step, pointwise
 from core.streams import Stream, poisson_field
 from core.values import Image
 from core.work import Work
+from nodes.input_output.sample_statistics import Statistics, statistics
 from nodes.noise_seed import SeededModule
 
 Array = NDArray[Any]
@@ -83,12 +84,12 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
     @readout("W/m²/sr")
     def noise_mean(self, outputs: NoiseOutputs) -> Step:
         """Mean of the noise."""
-        return Step.of(_moment, outputs.noise.recipe, which="mean")
+        return Step.of(_moment, Step.of(_moments, outputs.noise.recipe), which="mean")
 
     @readout("W/m²/sr")
     def noise_sigma(self, outputs: NoiseOutputs) -> Step:
         """Standard deviation of the noise."""
-        return Step.of(_moment, outputs.noise.recipe, which="sigma")
+        return Step.of(_moment, Step.of(_moments, outputs.noise.recipe), which="sigma")
 
 
 def _published(
@@ -119,10 +120,13 @@ def _difference(work: Work, noisy: Array, image: Array) -> Array:
     return np.asarray(noisy - image)
 
 
-def _moment(work: Work, noise: Array, *, which: str) -> float:
-    if which == "mean":
-        return float(np.mean(noise, dtype=np.float64))
-    return float(np.std(noise, dtype=np.float64))
+def _moments(work: Work, noise: Array) -> Statistics:
+    return statistics(noise, each=work.each)
+
+
+def _moment(work: Work, moments: Statistics, *, which: str) -> float:
+    found: float = getattr(moments, which)
+    return found
 
 
 def _nothing(work: Work, *, rows: int, columns: int) -> Array:
