@@ -39,10 +39,14 @@ class Kodak(Chain):
         Of the pictures.
     scene : ndarray, optional
         As for a `Chain`.
+    threads : int
+        Of the evaluation; 0 for all.
     """
 
-    def __init__(self, size: int, precision: Precision = "single", scene: Any = None) -> None:
-        super().__init__(kodak_network(size), Policy(precision=precision), scene)
+    def __init__(
+        self, size: int, precision: Precision = "single", scene: Any = None, threads: int = 0
+    ) -> None:
+        super().__init__(kodak_network(size), Policy(precision, threads=threads), scene)
         self._edits = 0
 
     def without_photons(self) -> Network:

@@ -15,7 +15,7 @@ PARTS = {
     "peers": "Beside other programs",
 }
 TABLES = {
-    "speed": ("networks", "growth", "fresh_process"),
+    "speed": ("networks", "one_thread", "growth", "fresh_process"),
     "precision": (
         "precision",
         "edges",

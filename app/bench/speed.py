@@ -58,6 +58,18 @@ def networks(settings: Settings) -> list[Table]:
     return [Table("networks", title, HEADS, tuple(rows), text, chart, BRIEF)]
 
 
+def one_thread(settings: Settings) -> list[Table]:
+    """The same without a second thread, T0 too."""
+    kodak = Kodak(settings.size, threads=1)
+    rows = (*_cold(kodak, settings), *_edits(kodak, settings))
+    title = f"The same on one thread, {settings.size}² → {settings.size // 2}²"
+    text = (
+        "T0 is that of one thread. What is planned, drawn up and summed between the large loops "
+        "runs on one thread in either table, and counts more where the loops run on several."
+    )
+    return [Table("one_thread", title, HEADS, rows, text, brief=BRIEF)]
+
+
 def _row(subject: str, facts: dict[str, Any], reach: float | None, aim: float | None) -> Any:
     value = facts.pop("t0")
     return {
@@ -174,4 +186,4 @@ def fresh_process(settings: Settings) -> list[Table]:
     return [Table("fresh_process", title, heads, (row,), text, brief=tuple(heads))]
 
 
-MEASURES = (networks, growth, fresh_process)
+MEASURES = (networks, one_thread, growth, fresh_process)

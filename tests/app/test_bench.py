@@ -23,7 +23,7 @@ from app.cli import main
 from core.errors import FileError, UsageError
 
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
-UNDRAWN = {"fresh_process"}
+UNDRAWN = {"fresh_process", "one_thread"}
 
 
 @pytest.mark.parametrize("part", PARTS)
