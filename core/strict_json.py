@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from typing import Any
 
 from core.errors import NetworkError
@@ -11,6 +12,8 @@ from core.plain import shown
 
 LARGEST = 16 * 2**20  # characters; a network of a thousand nodes has about half a million
 DEEPEST = 64
+_STRING = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"', re.DOTALL)
+_BRACKET = re.compile(r"[\[\]{}]")
 
 
 def read_json(text: str, source: str) -> Any:
@@ -27,6 +30,7 @@ def read_json(text: str, source: str) -> Any:
     if len(text) > LARGEST:
         raise NetworkError(f"{source}: larger than the {LARGEST >> 20} MiB a network may have")
     try:
+        _check_depth(text)
         data = json.loads(
             text.removeprefix("\ufeff"),
             object_pairs_hook=_object,
@@ -38,11 +42,18 @@ def read_json(text: str, source: str) -> Any:
     except json.JSONDecodeError as error:
         place = f"line {error.lineno}, column {error.colno}"
         raise NetworkError(f"{source}: not JSON: {error.msg} ({place})") from None
-    except RecursionError:
-        raise NetworkError(f"{source}: nested more than {DEEPEST} deep") from None
     except NetworkError as error:
         raise NetworkError(f"{source}: {error.message}") from None
     return data
+
+
+def _check_depth(text: str) -> None:
+    """Refuse deep nesting before it is parsed, which on a small stack would end the process."""
+    depth = 0
+    for bracket in _BRACKET.findall(_STRING.sub("", text)):
+        depth += 1 if bracket in "[{" else -1
+        if depth > DEEPEST:
+            raise NetworkError(f"nested more than {DEEPEST} deep")
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
