@@ -52,8 +52,8 @@ class Recipe(ABC):
         return False
 
     def compute_part(self, work: Work, region: Region) -> Any:
-        """Make a region, to the bit as the whole has it; for recipes that are `in_parts`."""
-        raise NotImplementedError
+        """Make a region, to the bit as the whole has it: cut from it, if there is no other way."""
+        return region.cut(work.value(self))
 
     def share(self, region: Region, shape: tuple[int, int]) -> float:
         """Share of the whole picture's work that a region takes: of its samples, if no other."""
