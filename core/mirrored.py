@@ -130,10 +130,8 @@ class _Terms:
 
     def at_zero(self) -> float:
         """H(0, 0), of which the axes' parts are known already."""
-        axes = np.real(self.across[0] * self.along[0]) * self.factor_x * self.factor_y
-        zero = np.zeros(1)
-        plane = self.product.plane(self.work, zero, zero)
-        return float(axes if plane is None else axes * np.real(plane[0, 0]))
+        axes = self.across[0] * self.along[0] * self.factor_x * self.factor_y
+        return self.product.at_zero(self.work, axes)
 
     def apply(
         self, spectrum: Array, start: int, stop: int, odd_y: bool

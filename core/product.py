@@ -70,10 +70,21 @@ class Product:
         plane = self.plane(work, xi, eta)
         return value if plane is None else value * plane
 
-    def at_zero(self, work: Work | None) -> float:
-        """H(0, 0), which is real: 1 for every passive chain."""
+    def at_zero(self, work: Work | None, axes: complex | None = None) -> float:
+        """H(0, 0), which is real: 1 for every passive chain.
+
+        Parameters
+        ----------
+        work : Work or None
+            Needed where a law has a recipe bound.
+        axes : complex, optional
+            Hx(0)·Hy(0), where it is known already.
+        """
         zero = np.zeros(1)
-        return float(np.real(self.total(work, zero, zero)[0, 0]))
+        if axes is None:
+            axes = (self.along(work, zero) * self.across(work, zero))[0]
+        plane = self.plane(work, zero, zero)
+        return float(np.real(axes if plane is None else axes * plane[0, 0]))
 
     def _axis(self, work: Work | None, frequency: Array, axis: str) -> Array:
         modulus = np.ones(len(frequency))
