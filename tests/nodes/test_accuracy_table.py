@@ -189,7 +189,10 @@ def test_radiance_of_a_uniform_scene(tmp_path, cut_on, cut_off, temperature, pre
 # ---------------------------------------------------------------- reference values
 
 
-@pytest.mark.skipif(not REFERENCE.exists(), reason="the reference values are not here")
+@pytest.mark.skipif(
+    not REFERENCE.exists(),
+    reason="the file of reference values, which is not part of the repository, is not beside it",
+)
 def test_every_reference_value_is_a_test():
     """Each quantity of the file is named where cases are taken from it."""
     cases = json.loads(REFERENCE.read_text(encoding="utf-8"))["cases"]
