@@ -27,6 +27,9 @@ BLOCK = 1 << 20
 LEAST_SIGMA_PX = 2.5
 """From here on sampled Gaussian weights are those of the Gaussian transfer function, to 1e-13."""
 
+LARGEST_SIGMA_PX = 1e4
+"""Up to here the table of weights is small; wider ones blur the picture instead."""
+
 MOST = 0.08
 """Largest mean of a sample that is drawn by events. Measured at 1024² in one thread: 0.5 ms for a
 mean of 0.003, 6.6 ms for 0.07; the blurred picture and its deviates take 7 to 8 ms."""
@@ -36,7 +39,7 @@ _REACH = 8.5  # standard deviations; less than 2e-17 of the weight lies beyond
 
 def events_are_few(picture: Array, *, share: float, sigma_px: float) -> bool:
     """Whether `displaced_events` serves, and is faster than blurring the picture."""
-    if sigma_px < LEAST_SIGMA_PX:
+    if not LEAST_SIGMA_PX <= sigma_px <= LARGEST_SIGMA_PX:
         return False
     return bool(picture.min() >= 0 and share * float(picture.max()) <= MOST)
 
@@ -60,7 +63,8 @@ def displaced_events(
     share : float
         Events per unit of the picture, above 0.
     sigma_px : float
-        Standard deviation of the weights along each axis in samples, `LEAST_SIGMA_PX` or above.
+        Standard deviation of the weights along each axis in samples, `LEAST_SIGMA_PX` to
+        `LARGEST_SIGMA_PX`.
     each : callable
         Calls a function on every block: `Work.each`.
 

@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.photon_events import LEAST_SIGMA_PX, MOST, displaced_events, events_are_few
+from core.photon_events import (
+    LARGEST_SIGMA_PX,
+    LEAST_SIGMA_PX,
+    MOST,
+    displaced_events,
+    events_are_few,
+)
 from core.streams import Stream
 from core.workers import Workers
 
@@ -98,4 +104,5 @@ def test_only_few_events_of_a_wide_blur_of_no_negative_radiance():
     assert events_are_few(np.ones((3, 4)), **few)
     assert not events_are_few(np.full((3, 4), 101 * MOST), **few)
     assert not events_are_few(np.array([[1.0, -1e-9]]), **few)
-    assert not events_are_few(np.ones((3, 4)), share=0.01, sigma_px=0.99 * LEAST_SIGMA_PX)
+    for sigma in (0.99 * LEAST_SIGMA_PX, 1.01 * LARGEST_SIGMA_PX, 1e300):
+        assert not events_are_few(np.ones((3, 4)), share=0.01, sigma_px=sigma)

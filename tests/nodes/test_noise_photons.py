@@ -101,3 +101,15 @@ def test_negative_light_is_refused(bench):
             bench.get(network(QUIET, photons=photons), "photons.image")
         assert caught.value.node == "photons"
         assert caught.value.exit_code == 2
+
+
+@pytest.mark.parametrize("width_px", [0.0, 2.5, 1e4, 1e9, 1e300])
+@pytest.mark.parametrize("percent", [1e-300, 1e-3, 0.1])
+def test_rare_photons_of_any_blur(bench, width_px, percent):
+    """A constant picture keeps its local mean whatever the weights' width."""
+    bench.picture(np.full((120, 160), 50.0))
+    document = network(QUIET, photons={"percent": percent, "width_px": width_px})
+    noise = bench.get(document, "photons.noise").astype(float)
+    mean = 0.5 * percent
+    spread = np.sqrt(mean / noise.size)
+    assert abs(noise.mean() - mean) <= BOUND * spread
