@@ -1,0 +1,177 @@
+"""Backdrops: titled grounds behind nodes that belong together, kept in the network's file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from core.editing.fields import SetExtra
+from core.editing.operation import ABSENT, Operation
+from core.errors import NetworkError
+from core.network import Network
+from core.plain import thaw
+
+FIELD = "backdrops"
+NODE_SIZE = (180.0, 100.0)  # of a node whose size is not told
+_MARGIN, _HEAD = 24.0, 30.0
+
+Sizes = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Backdrop:
+    """A ground with a title: its upper left corner and size, in units of the canvas."""
+
+    title: str
+    x: float
+    y: float
+    width: float
+    height: float
+
+
+def backdrops_of(network: Network) -> tuple[Backdrop, ...]:
+    """The network's backdrops, the hindmost first. What a file has in their place is no backdrop.
+
+    Their places in this tuple are what `change`, `remove` and `nodes_on` call `index`.
+    """
+    return tuple(backdrop for _, backdrop in _found(network))
+
+
+def add(network: Network, backdrop: Backdrop) -> Operation:
+    """Put a backdrop before the others."""
+    entries = [*_entries(network), _entry({}, backdrop)]
+    return SetExtra(FIELD, entries, "Add backdrop")
+
+
+def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
+    """Give a backdrop another title, place or size; what else its file says of it stays.
+
+    Raises
+    ------
+    NetworkError
+        If there is no such backdrop.
+    """
+    entries = _entries(network)
+    place = _place(network, index)
+    entries[place] = _entry(entries[place], backdrop)
+    return SetExtra(FIELD, entries, "Change backdrop")
+
+
+def remove(network: Network, index: int) -> Operation:
+    """Take a backdrop away; the nodes on it stay.
+
+    Raises
+    ------
+    NetworkError
+        If there is no such backdrop.
+    """
+    entries = _entries(network)
+    del entries[_place(network, index)]
+    return SetExtra(FIELD, entries or ABSENT, "Delete backdrop")
+
+
+def around(
+    network: Network, names: Iterable[str], sizes: Sizes, title: str = "Backdrop"
+) -> Operation:
+    """Put a backdrop behind nodes.
+
+    Parameters
+    ----------
+    network : Network
+        Where they stand.
+    names : iterable of str
+        The nodes; at least one must have a point on the canvas.
+    sizes : mapping
+        Width and height of the nodes.
+    title : str
+        What stands on it.
+
+    Raises
+    ------
+    NetworkError
+        If none of them has a point.
+    """
+    boxes = [_box(network, name, sizes) for name in names if name in network.layout]
+    if not boxes:
+        raise NetworkError("there are no nodes to put a backdrop behind")
+    left, top = min(box[0] for box in boxes), min(box[1] for box in boxes)
+    right, bottom = max(box[2] for box in boxes), max(box[3] for box in boxes)
+    return add(
+        network,
+        Backdrop(
+            title,
+            left - _MARGIN,
+            top - _MARGIN - _HEAD,
+            right - left + 2 * _MARGIN,
+            bottom - top + 2 * _MARGIN + _HEAD,
+        ),
+    )
+
+
+def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
+    """The nodes that lie wholly on a backdrop, and move with it.
+
+    Raises
+    ------
+    NetworkError
+        If there is no such backdrop.
+    """
+    _place(network, index)
+    ground = backdrops_of(network)[index]
+    right, bottom = ground.x + ground.width, ground.y + ground.height
+    boxes = {name: _box(network, name, sizes) for name in network.nodes if name in network.layout}
+    return tuple(
+        name
+        for name, box in boxes.items()
+        if ground.x <= box[0] and ground.y <= box[1] and box[2] <= right and box[3] <= bottom
+    )
+
+
+def _box(network: Network, name: str, sizes: Sizes) -> tuple[float, float, float, float]:
+    x, y = network.layout[name]
+    width, height = sizes.get(name, NODE_SIZE)
+    return x, y, x + width, y + height
+
+
+def _entries(network: Network) -> list[Any]:
+    found = thaw(network.extra.get(FIELD, []))
+    return found if isinstance(found, list) else []
+
+
+def _found(network: Network) -> list[tuple[int, Backdrop]]:
+    """Backdrops, with their places in the file's list."""
+    read = ((place, _backdrop(entry)) for place, entry in enumerate(_entries(network)))
+    return [(place, backdrop) for place, backdrop in read if backdrop is not None]
+
+
+def _place(network: Network, index: int) -> int:
+    found = _found(network)
+    if not 0 <= index < len(found):
+        raise NetworkError(f"there is no backdrop {index + 1}; there are {len(found)}")
+    return found[index][0]
+
+
+def _backdrop(entry: Any) -> Backdrop | None:
+    if not isinstance(entry, dict):
+        return None
+    title = entry.get("title", "")
+    numbers = [entry.get(name) for name in ("x", "y", "width", "height")]
+    if not isinstance(title, str) or not all(_is_number(number) for number in numbers):
+        return None
+    x, y, width, height = (float(number) for number in numbers if number is not None)
+    return Backdrop(title, x, y, width, height) if width > 0 and height > 0 else None
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and math.isfinite(value)
+
+
+def _entry(old: Mapping[str, Any], backdrop: Backdrop) -> dict[str, Any]:
+    values = {name: getattr(backdrop, name) for name in ("x", "y", "width", "height")}
+    for name, value in values.items():
+        if not _is_number(value) or (name in ("width", "height") and value <= 0):
+            raise NetworkError(f"a backdrop cannot have {name} = {value!r:.80}")
+    whole = {name: int(v) if v == int(v) else v for name, v in values.items()}
+    return {**old, "title": backdrop.title, **whole}

@@ -1,0 +1,181 @@
+"""Nodes as text that can be copied and pasted, within a network and between them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+from core.editing.arrange import arranged
+from core.editing.links import check_new_wires
+from core.editing.naming import fresh_name
+from core.editing.nodes import Add, Placed, Point
+from core.editing.operation import Operation, named
+from core.errors import NetworkError
+from core.network import Library, Link, Network
+from core.network_file import format_network
+from core.network_parse import FORMAT, parse_network
+from core.plain import shown
+from core.strict_json import read_json
+
+NODES_FORMAT = "imagechain-nodes"
+SOURCE = "the clipboard"
+
+_STEP = 30.0  # aside of what lies there already
+_MOST_STEPS = 200
+_NEAR = 10.0
+_FARTHEST = 1e6  # a point beyond is none that a canvas could show
+
+
+def copied(network: Network, names: Iterable[str], library: Library) -> str:
+    """Nodes, the links among them and where they lie, as JSON text.
+
+    Raises
+    ------
+    NetworkError
+        If there is no such node, or one holds what JSON cannot.
+    """
+    part = _part(network, names)
+    document = json.loads(format_network(part, library=library))
+    kept = ("version", "nodes", "links", "layout")
+    fields = {"format": NODES_FORMAT, **{key: document[key] for key in kept if key in document}}
+    return json.dumps(fields, ensure_ascii=False, indent=2)
+
+
+def pasted(
+    text: str, network: Network, library: Library, at: Point | None = None
+) -> tuple[tuple[str, ...], Operation]:
+    """What puts copied nodes in, under names that are free; and those names.
+
+    The text of a whole network file pastes as its nodes.
+
+    Parameters
+    ----------
+    text : str
+        What `copied` gave, or a network file has.
+    network, library
+        Where it is to be pasted.
+    at : (x, y), optional
+        The middle of where they are to lie; where they lay when they were copied for None. They
+        never lie exactly on others.
+
+    Raises
+    ------
+    NetworkError
+        If the text holds no nodes, or what is wrong with them, in one line.
+    """
+    part = _read(text, library)
+    points = _points(part)
+    if at is not None:
+        points = _centred(points, at)
+    return _adding(network, part, points, "Paste")
+
+
+def duplicated(
+    network: Network,
+    names: Iterable[str],
+    library: Library,  # noqa: ARG001 - asked for like `copied` and `pasted`
+) -> tuple[tuple[str, ...], Operation]:
+    """What puts a copy of nodes beside them, fed by the same wires; and the copies' names.
+
+    Raises
+    ------
+    NetworkError
+        If there is no such node.
+    """
+    part = _part(network, names)
+    points = {name: at for name, at in part.layout.items() if name in part.nodes}
+    feeding = [
+        link
+        for link in network.links
+        if link.target in part.nodes and link.source not in part.nodes
+    ]
+    return _adding(network, part, points, "Duplicate", feeding)
+
+
+def _part(network: Network, names: Iterable[str]) -> Network:
+    """A network of these nodes, in the network's order."""
+    chosen = {name: network.node(name) for name in names}
+    return Network(
+        nodes={name: node for name, node in network.nodes.items() if name in chosen},
+        links=tuple(each for each in network.links if {each.source, each.target} <= chosen.keys()),
+        layout={name: at for name, at in network.layout.items() if name in chosen},
+    )
+
+
+def _read(text: str, library: Library) -> Network:
+    strange = NetworkError(f"{SOURCE} holds no copied nodes, and no network")
+    if not text.lstrip("\ufeff \t\r\n").startswith("{"):
+        raise strange  # most often it is just something else: no word of JSON
+    document = read_json(text, SOURCE)
+    if document.get("format") not in (NODES_FORMAT, FORMAT):
+        raise strange
+    document["format"] = FORMAT
+    part = parse_network(json.dumps(document), library=library, name_of_source=SOURCE)
+    if not part.nodes:
+        raise NetworkError(f"{SOURCE} holds no nodes")
+    try:
+        check_new_wires(replace(part, links=()), part, library)
+    except NetworkError as error:
+        raise NetworkError(f"{SOURCE}: {error.message}") from None
+    return part
+
+
+def _points(part: Network) -> dict[str, Point]:
+    """Where the nodes lay; where not all have a point, laid out anew."""
+    points = {name: part.layout[name] for name in part.nodes if name in part.layout}
+    if len(points) == len(part.nodes) and all(_near(point) for point in points.values()):
+        return points
+    laid_out = arranged(replace(part, layout={}), {}).positions
+    return {name: at for name, at in laid_out.items() if at is not None}
+
+
+def _near(point: Point) -> bool:
+    return max(abs(point[0]), abs(point[1])) <= _FARTHEST
+
+
+def _centred(points: Mapping[str, Point], at: Point) -> dict[str, Point]:
+    xs, ys = zip(*points.values(), strict=True)
+    x = round(at[0] - (min(xs) + max(xs)) / 2)
+    y = round(at[1] - (min(ys) + max(ys)) / 2)
+    return {name: (px + x, py + y) for name, (px, py) in points.items()}
+
+
+def _aside(network: Network, points: Mapping[str, Point]) -> dict[str, Point]:
+    """The points, moved together until none lies on one that is taken."""
+    taken = {_cell(point) for point in network.layout.values()}
+    moved = dict(points)
+    for _ in range(_MOST_STEPS):
+        if not any(_cell(point) in taken for point in moved.values()):
+            break
+        moved = {name: (x + _STEP, y + _STEP) for name, (x, y) in moved.items()}
+    return moved
+
+
+def _cell(point: Point) -> tuple[int, int]:
+    return round(point[0] / _NEAR), round(point[1] / _NEAR)
+
+
+def _adding(
+    network: Network,
+    part: Network,
+    points: Mapping[str, Point],
+    verb: str,
+    feeding: Iterable[Link] = (),
+) -> tuple[tuple[str, ...], Operation]:
+    points = _aside(network, points)
+    taken = set(network.nodes)
+    fresh: dict[str, str] = {}
+    for name in part.nodes:
+        fresh[name] = fresh_name(name, taken)
+        taken.add(fresh[name])
+    placed = tuple(
+        Placed(replace(node, id=fresh[name]), points.get(name)) for name, node in part.nodes.items()
+    )
+    links = [
+        replace(link, source=fresh[link.source], target=fresh[link.target]) for link in part.links
+    ]
+    links += [replace(link, target=fresh[link.target]) for link in feeding]
+    names = tuple(fresh.values())
+    label = f"{verb} {named([shown(name) for name in part.nodes])}"
+    return names, Add(placed, tuple(links), label)

@@ -1,0 +1,139 @@
+"""The document that is open: a network, where it is stored, and its history."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import replace
+from pathlib import Path
+
+from core.editing.history import History
+from core.editing.links import check_new_wires
+from core.editing.operation import Operation
+from core.errors import NetworkError
+from core.network import Library, Network
+from core.network_file import format_network, save_network
+
+Listener = Callable[[Network, Network], None]
+
+
+class Document:
+    """A network being edited. Only `do`, `undo` and `redo` change it, and they tell the listeners.
+
+    Parameters
+    ----------
+    network : Network
+        What it starts with.
+    library : mapping
+        Modules by key.
+    path : Path, optional
+        The file it was read from, and is saved to.
+    saved : bool
+        Whether that file holds it as it is; not so for recovered work and copies.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        *,
+        library: Library,
+        path: Path | None = None,
+        saved: bool = True,
+    ) -> None:
+        self.network = _tidied(network)
+        self.library = library
+        self.path = path
+        self.history = History()
+        self.history.mark_saved(saved)
+        self._listeners: list[Listener] = []
+
+    @property
+    def modified(self) -> bool:
+        """Whether there is work that no file holds."""
+        return self.history.modified
+
+    @property
+    def folder(self) -> Path:
+        """What file names in the network are relative to."""
+        return self.path.parent if self.path is not None else Path()
+
+    def text(self) -> str:
+        """The text of its network file."""
+        return self._text(self.network)
+
+    def listen(self, listener: Listener) -> None:
+        """Call `listener` with the networks before and after each change."""
+        self._listeners.append(listener)
+
+    def do(self, operation: Operation, gesture: Hashable = None) -> bool:
+        """Carry an operation out, unless it changes nothing; whether it did.
+
+        Parameters
+        ----------
+        operation : Operation
+            The change.
+        gesture : hashable, optional
+            Operations in a row that share one, such as those of one drag, are one undo step.
+
+        Raises
+        ------
+        NetworkError, ParameterError
+            If it does not fit; the document is as before.
+        """
+        after = operation.apply(self.network)
+        if self._same(self.network, after):
+            return False
+        check_new_wires(self.network, after, self.library)
+        after = self.history.do(self.network, operation, gesture)
+        start = self.history.start
+        if start is not None and start is not self.network and self._same(start, after):
+            self.history.forget()  # the drag is back where it began
+        self._become(after)
+        return True
+
+    def end_gesture(self) -> None:
+        """The next operation is an undo step of its own."""
+        self.history.end_gesture()
+
+    def undo(self) -> None:
+        """Undo the last step, if there is one."""
+        self._become(self.history.undo(self.network))
+
+    def redo(self) -> None:
+        """Do again the step undone last, if there is one."""
+        self._become(self.history.redo(self.network))
+
+    def save(self, path: Path | None = None) -> None:
+        """Write it to a file, from then on its own.
+
+        Raises
+        ------
+        FileError
+            If it cannot be written: the document stays modified, the file as it was.
+        NetworkError
+            If it holds what no file can, or has no path.
+        """
+        target = path or self.path
+        if target is None:
+            raise NetworkError("the network has no file yet: say where it is to be saved")
+        save_network(self.network, target, library=self.library)
+        self.path = target
+        self.history.mark_saved()
+
+    def _same(self, one: Network, other: Network) -> bool:
+        # To Python 1 is true, and mappings in another order are equal; to a file they are not.
+        return one == other and self._text(one) == self._text(other)
+
+    def _text(self, network: Network) -> str:
+        return format_network(network, library=self.library)
+
+    def _become(self, network: Network) -> None:
+        before, self.network = self.network, network
+        if before is not network:
+            for listener in tuple(self._listeners):
+                listener(before, network)
+
+
+def _tidied(network: Network) -> Network:
+    """Without points of nodes that are not there."""
+    layout = {name: at for name, at in network.layout.items() if name in network.nodes}
+    return network if len(layout) == len(network.layout) else replace(network, layout=layout)

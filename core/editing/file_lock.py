@@ -1,0 +1,72 @@
+"""Locks on files that the system lets go of when their process ends, however it ends."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from pathlib import Path
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _try(descriptor: int) -> None:
+        msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+else:
+    import fcntl
+
+    def _try(descriptor: int) -> None:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+class FileLock:
+    """A lock that is held until it is let go, or the process ends."""
+
+    def __init__(self, path: Path, descriptor: int) -> None:
+        self._path = path
+        self._descriptor = descriptor
+
+    def let_go(self) -> None:
+        """Let go of it, and remove its file."""
+        with contextlib.suppress(OSError):
+            self._path.unlink()
+        with contextlib.suppress(OSError):
+            os.close(self._descriptor)
+        with contextlib.suppress(OSError):  # where an open file cannot be removed
+            self._path.unlink(missing_ok=True)
+
+
+def take(path: Path) -> FileLock | None:
+    """Make a lock file of this process; None where the file system knows no locks.
+
+    Nor is there one where somebody else holds it, or just looks whether anybody does.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be made.
+    """
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+    try:
+        _try(descriptor)
+    except OSError:
+        os.close(descriptor)
+        return None
+    return FileLock(path, descriptor)
+
+
+def is_held(path: Path) -> bool | None:
+    """Whether a living process holds a lock; None where there is no such file to tell by."""
+    try:
+        descriptor = os.open(path, os.O_RDWR)
+    except OSError:
+        return None
+    try:
+        _try(descriptor)
+    except BlockingIOError:
+        return True
+    except OSError as error:
+        return isinstance(error, PermissionError) or None  # PermissionError: held, on Windows
+    finally:
+        os.close(descriptor)
+    return False

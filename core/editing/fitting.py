@@ -1,0 +1,162 @@
+"""What fits: whether a link can be made, where a loose wire could lead to, and adding that."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Literal
+
+from core.declaration import Declaration, declaration
+from core.editing.inserting import inserted
+from core.editing.links import check_new_wires, declared, misfit, reached_from, refusal
+from core.editing.naming import fresh_name
+from core.editing.nodes import Add, Placed, Point
+from core.editing.operation import Operation, together
+from core.editing.partners import (
+    MAGNITUDE,
+    PARTNER,
+    PHASE,
+    end_beside,
+    outputs_of,
+    port_of,
+    side_links,
+)
+from core.editing.wiring import Rewire
+from core.errors import NetworkError
+from core.network import Library, Link, Network, Node
+from core.plain import close, shown
+
+__all__ = ["Candidate", "End", "Side", "fitting", "inserted", "new_node", "refusal", "wired_to"]
+
+Side = Literal["input", "output"]
+End = tuple[str, str, Side]
+"""Node, port and the port's side."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A module a wire could lead to or come from, and the port it would have there."""
+
+    module: str
+    port: str
+
+
+def fitting(library: Library, types: Collection[str], side: Side) -> tuple[Candidate, ...]:
+    """Modules with a port on that side for a wire of one of these types, in the library's order.
+
+    Parameters
+    ----------
+    library : mapping
+        Modules by key.
+    types : collection of str
+        The types of the wire's loose end.
+    side : "input" or "output"
+        The side of the ports looked for: inputs take a wire from an output, outputs give one.
+
+    Returns
+    -------
+    tuple of Candidate
+        One for each port that fits.
+    """
+    wanted = set(types)
+    found = []
+    for key, module in library.items():
+        known = declaration(module)
+        ports = known.inputs if side == "input" else known.outputs
+        found += [Candidate(key, port.name) for port in ports if wanted & set(port.types)]
+    return tuple(found)
+
+
+def new_node(
+    network: Network, library: Library, module: str, at: Point | None
+) -> tuple[str, Operation]:
+    """The name of a new node of a module, and what adds it.
+
+    Raises
+    ------
+    NetworkError
+        If the library has no such module.
+    """
+    if module not in library:
+        raise NetworkError(f"there is no module {shown(module)}{close(module, library)}")
+    name = fresh_name(module, network.nodes)
+    return name, Add((Placed(Node(name, module), at),))
+
+
+def wired_to(
+    network: Network, library: Library, end: End, candidate: Candidate, at: Point | None
+) -> tuple[str, Operation]:
+    """A new node of a candidate wired to a loose end, and its other inputs where they are certain.
+
+    Parameters
+    ----------
+    network, library
+        Where it is to be added.
+    end : (node, port, side)
+        The port that the loose wire leaves from. Of an input that has a link, the new node comes
+        between if it passes that on, else its link takes the place.
+    candidate : Candidate
+        What is added.
+    at : (x, y), optional
+        Its point on the canvas.
+
+    Raises
+    ------
+    NetworkError
+        If it does not fit.
+    """
+    name, adding = new_node(network, library, candidate.module, at)
+    grown = adding.apply(network)
+    node, port, side = end
+    if side == "output":
+        link = Link(node, port, name, candidate.port)
+    else:
+        link = Link(name, candidate.port, node, port)
+        old = next((each for each in network.links_into(node) if each.input == port), None)
+        between = inserted(grown, library, old, name) if old else None
+        if between is not None and link in between.apply(grown).links:
+            return name, together((adding, between), adding.text)
+    wrong = misfit(grown, library, link)
+    if wrong is not None:
+        raise NetworkError(wrong)
+    links = (link, *_others(grown, library, link, name))
+    wiring = Rewire(add=links)
+    check_new_wires(grown, wiring.apply(grown), library)
+    return name, together((adding, wiring), adding.text)
+
+
+def _others(network: Network, library: Library, link: Link, node: str) -> list[Link]:
+    """Links for the inputs of a new node beside the one drawn."""
+    module = declared(network, library, node)
+    if module is None:
+        return []
+    taken = {link.input} if link.target == node else set()
+    followers = {link.target} - {node}
+    found = side_links(network, library, node, taken, followers)
+    behind = reached_from(network, {node, *followers})
+    for kind in (MAGNITUDE, PHASE):
+        port = port_of(module.inputs, kind)
+        if port is None or port.name in taken or len(port.types) > 1:
+            continue
+        source = _spectrum(network, library, link, node, kind, required=port.required)
+        if source is not None and source[0] not in behind:
+            found.append(Link(*source, node, port.name))
+    return found
+
+
+def _spectrum(
+    network: Network, library: Library, link: Link, node: str, kind: str, *, required: bool
+) -> tuple[str, str] | None:
+    """The output that a new node takes its magnitude or phase from."""
+    if link.target == node and _brings(network, library, link, PARTNER[kind]):
+        return end_beside(network, library, (link.source, link.output), kind)
+    if not required:
+        return None
+    every = [end for end in outputs_of(network, library, kind) if end[0] != node]
+    return every[0] if len(every) == 1 else None
+
+
+def _brings(network: Network, library: Library, link: Link, kind: str) -> bool:
+    target: Declaration | None = declared(network, library, link.target)
+    port = target.input(link.input) if target else None
+    return port is not None and port.types == (kind,)

@@ -1,0 +1,107 @@
+"""Undo and redo: what was done, with its inverse; edits of one gesture are one step."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+
+from core.editing.operation import Operation
+from core.network import Network
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of the history."""
+
+    operation: Operation
+    inverse: Operation
+
+
+class History:
+    """What was done to a document, up to where it stands and beyond what was undone."""
+
+    def __init__(self) -> None:
+        self._steps: list[Step] = []
+        self._done = 0
+        self._saved: int | None = 0
+        self._gesture: Hashable = None
+        self._start: Network | None = None
+
+    @property
+    def undo_text(self) -> str:
+        """What undo would undo; empty where there is nothing."""
+        return self._steps[self._done - 1].operation.text if self._done else ""
+
+    @property
+    def redo_text(self) -> str:
+        """What redo would do again; empty where there is nothing."""
+        return self._steps[self._done].operation.text if self._done < len(self._steps) else ""
+
+    @property
+    def modified(self) -> bool:
+        """Whether the document stands elsewhere than when it was saved."""
+        return self._saved != self._done
+
+    @property
+    def start(self) -> Network | None:
+        """The network before the gesture that is going on, if one is."""
+        return self._start
+
+    @property
+    def position(self) -> int:
+        """How many steps are done."""
+        return self._done
+
+    def mark_saved(self, saved: bool = True) -> None:
+        """The document as it stands is the saved one; or is not, and no step leads to that."""
+        self._saved = self._done if saved else None
+        self.end_gesture()
+
+    def do(self, network: Network, operation: Operation, gesture: Hashable = None) -> Network:
+        """Apply an operation and remember it; what was undone is forgotten.
+
+        Operations in a row with the same `gesture` become one step.
+        """
+        after = operation.apply(network)
+        undo = operation.inverse(network)
+        del self._steps[self._done :]
+        if self._saved is not None and self._saved > self._done:
+            self._saved = None
+        if gesture is not None and gesture == self._gesture:
+            last = self._steps[-1]
+            self._steps[-1] = Step(last.operation.then(operation), undo.then(last.inverse))
+        else:
+            self._steps.append(Step(operation, undo))
+            self._done += 1
+            self._start = network if gesture is not None else None
+        self._gesture = gesture
+        return after
+
+    def forget(self) -> None:
+        """Take back the step of the gesture that is going on: it has changed nothing in the end."""
+        if self._gesture is not None:
+            self._steps.pop()
+            self._done -= 1
+        self.end_gesture()
+
+    def end_gesture(self) -> None:
+        """What comes next is a step of its own."""
+        self._gesture = self._start = None
+
+    def undo(self, network: Network) -> Network:
+        """The network before the last step; the same where there is none."""
+        self.end_gesture()
+        if not self._done:
+            return network
+        network = self._steps[self._done - 1].inverse.apply(network)
+        self._done -= 1
+        return network
+
+    def redo(self, network: Network) -> Network:
+        """The network with the step done again that was undone last."""
+        self.end_gesture()
+        if self._done == len(self._steps):
+            return network
+        network = self._steps[self._done].operation.apply(network)
+        self._done += 1
+        return network

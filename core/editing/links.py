@@ -1,0 +1,124 @@
+"""Why a link cannot be made, in one line for the person who draws it."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from core.declaration import Declaration, Port, declaration
+from core.errors import NetworkError
+from core.graph import cycles
+from core.network import Library, Link, Network, cycle_error
+from core.plain import close, shown
+
+_MOST_NAMED = 8
+
+
+def refusal(network: Network, library: Library, link: Link) -> str | None:
+    """Why `link` cannot be made; None where it can.
+
+    That its input has a link is no reason: the new one takes its place. Unknown modules take and
+    give anything.
+    """
+    wrong = misfit(network, library, link)
+    if wrong is not None:
+        return wrong
+    way = way_between(network, link.target, link.source)
+    if way is None:
+        return None
+    names = list(way) if len(way) <= _MOST_NAMED else [*way[: _MOST_NAMED - 2], "…", way[-1]]
+    return f"this would be a cycle: {' → '.join((*names, way[0]))}"
+
+
+def misfit(network: Network, library: Library, link: Link) -> str | None:
+    """Why the ends of a link do not fit each other; None where they do, be it in a cycle."""
+    for name in (link.source, link.target):
+        if name not in network.nodes:
+            return f"there is no node {shown(name)}{close(name, network.nodes)}"
+    if link.source == link.target:
+        return f"{shown(link.source)} cannot feed itself"
+    giving, taking = (declared(network, library, end) for end in (link.source, link.target))
+    output = giving.output(link.output) if giving else None
+    entry = taking.input(link.input) if taking else None
+    if giving and output is None:
+        return _no_port(link.source, "output", link.output, giving.outputs)
+    if taking and entry is None:
+        return _no_port(link.target, "input", link.input, taking.inputs)
+    if output and entry and not set(output.types) & set(entry.types):
+        start, end = link.text()
+        return f"{shown(start)} gives {_kinds(output)}, but {shown(end)} takes {_kinds(entry)}"
+    return None
+
+
+def check_new_wires(before: Network, after: Network, library: Library) -> None:
+    """Refuse a change that brings links no network may have.
+
+    What was wrong before is left to be mended.
+
+    Raises
+    ------
+    NetworkError
+        Naming the link and what is wrong with it.
+    """
+    old = set(before.links)
+    new = [link for link in after.links if link not in old]
+    if not new:
+        return
+    for link in new:
+        wrong = misfit(after, library, link)
+        if wrong is not None:
+            raise NetworkError(wrong)
+    count = Counter((link.target, link.input) for link in after.links)
+    for link in new:
+        if count[link.target, link.input] > 1:
+            raise NetworkError(f"{shown(link.text()[1])} would have more than one link")
+    loops = cycles(after.followers)
+    if loops and not cycles(before.followers):
+        raise cycle_error(loops[0])
+
+
+def way_between(network: Network, start: str, end: str) -> tuple[str, ...] | None:
+    """The shortest way along links from one node to another, both included."""
+    came_from = {start: start}
+    border = [start]
+    while border and end not in came_from:
+        ahead = []
+        for name in border:
+            for follower in network.followers[name]:
+                if follower not in came_from:
+                    came_from[follower] = name
+                    ahead.append(follower)
+        border = ahead
+    if end not in came_from:
+        return None
+    way = [end]
+    while way[-1] != start:
+        way.append(came_from[way[-1]])
+    return tuple(reversed(way))
+
+
+def reached_from(network: Network, starts: set[str]) -> set[str]:
+    """These nodes and all that their links lead to."""
+    found = set(starts)
+    rest = list(starts)
+    while rest:
+        fresh = [name for name in network.followers[rest.pop()] if name not in found]
+        found.update(fresh)
+        rest += fresh
+    return found
+
+
+def declared(network: Network, library: Library, name: str) -> Declaration | None:
+    """The declaration of a node's module; None of an unknown module or node."""
+    node = network.nodes.get(name)
+    module = library.get(node.module) if node is not None else None
+    return declaration(module) if module is not None else None
+
+
+def _no_port(node: str, side: str, port: str, ports: tuple[Port, ...]) -> str:
+    names = [each.name for each in ports]
+    listed = f"it has {', '.join(names)}" if names else "it has none"
+    return f"{shown(node)} has no {side} {shown(port)}{close(port, names) or f': {listed}'}"
+
+
+def _kinds(port: Port) -> str:
+    return " or ".join(port.types)

@@ -1,0 +1,55 @@
+"""File names in a network that is saved into another folder."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from core.declaration import declaration
+from core.editing.fields import SetParameter
+from core.editing.operation import Operation, together
+from core.network import Library, Network
+
+
+def rebased(
+    network: Network, library: Library, old_folder: Path, new_folder: Path
+) -> Operation | None:
+    """Make relative file names point at the same files from another folder; None if they do.
+
+    Only of modules in the library is it known which parameters are file names.
+
+    Parameters
+    ----------
+    network, library
+        What is saved.
+    old_folder, new_folder : Path
+        What its file names are relative to, and shall be. They need not exist.
+    """
+    old, new = (Path(os.path.realpath(folder)) for folder in (old_folder, new_folder))
+    if old == new:
+        return None
+    steps: list[Operation] = []
+    for node in network.nodes.values():
+        if node.module not in library:
+            continue
+        for parameter in declaration(library[node.module]).parameters:
+            value = node.params.get(parameter.name)
+            if parameter.kind == "path" and isinstance(value, str) and _relative(value):
+                moved = _from(old / value, new)
+                if moved != value:
+                    steps.append(SetParameter(node.id, parameter.name, moved))
+    return together(steps, "Keep file names") if steps else None
+
+
+def _relative(value: str) -> bool:
+    return bool(value) and "\0" not in value and not Path(value).is_absolute()
+
+
+def _from(file: Path, folder: Path) -> str:
+    """The file's name from a folder: relative, or in full where there is no way between them."""
+    # The last part is kept: a name that is a link to a file stays that name.
+    place = Path(os.path.realpath(file.parent), file.name) if file.name != ".." else file
+    try:
+        return Path(os.path.relpath(place, folder)).as_posix()
+    except ValueError:  # another drive
+        return place.as_posix()

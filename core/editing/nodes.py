@@ -1,0 +1,213 @@
+"""Operations that put nodes in, take them out, move and rename them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
+
+from core.editing.fields import SetExtra
+from core.editing.operation import ABSENT, Operation, Together, named
+from core.editing.references import dropped, renamed
+from core.editing.wiring import Rewire, displaced
+from core.errors import NetworkError
+from core.network import Link, Network, Node
+from core.plain import shown, thaw
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A node with its point of the canvas and its place in the document's order (None: last)."""
+
+    node: Node
+    at: Point | None = None
+    index: int | None = None
+
+
+@dataclass(frozen=True)
+class Add(Operation):
+    """Put nodes in, and links; a link into an input that has one takes its place.
+
+    `extra` are fields of the network that come with them.
+    """
+
+    placed: tuple[Placed, ...]
+    links: tuple[Link, ...] = ()
+    label: str = ""
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return self.label or f"Add {named([each.node.id for each in self.placed])}"
+
+    def apply(self, network: Network) -> Network:
+        """The network with them."""
+        order = list(network.nodes)
+        nodes = dict(network.nodes)
+        layout = dict(network.layout)
+        for each in self.placed:
+            if each.node.id in nodes:
+                raise NetworkError(f"there is a node {shown(each.node.id)} already")
+            nodes[each.node.id] = each.node
+            order.insert(len(order) if each.index is None else each.index, each.node.id)
+            if each.at is not None:
+                layout[each.node.id] = _finite(each.node.id, each.at)
+        grown = replace(
+            network,
+            nodes={name: nodes[name] for name in order},
+            layout=layout,
+            extra={**network.extra, **self.extra},
+        )
+        return Rewire(add=self.links).apply(grown)
+
+    def inverse(self, network: Network) -> Operation:
+        """Take them out again; what was linked before comes back."""
+        names = tuple(each.node.id for each in self.placed)
+        before = displaced(network, self.links)
+        # Taking nodes out takes what mentions them along, be it from before they came.
+        left = dropped({**network.extra, **self.extra}, set(names))
+        steps = _back_to(network.extra, left)
+        others = [link for link in self.links if not {link.source, link.target} & set(names)]
+        own = [link for link in others if link not in network.links]
+        if own or before:
+            steps.append(Rewire(add=before, remove=tuple(own)))
+        return Together((Remove(names), *steps), self.text) if steps else Remove(names)
+
+
+@dataclass(frozen=True)
+class Remove(Operation):
+    """Take nodes out, with their links and every mention of them."""
+
+    names: tuple[str, ...]
+    label: str = ""
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return self.label or f"Delete {named(self.names)}"
+
+    def apply(self, network: Network) -> Network:
+        """The network without them."""
+        for name in self.names:
+            network.node(name)
+        gone = set(self.names)
+        return replace(
+            network,
+            nodes={name: node for name, node in network.nodes.items() if name not in gone},
+            links=tuple(link for link in network.links if not {link.source, link.target} & gone),
+            layout={name: at for name, at in network.layout.items() if name not in gone},
+            extra=dropped(network.extra, gone),
+        )
+
+    def inverse(self, network: Network) -> Operation:
+        """Put them back where they were."""
+        gone = set(self.names)
+        placed = tuple(
+            Placed(node, network.layout.get(name), index)
+            for index, (name, node) in enumerate(network.nodes.items())
+            if name in gone
+        )
+        links = tuple(link for link in network.links if {link.source, link.target} & gone)
+        fields, left = thaw(network.extra), thaw(dropped(network.extra, gone))
+        extra = {name: value for name, value in fields.items() if left.get(name, ABSENT) != value}
+        return Add(placed, links, self.text, extra)
+
+
+@dataclass(frozen=True)
+class Move(Operation):
+    """Put nodes at points of the canvas; None takes a node's point away."""
+
+    positions: Mapping[str, Point | None]
+    label: str = ""
+    sets: ClassVar[bool] = True
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return self.label or f"Move {named(list(self.positions))}"
+
+    def apply(self, network: Network) -> Network:
+        """The network with them there."""
+        layout: dict[str, Point] = dict(network.layout)
+        for name, at in self.positions.items():
+            network.node(name)
+            if at is None:
+                layout.pop(name, None)
+            else:
+                layout[name] = _finite(name, at)
+        return replace(network, layout=layout)
+
+    def inverse(self, network: Network) -> Operation:
+        """Put them where they were."""
+        return Move({name: network.layout.get(name) for name in self.positions}, self.text)
+
+    def joined(self, later: Operation) -> Operation | None:
+        """To the later points."""
+        if not isinstance(later, Move):
+            return None
+        return Move({**self.positions, **later.positions}, self.label)
+
+
+@dataclass(frozen=True)
+class Rename(Operation):
+    """Give a node another id, wherever it is mentioned."""
+
+    old: str
+    new: str
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return f"Rename {self.old} to {self.new}"
+
+    def apply(self, network: Network) -> Network:
+        """The network with the new name."""
+        network.node(self.old)
+        if self.new != self.old and self.new in network.nodes:
+            raise NetworkError(f"there is a node {shown(self.new)} already")
+
+        def name_of(name: str) -> str:
+            return self.new if name == self.old else name
+
+        return replace(
+            network,
+            nodes={
+                name_of(name): replace(node, id=name_of(name))
+                for name, node in network.nodes.items()
+            },
+            links=tuple(
+                replace(link, source=name_of(link.source), target=name_of(link.target))
+                for link in network.links
+            ),
+            layout={name_of(name): at for name, at in network.layout.items()},
+            extra=renamed(network.extra, self.old, self.new),
+        )
+
+    def inverse(self, network: Network) -> Operation:
+        """Give it back its name."""
+        back = Rename(self.new, self.old)
+        after = self.apply(network)
+        # What mentioned the new name before the node had it would be renamed as well.
+        steps = _back_to(network.extra, back.apply(after).extra)
+        return Together((back, *steps), self.text) if steps else back
+
+
+def _back_to(wanted: Mapping[str, Any], present: Mapping[str, Any]) -> list[Operation]:
+    """What sets the network's other fields as they were."""
+    wanted, present = thaw(wanted), thaw(present)
+    return [
+        SetExtra(name, wanted.get(name, ABSENT))
+        for name in {**wanted, **present}
+        if wanted.get(name, ABSENT) != present.get(name, ABSENT)
+    ]
+
+
+def _finite(name: str, at: Point) -> Point:
+    x, y = float(at[0]), float(at[1])
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise NetworkError(f"{shown(name)} cannot lie at {x:g}, {y:g}: only at finite numbers")
+    return x, y

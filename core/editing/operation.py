@@ -1,0 +1,168 @@
+"""Changes of a network as values, each with its inverse.
+
+An operation applied to a network it does not fit raises an error of this program and changes
+nothing. The inverse is asked of the network before the change: it then undoes exactly that change.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, ClassVar
+
+from core.errors import NetworkError
+from core.network import Network
+from core.plain import shown
+
+
+class Absent(Enum):
+    """The value of what is not there: a parameter left at its default, a field left out."""
+
+    ABSENT = "absent"
+
+
+ABSENT = Absent.ABSENT
+
+
+class Operation(ABC):
+    """A change of a network."""
+
+    sets: ClassVar[bool] = False
+    """Whether it only gives values to what is there: those of different things may change places"""
+
+    @property
+    @abstractmethod
+    def text(self) -> str:
+        """What it does, for the undo menu."""
+
+    @abstractmethod
+    def apply(self, network: Network) -> Network:
+        """The network after the change.
+
+        Raises
+        ------
+        NetworkError, ParameterError
+            If it does not fit the network.
+        """
+
+    @abstractmethod
+    def inverse(self, network: Network) -> Operation:
+        """What undoes it, `network` being the one before the change."""
+
+    def joined(self, later: Operation) -> Operation | None:  # noqa: ARG002
+        """Both as one of its kind; None where that is not the same."""
+        return None
+
+    def then(self, later: Operation) -> Operation:
+        """Both operations as one."""
+        one = self.joined(later)
+        return one if one is not None else together((self, later), self.text)
+
+
+@dataclass(frozen=True)
+class Together(Operation):
+    """Several operations, one after the other, as one."""
+
+    operations: tuple[Operation, ...]
+    label: str = ""
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        if self.label or not self.operations:
+            return self.label
+        more = len(self.operations) - 1
+        return self.operations[0].text + (f" and {more} more" if more else "")
+
+    def apply(self, network: Network) -> Network:
+        """The network after all of them."""
+        for each in self.operations:
+            network = each.apply(network)
+        return network
+
+    def inverse(self, network: Network) -> Operation:
+        """Undo all of them, the last one first."""
+        undoing = []
+        for each in self.operations:
+            undoing.append(each.inverse(network))
+            network = each.apply(network)
+        return Together(tuple(reversed(undoing)), self.text)
+
+
+def together(operations: Iterable[Operation], label: str = "") -> Operation:
+    """Operations as one, with no more parts than needed.
+
+    The values that a long drag sets again and again leave one part each: its undo is as quick as
+    its last step, and nothing is nested.
+    """
+    parts: list[Operation] = []
+    for each in _flat(operations):
+        _append(parts, each)
+    return Together(tuple(parts), label)
+
+
+def _flat(operations: Iterable[Operation]) -> Iterator[Operation]:
+    """By a stack: the nesting of what is given does not matter."""
+    rest = list(operations)[::-1]
+    while rest:
+        each = rest.pop()
+        if isinstance(each, Together):
+            rest.extend(reversed(each.operations))
+        else:
+            yield each
+
+
+def _append(parts: list[Operation], later: Operation) -> None:
+    for place in reversed(range(len(parts))):
+        one = parts[place].joined(later)
+        if one is not None:
+            parts[place] = one
+            return
+        if not (parts[place].sets and later.sets):
+            break  # what comes later may need what this one does
+    parts.append(later)
+
+
+def with_field(fields: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
+    """The fields with one set, or taken away by ABSENT."""
+    kept = {key: item for key, item in fields.items() if key != name}
+    return kept if value is ABSENT else {**kept, name: value}
+
+
+def named(names: Sequence[str]) -> str:
+    """One name, or how many there are."""
+    return names[0] if len(names) == 1 else f"{len(names)} nodes"
+
+
+def check_plain(value: Any, what: str) -> None:
+    """Refuse what no network file can hold, before it is in the document and cannot be saved.
+
+    Raises
+    ------
+    NetworkError
+        Naming `what` it was meant for, and the value.
+    """
+    rest = [value]
+    while rest:
+        item = rest.pop()
+        if isinstance(item, Mapping) and all(isinstance(key, str) for key in item):
+            rest += [*item.keys(), *item.values()]
+        elif isinstance(item, list | tuple):
+            rest += item
+        elif not _storable(item):
+            raise NetworkError(
+                f"{shown(what)} cannot be {item!r:.80}: only finite numbers, texts, true, false, "
+                "null, lists and objects of them can be saved"
+            )
+
+
+def _storable(item: Any) -> bool:
+    if isinstance(item, str):
+        # Half a surrogate pair is a text to Python, but not to a file.
+        return item.isascii() or not any("\ud800" <= c <= "\udfff" for c in item)
+    if isinstance(item, float):
+        return math.isfinite(item)
+    return item is None or isinstance(item, bool | int)

@@ -1,0 +1,83 @@
+"""Why a link cannot be made, in words."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+
+from core.editing.fitting import refusal
+from core.network import Link, Network, Node
+
+
+@pytest.mark.parametrize(
+    ("link", "reason"),
+    [
+        (
+            ("init.phase", "detector.magnitude"),
+            "init.phase gives phase, but detector.magnitude takes magnitude",
+        ),
+        (
+            ("init.context", "picture.image"),
+            "init.context gives context, but picture.image takes image or magnitude or phase or "
+            "transfer",
+        ),
+        (("nobody.image", "picture.image"), "there is no node nobody"),
+        (("frame_graber.image", "picture.image"), "there is no node frame_graber; did you mean "
+                                                  "frame_grabber?"),
+        (("init.magnitud", "detector.magnitude"), "init has no output magnitud; did you mean "
+                                                  "magnitude?"),
+        (("init.magnitude", "picture.x"), "picture has no input x: it has image"),
+        (("picture.curve", "scene.image"), "scene has no input image: it has none"),
+        (("charge.magnitude", "charge.magnitude"), "charge cannot feed itself"),
+        (
+            ("charge.magnitude", "aberration.magnitude"),
+            "this would be a cycle: aberration → detector → charge → aberration",
+        ),
+        (
+            ("frame_grabber.image", "photons.image"),
+            "this would be a cycle: photons → init → electronics → frame_grabber → photons",
+        ),
+    ],
+)  # fmt: skip
+def test_reasons(kodak, library, link, reason):
+    assert refusal(kodak, library, Link.between(*link)) == reason
+
+
+def test_every_link_that_is_shipped_could_be_made(shipped, library):
+    """There already, or not: its own input being occupied is no reason."""
+    for network in shipped.values():
+        for link in network.links:
+            assert refusal(network, library, link) is None
+
+
+def test_an_occupied_input_is_no_reason(kodak, library):
+    assert refusal(kodak, library, Link("scene", "image", "picture", "image")) is None
+    assert refusal(kodak, library, Link("init", "magnitude", "back", "magnitude")) is None
+
+
+def test_unknown_modules_take_and_give_anything(library):
+    nodes = {"old": Node("old", "gone"), "back": Node("back", "back_transform")}
+    network = Network(nodes=nodes)
+    assert refusal(network, library, Link("old", "any", "back", "phase")) is None
+    assert refusal(network, library, Link("back", "image", "old", "thing")) is None
+    looped = Network(nodes=nodes, links=(Link("back", "image", "old", "thing"),))
+    reason = refusal(looped, library, Link("old", "any", "back", "phase"))
+    assert reason == "this would be a cycle: back → old → back"
+
+
+def test_a_long_cycle_is_named_in_short(library):
+    names = [f"n{number}" for number in range(3000)]
+    nodes = {name: Node(name, "gone") for name in names}
+    links = [Link(one, "o", other, "i") for one, other in itertools.pairwise(names)]
+    reason = refusal(
+        Network(nodes=nodes, links=tuple(links)), library, Link("n2999", "o", "n0", "i")
+    )
+    assert reason == "this would be a cycle: n0 → n1 → n2 → n3 → n4 → n5 → … → n2999 → n0"
+
+
+def test_hostile_names_stay_on_one_line(library):
+    nodes = {"a\u202eb": Node("a\u202eb", "back_transform")}
+    reason = refusal(Network(nodes=nodes), library, Link("a\u202eb", "x\ny", "c\nd", "i"))
+    assert reason is not None
+    assert reason.isprintable()

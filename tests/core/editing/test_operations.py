@@ -1,0 +1,238 @@
+"""What each operation does to a network: the values written here come from no operation."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from core.editing.fields import SetExtra, SetNetwork, SetNode, SetNodeExtra, SetParameter
+from core.editing.naming import fresh_name
+from core.editing.nodes import Add, Move, Placed, Remove, Rename
+from core.editing.operation import ABSENT, Together, together
+from core.editing.wiring import Rewire
+from core.errors import ImagechainError, NetworkError
+from core.network import Link, Node
+from core.network_file import format_network, parse_network
+
+
+@pytest.fixture
+def network(document, small_library):
+    document["final"] = "back.image"
+    document["published"] = [
+        {"figure": "rms", "from": "jitter.sigma", "value": 1},
+        {"figure": "level", "from": "look.level", "value": 2},
+        {"figure": "of the whole", "value": 3},
+    ]
+    return parse_network(json.dumps(document), library=small_library)
+
+
+@pytest.fixture
+def text_of(small_library):
+    return lambda network: format_network(network, library=small_library)
+
+
+def undone(network, operation):
+    return operation.inverse(network).apply(operation.apply(network))
+
+
+def test_a_node_is_added_last_with_its_point_and_links(network):
+    new = Placed(Node("more", "jitter_mtf", {"sigma_mrad": 2.0}), (5, 6))
+    link = Link("init", "context", "more", "context")
+    after = Add((new,), (link,)).apply(network)
+    assert list(after.nodes) == [*network.nodes, "more"]
+    assert after.nodes["more"].params == {"sigma_mrad": 2.0}
+    assert after.layout["more"] == (5.0, 6.0)
+    assert set(after.links) - set(network.links) == {link}
+
+
+def test_a_node_can_be_added_in_between(network):
+    after = Add((Placed(Node("more", "back"), None, 1),)).apply(network)
+    assert list(after.nodes)[:3] == ["scene", "more", "init"]
+
+
+def test_a_link_that_comes_with_a_node_takes_the_place_of_another(network, text_of):
+    link = Link("more", "image", "look", "picture")
+    adding = Add((Placed(Node("more", "back"), None),), (link,))
+    after = adding.apply(network)
+    assert [each for each in after.links if each.target == "look"] == [link]
+    assert text_of(undone(network, adding)) == text_of(network)
+
+
+def test_removing_takes_links_points_and_every_mention_along(network):
+    after = Remove(("back", "look")).apply(network)
+    assert list(after.nodes) == ["scene", "init", "jitter", "add noise"]
+    assert not [each for each in after.links if {each.source, each.target} & {"back", "look"}]
+    assert "final" not in after.extra
+    assert [row["figure"] for row in after.extra["published"]] == ["rms", "of the whole"]
+    assert Remove(("init",)).apply(network).layout == {"scene": (0, 0)}
+
+
+def test_removed_nodes_come_back_in_their_places(network, text_of):
+    removing = Remove(("jitter", "look", "scene"))
+    assert list(undone(network, removing).nodes) == list(network.nodes)
+    assert text_of(undone(network, removing)) == text_of(network)
+
+
+def test_renaming_follows_every_mention(network):
+    after = Rename("back", "to the image").apply(network)
+    assert list(after.nodes)[3] == "to the image"
+    assert Link("to the image", "image", "add noise", "image") in after.links
+    assert Link("jitter", "magnitude", "to the image", "magnitude") in after.links
+    assert after.extra["final"] == "to the image.image"
+    moved = Rename("jitter", "shake").apply(network)
+    assert [row.get("from") for row in moved.extra["published"]] == [
+        "shake.sigma",
+        "look.level",
+        None,
+    ]
+    assert Rename("init", "trans").apply(network).layout["trans"] == (220, -12.5)
+
+
+def test_a_mention_of_nobody_is_not_taken_for_the_new_name(network, text_of):
+    """`final` names a node that is not there; a node gets that name, and another one again."""
+    network = replace(network, extra={**network.extra, "final": "ghost.image"})
+    for operation in (Rename("look", "ghost"), Add((Placed(Node("ghost", "back")),))):
+        assert undone(network, operation).extra["final"] == "ghost.image"
+        assert text_of(undone(network, operation)) == text_of(network)
+
+
+@pytest.mark.parametrize("new", ["init", "a.b", "", "a=b", "line\nbreak", "\ud800"])
+def test_names_that_are_taken_or_not_allowed_are_refused(network, new):
+    with pytest.raises(NetworkError):
+        Rename("look", new).apply(network)
+
+
+def test_moving_and_taking_a_point_away(network):
+    after = Move({"scene": (7, 8.5), "init": None, "look": (1, 2)}).apply(network)
+    assert after.layout == {"scene": (7.0, 8.5), "look": (1.0, 2.0)}
+
+
+@pytest.mark.parametrize("at", [(float("nan"), 0), (0, float("inf"))])
+def test_no_node_lies_nowhere(network, at):
+    with pytest.raises(NetworkError, match="look cannot lie at"):
+        Move({"look": at}).apply(network)
+
+
+def test_a_link_into_an_occupied_input_takes_its_place(network, text_of):
+    new = Link("scene", "image", "look", "picture")
+    rewiring = Rewire(add=(new,))
+    after = rewiring.apply(network)
+    assert new in after.links
+    assert Link("add noise", "image", "look", "picture") not in after.links
+    assert len(after.links) == len(network.links)
+    assert text_of(undone(network, rewiring)) == text_of(network)
+
+
+def test_a_link_that_is_there_stays_one_link(network):
+    link = network.links[0]
+    assert Rewire(add=(link,)).apply(network) == network
+    assert undone(network, Rewire(add=(link,))) == network
+
+
+def test_a_link_that_is_not_there_cannot_be_taken_away(network):
+    with pytest.raises(NetworkError, match=r"there is no link scene\.image → look\.picture"):
+        Rewire(remove=(Link("scene", "image", "look", "picture"),)).apply(network)
+
+
+def test_a_parameter_is_set_and_left_at_its_default_again(network):
+    after = SetParameter("jitter", "sigma_mrad", 3.0).apply(network)
+    assert after.nodes["jitter"].params == {"sigma_mrad": 3.0}
+    assert SetParameter("jitter", "sigma_mrad", ABSENT).apply(after).nodes["jitter"].params == {}
+    assert list(after.nodes) == list(network.nodes)
+
+
+def test_parameters_of_an_unknown_module_are_set_as_well(network, small_library):
+    network = Add((Placed(Node("old", "no such module", {"a": [1, 2]})),)).apply(network)
+    after = SetParameter("old", "a", {"b": 1}).apply(network)
+    assert '"b": 1' in format_network(after, library=small_library)
+
+
+def test_fields_of_nodes_and_of_the_network(network):
+    assert SetNode("init", "disabled", True).apply(network).nodes["init"].disabled is True
+    assert SetNode("jitter", "auto", None).apply(network).nodes["jitter"].auto is None
+    assert SetNodeExtra("init", "pinned", ABSENT).apply(network).nodes["init"].extra == {}
+    assert SetNodeExtra("back", "pinned", True).apply(network).nodes["back"].extra["pinned"]
+    assert SetNetwork("description", "new").apply(network).description == "new"
+    assert SetExtra("final", ABSENT).apply(network).extra.keys() == {"published", "backdrops"}
+
+
+@pytest.mark.parametrize(
+    "value", [float("nan"), float("-inf"), [1, {"a": float("nan")}], "\ud800", {1}, {3: 4}, b"x"]
+)
+def test_what_no_file_can_hold_is_refused_when_it_is_set(network, value):
+    """Else it would be in the document, and every attempt to save would fail."""
+    for operation in (
+        SetParameter("init", "focal_length_mm", value),
+        SetNodeExtra("init", "note", value),
+        SetExtra("note", value),
+        SetNetwork("description", value),
+    ):
+        with pytest.raises(NetworkError, match="only finite numbers, texts"):
+            operation.apply(network)
+
+
+def test_what_does_not_fit_says_so(network):
+    for operation in (
+        Remove(("look", "nobody")),
+        Move({"nobody": (0, 0)}),
+        Rename("nobody", "x"),
+        SetParameter("nobody", "x", 1),
+        SetNode("nobody", "auto", True),
+        SetNodeExtra("nobody", "pinned", True),
+        Add((Placed(Node("look", "back")),)),
+        Rewire(add=(Link("nobody", "image", "look", "picture"),)),
+        SetNetwork("seed", -1),
+        SetNetwork("name", 5),
+        SetNodeExtra("look", "module", "x"),
+    ):
+        with pytest.raises(ImagechainError):
+            operation.apply(network)
+
+
+def test_several_operations_are_undone_from_the_last_to_the_first(network, text_of):
+    both = Together((Rename("look", "see"), SetParameter("see", "level", 9.0), Remove(("see",))))
+    assert "see" not in both.apply(network).nodes
+    assert text_of(undone(network, both)) == text_of(network)
+
+
+def test_values_set_again_and_again_leave_one_part_each(network):
+    whole = together(
+        each
+        for step in range(50)
+        for each in (Move({"scene": (step, 0)}), SetExtra("backdrops", [{"x": step}]))
+    )
+    assert len(whole.operations) == 2
+    after = whole.apply(network)
+    assert after.layout["scene"] == (49.0, 0.0)
+    assert after.extra["backdrops"] == ({"x": 49},)
+
+
+def test_a_value_does_not_pass_an_operation_that_makes_way_for_it(network):
+    """The second name is that of a node which the operation between brings in."""
+    steps = (
+        SetParameter("look", "level", 1.5),
+        Rename("look", "see"),
+        Rename("jitter", "look"),
+        SetParameter("look", "level", 2.5),
+    )
+    after = together(steps).apply(network)
+    assert after.nodes["see"].params["level"] == 1.5
+    assert after.nodes["look"].params == {"sigma_mrad": 0.5, "level": 2.5}
+
+
+@pytest.mark.parametrize(
+    ("wanted", "taken", "fresh"),
+    [
+        ("jitter", [], "jitter"),
+        ("jitter", ["jitter"], "jitter_2"),
+        ("jitter", ["jitter", "jitter_2"], "jitter_3"),
+        ("jitter_2", ["jitter_2"], "jitter_3"),
+        ("jitter_5", ["jitter_5"], "jitter_2"),
+        ("jitter_mtf", ["jitter_mtf"], "jitter_mtf_2"),
+        ("_2", ["_2"], "_2_2"),
+    ],
+)
+def test_fresh_names(wanted, taken, fresh):
+    assert fresh_name(wanted, taken) == fresh
