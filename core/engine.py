@@ -10,7 +10,7 @@ from typing import Any
 
 from core.arithmetic import watched
 from core.declaration import Declaration, Here, Module, declaration
-from core.errors import ImagechainError, NetworkError
+from core.errors import ImagechainError, NetworkError, UnconnectedError
 from core.library import Library
 from core.network import Link, Network, Node, passed_through
 from core.policy import Policy
@@ -105,21 +105,30 @@ class Engine:
         self._workers = Workers()
 
     def plan(
-        self, network: Network, *, folder: Path | None = None, previous: Plan | None = None
+        self,
+        network: Network,
+        *,
+        folder: Path | None = None,
+        previous: Plan | None = None,
+        held: Mapping[str, PlannedNode] | None = None,
     ) -> Plan:
         """Run every module's planning in order; an error stays on its node.
 
         Nodes that hang on a failed one carry that node's error. From a `previous` plan of an
-        earlier state of the network, what has not changed since is taken over.
+        earlier state of the network, what has not changed since is taken over. Nodes in `held` are
+        not planned but stay as they are there, and the nodes after them are planned on that.
         """
         planned: dict[str, PlannedNode] = {}
         folder = folder or Path()
         known = {} if previous is None or previous.folder != folder else previous.nodes
         if previous is not None and previous.network.seed != network.seed:
             known = {}
+        held = held or {}
         for name in network.order():
             earlier = known.get(name)
-            if earlier is not None and _unchanged(network, name, planned, earlier):
+            if name in held:
+                planned[name] = held[name]
+            elif earlier is not None and _unchanged(network, name, planned, earlier):
                 planned[name] = earlier
             else:
                 planned[name] = self._plan_node(network, name, planned, folder)
@@ -207,7 +216,7 @@ class Engine:
         for port in described.inputs:
             if port.name not in inputs:
                 if port.required:
-                    raise NetworkError(f"input {port.name} is not connected", node=name)
+                    raise UnconnectedError(f"input {port.name} is not connected", node=name)
                 inputs[port.name] = None
         if node.disabled:
             return PlannedNode(node, module, inputs, _passed(described, inputs))

@@ -105,6 +105,10 @@ class NetworkError(InputError):
     """A network document that cannot be used."""
 
 
+class UnconnectedError(NetworkError):
+    """An input that a module needs has no wire yet."""
+
+
 class UsageError(InputError):
     """A command line that cannot be carried out."""
 

@@ -32,6 +32,13 @@ class Tally:
         self.computed: set[str | tuple[str, Region]] = set()
         self.looked_at: set[str] = set()
 
+    def add(self, other: Tally) -> None:
+        """Take over the notes of another evaluation."""
+        self.asked.update(other.asked)
+        self.parts.update(other.parts)
+        self.computed |= other.computed
+        self.looked_at |= other.looked_at
+
     def reused(self) -> list[Recipe]:
         """Recipes whose value, or what was wanted of it, was there already."""
         whole = [recipe for key, recipe in list(self.asked.items()) if key not in self.computed]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from core.engine import Engine
+from core.errors import UnconnectedError
 from core.network_file import load_network
 from core.policy import Policy
 from nodes.library import standard_library
@@ -71,3 +72,40 @@ def test_files_are_looked_at_again(opened, tmp_path):
     np.save(path, np.ones((6, 5)))
     again = engine.plan(reading, previous=first)
     assert again.output("scene.image").shape == (6, 5)
+
+
+def test_nodes_held_back_stay_as_they_were_and_the_rest_builds_on_them(opened):
+    engine, network = opened
+    first = engine.plan(network)
+    held = {"aberration": first.nodes["aberration"]}
+    edited = network.with_parameter("aberration", "sigma_x_mrad", 0.3)
+    again = engine.plan(edited, previous=first, held=held)
+    assert again.network is edited
+    assert all(again.nodes[name] is first.nodes[name] for name in network.nodes)
+    further = engine.plan(
+        edited.with_parameter("charge", "efficiency", 0.9), previous=again, held=held
+    )
+    assert further.nodes["aberration"] is first.nodes["aberration"]
+    own = {factor.node for factor in further.output("back.image").recipe.magnitude.factors}
+    assert own >= {"aberration", "charge"}
+    assert further.output("back.image").key != first.output("back.image").key
+    freed = engine.plan(edited, previous=further)
+    assert freed.output("back.image").key == engine.plan(edited).output("back.image").key
+    assert freed.output("back.image").key != first.output("back.image").key
+
+
+def test_a_node_is_held_back_though_nothing_was_planned_before(opened):
+    engine, network = opened
+    held = {"aberration": engine.plan(network).nodes["aberration"]}
+    edited = network.with_parameter("aberration", "sigma_x_mrad", 0.3)
+    plan = engine.plan(edited, held=held)
+    assert plan.output("back.image").key == engine.plan(network).output("back.image").key
+    assert plan.nodes["aberration"].node is network.nodes["aberration"]
+
+
+def test_an_input_without_a_wire_is_an_error_of_its_own_kind(opened):
+    engine, network = opened
+    cut = replace(network, links=tuple(k for k in network.links if k.target != "back"))
+    plan = engine.plan(cut)
+    assert isinstance(plan.nodes["back"].error, UnconnectedError)
+    assert str(plan.nodes["back"].error) == "back: input magnitude is not connected"
