@@ -170,9 +170,14 @@ def _sink_inputs(plan: Plan) -> list[str]:
     return [
         f"{link.source}.{link.output}"
         for link in plan.network.links
-        if plan.nodes[link.target].declaration.sink
-        and _is_image(plan, f"{link.source}.{link.output}")
+        if _is_sink(plan, link.target) and _is_image(plan, f"{link.source}.{link.output}")
     ]
+
+
+def _is_sink(plan: Plan, name: str) -> bool:
+    """Not so a node that is not there, or whose module is unknown or cannot be built."""
+    planned = plan.nodes.get(name)
+    return planned is not None and planned.module is not None and planned.declaration.sink
 
 
 def _first_image(planned: PlannedNode, name: str) -> str | None:
@@ -244,7 +249,8 @@ def _stages(plan: Plan, factors: Iterable[Factor], before: set[str]) -> list[Sta
 
 
 def _title(plan: Plan, name: str) -> str:
-    return plan.nodes[name].declaration.title if name in plan.nodes else name
+    planned = plan.nodes.get(name)
+    return name if planned is None or planned.module is None else planned.declaration.title
 
 
 def _is_idle(plan: Plan, name: str, before: set[str]) -> bool:

@@ -109,3 +109,21 @@ def test_a_network_without_pictures():
         "links": [],
     }
     assert chain_of(document).final is None
+
+
+def test_a_network_under_construction_has_its_chain_up_to_the_fault(small):
+    """Nodes of unknown modules, with values not allowed, or not wired yet are no stages."""
+    import json
+
+    small["nodes"] |= {
+        "star": {"module": "starlight"},
+        "wrong": {"module": "write_image", "params": {"format": "gif"}},
+        "loose": {"module": "jitter_mtf"},
+    }
+    small["links"] += [["pixels.image", "star.image"], ["pixels.image", "wrong.image"]]
+    library = standard_library()
+    plan = Engine(library).plan(parse_network(json.dumps(small), library=library))
+    assert len(plan.errors()) == 3
+    chain = find_chain(plan)
+    assert chain.final == "pixels.image"
+    assert [stage.node for stage in chain.stages] == ["blur", "jitter"]
