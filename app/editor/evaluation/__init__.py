@@ -1,0 +1,1 @@
+"""Computing what the window shows, in a thread of its own."""

@@ -1,0 +1,121 @@
+"""What each node shows of its state."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+
+from app.editor.evaluation.wants import Badge
+from core.declaration import declaration
+from core.engine import Plan, PlannedNode
+from core.errors import ImagechainError, UnconnectedError
+from core.library import Library
+from core.network import Network
+from core.skips import Skip, is_neutral
+
+DISABLED = "disabled: passes its input on, if it has one"
+STALE = "held back: shows what it had before the last changes, until all is generated"
+IDENTITY = "left out: its setting changes nothing"
+_TOLD = ("mirrored_edges", "pupil_centre", "folded", "region")
+
+
+def badges(
+    plan: Plan,
+    library: Library,
+    *,
+    stale: Collection[str] = (),
+    met: Iterable[ImagechainError] = (),
+    skipped: Mapping[str, str] | None = None,
+) -> dict[str, Badge]:
+    """Badges by node; one that has nothing to say has none.
+
+    An error stands on the node it belongs to alone; the nodes after it wait for that.
+
+    Parameters
+    ----------
+    plan : Plan
+        The network as it is shown.
+    library : mapping
+        Modules by key.
+    stale : collection of str
+        Nodes held back that would give something else by now.
+    met : iterable of ImagechainError
+        Errors met while computing.
+    skipped : mapping of str to str, optional
+        What is left out of a node's work, from `skip_texts`.
+    """
+    found: dict[str, Badge] = {}
+    badge: Badge | None
+    for name, planned in plan.nodes.items():
+        if planned.error is not None:
+            badge = _of_error(plan.network, library, name, planned.error)
+        else:
+            badge = _of_state(planned, name in stale, (skipped or {}).get(name))
+        if badge is not None:
+            found[name] = badge
+    for error in met:
+        node = error.node
+        if node is not None and node in plan.nodes and not _fails(found.get(node)):
+            found[node] = Badge("error", error.message)
+            for name in _after(plan.network, node):
+                if not _fails(found.get(name)):
+                    found[name] = Badge("incomplete", f"waits for {node}")
+    return found
+
+
+def skip_texts(skips: Sequence[Skip]) -> dict[str, str]:
+    """What is left out of the work of nodes that are left out, or nearly so."""
+    found: dict[str, list[str]] = {}
+    for skip in skips:
+        if skip.kind == "below_budget":
+            bound = "" if skip.bound is None else f" ({skip.bound:.1g} of the range at most)"
+            found.setdefault(skip.node, []).append(skip.text + bound)
+    for skip in skips:
+        if skip.kind in _TOLD and skip.node in found:
+            found[skip.node].append(skip.text)
+    return {name: "\n".join(texts) for name, texts in found.items()}
+
+
+def _of_state(planned: PlannedNode, stale: bool, skipped: str | None) -> Badge | None:
+    if stale:
+        return Badge("stale", STALE)
+    if planned.node.disabled:
+        return Badge("disabled", DISABLED)
+    if is_neutral(planned):
+        return Badge("skipped", IDENTITY)
+    return Badge("skipped", skipped) if skipped else None
+
+
+def _of_error(network: Network, library: Library, name: str, error: ImagechainError) -> Badge:
+    if error.node not in (None, name):
+        return Badge("incomplete", f"waits for {error.node}")
+    if isinstance(error, UnconnectedError):
+        return Badge("incomplete", f"not connected: {_unconnected(network, library, name)}")
+    return Badge("error", error.message)
+
+
+def _unconnected(network: Network, library: Library, name: str) -> str:
+    """Inputs that need a wire, and of what type."""
+    linked = {link.input for link in network.links_into(name)}
+    ports = declaration(library[network.nodes[name].module]).inputs
+    missing = [port for port in ports if port.required and port.name not in linked]
+    return ", ".join(f"{port.name} needs {_article(' or '.join(port.types))}" for port in missing)
+
+
+def _article(noun: str) -> str:
+    return f"an {noun}" if noun[:1] in "aeiou" else f"a {noun}"
+
+
+def _fails(badge: Badge | None) -> bool:
+    return badge is not None and badge.kind in ("error", "incomplete")
+
+
+def _after(network: Network, node: str) -> set[str]:
+    """All nodes that hang on a node."""
+    found: set[str] = set()
+    waiting = [node]
+    while waiting:
+        for name in network.followers.get(waiting.pop(), ()):
+            if name not in found:
+                found.add(name)
+                waiting.append(name)
+    return found

@@ -1,0 +1,207 @@
+"""What passes between the window and the worker: the newest snapshot in, the newest answers out."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from app.editor.evaluation.wants import Answer, Badge, PassDone, Want
+from core.engine import Plan
+from core.network import Network
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A want of an owner; asked again after it was dropped, it has another number."""
+
+    owner: str
+    want: Want
+    number: int
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The state of the window that a pass works on.
+
+    Parameters
+    ----------
+    generation : int
+        Number of the snapshot; later ones have larger numbers.
+    document : int
+        Number of the document.
+    network, folder
+        The document.
+    asked : tuple of Asked
+        All that is wanted of it.
+    edits, generates : int
+        How many edits, openings and generations there have been, and how many of the last.
+    gestures : int
+        How many edits there have been with a pause before them.
+    edited_at : float
+        When the last edit was, on the clock of `time.perf_counter`.
+    """
+
+    generation: int
+    document: int
+    network: Network
+    folder: Path
+    asked: tuple[Asked, ...]
+    edits: int
+    generates: int
+    gestures: int
+    edited_at: float
+
+
+class Inbox:
+    """Holds the newest snapshot until the worker takes it."""
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._newest: Snapshot | None = None
+        self._taken = 0
+        self.stopped = False
+        self.cancelled = 0
+
+    @property
+    def waiting(self) -> bool:
+        """Whether there is a snapshot to take, or it is time to stop."""
+        newest = self._newest
+        return self.stopped or (newest is not None and newest.generation > self._taken)
+
+    @property
+    def newest(self) -> Snapshot | None:
+        """The snapshot posted last, taken or not."""
+        return self._newest
+
+    def post(self, snapshot: Snapshot) -> None:
+        """Put a snapshot in the place of the last one."""
+        with self._changed:
+            self._newest = snapshot
+            self._changed.notify()
+
+    def cancel(self, generation: int) -> None:
+        """Stop passes up to that generation."""
+        with self._changed:
+            self.cancelled = generation
+            self._changed.notify()
+
+    def stop(self) -> None:
+        """Stop for good."""
+        with self._changed:
+            self.stopped = True
+            self._newest = None
+            self._changed.notify()
+
+    def take(self) -> Snapshot | None:
+        """Wait for a snapshot that was not taken yet; None when it is time to stop."""
+        with self._changed:
+            self._changed.wait_for(lambda: self.waiting)
+            if self.stopped or self._newest is None:
+                return None
+            self._taken = self._newest.generation
+            return self._newest
+
+    def quiet_until(self, moment: float) -> bool:
+        """Wait until then on the clock of `time.perf_counter`; whether nothing came meanwhile."""
+        with self._changed:
+            cancelled = self.cancelled
+
+            def disturbed() -> bool:
+                return self.waiting or self.cancelled != cancelled
+
+            left = moment - time.perf_counter()
+            return not self._changed.wait_for(disturbed, timeout=max(0.0, left))
+
+
+@dataclass(frozen=True)
+class News:
+    """What the worker has to tell of a document, all at once."""
+
+    document: int
+    plan: Plan | None = None
+    badges: Mapping[str, Badge] | None = None
+    answers: tuple[Answer, ...] = ()
+    done: tuple[PassDone, ...] = ()
+    finished: int = 0
+
+
+class Outbox:
+    """Gathers what the worker has to tell until the window takes it.
+
+    Of several answers to one question only the newest is kept: a window that is slow to draw skips
+    pictures instead of lagging behind.
+
+    Parameters
+    ----------
+    wake : callable
+        Called from the worker's thread once there is something to take.
+    """
+
+    def __init__(self, wake: Callable[[], None]) -> None:
+        self._lock = threading.Lock()
+        self._wake = wake
+        self._woken = False
+        self._news = News(0)
+        self._answers: dict[tuple[str, Want], Answer] = {}
+        self.closed = False
+
+    def begin(self, document: int) -> None:
+        """From now on it is about that document; what is left of another is dropped."""
+        with self._lock:
+            if document != self._news.document:
+                self._answers.clear()
+                self._news = News(document)
+
+    def plan(self, plan: Plan) -> None:
+        """Tell the latest plan."""
+        with self._lock:
+            self._set(plan=plan)
+        self._tell()
+
+    def badges(self, badges: Mapping[str, Badge]) -> None:
+        """Tell what the nodes show."""
+        with self._lock:
+            self._set(badges=badges)
+        self._tell()
+
+    def answer(self, answer: Answer) -> None:
+        """Tell an answer."""
+        with self._lock:
+            self._answers.pop((answer.owner, answer.want), None)
+            self._answers[answer.owner, answer.want] = answer
+        self._tell()
+
+    def done(self, done: PassDone) -> None:
+        """Tell that a pass has ended."""
+        with self._lock:
+            self._set(done=(*self._news.done, done))
+        self._tell()
+
+    def finished(self, generation: int) -> None:
+        """Tell that nothing is left to do up to that generation."""
+        with self._lock:
+            self._set(finished=generation)
+        self._tell()
+
+    def take(self) -> News:
+        """All there is to tell, in the window's thread."""
+        with self._lock:
+            self._woken = False
+            news, answers = self._news, tuple(self._answers.values())
+            self._news = News(news.document)
+            self._answers.clear()
+        return News(news.document, news.plan, news.badges, answers, news.done, news.finished)
+
+    def _set(self, **changes: Any) -> None:
+        self._news = replace(self._news, **changes)
+
+    def _tell(self) -> None:
+        with self._lock:
+            if self._woken or self.closed:
+                return
+            self._woken = True
+        self._wake()

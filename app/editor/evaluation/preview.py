@@ -1,0 +1,169 @@
+"""The same network with smaller pictures, for a first look while edits come.
+
+Behind each source of pictures stands a mean of blocks of samples. What later parameters count in
+samples is counted in those blocks; all that is given in mrad, cycles/mrad or seconds stays.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from app.editor.evaluation.sample_counts import IN_SAMPLES, Ratio
+from core.engine import Plan, PlannedNode
+from core.network import Link, Network, Node
+from core.values import Image, Magnitude, Phase
+
+SMALLEST = 16
+"""No side of a picture gets fewer samples."""
+BINNING = "combine_pixels"
+_DRAWN_ALIKE = ("slanted_edge", "four_bar", "sine", "two_panel", "uniform")
+_DRAWN_NEARLY = ("dormitory", "siemens_star")
+
+
+def reduced_network(plan: Plan, factor: int, *, edited: Collection[str] = ()) -> Network | None:
+    """The network with pictures smaller by `factor` along each side; None where it cannot be.
+
+    A picture whose pixels are combined later is reduced by what is left of the factor then.
+
+    Parameters
+    ----------
+    plan : Plan
+        The network, planned at full size.
+    factor : int
+        2 or above.
+    edited : collection of str
+        Nodes under edit: a test scene among them is drawn at the reduced size, as to draw it at
+        full size each time would leave nothing to gain. Others were drawn already.
+    """
+    reducing = _Reducing(plan, factor, edited)
+    try:
+        for name in plan.network.order():
+            reducing.take(name)
+    except _CannotReduceError:
+        return None
+    return reducing.network() if reducing.sources else None
+
+
+class _CannotReduceError(Exception):
+    """A node has no equal for smaller pictures."""
+
+
+@dataclass
+class _Reducing:
+    """Nodes of the smaller network, and by how much the picture on each output is reduced."""
+
+    plan: Plan
+    factor: int
+    edited: Collection[str] = ()
+    nodes: dict[str, Node] = field(default_factory=dict)
+    ratios: dict[tuple[str, str], Ratio] = field(default_factory=dict)
+    binned: dict[tuple[str, str], str] = field(default_factory=dict)
+    sources: int = 0
+
+    def take(self, name: str) -> None:
+        """Reduce one node; those it is linked from have been."""
+        planned = self.plan.nodes[name]
+        node = planned.node
+        self.nodes[name] = node
+        if planned.error is not None:
+            return
+        ratio = self._ratio_in(name)
+        if ratio is None:
+            self._take_source(name, planned)
+            return
+        if not planned.node.disabled:
+            params, ratio = _counted(planned, ratio)
+            self.nodes[name] = node if params is None else _with(node, params)
+        for port, value in planned.outputs.items():
+            if isinstance(value, Image | Magnitude | Phase):
+                self.ratios[name, port] = ratio
+
+    def network(self) -> Network:
+        """The smaller network."""
+        links = []
+        for link in self.plan.network.links:
+            binning = self.binned.get((link.source, link.output))
+            links.append(link if binning is None else replace(link, source=binning, output="image"))
+        links += [Link(*port, name, "image") for port, name in self.binned.items()]
+        return replace(self.plan.network, nodes=self.nodes, links=tuple(links), layout={})
+
+    def _ratio_in(self, name: str) -> Ratio | None:
+        """By how much the pictures that come in are reduced; None where there are none."""
+        found = {
+            self.ratios[link.source, link.output]
+            for link in self.plan.network.links_into(name)
+            if (link.source, link.output) in self.ratios
+        }
+        if len(found) > 1:
+            raise _CannotReduceError
+        return found.pop() if found else None
+
+    def _take_source(self, name: str, planned: PlannedNode) -> None:
+        k = self.factor
+        for port, value in _images(planned.outputs):
+            if value.rows < k * SMALLEST or value.columns < k * SMALLEST:
+                raise _CannotReduceError
+            self.sources += 1
+            self.ratios[name, port] = (k, k)
+            if _draws_itself_smaller(planned, k, self.edited):
+                size = {"width": value.columns // k, "height": value.rows // k}
+                self.nodes[name] = _with(planned.node, size)
+                continue
+            binning = self._free_name(f"{name} reduced")
+            self.nodes[binning] = Node(binning, BINNING, {"factor_x": k, "factor_y": k})
+            self.binned[name, port] = binning
+
+    def _free_name(self, name: str) -> str:
+        while name in self.nodes or name in self.plan.nodes:
+            name += "_"
+        return name
+
+
+def _counted(planned: PlannedNode, ratio: Ratio) -> tuple[Mapping[str, Any] | None, Ratio]:
+    """Parameters to change for pictures reduced by `ratio`, and the ratio that goes out."""
+    if ratio == (1, 1):
+        return None, ratio
+    key = planned.node.module
+    if key == "combine_pixels":
+        return _combined(planned, ratio)
+    if key == "noise_file":
+        raise _CannotReduceError
+    count = IN_SAMPLES.get(key)
+    return (count(planned, ratio) if count is not None else None), ratio
+
+
+def _combined(planned: PlannedNode, ratio: Ratio) -> tuple[Mapping[str, Any], Ratio]:
+    """What the pictures are reduced by need not be combined any more."""
+    module: Any = planned.module
+    x, y = math.gcd(module.factor_x, ratio[0]), math.gcd(module.factor_y, ratio[1])
+    left = {"factor_x": module.factor_x // x, "factor_y": module.factor_y // y}
+    return left, (ratio[0] // x, ratio[1] // y)
+
+
+def _draws_itself_smaller(planned: PlannedNode, factor: int, edited: Collection[str]) -> bool:
+    """Whether a test scene is drawn at the reduced size: as good as blocks' means, or nearly."""
+    module: Any = planned.module
+    if planned.node.module != "test_scene" or module.width % factor or module.height % factor:
+        return False
+    near = module.kind in _DRAWN_NEARLY and planned.node.id in edited
+    return module.kind in _DRAWN_ALIKE or near
+
+
+def _images(outputs: Mapping[str, Any]) -> Iterator[tuple[str, Image]]:
+    return ((port, value) for port, value in outputs.items() if isinstance(value, Image))
+
+
+def _with(node: Node, params: Mapping[str, Any]) -> Node:
+    return replace(node, params={**node.params, **params})
+
+
+def with_same_nodes(network: Network, before: Network) -> Network:
+    """The network with the very nodes of an earlier one where they are equal: planned once."""
+    nodes = {
+        name: before.nodes[name] if before.nodes.get(name) == node else node
+        for name, node in network.nodes.items()
+    }
+    return replace(network, nodes=nodes)

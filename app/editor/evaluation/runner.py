@@ -1,0 +1,293 @@
+"""The worker: plans each snapshot of the window and answers what is wanted of it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from app.editor.evaluation.badges import badges, skip_texts
+from app.editor.evaluation.failures import as_error
+from app.editor.evaluation.holding import Planned, plan_held
+from app.editor.evaluation.mailbox import Inbox, Outbox, Snapshot
+from app.editor.evaluation.pace import PAUSE_S, REDUCTIONS, Pace
+from app.editor.evaluation.pass_work import PassWork, Position
+from app.editor.evaluation.preview import reduced_network, with_same_nodes
+from app.editor.evaluation.sent import Sent, SentAnswers
+from app.editor.evaluation.tasks import Change, Due, Task, due_wants, edited
+from app.editor.evaluation.wants import Answer, Badge, PassDone, Passing
+from core.engine import Engine, Plan
+from core.errors import Cancelled, ImagechainError
+from core.library import Library
+from core.network import Network
+from core.policy import Policy
+from core.skips import skips
+from core.store import Store
+from core.workers import Workers
+
+
+class Runner:
+    """Works in a thread of its own until its inbox is stopped.
+
+    Parameters
+    ----------
+    library : mapping
+        Modules by key.
+    policy : Policy
+        Precision, tolerance and threads.
+    store : Store
+        Computed values; emptied when another document opens.
+    inbox, outbox : Inbox and Outbox
+        Where snapshots come from, and answers go.
+    """
+
+    def __init__(
+        self, library: Library, policy: Policy, store: Store, inbox: Inbox, outbox: Outbox
+    ) -> None:
+        self.position: Position | None = None
+        self._policy = policy
+        self._engine = Engine(library, store)
+        self._workers = Workers()
+        self._inbox, self._outbox = inbox, outbox
+        self._pace = Pace()
+        self._sent = SentAnswers()
+        self._last: Snapshot | None = None
+        self._done: Snapshot | None = None
+        self._planned: Planned | None = None
+        self._small: Plan | None = None
+        self._has_preview = False
+        self._skipped: dict[str, str] = {}
+        self._badges: dict[str, Badge] | None = None
+
+    def run(self) -> None:
+        """Work on snapshots as they come, until stopped."""
+        with np.errstate(all="ignore"):  # what matters is watched by the engine
+            while (snapshot := self._inbox.take()) is not None:
+                try:
+                    self._work_on(snapshot)
+                except Exception as raised:  # of the network as a whole, or a fault of ours
+                    self._answer_all(snapshot, as_error(raised))
+
+    def _work_on(self, snapshot: Snapshot) -> None:
+        generate = self._follow(snapshot)
+        self._planned = plan_held(
+            self._engine, snapshot.network, snapshot.folder, self._planned, generate=generate
+        )
+        plan = self._planned.shown
+        self._outbox.plan(plan)
+        self._tell_badges()
+        task = self._task(snapshot, plan)
+        if self._preview(task) and self._pass(task):
+            self._done = snapshot
+            self._tell_badges()
+            self._settle(snapshot)
+            self._outbox.finished(snapshot.generation)
+
+    def _task(self, snapshot: Snapshot, plan: Plan) -> Task:
+        """The pass over full pictures, and the preview before it if there is to be one."""
+        change = edited(self._done.network if self._done else None, snapshot.network)
+        task = Task(
+            snapshot,
+            plan,
+            due_wants(snapshot.asked, plan, self._sent),
+            change,
+            expected=self._pace.expected(change),
+        )
+        wanted = [due.asked for due in task.due if due.asked.want.from_preview]
+        if not wanted or not self._is_edited(snapshot):
+            return task
+        if not self._pace.is_slow(task.expected):
+            return replace(task, has_preview=self._has_preview)
+        reduced = self._pace.reduction(change)
+        small = self._small_plan(snapshot, reduced, change) if reduced > 1 else None
+        if small is None:
+            return task
+        due = due_wants(wanted, small, self._sent, reduced)
+        preview = Task(snapshot, small, due, change, reduced=reduced)
+        return replace(task, has_preview=True, preview=preview)
+
+    def _follow(self, snapshot: Snapshot) -> bool:
+        """Note what is new in a snapshot; whether all is to be generated."""
+        last, self._last = self._last, snapshot
+        self._outbox.begin(snapshot.document)
+        if last is None or last.document != snapshot.document:
+            self._engine.store.clear()
+            self._sent.clear()
+            self._planned = self._small = self._done = self._badges = None
+            self._skipped = {}
+            return True
+        generate = last.generates != snapshot.generates
+        if last.edits != snapshot.edits:
+            self._sent.take_up(errors=generate)
+        self._sent.keep(snapshot.asked)
+        return generate
+
+    def _answer_all(self, snapshot: Snapshot, error: ImagechainError) -> None:
+        """Say to everyone why there is no answer."""
+        start = time.perf_counter()
+        for asked in snapshot.asked:
+            if self._sent.is_due(asked, key := ("no answer", str(error))):
+                self._send(Due(asked, key), snapshot, error=error)
+        self._outbox.done(PassDone(snapshot.generation, time.perf_counter() - start))
+        self._outbox.finished(snapshot.generation)
+
+    def _preview(self, task: Task) -> bool:
+        """Answer from pictures of reduced size first if the full ones take long.
+
+        Whether to go on with those: not if something newer has come.
+        """
+        if task.preview is None:
+            return True
+        pause = task.snapshot.edited_at + PAUSE_S
+        paused = self._pass(task.preview) and self._inbox.quiet_until(pause)
+        return paused or self._is_cancelled(task.snapshot)
+
+    def _small_network(self, reduced: int, change: Change = None) -> Network | None:
+        """The network with smaller pictures; None where that cannot be done."""
+        planned = self._planned
+        if planned is None or planned.stale:
+            return None  # what is held back has a recipe of full size only
+        names = {each[0] for each in change or () if isinstance(each, tuple)}
+        return reduced_network(planned.shown, reduced, edited=names)
+
+    def _small_plan(self, snapshot: Snapshot, reduced: int, change: Change) -> Plan | None:
+        small, before = self._small_network(reduced, change), self._small
+        if small is None:
+            return None
+        if before is not None:
+            small = with_same_nodes(small, before.network)
+        self._small = self._engine.plan(small, folder=snapshot.folder, previous=before)
+        return self._small
+
+    def _pass(self, task: Task) -> bool:
+        """Answer all that is due; whether it came to its end, or was cancelled by the person."""
+        snapshot, reduced = task.snapshot, task.reduced
+        position = Position(len(task.due), lambda place: self._must_stop(task, place))
+        self.position = position
+        pictures = [due for due in task.due if due.is_picture]
+        rest = [due for due in task.due if not due.is_picture]
+        try:
+            position.check()
+            try:
+                self._answer(pictures, task, position)
+            finally:
+                if pictures and not self._is_cancelled(snapshot):
+                    known = task.expected if position.stopped else 0.0
+                    self._pace.took(task.change, max(position.seconds, known), reduced)
+            if pictures and rest and self._is_late(snapshot) and self._pace.rest_may_wait():
+                return False
+            if rest:
+                self._answer_rest(rest, task, position)
+        except Cancelled:
+            if reduced > 1 or not self._is_cancelled(snapshot):
+                self._pace.gave_way(position.seconds)
+                return False
+            self._sent.give_up([due.asked for due in task.due[position.done :]])
+        finally:
+            self.position = None
+        if task.due or self._is_edited(snapshot):
+            done = PassDone(snapshot.generation, position.seconds, reduced, position.stopped)
+            self._outbox.done(done)
+        return True
+
+    def _answer_rest(self, rest: list[Due], task: Task, position: Position) -> None:
+        start = time.perf_counter()
+        try:
+            self._answer(rest, task, position)
+        finally:
+            self._pace.rest_took(time.perf_counter() - start)
+
+    def _answer(self, dues: list[Due], task: Task, position: Position) -> None:
+        for due in dues:
+            position.check()
+            work = PassWork(self._policy, self._engine.store, self._workers, position)
+            passing = Passing(self._engine, task.plan, work, task.reduced)
+            value, error = None, due.error
+            try:
+                if error is None:
+                    value = due.asked.want.answer(passing)
+            except Exception as raised:
+                if position.stopped and isinstance(raised, Cancelled):
+                    raise
+                error = as_error(raised)
+            if error is None or task.reduced == 1:  # a preview's error may be its own
+                self._send(due, task.snapshot, value, error, work, task.reduced)
+            position.done += 1
+
+    def _send(
+        self,
+        due: Due,
+        snapshot: Snapshot,
+        value: Any = None,
+        error: ImagechainError | None = None,
+        work: PassWork | None = None,
+        reduced: int = 1,
+    ) -> None:
+        asked = due.asked
+        self._sent.put(asked, Sent(due.key, work.tally if work else None, reduced, error))
+        self._outbox.answer(
+            Answer(snapshot.generation, asked.owner, asked.want, value, error, reduced)
+        )
+        if due.is_picture:
+            self._pace.shown()
+
+    def _is_cancelled(self, snapshot: Snapshot) -> bool:
+        """Whether the person wants no more of it."""
+        return self._inbox.cancelled >= snapshot.generation
+
+    def _is_edited(self, snapshot: Snapshot) -> bool:
+        """Whether it has been edited since the last pass that came to its end."""
+        return self._done is None or self._done.edits != snapshot.edits
+
+    def _is_late(self, snapshot: Snapshot) -> bool:
+        """Whether an edit has come since."""
+        newest = self._inbox.newest
+        return newest is not None and newest.edits != snapshot.edits
+
+    def _must_stop(self, task: Task, position: Position) -> bool:
+        inbox, snapshot = self._inbox, task.snapshot
+        if inbox.stopped or self._is_cancelled(snapshot):
+            return True
+        newest = inbox.newest
+        if newest is None or newest.edits == snapshot.edits:
+            return False
+        if newest.document != snapshot.document:
+            return True
+        return task.reduced == 1 and self._pace.gives_way(
+            position.seconds,
+            task.expected,
+            has_preview=task.has_preview,
+            new_gesture=newest.gestures != snapshot.gestures,
+        )
+
+    def _settle(self, snapshot: Snapshot) -> None:
+        """Once edits pause, look at what was skipped, and whether a preview could be made."""
+        if not self._inbox.quiet_until(snapshot.edited_at + PAUSE_S):
+            return
+        assert self._planned is not None
+        self._has_preview = self._small_network(REDUCTIONS[0]) is not None
+        position = Position(0, lambda _: self._inbox.waiting)
+        work = PassWork(self._policy, self._engine.store, self._workers, position)
+        for sent in self._sent:
+            if sent.tally is not None and sent.reduced == 1:
+                work.tally.add(sent.tally)
+        try:
+            self._skipped = skip_texts(skips(self._planned.shown, work))
+        except ImagechainError:  # something newer has come, or an error that is told elsewhere
+            return
+        self._tell_badges()
+
+    def _tell_badges(self) -> None:
+        assert self._planned is not None
+        found = badges(
+            self._planned.shown,
+            self._engine.library,
+            stale=self._planned.stale,
+            met=[sent.error for sent in self._sent if sent.error is not None],
+            skipped=self._skipped,
+        )
+        if found != self._badges:
+            self._badges = found
+            self._outbox.badges(found)

@@ -1,0 +1,63 @@
+"""What has been answered already, and need not be answered again."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Hashable, Iterator
+from dataclasses import dataclass
+
+from app.editor.evaluation.mailbox import Asked
+from core.errors import ImagechainError
+from core.tally import Tally
+
+
+@dataclass(frozen=True)
+class Sent:
+    """An answer that was sent: what it depends on, and what was looked at for it."""
+
+    key: Hashable
+    tally: Tally | None = None
+    reduced: int = 1
+    error: ImagechainError | None = None
+
+
+class SentAnswers:
+    """The answer sent last to each want that is still wanted."""
+
+    def __init__(self) -> None:
+        self._sent: dict[Asked, Sent] = {}
+        self._given_up: set[Asked] = set()
+
+    def __iter__(self) -> Iterator[Sent]:
+        return iter(tuple(self._sent.values()))
+
+    def clear(self) -> None:
+        """Forget all."""
+        self._sent.clear()
+        self._given_up.clear()
+
+    def keep(self, asked: Collection[Asked]) -> None:
+        """Forget what is not wanted any more."""
+        wanted = set(asked)
+        self._sent = {each: sent for each, sent in self._sent.items() if each in wanted}
+        self._given_up &= wanted
+
+    def is_due(self, asked: Asked, key: Hashable, reduced: int = 1) -> bool:
+        """Whether the want is to be answered: its answer depends on something else by now."""
+        if asked in self._given_up:
+            return False
+        sent = self._sent.get(asked)
+        return key is None or sent is None or (sent.key, sent.reduced) != (key, reduced)
+
+    def put(self, asked: Asked, sent: Sent) -> None:
+        """Note an answer."""
+        self._sent[asked] = sent
+
+    def give_up(self, asked: Collection[Asked]) -> None:
+        """Leave these unanswered until there is an edit."""
+        self._given_up.update(asked)
+
+    def take_up(self, *, errors: bool = False) -> None:
+        """Answer again what was given up, and if asked for, what was answered by an error."""
+        self._given_up.clear()
+        if errors:
+            self._sent = {each: sent for each, sent in self._sent.items() if sent.error is None}

@@ -1,0 +1,114 @@
+"""One pass over a plan: what there is to answer, and how long it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+
+from app.editor.evaluation.failures import as_error
+from app.editor.evaluation.mailbox import Asked, Snapshot
+from app.editor.evaluation.sent import SentAnswers
+from core.engine import Plan
+from core.errors import ImagechainError
+from core.network import Link, Network
+
+Change = frozenset[tuple[str, str] | str | Link] | None
+"""Parameters by node, nodes, links and "seed"; the same edit again is equal to it."""
+
+
+@dataclass(frozen=True)
+class Due:
+    """A want to be answered, and what its answer depends on, or why that cannot be told."""
+
+    asked: Asked
+    key: Hashable
+    error: ImagechainError | None = None
+
+    @property
+    def is_picture(self) -> bool:
+        """Whether it is as urgent as pictures are."""
+        return self.asked.want.urgency <= 0
+
+
+@dataclass(frozen=True)
+class Task:
+    """One pass.
+
+    Parameters
+    ----------
+    snapshot : Snapshot
+        What it works on.
+    plan : Plan
+        The network, planned, in a preview that of reduced pictures.
+    due : sequence of Due
+        What to answer, pictures first.
+    change : Change
+        What was edited since the last pass that was finished.
+    reduced : int
+        Above 1 in a preview.
+    expected : float
+        Seconds its pictures took the last time; 0 if nobody knows.
+    has_preview : bool
+        Whether an edit meanwhile would be followed by a preview.
+    preview : Task or None
+        The pass to make first.
+    """
+
+    snapshot: Snapshot
+    plan: Plan
+    due: Sequence[Due]
+    change: Change
+    reduced: int = 1
+    expected: float = 0.0
+    has_preview: bool = False
+    preview: Task | None = None
+
+
+def due_wants(
+    asked: Sequence[Asked], plan: Plan, sent: SentAnswers, reduced: int = 1
+) -> tuple[Due, ...]:
+    """What of that is to be answered from this plan, the most urgent first."""
+    found = []
+    for each in asked:
+        due = _due(each, plan)
+        if sent.is_due(each, due.key, reduced):
+            found.append(due)
+    return tuple(sorted(found, key=lambda due: due.asked.want.urgency))
+
+
+def _due(asked: Asked, plan: Plan) -> Due:
+    try:
+        return Due(asked, asked.want.key(plan))
+    except Exception as raised:
+        error = as_error(raised)
+        return Due(asked, ("error", str(error)), error)
+
+
+def edited(before: Network | None, after: Network) -> Change:
+    """What differs between two networks; None where there was none before."""
+    if before is None:
+        return None
+    found: set[tuple[str, str] | str | Link] = {*(set(before.links) ^ set(after.links))}
+    for name in {*before.nodes, *after.nodes}:
+        old, new = before.nodes.get(name), after.nodes.get(name)
+        if old is new:
+            continue
+        if old is None or new is None or (old.auto, old.disabled) != (new.auto, new.disabled):
+            found.add(name)
+        else:
+            names = {*old.params, *new.params}
+            found |= {(name, p) for p in names if old.params.get(p) != new.params.get(p)}
+    if before.seed != after.seed:
+        found.add("seed")
+    return frozenset(found)
+
+
+def computes_alike(before: Network, after: Network) -> bool:
+    """Whether the networks differ in nothing but how they look."""
+    return (
+        before.links == after.links
+        and before.seed == after.seed
+        and before.extra == after.extra
+        and len(before.nodes) == len(after.nodes)
+        and all(after.nodes.get(name) is node for name, node in before.nodes.items())
+    )

@@ -1,0 +1,137 @@
+"""The open document as the parts of the window see it: what they may do, and what they are told."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from PySide6.QtCore import QObject, Signal
+
+from core.declaration import Declaration, declaration
+from core.editing.document import Document
+from core.editing.operation import Operation
+from core.errors import ImagechainError
+from core.network import Library, Network
+
+
+class Session(QObject):
+    """One document in one window. The parts of the window hold none of its state.
+
+    Signals
+    -------
+    opened
+        Another document has taken the place of the last one.
+    changed(before, after)
+        The network has changed; both are `Network`.
+    state_changed
+        Path, modified mark or what undo and redo would do may have changed.
+    selection_changed(names)
+        Other nodes are selected: a tuple of ids.
+    told(kind, text)
+        Something to say to the person; kind is "note" or "error".
+    """
+
+    opened = Signal()
+    changed = Signal(object, object)
+    state_changed = Signal()
+    selection_changed = Signal(tuple)
+    told = Signal(str, str)
+
+    def __init__(self, library: Library, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.library = library
+        self._document = Document(Network(), library=library)
+        self._document.listen(self._changed)
+        self._selection: tuple[str, ...] = ()
+
+    @property
+    def document(self) -> Document:
+        """The open document."""
+        return self._document
+
+    @property
+    def network(self) -> Network:
+        """The network as it stands."""
+        return self._document.network
+
+    @property
+    def folder(self) -> Path:
+        """What file names in the network are relative to."""
+        return self._document.folder
+
+    @property
+    def selection(self) -> tuple[str, ...]:
+        """Ids of the selected nodes, the one selected last at the end."""
+        return self._selection
+
+    def declared(self, name: str) -> Declaration | None:
+        """The declaration of a node's module; None of an unknown module."""
+        node = self.network.nodes.get(name)
+        module = self.library.get(node.module) if node is not None else None
+        return declaration(module) if module is not None else None
+
+    def open(self, document: Document) -> None:
+        """Put another document in the place of this one."""
+        self._document = document
+        document.listen(self._changed)
+        self._selection = ()
+        self.opened.emit()
+        self.selection_changed.emit(())
+        self.state_changed.emit()
+
+    def do(self, operation: Operation, gesture: Hashable = None) -> bool:
+        """Carry an operation out; whether it changed something.
+
+        One that does not fit is refused with a word to the person. Operations in a row that share
+        a `gesture` are one undo step; `end_gesture` when the mouse goes up.
+        """
+        try:
+            return self._document.do(operation, gesture)
+        except ImagechainError as error:
+            self.told.emit("error", str(error))
+            return False
+
+    def end_gesture(self) -> None:
+        """The next operation is an undo step of its own."""
+        self._document.end_gesture()
+
+    def undo(self) -> None:
+        """Undo the last step."""
+        self._document.undo()
+
+    def redo(self) -> None:
+        """Do the step undone last again."""
+        self._document.redo()
+
+    def save(self, path: Path | None = None) -> bool:
+        """Save the document; whether that worked. If not, the work is kept and the reason told."""
+        try:
+            self._document.save(path)
+        except ImagechainError as error:
+            self.told.emit("error", f"not saved: {error}")
+            return False
+        self.state_changed.emit()
+        return True
+
+    def select(self, names: Iterable[str]) -> None:
+        """Select these nodes and no others."""
+        chosen = tuple(name for name in dict.fromkeys(names) if name in self.network.nodes)
+        if chosen != self._selection:
+            self._selection = chosen
+            self.selection_changed.emit(chosen)
+
+    def _changed(self, before: Network, after: Network) -> None:
+        self.changed.emit(before, after)
+        self.state_changed.emit()
+        old, new = renamed_node(before, after) or ("", "")
+        self.select(new if name == old else name for name in self._selection)
+
+
+def renamed_node(before: Network, after: Network) -> tuple[str, str] | None:
+    """The old and the new name of a node, where one was renamed."""
+    gone = [node for name, node in before.nodes.items() if name not in after.nodes]
+    come = [node for name, node in after.nodes.items() if name not in before.nodes]
+    if len(gone) == 1 and len(come) == 1 and replace(gone[0], id=come[0].id) == come[0]:
+        return gone[0].id, come[0].id
+    return None

@@ -1,0 +1,62 @@
+"""The editor's tests draw offscreen, unless they start a display of their own."""
+
+import os
+
+import pytest
+
+os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+os.environ.setdefault("QT_PREFERRED_BINDING", "PySide6")
+
+from app.editor.canvas.canvas import Canvas
+from app.editor.session import Session
+from app.editor.theme import DARK
+from app.shipped import shipped_networks
+from canvas_hands import CanvasHands
+from core.editing.document import Document
+from core.network_file import load_network
+from nodes.library import standard_library
+
+
+@pytest.fixture
+def library():
+    return standard_library()
+
+
+@pytest.fixture
+def session(qtbot, library):
+    """A session with an empty document."""
+    made = Session(library)
+    made.open(Document(made.network, library=library))
+    yield made
+    made.deleteLater()
+
+
+@pytest.fixture
+def opened(session, library):
+    """Open a shipped network by name in the session."""
+
+    def open_network(name):
+        path = shipped_networks()[name]
+        session.open(Document(load_network(path, library=library), library=library, path=path))
+        return session
+
+    return open_network
+
+
+@pytest.fixture
+def canvas(qtbot, session):
+    """A canvas on the session, shown and with the focus."""
+    made = Canvas(session, DARK)
+    qtbot.addWidget(made)
+    made.resize(1000, 600)
+    made.show()
+    qtbot.waitExposed(made)
+    made.activateWindow()
+    made.setFocus()
+    return made
+
+
+@pytest.fixture
+def hand(canvas):
+    """A hand on the mouse and the keys, above the canvas."""
+    return CanvasHands(canvas)
