@@ -1,0 +1,241 @@
+"""The canvas: the picture of the document's network, and everything one does on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from PySide6.QtCore import QEvent, QPoint, QPointF, Signal
+from PySide6.QtGui import QAction, QImage
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from app.editor.canvas.adding import Adding
+from app.editor.canvas.choice_popup import ChoicePopup
+from app.editor.canvas.content import Content
+from app.editor.canvas.dropping import Dropping
+from app.editor.canvas.faces import Side
+from app.editor.canvas.geometry import HEAD_MIDDLE
+from app.editor.canvas.handling import Handling
+from app.editor.canvas.keys import Keys
+from app.editor.canvas.marks import Marks
+from app.editor.canvas.menus import Menus
+from app.editor.canvas.mouse import Mouse
+from app.editor.canvas.places import pixel_of_port, pixel_of_wire
+from app.editor.canvas.points import free_point
+from app.editor.canvas.style import CanvasStyle
+from app.editor.canvas.surface import Hint, Surface
+from app.editor.canvas.title_editor import TitleEditor
+from app.editor.canvas.view import GraphView
+from app.editor.canvas.wire_item import LiveWire
+from app.editor.session import Session
+from app.editor.theme import Theme
+from core.editing.backdrops import backdrops_of, change, remove
+from core.network import Link
+
+
+class Canvas(QWidget):
+    """Shows the session's network and follows it; gestures become operations on the document.
+
+    Parameters
+    ----------
+    session : Session
+        The open document.
+    theme : Theme
+        The colours.
+    parent : QWidget, optional
+        What it stands in.
+
+    Signals
+    -------
+    activated(name)
+        A node was double-clicked, or Enter pressed on it.
+    files_dropped(paths, point)
+        Files were dropped at a point of the scene.
+    """
+
+    activated = Signal(str)
+    files_dropped = Signal(list, QPointF)
+
+    def __init__(self, session: Session, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("canvas")
+        self.setAccessibleName("Canvas")
+        style = CanvasStyle(theme, self.font())
+        self._session = session
+        self._theme = theme
+        self.view = GraphView(style, self)
+        self.setFocusProxy(self.view)
+        self.content = Content(self.view.scene(), session.library, style)
+        live = LiveWire()
+        self.view.scene().addItem(live)
+        surface = Surface(session, self.view, self.content, live, Hint(self.view.viewport()))
+        self._surface = surface
+        self.marks = Marks(self.content)
+        self.popup = ChoicePopup(self.view)
+        self.title_editor = TitleEditor(self.view)
+        self.adding = Adding(surface, self.popup, self)
+        self.mouse = Mouse(surface, self.marks, self.adding.ask_for_wire, self)
+        self.keys = Keys(surface, self.marks, self)
+        self.menus = Menus(surface, self.marks, self)
+        self.dropping = Dropping(surface, self)
+        self.view.handler = Handling(self.mouse, self.keys, self.menus, self.dropping)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.view)
+        self._connect()
+        self.set_theme(theme)
+        self._opened()
+
+    # For the window's actions
+
+    def set_menus(self, node_actions: Sequence[QAction], canvas_actions: Sequence[QAction]) -> None:
+        """Give the right button's menus of nodes and of empty ground their actions."""
+        self.menus.fill(node_actions, canvas_actions)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw everything in these colours."""
+        self._theme = theme
+        style = CanvasStyle(theme, self.font())
+        self.content.set_style(style)
+        self.view.set_style(style)
+        self.popup.set_theme(theme)
+        self.adding.set_theme(theme)
+        self._surface.hint.set_theme(theme)
+
+    def set_badges(self, badges: Any) -> None:
+        """Show the states of the nodes.
+
+        Parameters
+        ----------
+        badges : mapping of str to Badge
+            By the nodes' ids; those not named have none. Typed as what signals carry.
+        """
+        self.content.set_badges(dict(badges))
+
+    def set_thumbnail(self, name: str, image: QImage | None) -> None:
+        """Show a small picture below a node, or none."""
+        self.content.set_thumbnail(name, image)
+
+    def frame_all(self) -> None:
+        """Show the whole network, no larger than natural."""
+        self.view.frame(self.content.bounds())
+
+    def frame_selection(self) -> None:
+        """Show the selected nodes."""
+        self.view.frame(self.content.bounds(self._session.selection))
+
+    def zoom_by(self, factor: float) -> None:
+        """Enlarge about the pointer, or the middle."""
+        pos = self.mouse.pos
+        self.view.zoom_at(factor, None if pos is None else QPointF(pos))
+
+    def sizes(self) -> dict[str, tuple[float, float]]:
+        """Width and height of every node, in units of the layout."""
+        return self.content.sizes()
+
+    def cursor_point(self) -> tuple[float, float]:
+        """The point of the scene under the mouse, or in the middle; beside a node's own point."""
+        pos = self.mouse.pos
+        point = self.view.visible_rect().center() if pos is None else self.view.scene_point(pos)
+        return free_point(self._session.network, (point.x(), point.y()))
+
+    def open_search(self) -> None:
+        """Open the list of modules to add one at the cursor."""
+        self.adding.search(self.cursor_point())
+
+    def search_is_open(self) -> bool:
+        """Whether a list waits for a choice."""
+        return self.popup.is_open
+
+    def connect_selected(self) -> None:
+        """Open the list of wires the selected nodes could have, or lose."""
+        self.adding.connect_selected()
+
+    def selected_link(self) -> Link | None:
+        """The link of the selected wire."""
+        return self.marks.link
+
+    def delete_selected_backdrop(self) -> None:
+        """Take the selected backdrop away; the nodes on it stay."""
+        backdrop = self.marks.backdrop
+        if backdrop is not None:
+            self.marks.choose(None, None)
+            self._session.do(remove(self._session.network, backdrop.index))
+
+    # Where things are on the screen
+
+    def node_center_on_screen(self, name: str) -> QPoint:
+        """The pixel of the screen in a node's middle."""
+        return self._on_screen(self.view.pixel(self.content.nodes[name].frame().center()))
+
+    def node_head_on_screen(self, name: str) -> QPoint:
+        """The pixel of the screen on a node's title."""
+        item = self.content.nodes[name]
+        return self._on_screen(self.view.pixel(item.pos() + HEAD_MIDDLE))
+
+    def port_on_screen(self, name: str, port: str, side: Side) -> QPoint:
+        """The pixel of the screen at a port."""
+        return self._on_screen(pixel_of_port(self._surface, name, port, side))
+
+    def wire_on_screen(self, link: Link) -> QPoint:
+        """A pixel of the screen where a press meets the wire."""
+        return self._on_screen(pixel_of_wire(self._surface, link))
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Follow the window's font."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.FontChange and hasattr(self, "adding"):
+            self.set_theme(self._theme)
+
+    def _on_screen(self, pixel: QPoint) -> QPoint:
+        return self.view.viewport().mapToGlobal(pixel)
+
+    def _connect(self) -> None:
+        session = self._session
+        session.opened.connect(self._opened)
+        session.changed.connect(self._changed)
+        session.selection_changed.connect(self._selection_changed)
+        self.mouse.activated.connect(self.activated)
+        self.keys.activated.connect(self.activated)
+        self.mouse.search_wanted.connect(self._search_at)
+        self.keys.search_wanted.connect(self.open_search)
+        for source in (self.mouse, self.keys, self.menus):
+            source.title_wanted.connect(self._edit_title)
+        self.menus.removal_wanted.connect(self.delete_selected_backdrop)
+        self.title_editor.edited.connect(self._retitle)
+        self.dropping.files_dropped.connect(self.files_dropped)
+
+    def _opened(self) -> None:
+        self._let_go()
+        self.content.clear()
+        self.content.follow(self._session.network)
+        self.content.mark_selected(self._session.selection)
+        self.frame_all()
+
+    def _changed(self, *_: object) -> None:
+        self._let_go()
+        self.content.follow(self._session.network)
+
+    def _let_go(self) -> None:
+        """What is under way was about a network that is no more."""
+        self.mouse.cancel()
+        self.adding.dismiss()
+        self.title_editor.dismiss()
+
+    def _selection_changed(self, names: tuple[str, ...]) -> None:
+        if names:
+            self.marks.choose(None, None)
+        self.content.mark_selected(names)
+
+    def _search_at(self, pos: QPoint) -> None:
+        point = self.view.scene_point(pos)
+        self.adding.search((point.x(), point.y()))
+
+    def _edit_title(self, index: int) -> None:
+        self.title_editor.edit(self.content.backdrops[index])
+
+    def _retitle(self, index: int, title: str) -> None:
+        network = self._session.network
+        backdrop = replace(backdrops_of(network)[index], title=title)
+        self._session.do(change(network, index, backdrop))

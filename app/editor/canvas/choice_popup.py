@@ -1,0 +1,289 @@
+"""A list to choose from, filtered as one types; it floats on the canvas and blocks nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QPainter, QPaintEvent, QPalette
+from PySide6.QtWidgets import (
+    QFrame,
+    QLabel,
+    QLineEdit,
+    QListWidget,
+    QListWidgetItem,
+    QStyle,
+    QStyledItemDelegate,
+    QStyleOptionViewItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.editor.theme import Theme
+
+_ROLE = Qt.ItemDataRole.UserRole
+_ROWS = 9
+_NARROW, _WIDE = 44, 76  # letters
+_PADDING = 7
+
+
+@dataclass(frozen=True)
+class Choice:
+    """An entry of the list.
+
+    Parameters
+    ----------
+    text : str
+        What it says.
+    value : object
+        What is chosen by it.
+    detail : str
+        Said beside it, fainter.
+    words : str
+        What it is also found by.
+    colour : str
+        Of the mark before it.
+    tip : str
+        Its tooltip.
+    """
+
+    text: str
+    value: Any
+    detail: str = ""
+    words: str = ""
+    colour: str = ""
+    tip: str = ""
+
+
+def matching(choices: Sequence[Choice], typed: str) -> list[Choice]:
+    """The choices in which every word occurs; first those whose text begins so."""
+    words = typed.casefold().split()
+    found = [
+        choice
+        for choice in choices
+        if all(word in f"{choice.text} {choice.detail} {choice.words}".casefold() for word in words)
+    ]
+    first = words[0] if words else ""
+    return sorted(found, key=lambda choice: _rank(choice, first)) if first else found
+
+
+def _rank(choice: Choice, word: str) -> int:
+    text = choice.text.casefold()
+    if text.startswith(word):
+        return 0
+    if any(part.startswith(word) for part in text.split()):
+        return 1
+    return 2 if word in text or word in choice.words.casefold() else 3
+
+
+class ChoicePopup(QFrame):
+    """The list with its field to type in.
+
+    Signals
+    -------
+    chosen(value)
+        An entry was chosen; the popup has closed.
+    abandoned
+        It was closed by Esc, or because the focus went elsewhere.
+    """
+
+    chosen = Signal(object)
+    abandoned = Signal()
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._ground = parent
+        self.setObjectName("canvas.popup")
+        self.setAutoFillBackground(True)
+        self.setBackgroundRole(QPalette.ColorRole.Window)  # a view's children take its own
+        self.title = QLabel()
+        self.title.setObjectName("canvas.popup.title")
+        self.field = QLineEdit()
+        self.field.setObjectName("canvas.popup.field")
+        self.field.setPlaceholderText("Type to search")
+        self.field.setClearButtonEnabled(True)
+        self.list = QListWidget()
+        self.list.setObjectName("canvas.popup.list")
+        self.list.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        # A click beside the field would otherwise give the focus to what lies below.
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setFocusProxy(self.field)
+        self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.list.setUniformItemSizes(True)
+        self.list.setItemDelegate(_Row(self.list))
+        self._layout = layout = QVBoxLayout(self)
+        layout.setContentsMargins(_PADDING, _PADDING, _PADDING, _PADDING)
+        layout.setSpacing(4)
+        for widget in (self.title, self.field, self.list):
+            layout.addWidget(widget)
+        self._choices: tuple[Choice, ...] = ()
+        self._open = False
+        self.field.textChanged.connect(self._filter)
+        self.field.installEventFilter(self)
+        self.list.itemClicked.connect(self._choose_item)
+        self.hide()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it waits for a choice."""
+        return self._open
+
+    def open_at(self, pos: QPoint, title: str, choices: Sequence[Choice]) -> None:
+        """Show the choices near a point of the parent; another list that is open is abandoned."""
+        self.abandon()
+        self._choices = tuple(choices)
+        self._open = True
+        self.title.setText(title)
+        self.field.setAccessibleName(title)
+        self.list.setAccessibleName(title)
+        self.field.clear()
+        self._filter("")
+        self.setGeometry(self._place(pos))
+        self.show()
+        self.raise_()
+        self.field.setFocus(Qt.FocusReason.PopupFocusReason)
+
+    def abandon(self) -> None:
+        """Close without a choice, and say so."""
+        if self._close():
+            self.abandoned.emit()
+
+    def dismiss(self) -> None:
+        """Close without a word: what it was opened for is gone."""
+        self._close()
+
+    def choose(self) -> None:
+        """Take the marked entry."""
+        item = self.list.currentItem()
+        if item is not None:
+            self._choose_item(item)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw it in these colours."""
+        palette = theme.palette()
+        palette.setColor(QPalette.ColorRole.Window, QColor(theme.raised))
+        self.setPalette(palette)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Lead the keys of the field to the list."""
+        if watched is self.field and self._open:
+            if isinstance(event, QKeyEvent) and event.type() in _KEYS:
+                if event.type() == QEvent.Type.ShortcutOverride:
+                    event.accept()  # the window's shortcuts do not reach in here
+                    return True
+                return self._key(event)
+            if isinstance(event, QFocusEvent) and event.type() == QEvent.Type.FocusOut:
+                left = event.reason()
+                if left not in (_WINDOW_LEFT, Qt.FocusReason.PopupFocusReason):
+                    self.abandon()
+        return bool(super().eventFilter(watched, event))
+
+    def _key(self, event: QKeyEvent) -> bool:
+        key = event.key()
+        step = {Qt.Key.Key_Down: 1, Qt.Key.Key_Up: -1, Qt.Key.Key_Tab: 1, Qt.Key.Key_Backtab: -1}
+        page = {Qt.Key.Key_PageDown: _ROWS, Qt.Key.Key_PageUp: -_ROWS}
+        if key == Qt.Key.Key_Escape:
+            self.abandon()
+        elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.choose()
+        elif key in step or key in page:
+            last = self.list.count() - 1
+            row = self.list.currentRow() + (step.get(Qt.Key(key)) or page.get(Qt.Key(key), 0))
+            self.list.setCurrentRow(min(max(row, 0), last))
+        else:
+            return False
+        return True
+
+    def _filter(self, typed: str) -> None:
+        self.list.clear()
+        for choice in matching(self._choices, typed):
+            item = QListWidgetItem(choice.text)
+            item.setData(_ROLE, choice)
+            item.setToolTip(choice.tip)
+            self.list.addItem(item)
+        self.list.setCurrentRow(0)
+
+    def _choose_item(self, item: QListWidgetItem) -> None:
+        choice = item.data(_ROLE)
+        if self._close():
+            self.chosen.emit(choice.value)
+
+    def _close(self) -> bool:
+        was, self._open = self._open, False
+        if was:
+            held = self.field.hasFocus()
+            self._choices = ()
+            self.hide()
+            if held:
+                self._ground.setFocus(Qt.FocusReason.PopupFocusReason)
+        return was
+
+    def _place(self, pos: QPoint) -> QRect:
+        room = self._ground.rect().adjusted(4, 4, -4, -4)
+        row = max(self.list.sizeHintForRow(0), 1)
+        others = self._layout.totalSizeHint().height() - self.list.height()
+        spare = room.height() - others - 2 * self.list.frameWidth()
+        rows = max(min(len(self._choices), _ROWS, spare // row), 1)
+        self.list.setFixedHeight(rows * row + 2 * self.list.frameWidth())
+        self._layout.activate()
+        width = min(self._wide() + 2 * _PADDING, room.width())
+        place = QRect(pos, QSize(width, self._layout.totalSizeHint().height()))
+        place.moveRight(min(place.right(), room.right()))
+        place.moveBottom(min(place.bottom(), room.bottom()))
+        place.moveLeft(max(place.left(), room.left()))
+        place.moveTop(max(place.top(), room.top()))
+        return place
+
+    def _wide(self) -> int:
+        """Wide enough for every choice with its detail, up to a limit."""
+        metrics = self.fontMetrics()
+        letters = [len(choice.text) + len(choice.detail) + 8 for choice in self._choices]
+        return min(max([_NARROW, *letters]), _WIDE) * metrics.averageCharWidth()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the border."""
+        super().paintEvent(event)
+        painter = QPainter(self)
+        painter.setPen(self.palette().color(QPalette.ColorRole.Mid))
+        painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
+        painter.end()
+
+
+class _Row(QStyledItemDelegate):
+    """Draws a choice: mark, text, and the detail at the right."""
+
+    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Any) -> None:
+        choice: Choice = index.data(_ROLE)
+        metrics = option.fontMetrics
+        mark = metrics.height() // 2
+        detail = metrics.horizontalAdvance(choice.detail)
+        painter.save()
+        palette = option.palette
+        chosen = bool(option.state & QStyle.StateFlag.State_Selected)
+        if chosen:
+            painter.fillRect(option.rect, palette.highlight())
+        text_colour = palette.highlightedText() if chosen else palette.text()
+        rect = option.rect.adjusted(6, 0, -6, 0)
+        if choice.colour:
+            box = QRect(rect.left(), rect.center().y() - mark // 2, mark, mark)
+            painter.fillRect(box, QColor(choice.colour))
+        painter.setPen(text_colour.color())
+        left = rect.adjusted(mark + 6, 0, 0, 0)
+        room = left.width() - (detail + 12 if detail < left.width() // 2 else 0)
+        text = metrics.elidedText(choice.text, Qt.TextElideMode.ElideRight, room)
+        painter.drawText(left, Qt.AlignmentFlag.AlignVCenter, text)
+        if detail < left.width() // 2:
+            faint = palette.placeholderText().color()
+            painter.setPen(text_colour.color() if chosen else faint)
+            painter.drawText(rect, _RIGHT, choice.detail)
+        painter.restore()
+
+    def sizeHint(self, option: QStyleOptionViewItem, _index: Any) -> QSize:
+        return QSize(0, option.fontMetrics.height() + 6)
+
+
+_RIGHT = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight
+_WINDOW_LEFT = Qt.FocusReason.ActiveWindowFocusReason
+_KEYS = (QEvent.Type.KeyPress, QEvent.Type.ShortcutOverride)

@@ -1,0 +1,162 @@
+"""Drawing a node: in full, or where it is small only its title, as large as fits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QBrush, QColor, QFont, QFontMetricsF, QPainter, QPainterPath, QPen
+
+from app.editor.canvas.geometry import BADGE_ROOM, PORT_RADIUS, label_room
+from app.editor.canvas.style import CanvasStyle
+
+if TYPE_CHECKING:
+    from app.editor.canvas.node_item import NodeItem, NodePort
+
+OVERVIEW = 0.62  # of the natural zoom: below, port names cannot be read
+_ROUND = 5.0
+_LEFT = 9.0
+_READABLE_PX = 10.0  # of the window's font at its usual 12
+_LEAST_PX = 6.0
+_PORTS_FROM = 0.2
+
+
+def paint_node(painter: QPainter, item: NodeItem) -> None:
+    """Draw the node; the zoom is read off the painter."""
+    zoom = max(painter.worldTransform().m11(), 1e-3)
+    style = item.style
+    relative = zoom / style.natural_zoom
+    if not item.face.known:
+        painter.setOpacity(0.9)
+    elif item.disabled:
+        painter.setOpacity(0.55)
+    if relative < OVERVIEW:
+        _paint_overview(painter, item, zoom)
+    else:
+        _paint_full(painter, item)
+    _paint_border(painter, item, zoom)
+    if relative >= _PORTS_FROM:
+        for port in item.ports.values():
+            _paint_port(painter, port, style)
+    painter.setOpacity(1.0)
+
+
+def _paint_full(painter: QPainter, item: NodeItem) -> None:
+    style, face, geometry = item.style, item.face, item.geometry
+    frame = geometry.frame
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(style.node)
+    painter.drawRoundedRect(frame, _ROUND, _ROUND)
+    painter.setBrush(style.head(face.group))
+    painter.drawPath(_head(frame.width(), geometry.head))
+    room = frame.width() - 2 * _LEFT - (BADGE_ROOM if item.badge else 0.0)
+    painter.setPen(style.text)
+    painter.setFont(style.font("title"))
+    painter.drawText(QPointF(_LEFT, 17), style.elided("title", face.title, room))
+    if face.subtitle:
+        painter.setOpacity(painter.opacity() * 0.8)
+        painter.setFont(style.font("id"))
+        painter.drawText(QPointF(_LEFT, 32), style.elided("id", face.subtitle, room))
+        painter.setOpacity(painter.opacity() / 0.8)
+    painter.setFont(style.font("port"))
+    for port in (*face.inputs, *face.outputs):
+        at = geometry.ports[port.side, port.name]
+        text = style.elided("port", port.name, label_room(geometry, port, face))
+        x = _LEFT if port.side == "input" else at.x() - _LEFT - style.width("port", text)
+        painter.setPen(style.text if port.required else style.faint)
+        painter.drawText(QPointF(x, at.y() + 4), text)
+
+
+def _paint_overview(painter: QPainter, item: NodeItem, zoom: float) -> None:
+    style, frame = item.style, item.geometry.frame
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(style.head(item.face.group))
+    painter.drawRoundedRect(frame, _ROUND, _ROUND)
+    wanted = round(_READABLE_PX * style.natural_zoom / zoom)
+    title = fitted(item.face.title, frame.width() - 10, frame.height() - 4, wanted, style)
+    if title.size * zoom < _LEAST_PX * style.natural_zoom:
+        return
+    painter.setPen(style.text)
+    painter.setFont(title.font)
+    top = (frame.height() - title.pitch * len(title.lines)) / 2
+    for number, line in enumerate(title.lines):
+        row = QRectF(0, top + number * title.pitch, frame.width(), title.pitch)
+        painter.drawText(row, _CENTRED, line)
+
+
+def _paint_border(painter: QPainter, item: NodeItem, zoom: float) -> None:
+    style = item.style
+    if item.selected:
+        pen = QPen(style.accent, max(2.2, 2.0 / zoom))
+    elif not item.face.known:
+        pen = style.dashed
+    else:
+        pen = style.border
+    painter.setPen(pen)
+    painter.setBrush(_HATCHED if item.disabled else Qt.BrushStyle.NoBrush)
+    painter.drawRoundedRect(item.geometry.frame, _ROUND, _ROUND)
+
+
+def _paint_port(painter: QPainter, port: NodePort, style: CanvasStyle) -> None:
+    colour = style.port(port.face.types)
+    before = painter.opacity()
+    if port.fits is False:
+        painter.setOpacity(0.2)
+    painter.setPen(QPen(colour, 1.8))
+    painter.setBrush(colour if port.wires or port.hovered else style.node)
+    radius = PORT_RADIUS + (1.5 if port.hovered or port.fits else 0.0)
+    painter.drawEllipse(port.pos(), radius, radius)
+    if port.fits or port.hovered:
+        painter.setPen(QPen(style.accent, 1.4))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawEllipse(port.pos(), radius + 1.6, radius + 1.6)
+    painter.setOpacity(before)
+
+
+def _head(width: float, height: float) -> QPainterPath:
+    path = QPainterPath()
+    path.setFillRule(Qt.FillRule.WindingFill)
+    path.addRoundedRect(QRectF(0, 0, width, height), _ROUND, _ROUND)
+    path.addRect(QRectF(0, height - _ROUND, width, _ROUND))
+    return path
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A title broken into lines, with the font that fits it into its room."""
+
+    lines: tuple[str, ...]
+    font: QFont
+    size: int
+    pitch: float
+
+
+def fitted(text: str, width: float, height: float, wanted: int, style: CanvasStyle) -> Fitted:
+    """Break a title into lines in the largest font, at most `wanted`, that fits."""
+    size = wanted
+    while True:
+        font = style.sized(size)
+        metrics = QFontMetricsF(font)
+        pitch = metrics.height() * 0.92
+        lines = _broken(text, width, metrics)
+        wide = max(metrics.horizontalAdvance(line) for line in lines) > width
+        if size <= 4 or not (wide or pitch * len(lines) > height):
+            return Fitted(tuple(lines), font, size, pitch)
+        size -= max(1, size // 16)
+
+
+def _broken(text: str, width: float, metrics: QFontMetricsF) -> list[str]:
+    lines: list[str] = []
+    for word in text.replace("_", "_ ").replace("-", "- ").split():
+        joint = "" if lines and lines[-1].endswith(("_", "-")) else " "
+        longer = f"{lines[-1]}{joint}{word}" if lines else word
+        if lines and metrics.horizontalAdvance(longer) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines or [""]
+
+
+_CENTRED = Qt.AlignmentFlag.AlignCenter
+_HATCHED = QBrush(QColor(128, 128, 128, 110), Qt.BrushStyle.BDiagPattern)

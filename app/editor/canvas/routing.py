@@ -1,0 +1,93 @@
+"""The course of wires: straight to their end, or along a lane past the nodes in between."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from PySide6.QtCore import QPointF
+from PySide6.QtGui import QPainterPath
+
+Box = tuple[float, float, float, float]  # left, top, right, bottom
+Spot = tuple[float, float]
+
+_LEAVE = 32.0  # units across in which a wire changes to its lane: less than the gap of columns
+_TRIES = 5
+_FAVOUR = 80.0  # for the lane above
+
+
+def wire_path(start: QPointF, end: QPointF, lane: float | None = None) -> QPainterPath:
+    """A wire from an output to an input; through the height `lane` if there is one."""
+    path = QPainterPath(start)
+    if lane is None:
+        reach = _reach(end.x() - start.x(), abs(end.y() - start.y()))
+        path.cubicTo(start + QPointF(reach, 0), end - QPointF(reach, 0), end)
+        return path
+    half = QPointF(_LEAVE / 2, 0)
+    up, down = QPointF(start.x() + _LEAVE, lane), QPointF(end.x() - _LEAVE, lane)
+    path.cubicTo(start + half, up - half, up)
+    path.lineTo(down)
+    path.cubicTo(down + half, end - half, end)
+    return path
+
+
+def lane_for(start: Spot, end: Spot, boxes: Sequence[Box], beside: float) -> float | None:
+    """The height at which a wire gets past the boxes in its way; None if nothing is.
+
+    The free height above the boxes, `beside` away from them, or the one below where that is much
+    nearer: so that wires from one port run along one lane.
+    """
+    left, right = start[0] + _LEAVE, end[0] - _LEAVE
+    if right - left < _LEAVE:
+        return None
+    top, bottom = min(start[1], end[1]), max(start[1], end[1])
+    between = [box for box in boxes if box[0] < right and box[2] > left]
+    # A cubic with level ends stays near its ends' heights: that of the end met first.
+    in_way = [box for box in between if box[1] - 4 < bottom and box[3] + 4 > top]
+    if not any(_crosses(box, start, end) for box in in_way):
+        return None
+    above = _free(min(box[1] for box in in_way) - beside, between, -beside)
+    below = _free(max(box[3] for box in in_way) + beside, between, beside)
+    lanes = [
+        (lane, favour) for lane, favour in ((above, _FAVOUR), (below, 0.0)) if lane is not None
+    ]
+    if not lanes:
+        return None
+    return min(lanes, key=lambda each: _detour(each[0], start, end) - each[1])[0]
+
+
+def _detour(lane: float, start: Spot, end: Spot) -> float:
+    return abs(lane - start[1]) + abs(lane - end[1])
+
+
+def _free(lane: float, boxes: Iterable[Box], step: float) -> float | None:
+    """The first height from `lane` on, away by `step`, at which no box is met."""
+    for _ in range(_TRIES):
+        hit = [box for box in boxes if box[1] - 3 < lane < box[3] + 3]
+        if not hit:
+            return lane
+        lane = (min(box[1] for box in hit) if step < 0 else max(box[3] for box in hit)) + step
+    return None
+
+
+def _crosses(box: Box, start: Spot, end: Spot) -> bool:
+    """Whether the plain curve meets the box."""
+    reach = _reach(end[0] - start[0], abs(end[1] - start[1]))
+    xs = start[0], start[0] + reach, end[0] - reach, end[0]
+    ys = start[1], start[1], end[1], end[1]
+    for n in range(1, 20):
+        t = n / 20
+        x, y = _cubic(xs, t), _cubic(ys, t)
+        if box[0] < x < box[2] and box[1] < y < box[3]:
+            return True
+    return False
+
+
+def _cubic(p: tuple[float, float, float, float], t: float) -> float:
+    u = 1 - t
+    return u * u * u * p[0] + 3 * u * u * t * p[1] + 3 * u * t * t * p[2] + t * t * t * p[3]
+
+
+def _reach(across: float, along: float) -> float:
+    """How far a wire runs level from its ends; far out where it runs backwards."""
+    reach = max(0.5 * across, 24.0) if across > 0 else 48.0 + 0.25 * (along - across)
+    return min(reach, 120.0)
