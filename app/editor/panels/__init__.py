@@ -1,0 +1,1 @@
+"""Control panels: each drawn from the declaration of its module."""

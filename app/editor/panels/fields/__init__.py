@@ -1,0 +1,1 @@
+"""Fields of a panel: one class for each kind of parameter."""

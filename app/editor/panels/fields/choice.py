@@ -1,0 +1,115 @@
+"""Fields for one of a few values: buttons for up to four, else a list."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtWidgets import QButtonGroup, QComboBox, QSizePolicy
+
+from app.editor.panels.fields.field import Field
+from app.editor.panels.flow_layout import FlowLayout
+from app.editor.panels.outlined import Radio
+from app.editor.panels.wording import choice_text
+from core.parameters import Parameter
+
+MOST_BUTTONS = 4
+MOST_LETTERS = 16
+
+
+def choices_of(parameter: Parameter) -> tuple[Any, ...]:
+    """What can be chosen, nothing included where that is allowed."""
+    return ((None,) if parameter.empty else ()) + parameter.choices
+
+
+class ButtonsField(Field):
+    """Radio buttons, on as many lines as they need."""
+
+    def build(self) -> None:
+        """Make a button for each choice."""
+        self.choices = choices_of(self.parameter)
+        self.row.addWidget(self.label)
+        self.row.addWidget(self.unit)
+        self.unit.setVisible(bool(self.parameter.param.unit))
+        self.group = QButtonGroup(self)
+        flow = FlowLayout(across=10, down=2)
+        flow.setContentsMargins(6, 0, 0, 0)
+        self.buttons: list[Radio] = []
+        for number, choice in enumerate(self.choices):
+            button = Radio(choice_text(choice), self)
+            button.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
+            self.named(button, f": {choice_text(choice)}", f"choice.{choice}")
+            self.group.addButton(button, number)
+            self.buttons.append(button)
+            flow.addWidget(button)
+        self._offered = self.choices
+        self.group.idToggled.connect(self._toggled)
+        self.column.addLayout(flow)
+
+    def show_value(self, value: Any) -> None:
+        """Press the button of the value."""
+        if value in self.choices:
+            button = self.buttons[self.choices.index(value)]
+            self.group.blockSignals(True)
+            button.setChecked(True)
+            self.group.blockSignals(False)
+        self._show_offered()
+
+    def narrow(self, offered: tuple[Any, ...]) -> None:
+        """Offer only these choices, and what is set."""
+        self._offered = offered
+        self._show_offered()
+
+    def _show_offered(self) -> None:
+        for choice, button in zip(self.choices, self.buttons, strict=True):
+            button.setVisible(choice in self._offered or choice == self.value)
+
+    def _toggled(self, number: int, on: bool) -> None:
+        if on:
+            self.offer(self.choices[number])
+
+
+class ChoiceBox(QComboBox):
+    """A list that the wheel scrolls past, unless it has the focus."""
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Choose by the wheel only on purpose."""
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+
+class ListField(Field):
+    """A list that opens."""
+
+    def build(self) -> None:
+        """Make the list."""
+        self.choices = choices_of(self.parameter)
+        self.box = ChoiceBox(self)
+        self.box.addItems([choice_text(choice) for choice in self.choices])
+        self.box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.box.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
+        self.box.setSizeAdjustPolicy(
+            QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
+        )
+        longest = max(len(self.box.itemText(n)) for n in range(self.box.count()))
+        self.box.setMinimumContentsLength(min(longest, MOST_LETTERS))
+        self.box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.named(self.box)
+        self.label.setBuddy(self.box)
+        self.box.activated.connect(self._activated)
+        self.row.addWidget(self.label, 5)
+        self.row.addWidget(self.box, 4)
+        self.row.addWidget(self.unit)
+        self.lines_up = bool(self.parameter.param.unit)
+        self.unit.setVisible(self.lines_up)
+
+    def show_value(self, value: Any) -> None:
+        """Show the value; setting it does not count as choosing."""
+        if value in self.choices:
+            self.box.setCurrentIndex(self.choices.index(value))
+
+    def _activated(self, number: int) -> None:
+        self.offer(self.choices[number])

@@ -1,0 +1,229 @@
+"""What all fields have: label, unit, marks, message, menu."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import QPoint, Qt, Signal
+from PySide6.QtGui import QContextMenuEvent
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
+
+from app.editor.panels.colours import set_ink
+from app.editor.panels.fields.type_in import TypeIn
+from app.editor.panels.wording import about, label_of, shown_value, tip
+from app.editor.theme import Theme
+from core.editing.operation import ABSENT
+from core.errors import ParameterError
+from core.parameters import Parameter, plain
+from core.plain import thaw
+
+
+class Field(QWidget):
+    """One parameter on a panel. Holds no value of its own: it shows the document's.
+
+    Signals
+    -------
+    edited(name, value, gesture)
+        A value that is allowed, as a network file has it; values of one gesture are one step.
+    reset_wanted(name)
+        Back to the default.
+    gesture_ended
+        The mouse is up, the key released.
+    """
+
+    lines_up = False  # whether its unit stands in one column with those of others
+
+    edited = Signal(str, object, object)
+    reset_wanted = Signal(str)
+    gesture_ended = Signal()
+
+    def __init__(self, parameter: Parameter, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.parameter = parameter
+        self.theme = theme
+        self.value: Any = parameter.default
+        self.stored = False
+        self.setObjectName(f"field.{parameter.name}")
+        self.setToolTip(tip(about(parameter)))
+        self.title = label_of(parameter.name)
+        self.label = QLabel(self.title, self)
+        self.label.setWordWrap(True)
+        self.label.setObjectName(f"label.{parameter.name}")
+        self.label.setTextFormat(Qt.TextFormat.PlainText)
+        self.label.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        self.unit = QLabel(parameter.param.unit, self)
+        self.unit.setObjectName(f"unit.{parameter.name}")
+        self.unit.setTextFormat(Qt.TextFormat.PlainText)
+        self.message = QLabel(self)
+        self.message.setObjectName(f"message.{parameter.name}")
+        self.message.setWordWrap(True)
+        self.message.setTextFormat(Qt.TextFormat.PlainText)
+        self.message.hide()
+        self.row = QHBoxLayout()
+        self.row.setSpacing(6)
+        self.column = QVBoxLayout(self)
+        self.column.setContentsMargins(0, 2, 0, 2)
+        self.column.setSpacing(2)
+        self.column.addLayout(self.row)
+        self.build()
+        self.column.addWidget(self.message)
+        self.set_theme(theme)
+
+    @property
+    def changed(self) -> bool:
+        """Whether its value is not the default."""
+        return not self.parameter.required and self.value != self.parameter.default
+
+    def build(self) -> None:
+        """Make the widgets that the value is shown in."""
+        raise NotImplementedError
+
+    def show_value(self, value: Any) -> None:
+        """Show an allowed value, without telling anybody."""
+        raise NotImplementedError
+
+    def show_unfit(self, text: str) -> None:
+        """Show what the document has but may not have."""
+
+    def set_enabled(self, on: bool) -> None:
+        """Let it be edited, or not."""
+        self.setEnabled(on)
+
+    def set_unit_width(self, width: int) -> None:
+        """Line the unit up with those of other fields."""
+        if self.lines_up:
+            self.unit.setFixedWidth(width)
+
+    def named(self, widget: QWidget, what: str = "", name: str = "") -> None:
+        """Give a widget names that tests and screen readers find."""
+        widget.setObjectName(f"{name or 'value'}.{self.parameter.name}")
+        unit = f" in {self.parameter.param.unit}" if self.parameter.param.unit else ""
+        widget.setAccessibleName(f"{self.title}{unit}{what}")
+        widget.setAccessibleDescription(about(self.parameter))
+
+    def follow(self, raw: Any) -> None:
+        """Show what the document has; ABSENT is the default."""
+        self.stored = raw is not ABSENT
+        self._say("")
+        if not self.stored:
+            self.value = self.parameter.default
+        else:
+            try:
+                self.value = self.parameter.coerce(thaw(raw))
+            except ParameterError as error:
+                self.show_unfit(str(raw))
+                self.refuse(error)
+                return
+        self._settle()
+
+    def offer(self, value: object, gesture: object = None) -> None:
+        """Give a value to the document if it is allowed, else say why not."""
+        try:
+            coerced = plain(self.parameter.coerce(value))
+        except ParameterError as error:
+            self.refuse(error)
+            return
+        self._say("")
+        self.edited.emit(self.parameter.name, coerced, gesture)
+        self._settle()
+
+    def refuse(self, error: ParameterError) -> None:
+        """Say why what was typed is not taken."""
+        self._say(error.message)
+
+    def restore(self) -> None:
+        """Show the document's value again."""
+        self._say("")
+        self._settle()
+
+    def discard_typing(self) -> None:
+        """Forget what was typed and not taken yet."""
+        for edit in self.findChildren(TypeIn):
+            if edit.unsettled:
+                edit.give_up()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        self.theme = theme
+        set_ink(self.unit, theme.faint_text)
+        set_ink(self.message, theme.error)
+        self._mark_changed()
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """By the right button, or the menu key."""
+        self.open_menu(event.globalPos())
+        event.accept()
+
+    def open_menu(self, at: QPoint) -> None:
+        """What can be done with the value, beside editing it."""
+        edit = self.focusWidget()
+        if isinstance(edit, TypeIn) and edit.hasFocus():
+            menu = edit.createStandardContextMenu()
+            menu.setParent(self, menu.windowFlags())
+            menu.addSeparator()
+        else:
+            menu = QMenu(self)
+        menu.setObjectName("field.menu")
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        default = ""
+        if not self.parameter.required:
+            unit = f" {self.parameter.param.unit}" if self.parameter.param.unit else ""
+            default = f" ({shown_value(self.parameter, self.parameter.default)}{unit})"
+        action = menu.addAction(f"Reset to default{default}")
+        action.setObjectName("reset")
+        action.setEnabled(self.stored)
+        action.triggered.connect(self._reset)
+        menu.popup(at)
+
+    def _reset(self) -> None:
+        self.discard_typing()
+        self.reset_wanted.emit(self.parameter.name)
+
+    def _settle(self) -> None:
+        self.show_value(self.value)
+        self._mark_changed()
+
+    def _mark_changed(self) -> None:
+        label = self.marked_label()
+        font = label.font()
+        if font.bold() != self.changed:
+            font.setBold(self.changed)
+            label.setFont(font)
+        set_ink(label, self.theme.changed if self.changed else self.theme.text)
+
+    def marked_label(self) -> QWidget:
+        """The widget that shows the parameter's name."""
+        return self.label
+
+    def _say(self, text: str) -> None:
+        if text != self.message.text():
+            self.message.setText(text)
+            self.message.setVisible(bool(text))
+
+
+class TypedField(Field):
+    """A field that a value is typed in."""
+
+    edit: TypeIn
+
+    def build_edit(self, *, characters: int = 8, steps: bool = False) -> TypeIn:
+        """Make the line."""
+        self.edit = TypeIn(self, characters=characters, steps=steps)
+        self.named(self.edit)
+        self.edit.committed.connect(self.take)
+        self.edit.given_up.connect(self.restore)
+        self.label.setBuddy(self.edit)
+        return self.edit
+
+    def take(self, text: str) -> None:
+        """Offer what was typed."""
+        self.offer(text)
+
+    def show_unfit(self, text: str) -> None:
+        """Show what the document has but may not have."""
+        self.edit.show_text(text)
+
+    def refuse(self, error: ParameterError) -> None:
+        """Frame it in red, and say why."""
+        super().refuse(error)
+        self.edit.mark(self.theme.error)

@@ -1,0 +1,91 @@
+"""A field for a file name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog, QToolButton, QWidget
+
+from app.editor.panels.fields.field import TypedField
+from app.editor.session import Session
+from app.editor.theme import Theme
+from core.parameters import Parameter
+
+
+class PathField(TypedField):
+    """A line, and a button that opens a dialog.
+
+    Parameters
+    ----------
+    session : Session
+        Tells the folder that names are relative to.
+    writes : bool
+        Whether the file is to be written.
+    """
+
+    def __init__(
+        self,
+        parameter: Parameter,
+        theme: Theme,
+        parent: QWidget | None = None,
+        *,
+        session: Session,
+        writes: bool,
+    ) -> None:
+        self._session = session
+        self._writes = writes
+        super().__init__(parameter, theme, parent)
+
+    def build(self) -> None:
+        """Make line and button."""
+        edit = self.build_edit()
+        edit.setPlaceholderText("no file")
+        self.browse = QToolButton(self)
+        self.browse.setText("Browse…")
+        self.browse.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.named(self.browse, ": browse", "browse")
+        self.browse.clicked.connect(self.open_dialog)
+        self.row.addWidget(self.label, 2)
+        self.row.addWidget(edit, 4)
+        self.row.addWidget(self.browse)
+        self.unit.hide()
+
+    def show_value(self, value: Any) -> None:
+        """Show the name."""
+        self.edit.show_text("" if value is None else Path(value).as_posix())
+
+    def open_dialog(self) -> None:
+        """Let a file be chosen; returns at once."""
+        dialog = QFileDialog(self, self.parameter.param.text.capitalize())
+        dialog.setObjectName("field.dialog")
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
+        dialog.setOption(QFileDialog.Option.DontConfirmOverwrite)  # nothing is written by choosing
+        if self._writes:
+            dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+            dialog.setFileMode(QFileDialog.FileMode.AnyFile)
+        else:
+            dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
+        folder = self._session.folder.absolute()
+        if self.value is not None:
+            folder = (folder / self.value).parent
+        dialog.setDirectory(str(folder))
+        dialog.fileSelected.connect(self._chosen)
+        dialog.open()
+
+    def _chosen(self, name: str) -> None:
+        if name:
+            self.offer(self.relative(Path(name)))
+
+    def relative(self, path: Path) -> str:
+        """The name from the network's folder where the file lies below it, else all of it.
+
+        A network that was never saved has no folder yet.
+        """
+        if self._session.document.path is not None:
+            folder = self._session.folder.resolve()
+            if path.resolve().is_relative_to(folder):
+                return path.resolve().relative_to(folder).as_posix()
+        return path.as_posix()

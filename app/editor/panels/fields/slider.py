@@ -1,0 +1,81 @@
+"""A slider that tells what a person does with it, and shows values without telling."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QSignalBlocker, Qt, QTimer, Signal
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
+from PySide6.QtWidgets import QSlider, QWidget
+
+WHEEL_REST_MS = 400
+
+_STEPS = {
+    Qt.Key.Key_Right: 1,
+    Qt.Key.Key_Up: 1,
+    Qt.Key.Key_Left: -1,
+    Qt.Key.Key_Down: -1,
+    Qt.Key.Key_PageUp: 10,
+    Qt.Key.Key_PageDown: -10,
+}
+
+
+class Slider(QSlider):
+    """Horizontal, from 0 to `positions`.
+
+    Signals
+    -------
+    moved(position)
+        Dragged, clicked, or sent to an end.
+    stepped(steps)
+        By keys or the wheel: small steps from the value, whatever the position shows of it.
+    finished
+        The mouse or the key is up, or the wheel rests.
+    """
+
+    moved = Signal(int)
+    stepped = Signal(int)
+    finished = Signal()
+
+    def __init__(self, positions: int, parent: QWidget | None = None) -> None:
+        super().__init__(Qt.Orientation.Horizontal, parent)
+        self.setRange(0, positions)
+        self.setPageStep(max(1, positions // 10))
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
+        self.setMinimumWidth(self.fontMetrics().height() * 4)
+        self.valueChanged.connect(self.moved)
+        self._rest = QTimer(self, singleShot=True, interval=WHEEL_REST_MS)
+        self._rest.timeout.connect(self.finished)
+
+    def show_position(self, position: int) -> None:
+        """Show a value of the document, unless it is in somebody's hand."""
+        if not self.isSliderDown():
+            with QSignalBlocker(self):
+                self.setValue(position)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Step by the value."""
+        if event.key() in _STEPS:
+            self.stepped.emit(_STEPS[Qt.Key(event.key())])
+        else:
+            super().keyPressEvent(event)
+
+    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+        """The end of stepping."""
+        super().keyReleaseEvent(event)
+        if not event.isAutoRepeat():
+            self.finished.emit()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """The end of a drag."""
+        super().mouseReleaseEvent(event)
+        self.finished.emit()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Step where it has the focus; else the panel scrolls."""
+        turned = event.angleDelta().y()
+        if not self.hasFocus() or not turned:
+            event.ignore()
+            return
+        self.stepped.emit(1 if turned > 0 else -1)
+        self._rest.start()
+        event.accept()

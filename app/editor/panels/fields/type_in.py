@@ -1,0 +1,145 @@
+"""A line to type a value in: taken on Enter or when the focus leaves, given up on Esc."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, Qt, Signal
+from PySide6.QtGui import (
+    QColor,
+    QFocusEvent,
+    QKeyEvent,
+    QKeySequence,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QPen,
+)
+from PySide6.QtWidgets import QLineEdit, QWidget
+
+_STEPS = {
+    Qt.Key.Key_Up: 1,
+    Qt.Key.Key_Down: -1,
+    Qt.Key.Key_PageUp: 10,
+    Qt.Key.Key_PageDown: -10,
+}
+_UNDO, _REDO = QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo
+
+
+class TypeIn(QLineEdit):
+    """A line edit that tells what was typed once it is meant.
+
+    Signals
+    -------
+    committed(text)
+        Enter, or the focus has left; only if something was typed since it was shown.
+    given_up
+        Esc: what was typed does not count.
+    stepped(steps)
+        An arrow key (±1) or a page key (±10), where `steps` is set.
+    step_ended
+        That key was released.
+    """
+
+    committed = Signal(str)
+    given_up = Signal()
+    stepped = Signal(int)
+    step_ended = Signal()
+
+    def __init__(
+        self, parent: QWidget | None = None, *, characters: int = 8, steps: bool = False
+    ) -> None:
+        super().__init__(parent)
+        self._steps = steps
+        self._marked = False
+        self._mark_colour = QColor()
+        self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # the field has one
+        width = self.fontMetrics().averageCharWidth() * characters
+        self.setMinimumWidth(width + 2 * self.fontMetrics().height() // 2)
+        self.returnPressed.connect(self.commit)
+        self.textEdited.connect(self._unmark)
+
+    @property
+    def marked(self) -> bool:
+        """Whether what stands here was refused."""
+        return self._marked
+
+    @property
+    def unsettled(self) -> bool:
+        """Whether it shows something else than the document has."""
+        return self.isModified() or self._marked
+
+    def show_text(self, text: str) -> None:
+        """Show a value of the document; what was typed is gone."""
+        if text != self.text() or self.isUndoAvailable() or self.isRedoAvailable():
+            self.setText(text)
+            self.setCursorPosition(0)
+        self.setModified(False)
+        self._unmark()
+
+    def mark(self, colour: str) -> None:
+        """Frame what was refused."""
+        self._marked = True
+        self._mark_colour = QColor(colour)
+        self.update()
+
+    def commit(self) -> None:
+        """Take what was typed, if there is something."""
+        if self.isModified():
+            self.committed.emit(self.text())
+
+    def give_up(self) -> None:
+        """What was typed does not count."""
+        self.setModified(False)
+        self.given_up.emit()
+
+    def event(self, event: QEvent) -> bool:
+        """Leave undo to the document where nothing is typed; keep Esc where something is."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
+            nothing = (event.matches(_UNDO) and not self.isUndoAvailable()) or (
+                event.matches(_REDO) and not self.isRedoAvailable()
+            )
+            if nothing:
+                event.ignore()
+                return False
+            if event.key() == Qt.Key.Key_Escape and self.unsettled:
+                event.accept()
+                return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc gives up, arrows and page keys step."""
+        if event.key() == Qt.Key.Key_Escape and self.unsettled:
+            self.give_up()
+        elif self._steps and event.key() in _STEPS:
+            self.commit()
+            self.stepped.emit(_STEPS[Qt.Key(event.key())])
+        else:
+            super().keyPressEvent(event)
+
+    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+        """The end of stepping."""
+        super().keyReleaseEvent(event)
+        if self._steps and event.key() in _STEPS and not event.isAutoRepeat():
+            self.step_ended.emit()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Take what was typed, but not because a menu opens."""
+        super().focusOutEvent(event)
+        if event.reason() != Qt.FocusReason.PopupFocusReason:
+            self.commit()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw a frame over Qt's own: of what was refused, and one that is seen on dark grounds."""
+        super().paintEvent(event)
+        painter = QPainter(self)
+        if self._marked:
+            painter.setPen(QPen(self._mark_colour, 2))
+            painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
+        elif not self.hasFocus():
+            painter.setPen(self.palette().color(QPalette.ColorRole.Mid))
+            painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
+        painter.end()
+
+    def _unmark(self, _text: str = "") -> None:
+        if self._marked:
+            self._marked = False
+            self.update()

@@ -1,0 +1,209 @@
+"""The head of a panel: title, name of the node, and what can be done with all of it."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+
+from app.editor.evaluation.wants import Badge
+from app.editor.panels.colours import set_ground, set_ink
+from app.editor.panels.fields.type_in import TypeIn
+from app.editor.panels.flow_layout import FlowLayout
+from app.editor.panels.outlined import Toggle
+from app.editor.panels.wording import tip
+from app.editor.theme import Theme
+from core.network import Node
+
+
+class TitleBar(QWidget):
+    """A coloured bar with a title and small buttons.
+
+    Signals
+    -------
+    folded(on)
+        Whether all below is to be hidden.
+    """
+
+    folded = Signal(bool)
+
+    def __init__(self, title: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.fold = QToolButton(self)
+        self.fold.setObjectName("fold")
+        self.fold.setAutoRaise(True)
+        self.fold.setCheckable(True)
+        self.fold.setArrowType(Qt.ArrowType.DownArrow)
+        self.fold.setAccessibleName("fold the panel")
+        self.fold.setToolTip(tip("Hide or show what is below"))
+        self.fold.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.fold.toggled.connect(self._fold)
+        self.title = QLabel(title, self)
+        self.title.setObjectName("title")
+        self.title.setTextFormat(Qt.TextFormat.PlainText)
+        self.title.setWordWrap(True)
+        self.title.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        font = self.title.font()
+        font.setBold(True)
+        self.title.setFont(font)
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(4, 3, 4, 3)
+        self._row.setSpacing(2)
+        self._row.addWidget(self.fold)
+        self._row.addWidget(self.title, 1)
+
+    def add_button(
+        self, name: str, text: str, about: str, *, checkable: bool = False
+    ) -> QToolButton:
+        """Put a button at the right end."""
+        button = Toggle(self) if checkable else QToolButton(self)
+        button.setObjectName(name)
+        button.setText(text)
+        button.setAutoRaise(True)
+        button.setAccessibleName(about)
+        button.setToolTip(tip(about))
+        button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self._row.addWidget(button)
+        return button
+
+    def _fold(self, on: bool) -> None:
+        self.fold.setArrowType(Qt.ArrowType.RightArrow if on else Qt.ArrowType.DownArrow)
+        self.folded.emit(on)
+
+
+class PanelHead(QWidget):
+    """Title, name, toggles, help and what is wrong.
+
+    Parameters
+    ----------
+    title, group, text : str
+        Title of the module, its group of the library, and what it does.
+    theme : Theme
+        Colours.
+    parent : QWidget, optional
+        Its parent.
+    """
+
+    def __init__(
+        self, title: str, group: str, text: str, theme: Theme, parent: QWidget | None = None
+    ) -> None:
+        super().__init__(parent)
+        self._group = group
+        self._badge: Badge | None = None
+        self._theme = theme
+        self.bar = TitleBar(title, self)
+        self.pin = self.bar.add_button(
+            "pin", "Pin", "Keep this panel open when another node is selected", checkable=True
+        )
+        self.help = self.bar.add_button("help", "?", "What this module does", checkable=True)
+        self.close_button = self.bar.add_button("close", "×", "Close this panel")
+        self.help.setVisible(bool(text))
+        self.help.toggled.connect(self._show_help)
+        self.text = QLabel(_flowing(text), self)
+        self.text.setObjectName("module_text")
+        self.text.setTextFormat(Qt.TextFormat.PlainText)
+        self.text.setWordWrap(True)
+        self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.text.hide()
+        self.problem = QLabel(self)
+        self.problem.setObjectName("problem")
+        self.problem.setTextFormat(Qt.TextFormat.PlainText)
+        self.problem.setWordWrap(True)
+        self.problem.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.problem.hide()
+        self.below = QWidget(self)
+        self._build()
+        self.set_theme(theme)
+
+    def _build(self) -> None:
+        self.name = TypeIn(self.below)
+        self.name.setObjectName("node_name")
+        self.name.setAccessibleName("name of the node")
+        self.name.setToolTip(tip("Name of the node in this network"))
+        self.name_problem = QLabel(self.below)
+        self.name_problem.setObjectName("name_problem")
+        self.name_problem.setTextFormat(Qt.TextFormat.PlainText)
+        self.name_problem.setWordWrap(True)
+        self.name_problem.hide()
+        label = QLabel("Name", self.below)
+        label.setBuddy(self.name)
+        row = QHBoxLayout()
+        row.addWidget(label)
+        row.addWidget(self.name, 1)
+        self.auto = self._button("auto", "Auto-Generate", checkable=True)
+        self.auto.setToolTip(
+            tip("Compute after each change; else the node stays as it was until all is generated")
+        )
+        self.generate = self._button("generate", "Generate Image")
+        self.generate.setToolTip(tip("Compute everything now, also what is held back"))
+        self.disable = self._button("disable", "Disable", checkable=True)
+        self.disable.setToolTip(tip("Pass the input on unchanged"))
+        buttons = FlowLayout()
+        for button in (self.auto, self.generate, self.disable):
+            buttons.addWidget(button)
+        inside = QVBoxLayout(self.below)
+        inside.setContentsMargins(8, 2, 8, 0)
+        inside.setSpacing(4)
+        inside.addWidget(self.text)
+        inside.addLayout(row)
+        inside.addWidget(self.name_problem)
+        inside.addLayout(buttons)
+        inside.addWidget(self.problem)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(2)
+        column.addWidget(self.bar)
+        column.addWidget(self.below)
+
+    def _button(self, name: str, text: str, *, checkable: bool = False) -> QToolButton:
+        button = Toggle(self.below) if checkable else QToolButton(self.below)
+        button.setObjectName(name)
+        button.setText(text)
+        button.setAccessibleName(text)
+        button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        return button
+
+    def follow(self, node: Node) -> None:
+        """Show the node's name and toggles; setting them does not count as a click."""
+        self.name.show_text(node.id)
+        self.say_of_name("")
+        self.auto.setChecked(node.auto is not False)
+        self.disable.setChecked(node.disabled)
+        self.pin.setChecked(node.extra.get("pinned") is True)
+
+    def say_of_name(self, text: str) -> None:
+        """Say why a name was refused; nothing if it was not."""
+        self.name_problem.setText(text)
+        self.name_problem.setVisible(bool(text))
+        if text:
+            self.name.mark(self._theme.error)
+
+    def set_badge(self, badge: Badge | None) -> None:
+        """Say what is wrong with the node, or special about it; that it runs is not said."""
+        if badge is not None and badge.kind == "running":
+            return
+        self._badge = badge
+        self.problem.setText(self._badge.text if self._badge is not None else "")
+        self.problem.setVisible(self._badge is not None)
+        self._colour_problem()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        self._theme = theme
+        set_ground(self.bar, theme.groups.get(self._group, theme.raised))
+        set_ink(self.text, theme.faint_text)
+        set_ink(self.name_problem, theme.error)
+        for button in self.findChildren(Toggle):
+            button.set_theme(theme)
+        self._colour_problem()
+
+    def _colour_problem(self) -> None:
+        if self._badge is not None:
+            set_ink(self.problem, self._theme.badges[self._badge.kind])
+
+    def _show_help(self, on: bool) -> None:
+        self.text.setVisible(on)
+
+
+def _flowing(text: str) -> str:
+    """Paragraphs without the line breaks they have in the source."""
+    return "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))

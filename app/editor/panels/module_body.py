@@ -1,0 +1,106 @@
+"""What stands on the panel of a module: picture, parameters, read-outs, ports."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QFrame, QLabel, QVBoxLayout, QWidget
+
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.panels.colours import set_ink
+from app.editor.panels.illustrations import illustration_for
+from app.editor.panels.layouts import layout_of
+from app.editor.panels.ports import PortsView
+from app.editor.panels.readouts import ReadoutsView
+from app.editor.panels.sections_view import SectionsView
+from app.editor.session import Session
+from app.editor.theme import Theme
+from core.declaration import Declaration
+from core.editing.fields import SetParameter
+from core.editing.operation import ABSENT
+from core.network import Network
+
+
+class ModuleBody(QWidget):
+    """The panel of a node of a known module, below its head.
+
+    Signals
+    -------
+    view_requested(node, port, viewer)
+        Show that output in the viewer of that number.
+    """
+
+    view_requested = Signal(str, str, int)
+
+    def __init__(
+        self,
+        declaration: Declaration,
+        node: str,
+        session: Session,
+        evaluator: Evaluator | None,
+        theme: Theme,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self.setObjectName("body")
+        self._session = session
+        self._node = node
+        self._rules: list[QWidget] = []
+        self._column = QVBoxLayout(self)
+        self._column.setContentsMargins(8, 4, 8, 8)
+        self._column.setSpacing(4)
+        self.illustration: QWidget | None = None
+        special = illustration_for(declaration.key)
+        if special is not None:
+            self.illustration = special(session, evaluator, node, theme, self)
+            self._column.addWidget(self.illustration)
+        self.sections = SectionsView(declaration, layout_of(declaration), session, theme, self)
+        self.sections.edited.connect(self._edit)
+        self.sections.reset_wanted.connect(self._reset)
+        self.sections.gesture_ended.connect(session.end_gesture)
+        self._column.addWidget(self.sections)
+        self.readouts = ReadoutsView(declaration, node, evaluator, theme, self)
+        if declaration.readouts:
+            self._titled("Read-outs", self.readouts)
+        else:
+            self.readouts.hide()
+        self.ports = PortsView(declaration, node, theme, self)
+        self.ports.view_requested.connect(self.view_requested)
+        self._titled("Ports", self.ports)
+        self.set_theme(theme)
+
+    def follow(self, before: Network | None, after: Network) -> None:
+        """Show the node as it is now, where it was changed."""
+        node = after.nodes[self._node]
+        if before is None or before.nodes.get(self._node) is not node:
+            self.sections.follow(node)
+        if before is None or before.links != after.links:
+            self.ports.follow(after)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        for title in self._rules:
+            set_ink(title, theme.faint_text)
+        for part in (self.illustration, self.sections, self.readouts, self.ports):
+            draw = getattr(part, "set_theme", None)
+            if draw is not None:
+                draw(theme)
+
+    def _titled(self, text: str, widget: QWidget) -> None:
+        line = QFrame(self)
+        line.setFrameShape(QFrame.Shape.HLine)
+        line.setFrameShadow(QFrame.Shadow.Sunken)
+        title = QLabel(text, self)
+        font = title.font()
+        font.setBold(True)
+        title.setFont(font)
+        self._rules.append(title)
+        for part in (line, title, widget):
+            self._column.addWidget(part)
+
+    def _edit(self, name: str, value: object, gesture: object) -> None:
+        if self._node in self._session.network.nodes:
+            self._session.do(SetParameter(self._node, name, value), gesture=gesture)
+
+    def _reset(self, name: str) -> None:
+        if self._node in self._session.network.nodes:
+            self._session.do(SetParameter(self._node, name, ABSENT))

@@ -1,0 +1,205 @@
+"""The panel of the network as a whole, shown while no node is selected."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, Qt, Signal
+from PySide6.QtGui import QFocusEvent, QKeyEvent
+from PySide6.QtWidgets import QFormLayout, QFrame, QLabel, QPlainTextEdit, QVBoxLayout, QWidget
+
+from app.editor.panels.colours import set_ground, set_ink
+from app.editor.panels.fields.type_in import TypeIn
+from app.editor.panels.head import TitleBar
+from app.editor.panels.wording import tip
+from app.editor.session import Session
+from app.editor.theme import Theme
+from core.editing.fields import SetNetwork
+from core.errors import ParameterError
+from core.network import SEEDS, Network, check_seed
+
+
+class NetworkPanel(QFrame):
+    """Name, description and seed of the network, and how many nodes it has."""
+
+    def __init__(self, session: Session, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("panel.network")
+        self.setAccessibleName("control panel of the network")
+        self.setFrameShape(QFrame.Shape.StyledPanel)
+        self._session = session
+        self._theme = theme
+        self.bar = TitleBar("Network", self)
+        self.bar.fold.hide()
+        self.below = QWidget(self)
+        self._build()
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self.bar)
+        column.addWidget(self.below)
+        self.set_theme(theme)
+        self.follow(session.network)
+
+    def _build(self) -> None:
+        self.name = _named(TypeIn(self.below), "network_name", "name of the network")
+        self.name.setPlaceholderText("untitled")
+        self.name.committed.connect(self._set_name)
+        self.name.given_up.connect(self._restore)
+        self.description = Words(self.below)
+        self.description.setObjectName("network_description")
+        self.description.setAccessibleName("description of the network")
+        self.description.committed.connect(self._set_description)
+        self.description.given_up.connect(self._restore)
+        self.seed = _named(TypeIn(self.below), "network_seed", "seed of the network's noise")
+        about = f"The same seed gives the same noise: {SEEDS}"
+        self.seed.setToolTip(tip(about))
+        self.seed.setAccessibleDescription(about)
+        self.seed.committed.connect(self._set_seed)
+        self.seed.given_up.connect(self._restore)
+        self.seed_problem = QLabel(self.below)
+        self.seed_problem.setObjectName("seed_problem")
+        self.seed_problem.setTextFormat(Qt.TextFormat.PlainText)
+        self.seed_problem.setWordWrap(True)
+        self.seed_problem.hide()
+        self.count = QLabel(self.below)
+        self.count.setObjectName("network_count")
+        self.count.setWordWrap(True)
+        hint = QLabel("Select a node to see its control panel here.", self.below)
+        hint.setWordWrap(True)
+        self._hint = hint
+        form = QFormLayout()
+        form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
+        form.addRow("Name", self.name)
+        form.addRow("Seed", self.seed)
+        form.addRow(self.seed_problem)
+        form.addRow("Contents", self.count)
+        words = QLabel("Description", self.below)
+        words.setBuddy(self.description)
+        inside = QVBoxLayout(self.below)
+        inside.setContentsMargins(8, 4, 8, 8)
+        inside.addLayout(form)
+        inside.addWidget(words)
+        inside.addWidget(self.description)
+        inside.addWidget(hint)
+
+    def follow(self, network: Network) -> None:
+        """Show the network as it is now."""
+        self.name.show_text(network.name)
+        self.description.show_text(network.description)
+        if not self.seed.unsettled or self.seed.text() == str(network.seed):
+            self._show_seed(network)
+        self.count.setText(f"{_many(network.nodes, 'node')}, {_many(network.links, 'wire')}")
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        self._theme = theme
+        set_ground(self.bar, theme.raised)
+        set_ink(self.seed_problem, theme.error)
+        set_ink(self._hint, theme.faint_text)
+
+    def finish_typing(self) -> None:
+        """Take what was typed and not taken yet."""
+        for edit in (self.name, self.description, self.seed):
+            edit.commit()
+
+    def discard_typing(self) -> None:
+        """Forget what was typed and not taken yet."""
+        self.name.setModified(False)
+        self.seed.setModified(False)
+        self.description.document().setModified(False)
+        self._restore()
+
+    def _restore(self) -> None:
+        self._show_seed(self._session.network)
+        self.follow(self._session.network)
+
+    def _show_seed(self, network: Network) -> None:
+        self.seed.show_text(str(network.seed))
+        self._say("")
+
+    def _say(self, text: str) -> None:
+        self.seed_problem.setText(text)
+        self.seed_problem.setVisible(bool(text))
+
+    def _set_name(self, text: str) -> None:
+        self._session.do(SetNetwork("name", text))
+        self.name.show_text(self._session.network.name)
+
+    def _set_description(self, text: str) -> None:
+        self._session.do(SetNetwork("description", text))
+        self.description.show_text(self._session.network.description)
+
+    def _set_seed(self, text: str) -> None:
+        typed = text.strip()
+        seed = int(typed) if typed.isdecimal() and len(typed) < 400 else typed
+        try:
+            check_seed(seed)
+        except ParameterError as error:
+            self._say(error.message)
+            self.seed.mark(self._theme.error)
+            return
+        self._session.do(SetNetwork("seed", seed))
+        self._show_seed(self._session.network)
+
+
+class Words(QPlainTextEdit):
+    """Several lines of text, taken when the focus leaves or on Ctrl+Enter; Esc gives up."""
+
+    committed = Signal(str)
+    given_up = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setTabChangesFocus(True)
+        self.setMinimumHeight(self.fontMetrics().height() * 5)
+
+    def show_text(self, text: str) -> None:
+        """Show the document's text; what was typed is gone."""
+        if text != self.toPlainText() or self.document().isUndoAvailable():
+            self.setPlainText(text)
+        self.document().setModified(False)
+
+    def commit(self) -> None:
+        """Take what was typed, if there is something."""
+        if self.document().isModified():
+            self.committed.emit(self.toPlainText())
+
+    def event(self, event: QEvent) -> bool:
+        """Keep Esc and Ctrl+Enter where something is typed."""
+        if not isinstance(event, QKeyEvent) or event.type() != QEvent.Type.ShortcutOverride:
+            return super().event(event)
+        if self.document().isModified() and self._ends(event):
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Esc gives up, Ctrl+Enter takes."""
+        if not self._ends(event) or not self.document().isModified():
+            super().keyPressEvent(event)
+        elif event.key() == Qt.Key.Key_Escape:
+            self.document().setModified(False)
+            self.given_up.emit()
+        else:
+            self.commit()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Take what was typed, but not because a menu opens."""
+        super().focusOutEvent(event)
+        if event.reason() != Qt.FocusReason.PopupFocusReason:
+            self.commit()
+
+    def _ends(self, event: QKeyEvent) -> bool:
+        enter = event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+        control = bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
+        return event.key() == Qt.Key.Key_Escape or (enter and control)
+
+
+def _named(edit: TypeIn, name: str, accessible: str) -> TypeIn:
+    edit.setObjectName(name)
+    edit.setAccessibleName(accessible)
+    return edit
+
+
+def _many(things: object, word: str) -> str:
+    number = len(things)  # type: ignore[arg-type]
+    return f"{number} {word}" if number == 1 else f"{number} {word}s"

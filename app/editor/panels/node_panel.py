@@ -1,0 +1,182 @@
+"""The control panel of one node."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QFrame, QVBoxLayout, QWidget
+
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.evaluation.wants import Badge
+from app.editor.panels.fields.type_in import TypeIn
+from app.editor.panels.head import PanelHead
+from app.editor.panels.module_body import ModuleBody
+from app.editor.panels.unknown_body import UnknownBody
+from app.editor.session import Session
+from app.editor.theme import Theme
+from core.editing.fields import SetNode, SetNodeExtra
+from core.editing.nodes import Rename
+from core.editing.operation import ABSENT, Operation
+from core.errors import ImagechainError
+from core.network import Network
+
+
+class NodePanel(QFrame):
+    """Head and body of a node's panel. Holds nothing of the document: it shows it.
+
+    Parameters
+    ----------
+    session : Session
+        The document, which edits go to.
+    evaluator : Evaluator or None
+        Whom to ask for read-outs.
+    node : str
+        Id of the node; for another one there is another panel.
+    theme : Theme
+        Colours.
+    parent : QWidget, optional
+        Its parent.
+
+    Signals
+    -------
+    view_requested(node, port, viewer)
+        Show that output in the viewer of that number.
+    generate_requested(node)
+        Compute everything.
+    close_requested(node)
+        Put the panel away.
+    """
+
+    view_requested = Signal(str, str, int)
+    generate_requested = Signal(str)
+    close_requested = Signal(str)
+
+    def __init__(
+        self,
+        session: Session,
+        evaluator: Evaluator | None,
+        node: str,
+        theme: Theme,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self.setObjectName(f"panel.{node}")
+        self.setFrameShape(QFrame.Shape.StyledPanel)
+        self.node = node
+        self.module = session.network.nodes[node].module
+        self._session = session
+        declared = session.declared(node)
+        title, group, text = (
+            (declared.title, declared.group, declared.text)
+            if declared is not None
+            else (self.module, "", "")
+        )
+        self.setAccessibleName(f"control panel of {node}: {title}")
+        self.head = PanelHead(title, group, text, theme, self)
+        self.body: ModuleBody | UnknownBody
+        if declared is not None:
+            self.body = ModuleBody(declared, node, session, evaluator, theme, self)
+            self.body.view_requested.connect(self.view_requested)
+        else:
+            self.body = UnknownBody(self.module, node, theme, self)
+            for button in (self.head.auto, self.head.disable, self.head.generate):
+                button.setEnabled(False)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.head)
+        column.addWidget(self.body)
+        self._connect()
+        self.follow(None, session.network)
+
+    def _connect(self) -> None:
+        head = self.head
+        head.bar.folded.connect(self._fold)
+        head.pin.clicked.connect(self._pin)
+        head.close_button.clicked.connect(self._close)
+        head.name.committed.connect(self._rename)
+        head.name.given_up.connect(self._show_name)
+        head.auto.clicked.connect(self._set_auto)
+        head.disable.clicked.connect(self._set_disabled)
+        head.generate.clicked.connect(self._generate)
+
+    @property
+    def folded(self) -> bool:
+        """Whether all but the title is hidden."""
+        return self.head.bar.fold.isChecked()
+
+    @folded.setter
+    def folded(self, on: bool) -> None:
+        self.head.bar.fold.setChecked(on)
+
+    def follow(self, before: Network | None, after: Network) -> None:
+        """Show the node as it is now, where it was changed."""
+        if before is None or before.nodes.get(self.node) is not after.nodes[self.node]:
+            self.head.follow(after.nodes[self.node])
+        self.body.follow(before, after)
+
+    def set_badge(self, badge: Badge | None) -> None:
+        """Say what is wrong with the node, or special about it."""
+        self.head.set_badge(badge)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        self.head.set_theme(theme)
+        self.body.set_theme(theme)
+
+    def edit_name(self) -> None:
+        """Let the node's name be typed."""
+        self.folded = False
+        self.head.name.setFocus(Qt.FocusReason.OtherFocusReason)
+        self.head.name.selectAll()
+
+    def finish_typing(self) -> None:
+        """Take what was typed and not taken yet."""
+        for edit in self.findChildren(TypeIn):
+            edit.commit()
+
+    def discard_typing(self) -> None:
+        """Forget what was typed and not taken yet."""
+        for edit in self.findChildren(TypeIn):
+            if edit.unsettled:
+                edit.give_up()
+
+    def _fold(self, on: bool) -> None:
+        self.head.below.setVisible(not on)
+        self.body.setVisible(not on)
+
+    def _do(self, operation: Operation) -> None:
+        if self.node in self._session.network.nodes:
+            self._session.do(operation)
+
+    def _rename(self, text: str) -> None:
+        node = self._session.network.nodes.get(self.node)
+        if node is None or text == self.node:
+            self._show_name()
+            return
+        operation = Rename(self.node, text)
+        try:
+            operation.apply(self._session.network)
+        except ImagechainError as error:
+            self.head.say_of_name(error.message)
+            return
+        self._session.do(operation)
+
+    def _show_name(self) -> None:
+        self.head.name.show_text(self.node)
+        self.head.say_of_name("")
+
+    def _set_auto(self) -> None:
+        self._do(SetNode(self.node, "auto", self.head.auto.isChecked()))
+
+    def _set_disabled(self) -> None:
+        self._do(SetNode(self.node, "disabled", self.head.disable.isChecked()))
+
+    def _pin(self) -> None:
+        value = True if self.head.pin.isChecked() else ABSENT
+        self._do(SetNodeExtra(self.node, "pinned", value))
+
+    def _generate(self) -> None:
+        self.generate_requested.emit(self.node)
+
+    def _close(self) -> None:
+        self.close_requested.emit(self.node)

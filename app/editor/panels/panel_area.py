@@ -1,0 +1,191 @@
+"""The panels that are open: of the node selected last, and those that are pinned."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget
+
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.evaluation.wants import Badge
+from app.editor.panels.network_panel import NetworkPanel
+from app.editor.panels.node_panel import NodePanel
+from app.editor.session import Session, renamed_node
+from app.editor.theme import Theme
+from core.editing.fields import SetNodeExtra
+from core.editing.operation import ABSENT
+
+
+class PanelArea(QScrollArea):
+    """A stack of panels that scrolls.
+
+    Parameters
+    ----------
+    session : Session
+        The document and the selection.
+    evaluator : Evaluator or None
+        Whom to ask for read-outs.
+    theme : Theme
+        Colours.
+    parent : QWidget, optional
+        Its parent.
+
+    Signals
+    -------
+    view_requested(node, port, viewer)
+        Show that output in the viewer of that number.
+    generate_requested(node)
+        Compute everything.
+    """
+
+    view_requested = Signal(str, str, int)
+    generate_requested = Signal(str)
+
+    def __init__(
+        self,
+        session: Session,
+        evaluator: Evaluator | None,
+        theme: Theme,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self.setObjectName("panels")
+        self.setAccessibleName("control panels")
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setWidgetResizable(True)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._session = session
+        self._evaluator = evaluator
+        self._theme = theme
+        self._badges: Mapping[str, Badge] = {}
+        self.panels: dict[str, NodePanel] = {}
+        content = QWidget(self)
+        self._column = QVBoxLayout(content)
+        self._column.setContentsMargins(2, 2, 2, 2)
+        self._column.setSpacing(6)
+        self.network_panel = NetworkPanel(session, theme, content)
+        self._column.addWidget(self.network_panel)
+        self._column.addStretch(1)
+        self.setWidget(content)
+        session.opened.connect(self._opened)
+        session.changed.connect(self._changed)
+        session.selection_changed.connect(self._selected)
+        self._arrange(session.selection)
+
+    def sizeHint(self) -> QSize:
+        """Room for a panel at the font in use."""
+        unit = self.fontMetrics().averageCharWidth()
+        return QSize(52 * unit, 80 * unit)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        self._theme = theme
+        self.network_panel.set_theme(theme)
+        for panel in self.panels.values():
+            panel.set_theme(theme)
+
+    def set_badges(self, badges: Any) -> None:
+        """Say on the panels what is wrong with their nodes.
+
+        Parameters
+        ----------
+        badges : mapping of str to Badge
+            By node.
+        """
+        self._badges = badges
+        for name, panel in self.panels.items():
+            panel.set_badge(badges.get(name))
+
+    def edit_name(self) -> None:
+        """Let the name of the node selected last be typed."""
+        panel = self.panels.get(next(iter(self._session.selection[-1:]), ""))
+        if panel is not None:
+            panel.edit_name()
+            self.ensureWidgetVisible(panel.head.name)
+
+    def finish_typing(self) -> None:
+        """Take what was typed and not taken yet, as before saving."""
+        self.network_panel.finish_typing()
+        for panel in tuple(self.panels.values()):
+            panel.finish_typing()
+
+    def _opened(self) -> None:
+        for name in tuple(self.panels):
+            self._drop(name)
+        self._badges = {}
+        self.network_panel.discard_typing()
+        self._arrange(self._session.selection)
+
+    def _changed(self, before: Any, after: Any) -> None:
+        self.network_panel.follow(after)
+        selection = self._session.selection
+        old, new = renamed_node(before, after) or ("", "")
+        selection = tuple(new if name == old else name for name in selection)
+        selection = tuple(name for name in selection if name in after.nodes)
+        successor = self.panels.get(old)
+        typing = successor is not None and successor.head.name.hasFocus()
+        folded = successor is not None and successor.folded
+        for name, panel in tuple(self.panels.items()):
+            node = after.nodes.get(name)
+            if node is None or node.module != panel.module:
+                self._drop(name)
+            else:
+                panel.follow(before, after)
+        self._arrange(selection)
+        if new in self.panels:
+            self.panels[new].folded = folded
+            if typing:
+                self.panels[new].head.name.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def _selected(self, names: tuple[str, ...]) -> None:
+        for name in self._unwanted(names):
+            self.panels[name].finish_typing()
+        self._arrange(names)
+        if names:
+            self.verticalScrollBar().setValue(0)
+
+    def _arrange(self, selection: tuple[str, ...]) -> None:
+        """Have the panels that are wanted, in order, and no others."""
+        for name in self._unwanted(selection):
+            self._drop(name)
+        wanted = self._wanted(selection)
+        self.network_panel.setVisible(not selection)
+        for place, name in enumerate(wanted, start=1):
+            panel = self.panels.get(name) or self._make(name)
+            if self._column.indexOf(panel) != place:
+                self._column.insertWidget(place, panel)
+
+    def _wanted(self, selection: tuple[str, ...]) -> list[str]:
+        """The node selected last, then those that are pinned."""
+        nodes = self._session.network.nodes
+        pinned = [name for name, node in nodes.items() if node.extra.get("pinned") is True]
+        return [name for name in dict.fromkeys((*selection[-1:], *pinned)) if name in nodes]
+
+    def _unwanted(self, selection: tuple[str, ...]) -> list[str]:
+        wanted = self._wanted(selection)
+        return [name for name in self.panels if name not in wanted]
+
+    def _make(self, name: str) -> NodePanel:
+        panel = NodePanel(self._session, self._evaluator, name, self._theme, self.widget())
+        panel.set_badge(self._badges.get(name))
+        panel.view_requested.connect(self.view_requested)
+        panel.generate_requested.connect(self.generate_requested)
+        panel.close_requested.connect(self._close)
+        self.panels[name] = panel
+        return panel
+
+    def _drop(self, name: str) -> None:
+        panel = self.panels.pop(name)
+        panel.discard_typing()  # hiding takes the focus away, which would take what was typed
+        self._column.removeWidget(panel)
+        panel.hide()
+        panel.deleteLater()
+
+    def _close(self, name: str) -> None:
+        session = self._session
+        if session.network.nodes[name].extra.get("pinned") is True:
+            session.do(SetNodeExtra(name, "pinned", ABSENT))
+        if name in session.selection:
+            session.select([other for other in session.selection if other != name])

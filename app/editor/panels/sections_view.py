@@ -1,0 +1,167 @@
+"""The parameters of a panel: sections of fields, on pages where there are many."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
+
+from app.editor.panels.colours import set_ink
+from app.editor.panels.fields.choice import ButtonsField
+from app.editor.panels.fields.field import Field
+from app.editor.panels.fields.make import field_for
+from app.editor.panels.page_tabs import PageTabs
+from app.editor.panels.sections import Section
+from app.editor.session import Session
+from app.editor.theme import Theme
+from core.declaration import Declaration
+from core.editing.operation import ABSENT
+from core.network import Node
+
+
+class SectionsView(QWidget):
+    """Fields for all parameters of a module.
+
+    Signals are those of the fields: `edited`, `reset_wanted`, `gesture_ended`.
+    """
+
+    edited = Signal(str, object, object)
+    reset_wanted = Signal(str)
+    gesture_ended = Signal()
+
+    def __init__(
+        self,
+        declaration: Declaration,
+        sections: Sequence[Section],
+        session: Session,
+        theme: Theme,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self.setObjectName("sections")
+        self._declaration = declaration
+        self._session = session
+        self._theme = theme
+        self.sections = tuple(sections)
+        self._boxes: list[QWidget] = []
+        self._titles: list[QLabel] = []
+        self.fields: list[Field] = []
+        self.pages = tuple(dict.fromkeys(s.page for s in self.sections if s.page))
+        self.tabs = PageTabs(self.pages, theme, self)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(4)
+        self._fill(column)
+        self._line_up()
+        self._node: Node | None = None
+
+    def field(self, name: str) -> Field:
+        """The first field of a parameter."""
+        return next(field for field in self.fields if field.parameter.name == name)
+
+    def page_of(self, name: str) -> str:
+        """The page a parameter stands on first; empty if it stands on none."""
+        return next((s.page for s in self.sections if name in s.parameters), "")
+
+    def show_page(self, page: str) -> None:
+        """Turn to a page."""
+        self.tabs.turn_to(page)
+
+    def follow(self, node: Node) -> None:
+        """Show a node; fields whose value is as before are left alone."""
+        before, self._node = self._node, node
+        for field in self.fields:
+            name = field.parameter.name
+            raw = node.params.get(name, ABSENT)
+            if before is None or _differs(before.params, name, raw):
+                field.follow(raw)
+        self._show_sections()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        self._theme = theme
+        self.tabs.set_theme(theme)
+        for title in self._titles:
+            set_ink(title, theme.faint_text)
+        for field in self.fields:
+            field.set_theme(theme)
+
+    def _fill(self, column: QVBoxLayout) -> None:
+        self.tabs.setVisible(bool(self.pages))
+        self.tabs.turned.connect(self._show_sections)
+        placed = False
+        for section in self.sections:
+            if section.page and not placed:
+                column.addWidget(self.tabs)
+                placed = True
+            box = self._box(section)
+            self._boxes.append(box)
+            column.addWidget(box)
+        self.set_theme(self._theme)
+
+    def _box(self, section: Section) -> QWidget:
+        box = QWidget(self)
+        inside = QVBoxLayout(box)
+        inside.setContentsMargins(0, 0, 0, 0)
+        inside.setSpacing(2)
+        if section.title:
+            title = QLabel(section.title, box)
+            font = title.font()
+            font.setBold(True)
+            title.setFont(font)
+            title.setWordWrap(True)
+            title.setContentsMargins(0, 6, 0, 0)
+            self._titles.append(title)
+            inside.addWidget(title)
+        for name in section.parameters:
+            parameter = self._declaration.parameter(name)
+            if parameter is None:
+                continue
+            field = field_for(
+                parameter,
+                self._session,
+                self._theme,
+                box,
+                writes=self._declaration.sink,
+                buttons=section.offer is not None and section.offer.parameter == name,
+            )
+            field.edited.connect(self.edited)
+            field.reset_wanted.connect(self.reset_wanted)
+            field.gesture_ended.connect(self.gesture_ended)
+            self.fields.append(field)
+            inside.addWidget(field)
+        return box
+
+    def _line_up(self) -> None:
+        metrics = self.fontMetrics()
+        units = {field.parameter.param.unit for field in self.fields if field.lines_up}
+        width = max((metrics.horizontalAdvance(unit) for unit in units), default=0)
+        for field in self.fields:
+            field.set_unit_width(width)
+
+    def _show_sections(self) -> None:
+        values = {field.parameter.name: field.value for field in self.fields}
+        self._narrow(values)
+        met = [
+            section.shown_when is None or values.get(section.shown_when[0]) in section.shown_when[1]
+            for section in self.sections
+        ]
+        used = {s.page for m, s in zip(met, self.sections, strict=True) if m}
+        self.tabs.offer(used)
+        page = self.tabs.page
+        for box, section, shown in zip(self._boxes, self.sections, met, strict=True):
+            box.setVisible(shown and section.page in ("", page))
+
+    def _narrow(self, values: Mapping[str, Any]) -> None:
+        """Offer the choices that go with what is chosen elsewhere."""
+        for offer in filter(None, (section.offer for section in self.sections)):
+            field = self.field(offer.parameter)
+            if isinstance(field, ButtonsField):
+                field.narrow(offer.choices.get(values[offer.by], field.choices))
+
+
+def _differs(params: Mapping[str, Any], name: str, raw: Any) -> bool:
+    had = params.get(name, ABSENT)
+    return had is not raw and (type(had) is not type(raw) or had != raw)

@@ -1,0 +1,126 @@
+"""Small networks for illustrations, their questions answered, and their pixels."""
+
+import numpy as np
+from PySide6.QtCore import QEvent, QObject
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QApplication
+
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.evaluation.wants import Passing
+from app.editor.panels.illustrations import illustration_for
+from app.editor.theme import DARK
+from core.editing.document import Document
+from core.engine import Engine
+from core.network import Link, Network, Node
+from core.policy import Policy
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+INFRAMETRICS = {
+    "detector_x_um": 600.0,
+    "detector_y_um": 600.0,
+    "focal_length_mm": 130.0,
+    "f_number": 1.75,
+    "fill_x": 0.95,
+    "fill_y": 0.95,
+}
+
+
+def sensor(key, params=None, *, scene=None, init=None, pupil=None, node="node"):
+    """A scene of 30° and 512 samples, Init & Trans, an exit pupil, and one node behind them."""
+    nodes = {
+        "scene": Node("scene", "test_scene", {"width": 512, "height": 512, **(scene or {})}),
+        "init": Node("init", "init_trans", init or {}),
+        "pupil": Node("pupil", "exit_pupil", pupil or {}),
+        node: Node(node, key, params or {}),
+    }
+    sources = {"image": "scene.image", "pupil": "pupil.pupil"}
+    sources |= {name: f"init.{name}" for name in ("context", "magnitude", "phase")}
+    ports = [p for p in engine().library[key].run.__annotations__ if p in sources]
+    links = [Link.between("scene.image", "init.image")]
+    links += [Link.between(sources[port], f"{node}.{port}") for port in ports]
+    return Network(nodes=nodes, links=tuple(links), seed=1)
+
+
+def engine():
+    """A new one."""
+    return Engine(LIBRARY)
+
+
+def answer(want, network, folder=None):
+    """What a want is answered."""
+    made = engine()
+    plan = made.plan(network, folder=folder)
+    work = made.work(Policy("double", threads=1))
+    want.key(plan)
+    return want.answer(Passing(made, plan, work))
+
+
+def grey_pixels(widget):
+    """What a widget shows, as lightness from 0 to 255, shape (rows, columns)."""
+    image = widget.grab().toImage().convertToFormat(QImage.Format.Format_Grayscale8)
+    flat = np.frombuffer(image.constBits(), np.uint8)
+    rows = flat.reshape(image.height(), image.bytesPerLine())
+    return rows[:, : image.width()].astype(float)
+
+
+class IllustrationBench:
+    """Opens networks in a session and shows illustrations, with a worker behind them.
+
+    Parameters
+    ----------
+    qtbot : QtBot
+        Waits.
+    session : Session
+        The document.
+    folder : Path
+        Where the networks' files are.
+    """
+
+    def __init__(self, qtbot, session, folder):
+        self._qtbot, self._session, self._folder = qtbot, session, folder
+        self.evaluator = None
+
+    def show(self, network, node="node", theme=DARK, width=340, evaluated=True):
+        """The illustration of a node."""
+        session = self._session
+        path = self._folder / "network.json"
+        session.open(Document(network, library=session.library, path=path))
+        self.evaluator = Evaluator(session) if evaluated else None
+        kind = illustration_for(network.nodes[node].module)
+        widget = kind(session, self.evaluator, node, theme)
+        self._qtbot.addWidget(widget)
+        widget.resize(width, widget.sizeHint().height())
+        widget.show()
+        self.settle()
+        return widget
+
+    def settle(self):
+        """Until all that is wanted has been answered."""
+        if self.evaluator is not None:
+            self._qtbot.waitUntil(lambda: self.evaluator.idle, timeout=20000)
+        QApplication.processEvents()
+
+    def close(self):
+        """Stop the worker."""
+        if self.evaluator is not None:
+            self.evaluator.close()
+
+
+class Paints(QObject):
+    """Counts how often a widget is painted."""
+
+    def __init__(self, widget):
+        super().__init__(widget)
+        self.count = 0
+        widget.installEventFilter(self)
+
+    def eventFilter(self, _watched, event):  # noqa: N802
+        self.count += event.type() == QEvent.Type.Paint
+        return False
+
+
+def told(widget):
+    """What it shows, in words; painted first."""
+    widget.grab()
+    return widget.accessibleDescription()
