@@ -12,9 +12,12 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from app.chain import Chain
+from app.chain import Chain, Stage
+from core.errors import Cancelled, ImagechainError
 from core.factors import Factor
 from core.work import Work
+from nodes.analysis.line_transfer import Line, stage_along
+from nodes.analysis.line_transfer import Stage as LineStage
 
 Vector = NDArray[np.float64]
 Axis = Literal["x", "y"]
@@ -113,6 +116,107 @@ def response(work: Work, factors: Iterable[Factor], frequency: Vector, axis: Axi
         else:
             ptf = ptf + plane.ravel()
     return Response(mtf, ptf)
+
+
+@dataclass(frozen=True)
+class LineStageResponse:
+    """One stage, or a product of stages, along a line through zero frequency."""
+
+    name: str
+    title: str
+    response: Response
+    is_product: bool = False
+
+
+@dataclass(frozen=True)
+class LineResponses:
+    """All stages along a line, from 0 to where it leaves the image's band.
+
+    As `Responses`, but at `frequency`, cycles/mrad along the line. Stages that cannot be
+    evaluated are in `failed`, each error once; a product that needs one of them is left out.
+    """
+
+    frequency: Vector
+    stages: tuple[LineStageResponse, ...]
+    beside: tuple[LineStageResponse, ...]
+    products: tuple[LineStageResponse, ...]
+    failed: tuple[ImagechainError, ...] = ()
+
+
+def responses_along(
+    chain: Chain, work: Work, angle_deg: float, samples: int | None = None
+) -> LineResponses:
+    """Evaluate every stage of the chain along a line; no plane is ever built.
+
+    Parameters
+    ----------
+    chain : Chain
+        The stages.
+    work : Work
+        The evaluation.
+    angle_deg : float
+        From the xi axis (0°) towards the eta axis (90°).
+    samples : int, optional
+        Points of the line; as many as the longer axis of the spectrum has, if not given.
+    """
+    grid = chain.grid
+    if grid is None:
+        return LineResponses(np.zeros(0), (), (), ())
+    line = Line.at(angle_deg)
+    frequency = line.frequencies(grid, samples or max(grid.rows, grid.columns) // 2 + 1)
+    failed: dict[str, ImagechainError] = {}
+
+    def along(stages: Iterable[Stage]) -> list[LineStageResponse]:
+        found = []
+        for stage in stages:
+            work.check()
+            try:
+                values = response_along(work, stage.factors, line, frequency)
+            except Cancelled:
+                raise
+            except ImagechainError as error:
+                failed[str(error)] = error
+            else:
+                found.append(LineStageResponse(stage.node, stage.title, values))
+        return found
+
+    before, later = along(chain.stages), along(chain.later)
+    products = []
+    if chain.cascade and len(before) == len(chain.stages):
+        products.append(_product(TOTAL, "Total", before, frequency))
+        if chain.later and len(later) == len(chain.later):
+            both = [*before, *later]
+            products.append(_product(SYSTEM, "Total with electronics", both, frequency))
+    beside = along(chain.beside)
+    return LineResponses(
+        frequency,
+        (*before, *later),
+        tuple(beside),
+        tuple(products),
+        tuple(failed.values()),
+    )
+
+
+def response_along(
+    work: Work, factors: Iterable[Factor], line: Line, frequency: Vector
+) -> Response:
+    """Product of the MTFs and sum of the PTFs at points of a line."""
+    factors = tuple(factors)
+    mtfs = tuple(factor for factor in factors if factor.part == "mtf")
+    ptfs = tuple(factor for factor in factors if factor.part == "ptf")
+    return Response(
+        stage_along(work, LineStage("", mtfs), "mtf", line, frequency),
+        stage_along(work, LineStage("", ptfs), "ptf", line, frequency),
+    )
+
+
+def _product(
+    name: str, title: str, stages: Iterable[LineStageResponse], frequency: Vector
+) -> LineStageResponse:
+    mtf, ptf = np.ones(len(frequency)), np.zeros(len(frequency))
+    for stage in stages:
+        mtf, ptf = mtf * stage.response.mtf, ptf + stage.response.ptf
+    return LineStageResponse(name, title, Response(mtf, ptf), is_product=True)
 
 
 def at_nyquist(chain: Chain, work: Work) -> dict[str, float]:

@@ -74,8 +74,8 @@ def save_value(
     else:
         array = real_array(made, work)
         check_finite(array, port)
-        metadata = _metadata(value, array.shape) if isinstance(value, Image) else {}
-        _save_array(path, array, suffix, metadata)
+        metadata = metadata_of(value, array.shape) if isinstance(value, Image) else {}
+        save_array(path, array, suffix, metadata)
 
 
 def real_array(made: Array, work: Work) -> Array:
@@ -85,7 +85,14 @@ def real_array(made: Array, work: Work) -> Array:
         return real.astype(work.policy.dtype, copy=False)
 
 
-def _save_array(path: Path, array: Array, suffix: str, metadata: dict[str, Any]) -> None:
+def save_array(path: Path, array: Array, suffix: str, metadata: dict[str, Any]) -> None:
+    """Write a real array in the format of a suffix, ``.png`` from its least to greatest sample.
+
+    Raises
+    ------
+    ImagechainError
+        From the writer.
+    """
     if suffix == ".npy":
         write_npy(path, array)
     elif suffix == ".csv":
@@ -98,7 +105,7 @@ def _save_array(path: Path, array: Array, suffix: str, metadata: dict[str, Any])
         write_picture(path, array, dtype="double" if double else "float", metadata=metadata)
 
 
-def _metadata(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
+def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
     """What the image's header says, the field of view being that of the samples written."""
     x, y = image.header.fov_x_deg, image.header.fov_y_deg
     header = {
@@ -123,7 +130,7 @@ def _save_curve(path: Path, curve: CurveData, suffix: str, work: Work) -> None:
         write_text(path, _lines([("series", curve.x_label, curve.y_label), *points]))
     elif shared and curve.series:
         columns = [curve.series[0].x, *(series.y for series in curve.series)]
-        _save_array(path, real_array(np.stack(columns, axis=1), work), suffix, {})
+        save_array(path, real_array(np.stack(columns, axis=1), work), suffix, {})
     else:
         raise UsageError(f"{path}: curves with different axes are written as .csv")
 

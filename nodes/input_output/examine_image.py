@@ -25,7 +25,15 @@ from nodes.input_output.sample_statistics import histogram, statistics
 Array = NDArray[Any]
 Display = Literal["linear", "log", "centred_spectrum"]
 Band = tuple[float, float]
-_RADIANCE = ("W/m²/sr", "W/m2/sr", "W/m^2/sr", "W m⁻² sr⁻¹", "W m-2 sr-1", "W/(m²·sr)", "W/(m2 sr)")
+RADIANCE_UNITS = (
+    "W/m²/sr",
+    "W/m2/sr",
+    "W/m^2/sr",
+    "W m⁻² sr⁻¹",
+    "W m-2 sr-1",
+    "W/(m²·sr)",
+    "W/(m2 sr)",
+)
 
 
 class ExamineOutputs(NamedTuple):
@@ -68,7 +76,7 @@ class ExamineImage(
         band, unit = None, ""
         if isinstance(image, Image):
             recipe, unit = image.recipe, image.unit
-            band = image.band_um if unit in _RADIANCE else None
+            band = image.band_um if unit in RADIANCE_UNITS else None
         else:
             recipe = Step.of(realized, node=here.node, value=image)
         table = Step.of(

@@ -1,0 +1,1 @@
+"""What shows computed values: pictures, curves, tables and figures."""

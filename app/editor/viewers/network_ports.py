@@ -1,0 +1,61 @@
+"""The outputs of a network that a view can show, and where they go when nodes are renamed."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Hashable
+from dataclasses import dataclass, replace
+
+from core.declaration import declaration
+from core.library import Library
+from core.network import Network, passed_through
+
+
+@dataclass(frozen=True)
+class NodePorts:
+    """Outputs of one node: its id, its module's title, and its ports as ``NODE.PORT``."""
+
+    node: str
+    title: str
+    ports: tuple[str, ...]
+
+
+def ports_by_node(
+    network: Network, library: Library, types: Collection[str]
+) -> tuple[NodePorts, ...]:
+    """Outputs of these port types by node, in the document's order.
+
+    Of a disabled node, only what it passes on.
+    """
+    found = []
+    for node in network.nodes.values():
+        module = library.get(node.module)
+        if module is None:
+            continue
+        declared = declaration(module)
+        through = passed_through(declared)
+        ports = tuple(
+            f"{node.id}.{port.name}"
+            for port in declared.outputs
+            if port.types[0] in types and (port.name in through or not node.disabled)
+        )
+        if ports:
+            found.append(NodePorts(node.id, declared.title, ports))
+    return tuple(found)
+
+
+def ports_depend_on(network: Network) -> Hashable:
+    """What `ports_by_node` depends on: cheap to compare after each change."""
+    return tuple((node.id, node.module, node.disabled) for node in network.nodes.values())
+
+
+def followed(port: str, before: Network, after: Network) -> str | None:
+    """Where the port is after a change: under its node's new name, or None if that is gone."""
+    name, _, output = port.rpartition(".")
+    if name in after.nodes:
+        return port
+    come = [new for new in after.nodes if new not in before.nodes]
+    old = before.nodes.get(name)
+    for new in come:
+        if old is not None and replace(old, id=new) == after.nodes[new]:
+            return f"{new}.{output}"
+    return None

@@ -1,0 +1,89 @@
+"""The controls above a plot."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QWidget
+
+from app.editor.session import Session
+from app.editor.viewers.buttons import tool_button
+from app.editor.viewers.port_choice import PortChoice
+
+PARTS = {"mtf": "MTF", "ptf": "PTF", "both": "MTF, PTF"}
+
+
+class PlotBar(QWidget):
+    """What is plotted, along which line, and which part of it.
+
+    Parameters
+    ----------
+    session : Session
+        The open document.
+    owner : str
+        The viewer's name, which those of the controls begin with.
+    parent : QWidget
+        The viewer.
+
+    Signals
+    -------
+    angle_chosen(degrees)
+        Another direction of the line.
+    parts_chosen(name)
+        "mtf", "ptf" or "both".
+    """
+
+    angle_chosen = Signal(float)
+    parts_chosen = Signal(str)
+
+    def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.ports = PortChoice(session, ("curve", "table"), "Chain's transfer functions", self)
+        self.ports.setObjectName(f"{owner}.port")
+        self.ports.setAccessibleName("What is plotted")
+        self._x = tool_button(f"{owner}.x", "x", "Along ξ, across the picture", self)
+        self._y = tool_button(f"{owner}.y", "y", "Along η, down the picture", self)
+        self.angle = QDoubleSpinBox(self)
+        self.angle.setObjectName(f"{owner}.angle")
+        self.angle.setAccessibleName("Direction of the line, degrees")
+        self.angle.setToolTip("Direction of the line: 0 across, 90 down the picture")
+        self.angle.setRange(-360.0, 360.0)
+        self.angle.setDecimals(1)
+        self.angle.setSingleStep(5.0)
+        self.angle.setSuffix("°")
+        self.angle.setKeyboardTracking(False)
+        self.parts = QComboBox(self)
+        self.parts.setObjectName(f"{owner}.parts")
+        self.parts.setAccessibleName("MTF, PTF or both")
+        for name, text in PARTS.items():
+            self.parts.addItem(text, name)
+        self.fit = tool_button(f"{owner}.fit", "Fit", "Show all of the curves (0)", self)
+        self._of_chain = (self._x, self._y, self.angle, self.parts)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(2, 2, 2, 0)
+        layout.setSpacing(3)
+        layout.addWidget(self.ports, 1)
+        for widget in (*self._of_chain, self.fit):
+            layout.addWidget(widget, 0)
+        self._x.clicked.connect(self._choose_x)
+        self._y.clicked.connect(self._choose_y)
+        self.angle.valueChanged.connect(self.angle_chosen)
+        self.parts.activated.connect(self._choose_parts)
+
+    def show_choices(self, port: str | None, angle_deg: float, parts: str) -> None:
+        """Show what is chosen, without telling anyone."""
+        self.ports.choose(port)
+        self.angle.blockSignals(True)
+        self.angle.setValue(angle_deg)
+        self.angle.blockSignals(False)
+        self.parts.setCurrentIndex(self.parts.findData(parts))
+        for widget in self._of_chain:
+            widget.setEnabled(port is None)
+
+    def _choose_x(self) -> None:
+        self.angle.setValue(0.0)
+
+    def _choose_y(self) -> None:
+        self.angle.setValue(90.0)
+
+    def _choose_parts(self, index: int) -> None:
+        self.parts_chosen.emit(str(self.parts.itemData(index)))

@@ -1,0 +1,266 @@
+"""Where curves are drawn: panels one above the other, marks, and the cursor that reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import pyqtgraph as pg
+from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtGui import QKeyEvent, QPen
+from PySide6.QtWidgets import QWidget
+
+from app.editor.theme import Theme
+from app.editor.viewers.drawing import Drawing, Line, Panel, value_at, y_range
+from app.editor.viewers.plot_looks import bare, mark_pen, paint_axes, see_through, thick
+
+_DASHES = (
+    Qt.PenStyle.SolidLine,
+    Qt.PenStyle.DashLine,
+    Qt.PenStyle.DotLine,
+    Qt.PenStyle.DashDotLine,
+)
+_STEP = 0.01  # of the abscissa's range, for the arrow keys
+
+
+class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
+    """Draws a `Drawing`.
+
+    Signals
+    -------
+    read(text)
+        What the cursor reads; empty where it reads nothing.
+    """
+
+    read = Signal(str)
+
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAccessibleName("Curves")
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.ci.layout.setContentsMargins(2, 4, 6, 2)
+        self.theme = theme
+        self.drawing = Drawing("")
+        self.shown: frozenset[str] = frozenset()
+        self.framed = True
+        self._small = self.font()
+        self._small.setPointSizeF(0.85 * self._small.pointSizeF())
+        self._plots: list[pg.PlotItem] = []
+        self._curves: list[dict[str, pg.PlotDataItem]] = []
+        self._cursors: list[pg.InfiniteLine] = []
+        self._at: tuple[int, float, str] | None = None
+        self.scene().sigMouseMoved.connect(self._mouse_moved)
+        self.set_theme(theme)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self.theme = theme
+        self.setBackground(theme.base)
+        self._build()
+
+    def show_drawing(self, drawing: Drawing, shown: Collection[str]) -> None:
+        """Draw this, of its entries only these."""
+        before, self.drawing = self.drawing, drawing
+        self.shown = frozenset(shown)
+        alike = (
+            before.x_label == drawing.x_label
+            and before.entries == drawing.entries
+            and before.marks == drawing.marks
+            and [_look(panel) for panel in before.panels] == [_look(p) for p in drawing.panels]
+        )
+        if alike:
+            self._update()
+        else:
+            self._build()
+
+    def show_entries(self, shown: Collection[str]) -> None:
+        """Of the entries draw only these."""
+        self.shown = frozenset(shown)
+        self._update()
+
+    def pen(self, name: str) -> QPen:
+        """The pen of an entry."""
+        totals = [entry.name for entry in self.drawing.entries if entry.total]
+        others = [entry.name for entry in self.drawing.entries if not entry.total]
+        if name in totals:
+            style = _DASHES[min(totals.index(name), 1)]
+            return thick(self.theme.text, 2, style)
+        index, colours = others.index(name), self.theme.curves
+        dash = _DASHES[index // len(colours) % len(_DASHES)]
+        return thick(colours[index % len(colours)], 1, dash)
+
+    def frame(self) -> None:
+        """Show all of the curves."""
+        self.framed = True
+        along = self.drawing.x_range
+        for plot, panel in zip(self._plots, self.drawing.panels, strict=True):
+            if along is not None:
+                plot.setXRange(*along, padding=0.02)
+            plot.setYRange(*y_range(panel, self.shown), padding=0.0)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """The cursor reads nothing."""
+        super().leaveEvent(event)
+        self._read_nothing()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Read along the curve with left and right, another curve with up and down; 0 frames."""
+        key = Qt.Key(event.key())
+        sideways = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1}.get(key)
+        upwards = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}.get(key)
+        far = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
+        if sideways is not None:
+            self._step(sideways * far, 0)
+        elif upwards is not None:
+            self._step(0, upwards)
+        elif key == Qt.Key.Key_0:
+            self.frame()
+        else:
+            super().keyPressEvent(event)
+            return
+        event.accept()
+
+    def _build(self) -> None:
+        """Make the panels anew."""
+        self._read_nothing()
+        self.ci.clear()
+        self._plots, self._curves, self._cursors = [], [], []
+        last = len(self.drawing.panels) - 1
+        for row, panel in enumerate(self.drawing.panels):
+            plot = self.addPlot(row=row, col=0)
+            bare(plot)
+            paint_axes(plot, self.theme)
+            plot.setLabel("left", panel.y_label)
+            plot.setLabel("bottom", self.drawing.x_label if row == last else "")
+            plot.showGrid(x=True, y=True, alpha=0.12)
+            plot.getAxis("left").setWidth(self.fontMetrics().averageCharWidth() * 9)
+            plot.disableAutoRange()
+            plot.getViewBox().sigRangeChangedManually.connect(self._seen_otherwise)
+            plot.getViewBox().sigXRangeChanged.connect(self._follow_x)
+            self._plots.append(plot)
+            self._curves.append({line.name: self._curve(plot, line) for line in panel.lines})
+            self._mark(plot, row == 0)
+            cursor = pg.InfiniteLine(angle=90, pen=pg.mkPen(self.theme.accent))
+            cursor.setVisible(False)
+            plot.addItem(cursor)
+            self._cursors.append(cursor)
+        self._update()
+
+    def _curve(self, plot: pg.PlotItem, line: Line) -> pg.PlotDataItem:
+        curve = plot.plot(pen=self.pen(line.name))
+        total = next(each.total for each in self.drawing.entries if each.name == line.name)
+        curve.setZValue(2 if total else 3)
+        return curve
+
+    def _mark(self, plot: pg.PlotItem, named: bool) -> None:
+        along = self.drawing.x_range
+        for mark in self.drawing.marks:
+            if along is None or not along[0] <= mark.frequency <= along[1] * (1 + 1e-9):
+                continue
+            line = pg.InfiniteLine(mark.frequency, angle=90, pen=mark_pen(self.theme))
+            line.setZValue(5)
+            plot.addItem(line)
+            if named:
+                # Upright beside the line, on its left: on the right the plot may end.
+                label = pg.InfLineLabel(
+                    line,
+                    f"{mark.text} {mark.frequency:.4g}",
+                    position=0.03,
+                    rotateAxis=(1, 0),
+                    anchors=[(0, 1), (0, 1)],
+                    color=self.theme.text,
+                    fill=see_through(self.theme.base, 190),
+                )
+                label.setFont(self._small)
+
+    def _update(self) -> None:
+        for panel, curves in zip(self.drawing.panels, self._curves, strict=True):
+            for line in panel.lines:
+                curve = curves[line.name]
+                curve.setVisible(line.name in self.shown)
+                curve.setData(line.x, line.y)
+        if self.framed:
+            self.frame()
+        if self._at is not None:
+            self._read(*self._at)
+
+    def _follow_x(self, moved: pg.ViewBox, along: tuple[float, float]) -> None:
+        """Show the same abscissae in all panels; pyqtgraph's own link shifts them by some dots."""
+        for plot in self._plots:
+            box = plot.getViewBox()
+            if box is not moved and tuple(box.viewRange()[0]) != tuple(along):
+                box.blockSignals(True)
+                box.setXRange(*along, padding=0.0)
+                box.blockSignals(False)
+                plot.getAxis("bottom").linkedViewChanged(box)
+
+    def _seen_otherwise(self) -> None:
+        self.framed = False
+
+    def _mouse_moved(self, point: QPointF) -> None:
+        for index, plot in enumerate(self._plots):
+            box = plot.getViewBox()
+            if box.sceneBoundingRect().contains(point):
+                place = box.mapSceneToView(point)
+                line = self._nearest(index, place.x(), point.y())
+                if line is not None:
+                    self._read(index, place.x(), line.name)
+                    return
+        self._read_nothing()
+
+    def _nearest(self, index: int, x: float, height: float) -> Line | None:
+        """The line of a panel that passes the abscissa nearest to a height of the scene."""
+        box = self._plots[index].getViewBox()
+        nearest: tuple[float, Line] | None = None
+        for line in self._lines(index):
+            value = value_at(line, x)
+            if value is None:
+                continue
+            far = abs(box.mapViewToScene(QPointF(x, value)).y() - height)
+            if nearest is None or far < nearest[0]:
+                nearest = far, line
+        return nearest[1] if nearest else None
+
+    def _lines(self, index: int) -> list[Line]:
+        if index >= len(self.drawing.panels):
+            return []
+        return [line for line in self.drawing.panels[index].lines if line.name in self.shown]
+
+    def _step(self, sideways: int, lines: int) -> None:
+        """Read a little further along, or another line."""
+        along = self.drawing.x_range
+        index, x, name = self._at or (0, along[0] if along else 0.0, "")
+        choice = self._lines(index)
+        if along is None or not choice:
+            return
+        names = [line.name for line in choice]
+        place = names.index(name) + lines if name in names else 0
+        x += sideways * _STEP * (along[1] - along[0])
+        self._read(index, min(along[1], max(along[0], x)), names[place % len(names)])
+
+    def _read(self, index: int, x: float, name: str) -> None:
+        line = next((each for each in self._lines(index) if each.name == name), None)
+        value = None if line is None else value_at(line, x)
+        if value is None:
+            self._read_nothing()
+            return
+        self._at = index, x, name
+        for cursor in self._cursors:
+            cursor.setValue(x)
+            cursor.setVisible(True)
+        title = next(entry.title for entry in self.drawing.entries if entry.name == name)
+        quantity, _, unit = self.drawing.panels[index].y_label.rstrip(")").partition(" (")
+        _, _, x_unit = self.drawing.x_label.rstrip(")").partition(" (")
+        what = f"{title}: " if quantity in title else f"{title}, {quantity}: "
+        text = f"{x:.4g} {x_unit}".rstrip() + f"   {what}{value:.5g} {unit}".rstrip()
+        self.read.emit(text.replace("-", "\N{MINUS SIGN}"))
+
+    def _read_nothing(self) -> None:
+        if self._at is not None:
+            self._at = None
+            for cursor in self._cursors:
+                cursor.setVisible(False)
+        self.read.emit("")
+
+
+def _look(panel: Panel) -> tuple[str, list[str]]:
+    return panel.y_label, [line.name for line in panel.lines]

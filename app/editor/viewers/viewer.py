@@ -1,0 +1,117 @@
+"""What all viewers have in common: they ask while they are visible, and take what is theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtGui import QCloseEvent, QHideEvent, QShowEvent
+from PySide6.QtWidgets import QWidget
+
+from app.editor.evaluation.wants import Answer, Want
+from app.editor.session import Session
+from app.editor.theme import Theme
+from core.network import Network
+
+if TYPE_CHECKING:
+    from app.editor.evaluation.evaluator import Evaluator
+
+
+class Viewer(QWidget):
+    """A widget that shows answers.
+
+    Subclasses say in `wants` what to ask and show in `take` what comes; they call `ask` when
+    that changes.
+
+    Parameters
+    ----------
+    session : Session
+        The open document.
+    evaluator : Evaluator or None
+        Who answers; None shows nothing.
+    theme : Theme
+        Colours.
+    owner : str
+        Who asks, unique in the window.
+    parent : QWidget, optional
+        Qt's owner.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        evaluator: Evaluator | None,
+        theme: Theme,
+        owner: str,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(parent)
+        self.setObjectName(owner)
+        self.session = session
+        self.evaluator = evaluator
+        self.theme = theme
+        self.owner = owner
+        self._asking = False
+        self._asked: tuple[Want, ...] = ()
+        if evaluator is not None:
+            evaluator.answered.connect(self._answered)
+        session.changed.connect(self._changed)
+        session.opened.connect(self._opened)
+
+    def wants(self) -> Sequence[Want]:
+        """What there is to ask now."""
+        return ()
+
+    def accepts(self, want: Want) -> bool:
+        """Whether an answer to this is still of use."""
+        return want in self._asked
+
+    def take(self, answer: Answer) -> None:
+        """Show an answer that `accepts` lets through."""
+
+    def follow(self, before: Network, after: Network) -> None:
+        """The document has changed."""
+
+    def follow_opening(self) -> None:
+        """Another document is open."""
+
+    def ask(self) -> None:
+        """Ask what is wanted now, if anybody can see the answer."""
+        if not self._asking:
+            return
+        self._asked = tuple(self.wants())
+        if self.evaluator is not None:
+            self.evaluator.ask(self.owner, self._asked)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Ask from now on."""
+        super().showEvent(event)
+        self._asking = True
+        self.ask()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Ask no more."""
+        super().hideEvent(event)
+        self._release()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Ask no more."""
+        super().closeEvent(event)
+        self._release()
+
+    def _release(self) -> None:
+        if self._asking:
+            self._asking = False
+            self._asked = ()
+            if self.evaluator is not None:
+                self.evaluator.forget(self.owner)
+
+    def _answered(self, answer: Any) -> None:
+        if answer.owner == self.owner and self._asking and self.accepts(answer.want):
+            self.take(answer)
+
+    def _changed(self, before: Any, after: Any) -> None:
+        self.follow(before, after)
+
+    def _opened(self) -> None:
+        self.follow_opening()
