@@ -18,6 +18,7 @@ from app.option_values import (
     save_target,
     tolerance,
     whole_number,
+    window_size,
 )
 from core.errors import UsageError
 from core.parameters import LARGEST_INTEGER
@@ -34,14 +35,16 @@ exit codes:
 
 imagechain COMMAND --help tells the options of a command; --set, --save and --report may be
 repeated."""
-BENCH_PARTS = ("speed", "precision", "peers")
+BENCH_PARTS = ("speed", "precision", "peers", "editor")
+SCREENSHOT_PARTS = ("window", "canvas", "panel", "curves", "picture")
+Look = Literal["dark", "light"]
 
 
 @dataclass(frozen=True)
 class Options:
     """What was asked for."""
 
-    command: Literal["run", "check", "modules", "bench"]
+    command: Literal["edit", "run", "check", "modules", "bench"]
     network: str = ""
     settings: tuple[Assignment, ...] = ()
     saves: tuple[Save, ...] = ()
@@ -60,6 +63,10 @@ class Options:
     quick: bool = False
     parts: tuple[str, ...] = ()
     size: int | None = None
+    screenshot: Path | None = None
+    window_size: tuple[int, int] | None = None
+    look: Look | None = None
+    part: str = "window"
 
 
 class _Parser(argparse.ArgumentParser):
@@ -118,6 +125,18 @@ def parse(argv: list[str]) -> Options:
             parts=tuple(found.only),
             size=whole_number("--size", found.size),
         )
+    if found.command == "edit":
+        shot = file_path("--screenshot", found.screenshot)
+        if shot is not None and shot.suffix.lower() != ".png":
+            raise UsageError(f"--screenshot {found.screenshot}: a name that ends in .png")
+        return Options(
+            "edit",
+            found.network or "",
+            screenshot=shot,
+            window_size=window_size("--size", found.size),
+            look=cast("Look | None", found.look),
+            part=found.part,
+        )
     settings = tuple(assignment("--set", text, "NODE.PARAM=VALUE") for text in found.set)
     if found.command == "check":
         return Options("check", found.network, settings)
@@ -133,11 +152,6 @@ def parse(argv: list[str]) -> Options:
         seed=whole_number("--seed", found.seed, largest=LARGEST_INTEGER),
         threads=whole_number("--threads", found.threads, largest=1024) or 0,
     )
-
-
-def help_text() -> str:
-    """The help as printed for ``--help``."""
-    return _parser().format_help()
 
 
 def _shipped() -> str:
@@ -163,6 +177,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    _edit_words(commands.add_parser("edit", help="open the editor", allow_abbrev=False))
     _run_words(commands.add_parser("run", help="evaluate a network", allow_abbrev=False))
     check = commands.add_parser("check", help="validate a network", allow_abbrev=False)
     _network_words(check)
@@ -182,6 +197,26 @@ def _network_words(parser: argparse.ArgumentParser) -> None:
         metavar="NODE.PARAM=VALUE",
         help="change a parameter for this once; null empties it; may be repeated",
     )
+
+
+def _edit_words(parser: argparse.ArgumentParser) -> None:
+    add: Any = parser.add_argument
+    add("network", metavar="NETWORK", nargs="?", help="a file, or the name of a shipped one")
+    add(
+        "--screenshot",
+        action=_Once,
+        metavar="FILE",
+        help="draw the window, without a display, to a .png and end",
+    )
+    add(
+        "--part",
+        action=_Once,
+        choices=SCREENSHOT_PARTS,
+        default="window",
+        help="window (default), canvas, panel, curves, or the first viewer's picture within --size",
+    )
+    add("--size", action=_Once, metavar="WxH", help="of the window (default: 1600x900)")
+    add("--look", action=_Once, choices=("dark", "light"), help="colours (default: as last time)")
 
 
 def _run_words(parser: argparse.ArgumentParser) -> None:

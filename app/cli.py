@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from app.stopping import Stopped, stoppable
 from app.streams import discard, tell, usable_streams
-from core.errors import Cancelled, ImagechainError, UsageError
+from core.errors import Cancelled, ImagechainError
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -64,11 +64,8 @@ def _exit_code(words: list[str], told_to_stop: threading.Event) -> int:
 def _carry_out(words: list[str], told_to_stop: threading.Event) -> None:
     from app import arguments
 
-    if not words:
-        print(arguments.help_text(), end="")
-        raise UsageError("say what to do: run, check, modules or bench")
     try:
-        options = arguments.parse(words)
+        options = arguments.parse(words or ["edit"])
     except SystemExit:  # help and version have been printed
         return
     if options.command == "run":
@@ -76,6 +73,10 @@ def _carry_out(words: list[str], told_to_stop: threading.Event) -> None:
 
         _stop_if(told_to_stop)
         run(options, told_to_stop)
+    elif options.command == "edit":
+        from app.edit import edit
+
+        edit(options, told_to_stop)
     elif options.command == "check":
         from app.check import check
 

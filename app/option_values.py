@@ -137,3 +137,22 @@ def tolerance(text: str | None) -> float | None:
 
 def _or(words: tuple[str, ...]) -> str:
     return ", ".join(words[:-1]) + " or " + words[-1]
+
+
+def window_size(option: str, text: str | None) -> tuple[int, int] | None:
+    """Width and height of a window from ``WxH``.
+
+    Raises
+    ------
+    UsageError
+        If it is not that, or no window has it.
+    """
+    if text is None:
+        return None
+    allowed = "must be WIDTHxHEIGHT, whole numbers from 320 to 16384"
+    width, cross, height = text.lower().partition("x")
+    if not cross or not all(part.isascii() and part.isdigit() for part in (width, height)):
+        raise UsageError(f"{option} {text:.80}: {allowed}")
+    if any(len(part) > 5 or not 320 <= int(part) <= 16384 for part in (width, height)):
+        raise UsageError(f"{option} {text:.80}: {allowed}")
+    return int(width), int(height)

@@ -52,6 +52,26 @@ def test_layer_imports_only_what_it_may(layer):
     assert not wrong
 
 
+def test_only_the_editor_knows_qt():
+    wrong = {
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in files("app")
+        if ROOT / "app" / "editor" not in path.parents and path != ROOT / "app" / "edit.py"
+        for name in imports(path)
+        if name.split(".")[0] in QT
+    }
+    assert not wrong
+
+
+def test_exactly_one_file_imports_the_node_graph():
+    found = {
+        str(path.relative_to(ROOT))
+        for path in files("app")
+        if {name.split(".")[0] for name in imports(path)} & {"NodeGraphQt", "Qt"}
+    }
+    assert len(found) == 1
+
+
 @pytest.mark.parametrize("layer", ["core", "nodes", "app"])
 def test_of_scipy_only_fft_and_special(layer):
     wrong = {

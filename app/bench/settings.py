@@ -13,6 +13,7 @@ PARTS = {
     "speed": "Speed",
     "precision": "Time against error",
     "peers": "Beside other programs",
+    "editor": "The window",
 }
 TABLES = {
     "speed": ("networks", "one_thread", "growth", "fresh_process"),
@@ -29,6 +30,7 @@ TABLES = {
         "scanning",
     ),
     "peers": ("peers",),
+    "editor": ("editor",),
 }
 SIZE = 1024
 LARGEST = 8192

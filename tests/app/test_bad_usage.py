@@ -104,11 +104,35 @@ def test_usage(words, told, fails, tmp_path):
     assert told in fails(*words)
 
 
-def test_without_arguments(imagechain):
-    done = imagechain()
+NO_DISPLAY = {"DISPLAY": "", "WAYLAND_DISPLAY": "", "QT_QPA_PLATFORM": ""}
+
+
+@pytest.mark.parametrize("words", [(), ("edit",), ("edit", "kodak_kir310")])
+def test_the_editor_without_a_display(imagechain, words):
+    done = imagechain(*words, env=NO_DISPLAY)
     assert done.returncode == 2
-    assert "run" in done.stdout
-    assert done.stderr == "imagechain: say what to do: run, check, modules or bench\n"
+    assert done.stderr.startswith("imagechain: the editor needs a display: DISPLAY and WAYLAND_")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("display", [":4711", "nowhere", ":x", "::1:99999999"])
+def test_the_editor_with_a_display_that_does_not_answer(imagechain, display):
+    done = imagechain("edit", env={**NO_DISPLAY, "DISPLAY": display})
+    assert done.returncode == 2
+    assert done.stderr == (
+        f"imagechain: the editor needs a display: DISPLAY = {display} does not answer\n"
+    )
+
+
+@pytest.mark.parametrize(
+    "size", ["", "1600", "1600x", "x900", "16x9", "1e3x900", "٣٢٠x٣٢٠"]
+)
+def test_the_size_of_a_window(fails, size):
+    assert "whole numbers from 320 to 16384" in fails("edit", "--size", size)
+
+
+def test_a_screenshot_is_a_png(fails):
+    assert "ends in .png" in fails("edit", "--screenshot", "window.jpg")
 
 
 def test_line_breaks_and_escapes_stay_out_of_the_line(fails):

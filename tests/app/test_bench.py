@@ -23,7 +23,7 @@ from app.cli import main
 from core.errors import FileError, UsageError
 
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
-UNDRAWN = {"fresh_process", "one_thread"}
+UNDRAWN = {"fresh_process", "one_thread", "editor"}
 
 
 @pytest.mark.parametrize("part", PARTS)

@@ -132,3 +132,15 @@ def test_every_published_figure_names_its_place():
             assert row["figure"]
             assert row["where"]
             assert row["within"] > 0
+
+
+EVER_SHIPPED = sorted((Path(__file__).parent / "ever_shipped").glob("*.json"))
+
+
+@pytest.mark.parametrize("path", EVER_SHIPPED, ids=lambda path: path.stem)
+def test_every_file_ever_shipped_still_opens(path):
+    """What people saved from an earlier version is their work: it opens, and plans."""
+    library = standard_library()
+    network = load_network(path, library=library)
+    assert problems(network, library=library) == []
+    assert Engine(library).plan(network, folder=path.parent).errors() == []

@@ -1,0 +1,41 @@
+"""Networks opened one after another in one window: what memory is left in use."""
+
+from __future__ import annotations
+
+import gc
+import json
+import sys
+from itertools import cycle, islice
+from pathlib import Path
+
+from app.editor.measures.trial_window import live, settle, trial_window
+from app.shipped import shipped_networks
+
+WARM = 10  # networks: libraries, fonts and caches have been filled by then
+PAGE = 4096
+
+
+def resident_mib() -> float:
+    """Memory this process has in use, MiB."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * PAGE / 2**20
+
+
+def main(number: int) -> None:
+    """Open them, each until its pictures stand, with the empty document between."""
+    with trial_window() as (_, window):
+        found = []
+        for name in islice(cycle(shipped_networks()), number):
+            window.files.open_now(name)
+            settle(window)
+            window.files.new()
+            settle(window)
+            gc.collect()
+            live(0.05)
+            found.append(resident_mib())
+        first, last = found[WARM - 1], found[-1]
+        print(json.dumps({"warm_mib": first, "end_mib": last, "growth": last / first - 1}))
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

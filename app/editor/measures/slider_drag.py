@@ -1,0 +1,106 @@
+"""A slider dragged by the mouse in the window: pictures a second, and gaps of the event loop."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from dataclasses import replace
+from statistics import median
+
+from PySide6.QtCore import QPoint, Qt, QTimer
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QSlider, QStyle, QStyleOptionSlider
+
+from app.editor.measures.trial_window import PaintedPictures, live, settle, trial_window
+from app.editor.window.main_window import MainWindow
+from app.editor.window.opening import Opened, open_named
+from core.editing.document import Document
+from core.editing.fields import SetParameter
+
+NODE, PARAMETER = "aberration", "sigma_x_mrad"
+MOVES_PER_S = 60
+TICK_MS = 2
+
+
+class Gaps:
+    """How long the event loop did nothing else, by a timer that wants to run all the time."""
+
+    def __init__(self) -> None:
+        self.gaps: list[float] = []
+        self._last = time.perf_counter()
+        self._timer = QTimer(interval=TICK_MS, timerType=Qt.TimerType.PreciseTimer)
+        self._timer.timeout.connect(self._tick)
+        self._timer.start()
+
+    def stop(self) -> list[float]:
+        """Gaps in milliseconds."""
+        self._timer.stop()
+        return [1e3 * gap for gap in self.gaps]
+
+    def _tick(self) -> None:
+        now = time.perf_counter()
+        self.gaps.append(now - self._last)
+        self._last = now
+
+
+def main(size: int, duration_s: float) -> None:
+    """Drag the blur of the Kodak chain on a picture of size², and count."""
+    with trial_window() as (_, window):
+        _open(window, size)
+        slider = window.panels.findChild(QSlider, f"slider.{PARAMETER}")
+        painted = PaintedPictures(window, window.viewers.images[1])
+        gaps = Gaps()
+        start = time.monotonic()
+        _drag(slider, duration_s)
+        seconds = time.monotonic() - start
+        found = gaps.stop()
+        settle(window)
+        figures = {
+            "size": size,
+            "seconds": seconds,
+            "pictures": len(painted.times),
+            "pictures_per_s": len(painted.times) / seconds,
+            "previews": painted.reduced,
+            "largest_gap_ms": max(found),
+            "median_gap_ms": median(found),
+            "gaps_over_50_ms": sum(gap > 50 for gap in found),
+        }
+        print(json.dumps(figures))
+
+
+def _open(window: MainWindow, size: int) -> None:
+    library = window.session.library
+    network = open_named("kodak_kir310", library=library).document.network
+    for side in ("width", "height"):
+        network = SetParameter("scene", side, size).apply(network)
+    window.files.show(Opened(Document(replace(network), library=library)))
+    settle(window)
+    window.session.select([NODE])
+    settle(window)
+
+
+def _drag(slider: QSlider, duration_s: float) -> None:
+    """Press on the handle and move it to and fro, as a hand does."""
+    style, option = slider.style(), QStyleOptionSlider()
+    slider.initStyleOption(option)
+    control = QStyle.ComplexControl.CC_Slider
+    handle = style.subControlRect(
+        control, option, QStyle.SubControl.SC_SliderHandle, slider
+    ).center()
+    left = Qt.MouseButton.LeftButton
+    QTest.mousePress(slider, left, pos=handle)
+    span = slider.width() * 0.35
+    middle = slider.width() / 2
+    begin = time.monotonic()
+    for number in range(round(duration_s * MOVES_PER_S)):
+        x = middle + span * math.sin(number / MOVES_PER_S * 2 * math.pi / 2.7)
+        QTest.mouseMove(slider, QPoint(round(x), handle.y()))
+        due = begin + (number + 1) / MOVES_PER_S
+        live(max(due - time.monotonic(), 0.001))
+    QTest.mouseRelease(slider, left, pos=QPoint(round(middle), handle.y()))
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), float(sys.argv[2]))

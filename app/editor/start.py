@@ -1,0 +1,94 @@
+"""From the command line to the window."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from types import TracebackType
+
+from PySide6.QtCore import QTimer, qInstallMessageHandler
+from PySide6.QtWidgets import QApplication
+
+from app.arguments import Options
+from app.editor.theme import THEMES
+from app.editor.window.main_window import MainWindow
+from app.editor.window.screenshot import Shot, take
+from app.editor.window.settings import Settings, recovery_folder
+from app.streams import tell
+from nodes.library import standard_library
+
+_WAKE_MS = 200  # a signal is seen by Python only while Python runs
+
+
+def application() -> QApplication:
+    """The one QApplication, in our style."""
+    app = QApplication.instance()
+    if not isinstance(app, QApplication):
+        app = QApplication(["imagechain"])
+    app.setApplicationName("imagechain")
+    app.setApplicationDisplayName("Imagechain")
+    app.setStyle("Fusion")
+    return app
+
+
+def start(options: Options, told_to_stop: threading.Event) -> None:
+    """Open the window and stay until it is closed, or draw it to a file.
+
+    Raises
+    ------
+    ImagechainError
+        If a screenshot cannot be made.
+    """
+    app = application()
+    qInstallMessageHandler(_quiet)
+    if options.screenshot is not None:
+        size, look = options.window_size or (1600, 900), options.look or "dark"
+        shot = Shot(options.screenshot, size, look, options.part)
+        take(app, options.network, shot)
+        return
+    window = MainWindow(library=standard_library(), settings=Settings(), recovery=recovery_folder())
+    if options.look is not None:
+        window.set_theme(THEMES[options.look])
+    if options.window_size is not None:
+        window.resize(*options.window_size)
+    if options.network:
+        window.files.open_now(options.network)
+    sys.excepthook = _Reporter(window)
+    wake = QTimer()
+    wake.timeout.connect(_Wake(window, told_to_stop))
+    wake.start(_WAKE_MS)
+    for name in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(name, lambda *_: told_to_stop.set())
+    window.show()
+    app.exec()
+
+
+class _Wake:
+    """Lets Python see signals, and closes the window when one asks to; work is kept."""
+
+    def __init__(self, window: MainWindow, told_to_stop: threading.Event) -> None:
+        self._window = window
+        self._told = told_to_stop
+
+    def __call__(self) -> None:
+        if self._told.is_set():
+            self._window.stop()
+
+
+class _Reporter:
+    """A fault of ours in a slot becomes one line; the window goes on."""
+
+    def __init__(self, window: MainWindow) -> None:
+        self._window = window
+
+    def __call__(
+        self, kind: type[BaseException], error: BaseException, _trace: TracebackType | None
+    ) -> None:
+        line = f"internal error: {kind.__name__}: {' '.join(str(error).split())}"
+        tell(f"imagechain: {line}")
+        self._window.session.told.emit("error", line)
+
+
+def _quiet(*_: object) -> None:
+    """Qt's own remarks are for its developers."""

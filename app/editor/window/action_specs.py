@@ -1,0 +1,125 @@
+"""Every action of the window: its menu, its keys, what it does. Menus and lists come of these."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Scope = Literal["window", "canvas"]
+
+
+@dataclass(frozen=True)
+class ActionSpec:
+    """One action.
+
+    Parameters
+    ----------
+    name : str
+        What the window calls it.
+    menu : str
+        Menu it stands in.
+    text : str
+        What the menu says.
+    tip : str
+        What it does, in one line.
+    keys : tuple of str
+        Its shortcuts, the first one shown.
+    scope : "window" or "canvas"
+        Whether the keys work everywhere, or only while the canvas has the focus: single letters
+        must not interfere with lists and fields elsewhere.
+    checkable : bool
+        Whether it is something that is on or off.
+    needs_selection : bool
+        Whether it works on the selected nodes.
+    """
+
+    name: str
+    menu: str
+    text: str
+    tip: str
+    keys: tuple[str, ...] = ()
+    scope: Scope = "window"
+    checkable: bool = False
+    needs_selection: bool = False
+
+
+def _edit(name: str, text: str, tip: str, *keys: str, selection: bool = True) -> ActionSpec:
+    return ActionSpec(name, "&Edit", text, tip, keys, "canvas", needs_selection=selection)
+
+
+_SEPARATED = frozenset({"save", "export", "welcome", "quit", "cut", "rename", "add_module"})
+
+ACTIONS: tuple[ActionSpec, ...] = (
+    ActionSpec("new", "&File", "&New", "Begin an empty network", ("Ctrl+N",)),
+    ActionSpec("open", "&File", "&Open…", "Open a network file", ("Ctrl+O",)),
+    ActionSpec("save", "&File", "&Save", "Save the network", ("Ctrl+S",)),
+    ActionSpec(
+        "save_as", "&File", "Save &As…", "Save the network to another file", ("Ctrl+Shift+S",)
+    ),
+    ActionSpec("export", "&File", "&Export…", "Write what the last used viewer shows", ("Ctrl+E",)),
+    ActionSpec("welcome", "&File", "&Welcome Page", "Shipped networks, recent files, lost work"),
+    ActionSpec("quit", "&File", "&Quit", "Close the window", ("Ctrl+Q",)),
+    ActionSpec("undo", "&Edit", "&Undo", "Undo the last step", ("Ctrl+Z",)),
+    ActionSpec("redo", "&Edit", "&Redo", "Do again what was undone", ("Ctrl+Shift+Z", "Ctrl+Y")),
+    _edit("cut", "Cu&t", "Take the selected nodes to the clipboard", "Ctrl+X"),
+    _edit("copy", "&Copy", "Copy the selected nodes as JSON", "Ctrl+C"),
+    _edit("paste", "&Paste", "Put the clipboard's nodes at the mouse", "Ctrl+V", selection=False),
+    _edit("duplicate", "D&uplicate", "Copy the selected nodes beside themselves", "Ctrl+D"),
+    _edit(
+        "delete",
+        "&Delete",
+        "Delete the selected nodes or wire",
+        "Del",
+        "Backspace",
+        selection=False,
+    ),
+    _edit("select_all", "Select &All", "Select every node", "Ctrl+A", selection=False),
+    _edit("rename", "Re&name", "Give the selected node another name", "F2"),
+    _edit("disable", "D&isable", "Let the selected nodes pass their input through", "D"),
+    _edit("add_module", "Add &Module…", "Search a module and add it", "Tab", selection=False),
+    _edit("connect", "Conn&ect…", "Wire the selected node by its ports' names", "C"),
+    _edit("backdrop", "Add &Backdrop", "Put a titled backdrop behind the selected nodes", "B"),
+    ActionSpec("frame", "&View", "&Frame", "Show the selected nodes, or all", ("F",), "canvas"),
+    ActionSpec(
+        "arrange", "&View", "&Lay Out", "Arrange the selected nodes, or all", ("L",), "canvas"
+    ),
+    ActionSpec("zoom_in", "&View", "Zoom &In", "Enlarge the canvas", ("Ctrl++", "Ctrl+=")),
+    ActionSpec("zoom_out", "&View", "Zoom &Out", "Shrink the canvas", ("Ctrl+-",)),
+    ActionSpec("next_part", "&View", "&Next Part", "Go to the next part of the window", ("F6",)),
+    ActionSpec("previous_part", "&View", "&Previous Part", "Go to the part before", ("Shift+F6",)),
+    ActionSpec("light", "&View", "Li&ght Colours", "Light or dark", (), checkable=True),
+    ActionSpec(
+        "generate",
+        "&Run",
+        "&Generate Image",
+        "Compute everything afresh, held nodes too",
+        ("Ctrl+Return", "Ctrl+Enter"),
+    ),
+    ActionSpec("cancel", "&Run", "&Cancel", "Stop the computation", ("Esc",)),
+    ActionSpec("shortcuts", "&Help", "&Shortcuts", "List every shortcut", ("?", "Ctrl+/")),
+    ActionSpec("module_help", "&Help", "&Module", "Tell what the selected module does", ("F1",)),
+    ActionSpec("about", "&Help", "&About", "Version and sources"),
+)
+
+VIEWERS = tuple(range(1, 10))
+
+
+def viewer_specs() -> tuple[ActionSpec, ...]:
+    """One action for each viewer: show the selected node in it."""
+    return tuple(
+        ActionSpec(
+            f"view_{number}",
+            "&Run",
+            f"Show in Viewer &{number}",
+            f"Show the selected node in viewer {number}",
+            (str(number),),
+            "canvas",
+            needs_selection=True,
+        )
+        for number in VIEWERS
+    )
+
+
+def starts_a_group(spec: ActionSpec) -> bool:
+    """Whether a line stands above it in its menu."""
+    return spec.name in _SEPARATED or spec.name in ("view_1", "zoom_in", "next_part", "light")

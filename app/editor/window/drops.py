@@ -1,0 +1,65 @@
+"""What is put on the canvas from elsewhere: modules of the library, files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QObject
+
+from app.editor.canvas.canvas import Canvas
+from app.editor.session import Session
+from app.editor.window.files import Files
+from app.editor.window.opening import is_network_file
+from core.editing.fields import SetParameter
+from core.editing.fitting import new_node
+from core.editing.operation import Operation, together
+
+READ_IMAGE = "read_image"
+_STEP = 30.0  # from one file dropped to the next
+
+
+class Drops(QObject):
+    """Modules and files that come in."""
+
+    def __init__(self, session: Session, files: Files, canvas: Canvas, parent: QObject) -> None:
+        super().__init__(parent)
+        self._session = session
+        self._files = files
+        self._canvas = canvas
+
+    def add_module(self, key: str) -> None:
+        """Put a module of the library where the mouse was last."""
+        name, operation = new_node(
+            self._session.network, self._session.library, key, self._canvas.cursor_point()
+        )
+        if self._session.do(operation):
+            self._session.select([name])
+
+    def files(self, paths: list[str], point: tuple[float, float]) -> None:
+        """Open a network, or read pictures: each becomes a Read Image at the point."""
+        networks = [path for path in paths if is_network_file(Path(path))]
+        if networks:
+            self._files.open(networks[0])
+            return
+        steps: list[Operation] = []
+        names = []
+        network = self._session.network
+        for number, path in enumerate(paths):
+            at = (point[0] + number * _STEP, point[1] + number * _STEP)
+            name, adding = new_node(network, self._session.library, READ_IMAGE, at)
+            step = together((adding, SetParameter(name, "path", self._stored(Path(path)))))
+            network = step.apply(network)
+            steps.append(step)
+            names.append(name)
+        if steps and self._session.do(together(steps, f"Read {_named(paths)}")):
+            self._session.select(names)
+
+    def _stored(self, path: Path) -> str:
+        """Relative to the network's folder where it lies below it."""
+        folder = self._session.folder.absolute()
+        inside = path.is_relative_to(folder)
+        return (path.relative_to(folder) if inside else path).as_posix()
+
+
+def _named(paths: list[str]) -> str:
+    return Path(paths[0]).name if len(paths) == 1 else f"{len(paths)} files"

@@ -1,0 +1,96 @@
+"""Shortcuts, modules' texts, about, and writing what a viewer shows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject
+from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
+
+from app.arguments import version
+from app.editor.session import Session
+from app.editor.viewers.image_viewer import ImageViewer
+from app.editor.viewers.plot_viewer import PlotViewer
+from app.editor.window.shortcut_list import ShortcutList
+from core.errors import ImagechainError
+
+if TYPE_CHECKING:
+    from app.editor.window.main_window import MainWindow
+
+_PICTURES = "Pictures (*.png *.tif *.exr);;Samples (*.npy *.csv)"
+_CURVES = "Pictures (*.png *.svg);;Numbers (*.csv)"
+
+
+class Help(QObject):
+    """What the Help menu shows, and Export."""
+
+    def __init__(self, session: Session, window: MainWindow) -> None:
+        super().__init__(window)
+        self._session = session
+        self._window = window
+
+    def shortcuts(self) -> None:
+        """List every shortcut."""
+        ShortcutList(self._window.actions_by_name, self._window).open()
+
+    def module(self) -> None:
+        """Tell what the selected node's module does."""
+        name = self._session.selection[-1] if self._session.selection else ""
+        declared = self._session.declared(name)
+        if declared is None:
+            self._session.told.emit("note", "select a node to read what its module does")
+        else:
+            self._message(declared.title, declared.text)
+
+    def about(self) -> None:
+        """Version and sources."""
+        self._message(
+            "Imagechain",
+            f"Version {version()}\n\nSimulates electro-optical and infrared sensors as a chain of "
+            "transfer functions and noise.\n\nAfter D. C. Tantalo, Modeling the MTF and noise "
+            "characteristics of an image chain for a synthetic image generation system, RIT 1996.",
+        )
+
+    def export(self) -> None:
+        """Ask where to write what the viewer used last shows."""
+        viewer = self._viewer()
+        kinds = _CURVES if isinstance(viewer, PlotViewer) else _PICTURES
+        dialog = QFileDialog(self._window, "Export", str(Path.cwd()), kinds)
+        dialog.setObjectName("file_dialog")
+        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
+        dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
+        dialog.setDefaultSuffix("png")
+        dialog.fileSelected.connect(self._export_to)
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+
+    def _export_to(self, text: str) -> None:
+        viewer = self._viewer()
+        try:
+            if isinstance(viewer, PlotViewer):
+                viewer.export(Path(text))
+            else:
+                viewer.save_as(Path(text))
+        except ImagechainError as error:
+            self._session.told.emit("error", f"not exported: {error}")
+        else:
+            self._session.told.emit("note", f"wrote {text}")
+
+    def _viewer(self) -> ImageViewer | PlotViewer:
+        """The viewer that has the focus, else the first."""
+        focus = QApplication.focusWidget()
+        viewers = self._window.viewers
+        if focus is not None and viewers.plot.isAncestorOf(focus):
+            return viewers.plot
+        for viewer in viewers.images.values():
+            if focus is not None and viewer.isAncestorOf(focus):
+                return viewer
+        return viewers.images[1]
+
+    def _message(self, title: str, text: str) -> None:
+        box = QMessageBox(self._window)
+        box.setObjectName("message")
+        box.setWindowTitle(title)
+        box.setText(text)
+        box.open()

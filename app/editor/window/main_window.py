@@ -1,0 +1,300 @@
+"""The window: the parts put together, and what passes between them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QPointF, QSize, Qt, QTimer
+from PySide6.QtGui import QCloseEvent
+from PySide6.QtWidgets import (
+    QApplication,
+    QMainWindow,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.editor.canvas.canvas import Canvas
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.library_view import LibraryView
+from app.editor.panels.panel_area import PanelArea
+from app.editor.session import Session
+from app.editor.theme import THEMES, Look, Theme
+from app.editor.viewers.figures_strip import FiguresStrip
+from app.editor.window.actions import Actions
+from app.editor.window.autosaving import Autosaver
+from app.editor.window.docks import Curtain, add_dock
+from app.editor.window.drops import Drops
+from app.editor.window.edit_commands import EditCommands
+from app.editor.window.files import Files
+from app.editor.window.first_look import first_ports
+from app.editor.window.focus import go_to_next
+from app.editor.window.help import Help
+from app.editor.window.recovery import Recovery
+from app.editor.window.settings import Settings
+from app.editor.window.status import StatusBar
+from app.editor.window.targets import targets
+from app.editor.window.viewer_docks import ViewerDocks
+from app.editor.window.welcome import WelcomePage
+from core.library import Library
+
+_LEFT, _RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
+
+
+class MainWindow(QMainWindow):
+    """One window with one document.
+
+    Parameters
+    ----------
+    library : mapping
+        Modules by key.
+    settings : Settings
+        What is remembered.
+    recovery : Path
+        Folder for work that no file holds yet.
+    remembered : bool
+        Whether to take size and docks from the settings, and leave them there.
+    """
+
+    def __init__(
+        self, *, library: Library, settings: Settings, recovery: Path, remembered: bool = True
+    ) -> None:
+        super().__init__()
+        self.setObjectName("window")
+        self.settings = settings
+        self.session = Session(library, self)
+        self.theme: Theme = THEMES[settings.look]
+        self.evaluator = Evaluator(self.session, parent=self)
+        self._remembered = remembered
+        self._closing = self._docks_arranged = False
+        self._first_look_due = False
+        self._build(library)
+        self.files = Files(self.session, settings, self)
+        self.edits = EditCommands(self.session, self.canvas, self)
+        self.help = Help(self.session, self)
+        self.drops = Drops(self.session, self.files, self.canvas, self)
+        self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
+        self.curtain = Curtain(self)
+        self.menus = self.actions_by_name.fill(self.menuBar())
+        self._add_dock_toggles()
+        self.canvas.set_menus(
+            [
+                self.actions_by_name[name]
+                for name in ("rename", "disable", "duplicate", "copy", "cut", "delete", "connect")
+            ],
+            [
+                self.actions_by_name[name]
+                for name in ("add_module", "paste", "select_all", "arrange", "frame")
+            ],
+        )
+        self.autosaver = Autosaver(self.session, recovery, self)
+        self.recovery = Recovery(recovery, self.autosaver, self)
+        self._connect()
+        self.set_theme(self.theme)
+        self.resize(QSize(1600, 900))
+        if remembered:
+            self._docks_arranged = settings.restore_window(self)
+        self.show_welcome()
+        self._follow_state()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw everything in these colours."""
+        self.theme = theme
+        app = QApplication.instance()
+        if isinstance(app, QApplication):
+            app.setPalette(theme.palette())
+        for part in (self.canvas, self.library_view, self.panels, self.figures, self.status):
+            part.set_theme(theme)
+        self.viewers.set_theme(theme)
+        self.actions_by_name["light"].setChecked(theme.look == "light")
+
+    def toggle_light(self) -> None:
+        """From dark to light, or back; remembered."""
+        look: Look = "dark" if self.theme.look == "light" else "light"
+        self.settings.look = look
+        self.set_theme(THEMES[look])
+
+    def show_welcome(self) -> None:
+        """Show the first page."""
+        self.welcome.show_lists(self.settings.recent, self.recovery.found())
+        self.pages.setCurrentWidget(self.welcome)
+        self.curtain.close()
+
+    def show_canvas(self) -> None:
+        """Show the network."""
+        self.pages.setCurrentWidget(self._work_page)
+        self.curtain.open()
+        if not self._docks_arranged:
+            self._arrange_docks()
+        self.canvas.setFocus()
+
+    def go_to_part(self, step: int) -> None:
+        """Give the focus to the next part of the window that is there, for the keyboard."""
+        viewers = [*self.viewers.images.values(), self.viewers.plot]
+        go_to_next([self.welcome, self.canvas, self.library_view, self.panels, *viewers], step)
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Ask for unsaved work first."""
+        if self._closing:
+            event.accept()
+            return
+        event.ignore()
+        self.files.after_asking(self.close_for_good)
+
+    def stop(self) -> None:
+        """Close because the process is told to end: unsaved work stays to be recovered."""
+        self.autosaver.keep()
+        self.close_for_good()
+
+    def close_for_good(self) -> None:
+        """Close without asking; what runs is stopped, nothing is left to recover."""
+        if self._closing:
+            return
+        self.curtain.open()
+        if self._remembered:
+            self.settings.remember_window(self)
+        self.evaluator.close()
+        self.autosaver.close()
+        self._closing = True
+        self.close()
+
+    def _build(self, library: Library) -> None:
+        self.canvas = Canvas(self.session, self.theme)
+        self.library_view = LibraryView(library)
+        self.panels = PanelArea(self.session, self.evaluator, self.theme)
+        self.figures = FiguresStrip(self.session, self.evaluator, self.theme)
+        self.welcome = WelcomePage(library)
+        self.status = StatusBar(self.theme, self)
+        self.setStatusBar(self.status)
+        self._work_page = QWidget()
+        layout = QVBoxLayout(self._work_page)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addWidget(self.canvas, 1)
+        layout.addWidget(self.figures)
+        self.pages = QStackedWidget()
+        self.pages.addWidget(self.welcome)
+        self.pages.addWidget(self._work_page)
+        self.setCentralWidget(self.pages)
+        self.setDockNestingEnabled(True)
+        self.setCorner(Qt.Corner.BottomRightCorner, _RIGHT)
+        self.setCorner(Qt.Corner.TopRightCorner, _RIGHT)
+        self.library_dock = add_dock(self, "Library", "dock.library", self.library_view, _LEFT)
+        self.panel_dock = add_dock(self, "Control panels", "dock.panels", self.panels, _RIGHT)
+        self.viewers = ViewerDocks(self.session, self.evaluator, self.theme, self)
+
+    def _arrange_docks(self) -> None:
+        """Sizes of the docks where none are remembered."""
+        self._docks_arranged = True
+        unit, line = self.fontMetrics().averageCharWidth(), self.fontMetrics().height()
+        across, along = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
+        self.resizeDocks([self.library_dock, self.panel_dock], [30 * unit, 52 * unit], across)
+        viewer, plot = self.viewers.docks[1], self.viewers.plot_dock
+        self.resizeDocks([plot, viewer], [24 * line, 24 * line], along)
+        self.resizeDocks([viewer, plot], [62 * unit, 75 * unit], across)
+
+    def _add_dock_toggles(self) -> None:
+        menu = self.menus["&View"]
+        menu.addSeparator()
+        for dock in (self.library_dock, self.panel_dock, self.viewers.plot_dock):
+            menu.addAction(dock.toggleViewAction())
+
+    def _connect(self) -> None:
+        session, evaluator = self.session, self.evaluator
+        session.told.connect(self.status.tell)
+        session.changed.connect(self._changed)
+        session.opened.connect(self._opened)
+        session.state_changed.connect(self._follow_state)
+        session.selection_changed.connect(self._follow_selection)
+        self.files.opened.connect(self.show_canvas)
+        self.files.about_to_save.connect(self.panels.finish_typing)
+        self.autosaver.failed.connect(self._warn)
+        evaluator.badges_changed.connect(self._badges_changed)
+        evaluator.busy_changed.connect(self.status.show_busy)
+        evaluator.pass_done.connect(self._pass_done)
+        self.status.cancel_wanted.connect(evaluator.cancel)
+        self.library_view.chosen.connect(self.drops.add_module)
+        self.canvas.activated.connect(self._activated)
+        self.canvas.files_dropped.connect(self._files_dropped)
+        self.panels.view_requested.connect(self._view_requested)
+        self.panels.generate_requested.connect(self.generate)
+        welcome = self.welcome
+        welcome.chosen.connect(self.files.open)
+        welcome.new_wanted.connect(self.files.new)
+        welcome.open_wanted.connect(self.files.open_dialog)
+        welcome.recovered.connect(self._recover)
+        welcome.discarded.connect(self._discard)
+
+    def _opened(self) -> None:
+        self.viewers.forget_pictures()
+        self.status.forget_error()
+        self._first_look_due = True
+        # Once the canvas has its place: it may not have been shown yet.
+        QTimer.singleShot(0, self.canvas.frame_all)
+
+    def _changed(self, *_: object) -> None:
+        self.status.forget_error()
+        if self.pages.currentWidget() is self.welcome:
+            self.show_canvas()
+
+    def _pass_done(self, _done: object) -> None:
+        plan = self.evaluator.plan
+        if self._first_look_due and plan is not None and plan.network.nodes:
+            self._first_look_due = False
+            ports = first_ports(plan)
+            for number, port in zip((2, 1), reversed(ports[:2]), strict=False):
+                self.viewers.look_at(number if len(ports) == 2 else 1, port)
+
+    def _follow_state(self) -> None:
+        document = self.session.document
+        history = document.history
+        name = document.path.name if document.path else self.session.network.name or "untitled"
+        self.setWindowTitle(f"{name}[*] — Imagechain")
+        self.setWindowModified(document.modified)
+        for key, verb, text in (
+            ("undo", "&Undo", history.undo_text),
+            ("redo", "&Redo", history.redo_text),
+        ):
+            action = self.actions_by_name[key]
+            action.setEnabled(bool(text))
+            action.setText(f"{verb} {text.replace('&', '&&')}".strip())
+
+    def _badges_changed(self, badges: Any) -> None:
+        self.canvas.set_badges(badges)
+        self.panels.set_badges(badges)
+
+    def _follow_selection(self, names: tuple[str, ...]) -> None:
+        self.actions_by_name.follow_selection(bool(names))
+
+    def _activated(self, name: str) -> None:
+        self.session.select([name])
+        self.panel_dock.show()
+        self.panel_dock.raise_()
+
+    def _files_dropped(self, paths: list[str], point: QPointF) -> None:
+        self.drops.files(paths, (point.x(), point.y()))
+
+    def _view_requested(self, node: str, port: str, number: int) -> None:
+        declared = self.session.declared(node)
+        output = declared.output(port) if declared is not None else None
+        if output is not None and output.types[0] in ("curve", "table"):
+            self.viewers.plot.look_at(f"{node}.{port}")
+            self.viewers.plot_dock.raise_()
+        else:
+            self.viewers.look_at(number, f"{node}.{port}")
+
+    def generate(self, *_: object) -> None:
+        """Compute all afresh, with what is still being typed."""
+        self.panels.finish_typing()
+        self.evaluator.generate()
+
+    def _warn(self, text: str) -> None:
+        self.status.tell("error", text)
+
+    def _recover(self, work: object) -> None:
+        self.recovery.open(work, self.files)
+
+    def _discard(self, work: object) -> None:
+        self.recovery.discard(work)
+        self.show_welcome()

@@ -1,0 +1,80 @@
+"""What is remembered from one start to the next: look, window, files opened lately."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QByteArray, QSettings, QStandardPaths
+from PySide6.QtWidgets import QMainWindow
+
+from app.editor.theme import THEMES, Look
+
+MOST_RECENT = 12
+
+
+class Settings:
+    """Settings in an ini file of the person's; a damaged one counts as empty.
+
+    Parameters
+    ----------
+    path : Path, optional
+        The file; None for the usual place.
+    """
+
+    def __init__(self, path: Path | None = None) -> None:
+        self.path = path or _config_folder() / "editor.ini"
+        self._stored = QSettings(str(self.path), QSettings.Format.IniFormat)
+
+    @property
+    def look(self) -> Look:
+        """Dark or light."""
+        found = self._stored.value("look", "dark")
+        return found if found in THEMES else "dark"
+
+    @look.setter
+    def look(self, look: Look) -> None:
+        self._stored.setValue("look", look)
+
+    @property
+    def recent(self) -> tuple[Path, ...]:
+        """Files opened or saved lately that are still there, the last one first."""
+        stored = self._stored.value("recent", [])
+        texts = [stored] if isinstance(stored, str) else stored
+        if not isinstance(texts, list):
+            return ()
+        paths = [Path(text) for text in texts if isinstance(text, str) and text]
+        return tuple(path for path in paths if path.is_file())
+
+    def add_recent(self, path: Path) -> None:
+        """Remember a file as the last one opened."""
+        text = str(path.absolute())
+        others = [str(other) for other in self.recent if str(other) != text]
+        self._stored.setValue("recent", [text, *others][:MOST_RECENT])
+
+    def remember_window(self, window: QMainWindow) -> None:
+        """Remember size, place and docks of a window, in the file at once."""
+        self._stored.setValue("geometry", window.saveGeometry())
+        self._stored.setValue("docks", window.saveState())
+        self._stored.sync()
+
+    def restore_window(self, window: QMainWindow) -> bool:
+        """Give a window the size and docks remembered; whether there were docks to restore."""
+        geometry, docks = self._bytes("geometry"), self._bytes("docks")
+        if geometry is not None:
+            window.restoreGeometry(geometry)
+        return docks is not None and window.restoreState(docks)
+
+    def _bytes(self, name: str) -> QByteArray | None:
+        found = self._stored.value(name)
+        return found if isinstance(found, QByteArray) else None
+
+
+def _config_folder() -> Path:
+    place = QStandardPaths.StandardLocation.GenericConfigLocation
+    return Path(QStandardPaths.writableLocation(place)) / "imagechain"
+
+
+def recovery_folder() -> Path:
+    """Where work is kept that no file holds yet."""
+    place = QStandardPaths.StandardLocation.GenericDataLocation
+    return Path(QStandardPaths.writableLocation(place)) / "imagechain" / "recovery"

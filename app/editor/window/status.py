@@ -1,0 +1,86 @@
+"""The status bar: what there is to say, and what is being computed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QStatusBar, QWidget
+
+from app.editor.theme import Theme
+
+_ELIDE = Qt.TextElideMode.ElideRight
+NOTE_MS = 8000
+
+
+class StatusBar(QStatusBar):
+    """Says notes for a while and errors until something else is said.
+
+    Signals
+    -------
+    cancel_wanted
+        Stop the computation.
+    """
+
+    cancel_wanted = Signal()
+
+    def __init__(self, theme: Theme, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._theme = theme
+        self._error = QLabel(self)
+        self._error.setObjectName("status.error")
+        self._error.setAccessibleName("Last error")
+        self._error.hide()
+        self._where = QLabel(self)
+        self._progress = QProgressBar(self)
+        self._progress.setObjectName("status.progress")
+        self._progress.setAccessibleName("Progress of the computation")
+        self._progress.setTextVisible(False)
+        self._progress.setFixedWidth(self.fontMetrics().averageCharWidth() * 20)
+        self._cancel = QPushButton("Cancel", self)
+        self._cancel.setObjectName("status.cancel")
+        self._cancel.setToolTip("Stop the computation (Esc)")
+        self._cancel.clicked.connect(self.cancel_wanted)
+        self.addWidget(self._error, 1)
+        for widget in (self._where, self._progress, self._cancel):
+            self.addPermanentWidget(widget)
+        self.show_busy(None)
+        self.set_theme(theme)
+
+    @property
+    def error(self) -> str:
+        """The error that stands there; empty where there is none."""
+        return self._error.toolTip()
+
+    def tell(self, kind: str, text: str) -> None:
+        """Say a "note" or an "error"."""
+        if kind == "error":
+            self.clearMessage()
+            width = max(self.width() - self.fontMetrics().averageCharWidth() * 40, 200)
+            elided = self.fontMetrics().elidedText(text, _ELIDE, width)
+            self._error.setText(elided)
+            self._error.setToolTip(text)
+            self._error.show()
+        else:
+            self.forget_error()
+            self.showMessage(text, NOTE_MS)
+
+    def forget_error(self) -> None:
+        """Nothing is wrong any more."""
+        self._error.setText("")
+        self._error.setToolTip("")
+        self._error.hide()
+
+    def show_busy(self, busy: Any) -> None:
+        """Show how far a long computation is: a `Busy`; or None, that none runs."""
+        for widget in (self._where, self._progress, self._cancel):
+            widget.setVisible(busy is not None)
+        if busy is not None:
+            self._where.setText(f"{busy.node or 'computing'} · {busy.seconds:.1f} s")
+            self._progress.setRange(0, max(busy.wanted, 1))
+            self._progress.setValue(busy.done)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self._theme = theme
+        self._error.setStyleSheet(f"color: {theme.error};")

@@ -1,0 +1,66 @@
+"""What each action of the window does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+from app.editor.window.action_specs import VIEWERS
+
+if TYPE_CHECKING:
+    from app.editor.window.main_window import MainWindow
+
+Target = Callable[[], object]
+
+
+def targets(window: MainWindow) -> dict[str, Target]:
+    """By the actions' names."""
+    session, files, edits, canvas = window.session, window.files, window.edits, window.canvas
+    found: dict[str, Callable[..., object]] = {
+        "new": files.new,
+        "open": files.open_dialog,
+        "save": files.save,
+        "save_as": files.save_as,
+        "export": window.help.export,
+        "welcome": window.show_welcome,
+        "quit": window.close,
+        "undo": session.undo,
+        "redo": session.redo,
+        "cut": edits.cut,
+        "copy": edits.copy,
+        "paste": edits.paste,
+        "duplicate": edits.duplicate,
+        "delete": edits.delete,
+        "select_all": edits.select_all,
+        "rename": window.panels.edit_name,
+        "disable": edits.disable,
+        "add_module": canvas.open_search,
+        "connect": canvas.connect_selected,
+        "backdrop": edits.backdrop,
+        "frame": edits.frame,
+        "arrange": edits.arrange,
+        "zoom_in": partial(canvas.zoom_by, 1.25),
+        "zoom_out": partial(canvas.zoom_by, 0.8),
+        "next_part": partial(window.go_to_part, 1),
+        "previous_part": partial(window.go_to_part, -1),
+        "light": window.toggle_light,
+        "generate": window.generate,
+        "cancel": window.evaluator.cancel,
+        "shortcuts": window.help.shortcuts,
+        "module_help": window.help.module,
+        "about": window.help.about,
+    }
+    for number in VIEWERS:
+        found[f"view_{number}"] = partial(_view, window, number)
+    return {name: partial(_without_words, target) for name, target in found.items()}
+
+
+def _without_words(target: Callable[..., object], *_: object) -> None:
+    """An action says whether it is checked; nothing here wants to know."""
+    target()
+
+
+def _view(window: MainWindow, number: int) -> None:
+    for name in window.session.selection[-1:]:
+        window.viewers.look_at_node(name, number)

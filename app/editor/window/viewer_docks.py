@@ -1,0 +1,107 @@
+"""The docks of the viewers: up to nine for pictures, one for curves."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, Qt
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar
+from shiboken6 import isValid
+
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.session import Session
+from app.editor.theme import Theme
+from app.editor.viewers.image_viewer import ImageViewer
+from app.editor.viewers.plot_viewer import PlotViewer
+from app.editor.window.docks import add_dock
+
+_BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
+_PICTURES = ("image", "magnitude", "phase", "transfer", "pupil")
+
+
+class ViewerDocks(QObject):
+    """Viewers by number; one that is not there yet is made when something is shown in it."""
+
+    def __init__(
+        self, session: Session, evaluator: Evaluator, theme: Theme, window: QMainWindow
+    ) -> None:
+        super().__init__(window)
+        self._session = session
+        self._evaluator = evaluator
+        self._theme = theme
+        self._window = window
+        self.images: dict[int, ImageViewer] = {}
+        self.docks: dict[int, QDockWidget] = {}
+        self.plot = PlotViewer(session, evaluator, theme)
+        self.plot_dock = self._dock("Curves", "dock.curves", self.plot)
+        self._viewer(1)
+        window.splitDockWidget(self.docks[1], self.plot_dock, Qt.Orientation.Horizontal)
+
+    def look_at(self, number: int, port: str) -> None:
+        """Show what is on ``node.port`` in an image viewer, and bring that to the front."""
+        self._viewer(number).look_at(port)
+        self.docks[number].show()
+        self.docks[number].raise_()
+
+    def look_at_node(self, name: str, number: int) -> None:
+        """Show the first output of a node that is a picture; a curve in the plot viewer."""
+        declared = self._session.declared(name)
+        if declared is None:
+            self._session.told.emit("error", f"{name}: an unknown module has nothing to show")
+            return
+        for kinds in (_PICTURES[:1], _PICTURES):
+            for port in declared.outputs:
+                if port.types[0] in kinds:
+                    self.look_at(number, f"{name}.{port.name}")
+                    return
+        curves = [port.name for port in declared.outputs if port.types[0] in ("curve", "table")]
+        if curves:
+            self.plot.look_at(f"{name}.{curves[0]}")
+            self.plot_dock.show()
+            self.plot_dock.raise_()
+        elif declared.inputs:
+            self._look_at_input(name, number)
+        else:
+            self._session.told.emit("note", f"{name} has nothing to show")
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self._theme = theme
+        for viewer in self.images.values():
+            viewer.set_theme(theme)
+        self.plot.set_theme(theme)
+
+    def forget_pictures(self) -> None:
+        """Show nothing, as for another document; viewers beyond the first close."""
+        for number, viewer in self.images.items():
+            viewer.look_at(None)
+            if number > 2:
+                self.docks[number].hide()
+
+    def _look_at_input(self, name: str, number: int) -> None:
+        """Of a node without outputs, what comes into it."""
+        for link in self._session.network.links_into(name):
+            self.look_at(number, f"{link.source}.{link.output}")
+            return
+        self._session.told.emit("note", f"{name} has nothing to show: nothing comes into it")
+
+    def _viewer(self, number: int) -> ImageViewer:
+        viewer = self.images.get(number)
+        if viewer is None:
+            viewer = ImageViewer(self._session, self._evaluator, self._theme, number)
+            dock = self._dock(f"Viewer {number}", f"dock.viewer_{number}", viewer)
+            if self.docks:
+                self._window.tabifyDockWidget(list(self.docks.values())[-1], dock)
+            self.images[number] = viewer
+            self.docks[number] = dock
+        return viewer
+
+    def _dock(self, title: str, name: str, widget: ImageViewer | PlotViewer) -> QDockWidget:
+        dock = add_dock(self._window, title, name, widget, _BOTTOM)
+        dock.visibilityChanged.connect(self._name_tabs)
+        return dock
+
+    def _name_tabs(self, _visible: bool) -> None:
+        """Tabs of docks behind one another are Qt's own, made when needed."""
+        if not isValid(self._window):  # type: ignore[no-untyped-call] # they vanish with the window
+            return
+        for bar in self._window.findChildren(QTabBar):
+            bar.setAccessibleName(bar.accessibleName() or "Viewers behind one another")

@@ -1,0 +1,90 @@
+"""A person's hands: real mouse and key events, sent to the X server by xdotool.
+
+They are sent from a thread: while a drag goes on, Qt runs a loop of its own and returns to nobody.
+"""
+
+import subprocess
+import threading
+import time
+
+from PySide6.QtCore import QCoreApplication, QEventLoop, QPoint
+
+PAUSE = 0.012  # between two movements: a quick hand
+STEPS = 6
+
+
+class Hands:
+    """Moves the pointer to points of the screen, presses buttons and keys."""
+
+    def click(self, point, *, button=1, times=1):
+        x, y = _xy(point)
+        self._run([["mousemove", x, y], ["sleep", "0.02"], ["click", "--repeat", times, button]])
+
+    def double_click(self, point):
+        x, y = _xy(point)
+        self._run([["mousemove", x, y], ["click", "--repeat", "2", "--delay", "40", "1"]])
+
+    def drag(self, start, end, *, button=1, hold=0.0):
+        """Press at one point, move in steps, release at the other."""
+        (x0, y0), (x1, y1) = _xy(start), _xy(end)
+        moves = []
+        for step in range(1, STEPS + 1):
+            part = step / STEPS
+            x, y = round(x0 + (x1 - x0) * part), round(y0 + (y1 - y0) * part)
+            moves += [["mousemove", x, y], ["sleep", PAUSE]]
+        jiggle = [["mousemove", x1 + 1, y1], ["mousemove", x1, y1], ["sleep", 0.03 + hold]]
+        press = [["mousemove", x0, y0], ["sleep", 0.03], ["mousedown", button], ["sleep", 0.03]]
+        self._run([*press, *moves, *jiggle, ["mouseup", button], ["sleep", 0.03]])
+
+    def wheel(self, point, clicks):
+        x, y = _xy(point)
+        button = 4 if clicks > 0 else 5
+        self._run([["mousemove", x, y], ["click", "--repeat", abs(clicks), button]])
+
+    def type(self, text):
+        self._run([["type", "--delay", "6", "--", text]])
+
+    def keys(self, *names):
+        """Keys as xdotool calls them: ``ctrl+z``, ``Tab``, ``question``."""
+        self._run([["key", "--delay", "12", *names]])
+
+    def _run(self, commands):
+        def work():
+            for words in commands:
+                if words[0] == "sleep":
+                    time.sleep(float(words[1]))
+                else:
+                    subprocess.run(["xdotool", *map(str, words)], check=True)
+
+        thread = threading.Thread(target=work)
+        thread.start()
+        while thread.is_alive():
+            process_events(0.004)
+        process_events(0.04)
+
+
+def process_events(seconds):
+    """Let the window live for a while."""
+    end = time.monotonic() + seconds
+    while True:
+        QCoreApplication.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, 5)
+        if time.monotonic() >= end:
+            return
+        time.sleep(0.001)
+
+
+def wait_until(condition, what, seconds=20.0):
+    """Let the window live until something is so."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, f"waited {seconds} s in vain: {what}"
+        process_events(0.01)
+
+
+def centre(widget):
+    """The middle of a widget on the screen."""
+    return widget.mapToGlobal(widget.rect().center())
+
+
+def _xy(point):
+    return (point.x(), point.y()) if isinstance(point, QPoint) else point

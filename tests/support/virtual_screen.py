@@ -1,0 +1,51 @@
+"""A display of its own for a test: a real X server that draws to memory."""
+
+import contextlib
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+SCREENSHOTS = Path(__file__).resolve().parents[2] / "build" / "screenshots"
+
+
+@contextlib.contextmanager
+def virtual_screen(width=1600, height=1000):
+    """Start Xvfb on a free display; gives the environment for programs that are to draw there."""
+    program = shutil.which("Xvfb")
+    assert program, "these tests need Xvfb and xdotool (Debian: xvfb xauth xdotool)"
+    read, write = os.pipe()
+    server = subprocess.Popen(
+        [
+            program,
+            "-displayfd",
+            str(write),
+            "-screen",
+            "0",
+            f"{width}x{height}x24",
+            "-nolisten",
+            "tcp",
+        ],
+        pass_fds=[write],
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(write)
+    try:
+        with os.fdopen(read) as stream:
+            number = stream.readline().strip()
+        assert number, "Xvfb did not start"
+        yield {
+            **{name: value for name, value in os.environ.items() if name != "WAYLAND_DISPLAY"},
+            "DISPLAY": f":{number}",
+            "QT_QPA_PLATFORM": "xcb",
+            "QT_PREFERRED_BINDING": "PySide6",
+        }
+    finally:
+        server.terminate()
+        server.wait(10)
+
+
+def screenshot_folder():
+    """Where the tests leave their screenshots: beside the code, not in it."""
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    return SCREENSHOTS
