@@ -134,3 +134,11 @@ def test_report_draws_without_a_display(tmp_path):
     assert "matplotlib" in loaded
     assert "matplotlib.pyplot" not in loaded
     assert not {name.split(".")[0] for name in loaded} & QT
+
+
+def test_the_window_loads_neither_matplotlib_nor_signal(tmp_path):
+    """What only reports need would double the time until the first picture."""
+    words = ["edit", "first_steps", "--screenshot", str(tmp_path / "window.png")]
+    loaded = loaded_by(words, tmp_path)
+    assert "pyqtgraph" in loaded
+    assert not loaded & {"matplotlib", "matplotlib.pyplot", "scipy.signal", "rich"}

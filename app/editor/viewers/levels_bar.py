@@ -10,6 +10,7 @@ from app.editor.theme import Theme
 from app.editor.viewers.colour_maps import colour_map
 from app.editor.viewers.grey_levels import Range, Spread
 from app.editor.viewers.plot_looks import paint_axis, see_through
+from app.editor.viewers.without_matplotlib import without_matplotlib
 
 _WIDTH = 60
 
@@ -32,7 +33,8 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
     released = Signal()
 
     def __init__(self, theme: Theme) -> None:
-        super().__init__()
+        with without_matplotlib():
+            super().__init__()
         self._writing = False
         self._shown: Range | None = None
         self.vb.setMaximumWidth(_WIDTH)
