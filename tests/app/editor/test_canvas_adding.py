@@ -191,11 +191,19 @@ def test_without_a_selection_there_is_a_word(opened, canvas):
 # --- drops ----------------------------------------------------------------------------------------
 
 
+def drag_event(kind, pos, data):
+    """A drag event; their points are of floating point from Qt 6.12 on."""
+    try:
+        return kind(QPointF(pos), COPY, data, LEFT, NONE)
+    except TypeError:
+        return kind(pos, COPY, data, LEFT, NONE)
+
+
 def drag_and_drop(canvas, data, pos, *, leave=False):
     """What Qt sends while something is dragged over the canvas; whether it was taken."""
     viewport = canvas.view.viewport()
-    QApplication.sendEvent(viewport, QDragEnterEvent(pos, COPY, data, LEFT, NONE))
-    moving = QDragMoveEvent(pos, COPY, data, LEFT, NONE)
+    QApplication.sendEvent(viewport, drag_event(QDragEnterEvent, pos, data))
+    moving = drag_event(QDragMoveEvent, pos, data)
     QApplication.sendEvent(viewport, moving)
     if leave:
         QApplication.sendEvent(viewport, QDragLeaveEvent())
