@@ -104,13 +104,13 @@ def crashed(folder, *more):
     assert (done.returncode, done.stderr) == (1, "")
 
 
-def test_work_is_recovered_after_a_crash(folder, kodak, library, tmp_path):
+def test_work_is_recovered_after_a_crash(folder, shipped, library, tmp_path):
     crashed(folder, tmp_path / "mine.json")
     (work,) = recoverable(folder)
     assert work.original == tmp_path / "mine.json"
     assert not work.problem
     document = work.document(library)
-    expected = Document(kodak, library=library)
+    expected = Document(shipped["kodak_kir310"], library=library)
     expected.do(Remove(("slices",)))
     assert document.text() == expected.text() == work.text
     assert document.path == work.original
