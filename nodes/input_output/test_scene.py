@@ -15,7 +15,10 @@ from core.recipes import Step
 from core.values import Header, Image
 from core.work import Work
 from nodes.ports import ImageOutput
-from nodes.scenes.draw import draw_scene
+from nodes.scenes import draw_scene, draw_shares, in_two_steps, with_radiance
+from nodes.scenes.two_steps import GEOMETRY, Shares
+
+SOURCES = ("cut_on_um", "cut_off_um", "temperature_K", "delta_K")
 
 Kind = Literal[
     "dormitory",
@@ -78,12 +81,10 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
 
     def run(self, here: Here) -> ImageOutput:
         """Plan the picture."""
-        values = {k: v for k, v in self.values().items() if k not in ("fov_x_deg", "fov_y_deg")}
-        recipe = Step.of(drawn, node=here.node, **values)
         x, y = self.fov_x_deg, self.fov_y_deg
         return ImageOutput(
             Image(
-                recipe,
+                self._recipe(here),
                 self.height,
                 self.width,
                 None if x is None else interval_mrad(fov_deg=x, samples=self.width),
@@ -93,7 +94,29 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
             )
         )
 
+    def _recipe(self, here: Here) -> Step:
+        """How it is drawn: what temperatures do not move is a step of its own, and kept."""
+        values = self.values()
+        size = {name: values[name] for name in ("kind", "width", "height")}
+        sources = {name: values[name] for name in SOURCES}
+        if in_two_steps(**size):
+            geometry = {name: values[name] for name in GEOMETRY[self.kind]}
+            shares = Step.of(shares_drawn, node=here.node, **size, **geometry)
+            return Step.of(shown, shares, node=here.node, **sources)
+        geometry = {"angle_deg": self.angle_deg, "frequency": self.frequency}
+        return Step.of(drawn, node=here.node, **size, **sources, **geometry)
+
 
 def drawn(work: Work, **values: Any) -> NDArray[np.floating]:
     """The scene's samples in the evaluation's precision."""
-    return draw_scene(dtype=work.policy.dtype, **values)
+    return draw_scene(dtype=work.policy.dtype, each=work.each, **values)
+
+
+def shares_drawn(work: Work, **values: Any) -> Shares:
+    """Where the scene's surfaces are seen."""
+    return draw_shares(dtype=work.policy.dtype, each=work.each, **values)
+
+
+def shown(work: Work, shares: Shares, **values: Any) -> NDArray[np.floating]:
+    """The scene's samples from the shares of its surfaces."""
+    return with_radiance(shares, each=work.each, **values)

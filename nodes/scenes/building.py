@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from nodes.scenes.canvas import Drawing, Term
 from nodes.scenes.coverage import FloatArray
-from nodes.scenes.profiles import Profile, band, bell, steps
+from nodes.scenes.mixes import between, difference
+from nodes.scenes.profiles import band, bell, bells, steps
 from nodes.scenes.texture import mottle, scatter
-
-Radiances = Mapping[str, float]
 
 BASE = 0.74
 """Where the building meets the ground."""
@@ -55,28 +53,29 @@ FRONTS = (
 )
 
 
-def draw_building(drawing: Drawing, L: Radiances) -> None:
+def draw_building(drawing: Drawing) -> None:
     """Draw everything that stands on the building's plot, back to front."""
-    _roof_line(drawing, L)
+    _roof_line(drawing)
     for front in FRONTS:
-        _brickwork(drawing, L, front)
-        _windows(drawing, L, front)
-    _stair_tower(drawing, L)
-    _lounge(drawing, L)
-    _balconies(drawing, L, FRONTS[1])
-    _entrance(drawing, L)
+        _brickwork(drawing, front)
+        _windows(drawing, front)
+    _stair_tower(drawing)
+    _lounge(drawing)
+    _balconies(drawing, FRONTS[1])
+    _entrance(drawing)
 
 
-def _brickwork(drawing: Drawing, L: Radiances, front: Front) -> None:
+def _brickwork(drawing: Drawing, front: Front) -> None:
     """Wall, courses in running bond, floor slabs that leak heat, coping and plinth."""
     box = (front.left, front.top, front.right, BASE)
-    drawing.paint_box(L[front.brick], *box)
-    _courses(drawing, L, front.brick, box)
+    drawing.paint_box(front.brick, *box)
+    _courses(drawing, front.brick, box)
     mottle(
         drawing,
         box=box,
-        amplitude=0.10 * (L["concrete"] - L["brick"]),
-        limit=0.4 * min(L["brick"], L["mortar"]),
+        amplitude={"concrete": 0.10, "brick": -0.10},
+        limit=0.4,
+        surfaces=("brick", "mortar"),
         coarse=2.0,
         fine=14.0,
         stretch=1.0,
@@ -84,181 +83,168 @@ def _brickwork(drawing: Drawing, L: Radiances, front: Front) -> None:
         seed=front.seed,
     )
     tops = front.rows() - 0.014
-    drawing.paint(L["slab"], steps(tops - 0.0035, tops + 0.0035), band(front.left, front.right))
+    drawing.paint("slab", steps(tops - 0.0035, tops + 0.0035), band(front.left, front.right))
     piers = np.linspace(front.left, front.right - 0.005, 3 if front.bays < 9 else 4)
-    drawing.paint(L["concrete"], band(front.top, BASE), steps(piers, piers + 0.005))
+    drawing.paint("concrete", band(front.top, BASE), steps(piers, piers + 0.005))
     drawing.paint_box(
-        L["coping"], front.left - 0.003, front.top - 0.008, front.right + 0.003, front.top + 0.004
+        "coping", front.left - 0.003, front.top - 0.008, front.right + 0.003, front.top + 0.004
     )
-    drawing.paint_box(L["concrete"], front.left, BASE - 0.018, front.right, BASE)
+    drawing.paint_box("concrete", front.left, BASE - 0.018, front.right, BASE)
 
 
-def _courses(
-    drawing: Drawing, L: Radiances, brick: str, box: tuple[float, float, float, float]
-) -> None:
+def _courses(drawing: Drawing, brick: str, box: tuple[float, float, float, float]) -> None:
     left, top, right, low = box
     beds = np.arange(top, low - COURSE, COURSE)
-    mortar = L["mortar"] - L[brick]
-    terms: list[Term] = [(mortar, steps(beds, beds + JOINT), band(left, right))]
+    terms: list[Term] = [(steps(beds, beds + JOINT), band(left, right))]
     for parity in (0, 1):
         heads = np.arange(left + 0.5 * BRICK * (1 + parity), right - JOINT, BRICK)
         faces = beds[parity::2]
-        terms.append((mortar, steps(faces + JOINT, faces + COURSE), steps(heads, heads + JOINT)))
-    drawing.add(terms)
+        terms.append((steps(faces + JOINT, faces + COURSE), steps(heads, heads + JOINT)))
+    drawing.add(difference("mortar", brick), *terms)
 
 
-def _windows(drawing: Drawing, L: Radiances, front: Front) -> None:
+def _windows(drawing: Drawing, front: Front) -> None:
     """Frames, panes in their own state, mullions, and warm air above and below."""
     x, y = front.columns(), front.rows()
     w, h = front.window, WINDOW_HEIGHT
     # Heaters under the sills warm the wall in a soft patch, which the window then covers.
     warm = scatter(y.size * x.size, seed=front.seed + 5).reshape(y.size, x.size)
-    _glow(drawing, L["grille"], front, 0.45 * warm)
+    _glow(drawing, "grille", front, 0.45 * warm)
     rows, columns = steps(y, y + h), steps(x, x + w)
-    drawing.paint(L["frame"], rows, columns)
+    drawing.paint("frame", rows, columns)
     f, m = 0.0018, 0.0013
     middle = x + 0.5 * (w - m)
     panes = np.column_stack([x + f, middle + m]).ravel()
     pane_ends = np.column_stack([middle, x + w - f]).ravel()
-    states = _pane_states(L, front) - L["frame"]
     transom = y + 0.013
-    terms: list[Term] = []
-    for j in range(y.size):
-        upper = steps([y[j] + f, transom[j] + m], [transom[j], y[j] + h - f])
-        terms.append((1.0, upper, steps(panes, pane_ends, states[j])))
-    drawing.add(terms)
+    glass = [steps([y[j] + f, transom[j] + m], [transom[j], y[j] + h - f]) for j in range(y.size)]
+    drawing.add({"frame": -1.0}, *((down, steps(panes, pane_ends)) for down in glass))
+    for state, shares in _pane_states(front).items():
+        across = [steps(panes, pane_ends, share) for share in shares]
+        drawing.add({state: 1.0}, *zip(glass, across, strict=True))
     # Half-drawn blinds hide the warm room in part of the windows.
     blind = scatter(y.size * x.size, seed=front.seed + 9).reshape(y.size, x.size) < 0.22
     for j, i in np.argwhere(blind):
         slats = y[j] + f + 0.0022 * np.arange(9)
         drawing.paint(
-            0.6 * L["glass_mid"] + 0.4 * L["brick"],
+            between("glass_mid", "brick", 0.4),
             steps(slats, slats + 0.0012),
             band(x[i] + f, x[i] + w - f),
         )
-    drawing.paint(L["coping"], steps(y + h, y + h + 0.0025), steps(x - 0.0015, x + w + 0.0015))
+    drawing.paint("coping", steps(y + h, y + h + 0.0025), steps(x - 0.0015, x + w + 0.0015))
 
 
-def _glow(drawing: Drawing, value: float, front: Front, strength: FloatArray) -> None:
+def _glow(drawing: Drawing, surface: str, front: Front, strength: FloatArray) -> None:
     centres = front.columns() + 0.5 * front.window
     for j, y in enumerate(front.rows() + WINDOW_HEIGHT + 0.006):
-        drawing.paint(value, bell(float(y), 0.004), _bells(centres, strength[j]))
+        drawing.paint(surface, bell(float(y), 0.004), bells(centres, 0.007, strength[j]))
 
 
-def _bells(centres: FloatArray, heights: FloatArray) -> Profile:
-    parts = [
-        bell(centre, 0.007, height)
-        for centre, height in zip(centres.tolist(), heights.tolist(), strict=True)
-    ]
-
-    def integral(e: FloatArray) -> FloatArray:
-        total = np.zeros_like(e)
-        for part in parts:
-            total += part.integral(e)
-        return total
-
-    return Profile(parts[0].low, parts[-1].high, integral)
-
-
-def _pane_states(L: Radiances, front: Front) -> FloatArray:
-    """Radiance of each half window, (storeys, 2·bays): cool, lit, or open."""
+def _pane_states(front: Front) -> dict[str, FloatArray]:
+    """Share of each state of the glass in each half window, (storeys, 2·bays)."""
     shape = (front.storeys, front.bays)
     count = front.storeys * front.bays
     draw = scatter(count, seed=front.seed).reshape(shape)
     shade = scatter(count, seed=front.seed + 3).reshape(shape)
-    cool = L["glass_cool"] + shade * (L["glass_mid"] - L["glass_cool"])
-    lit = L["glass_lit"] + 0.5 * shade * (L["glass_mid"] - L["glass_lit"])
-    room = np.where(draw < 0.60, cool, lit)
-    both = np.repeat(room, 2, axis=1)
+    cool = draw < 0.60
+    room = {
+        "glass_cool": np.where(cool, 1.0 - shade, 0.0),
+        "glass_mid": np.where(cool, shade, 0.5 * shade),
+        "glass_lit": np.where(cool, 0.0, 1.0 - 0.5 * shade),
+        "glass_open": np.zeros(shape),
+    }
+    both = {state: np.repeat(share, 2, axis=1) for state, share in room.items()}
     opened = np.argwhere(draw > 0.90)
-    both[opened[:, 0], 2 * opened[:, 1]] = L["glass_open"]
+    for state, share in both.items():
+        share[opened[:, 0], 2 * opened[:, 1]] = 1.0 if state == "glass_open" else 0.0
     return both
 
 
-def _roof_line(drawing: Drawing, L: Radiances) -> None:
+def _roof_line(drawing: Drawing) -> None:
     """Penthouse, vents, chimney with its plume, mast; all against the sky."""
     for step in range(9):
         rise = 0.012 * step
         drawing.paint(
-            L["plume"],
+            "plume",
             bell(0.098 - rise, 0.008 + 0.0018 * step, 0.75 * 0.8**step),
             bell(0.283 + 0.010 * step + 0.0012 * step**2, 0.006 + 0.0030 * step),
         )
-    drawing.paint_box(L["brick_shade"], 0.39, 0.148, 0.50, 0.21)
-    _courses(drawing, L, "brick_shade", (0.39, 0.148, 0.50, 0.20))
-    drawing.paint_box(L["coping"], 0.387, 0.143, 0.503, 0.150)
+    drawing.paint_box("brick_shade", 0.39, 0.148, 0.50, 0.21)
+    _courses(drawing, "brick_shade", (0.39, 0.148, 0.50, 0.20))
+    drawing.paint_box("coping", 0.387, 0.143, 0.503, 0.150)
     slats = 0.160 + 0.004 * np.arange(8)
-    drawing.paint(L["grille"], steps(slats, slats + 0.002), steps([0.405, 0.462], [0.428, 0.485]))
-    drawing.paint_box(L["brick"], 0.270, 0.108, 0.296, 0.21)
-    _courses(drawing, L, "brick", (0.270, 0.112, 0.296, 0.20))
-    drawing.paint_box(L["exhaust"], 0.267, 0.102, 0.299, 0.112)
+    drawing.paint("grille", steps(slats, slats + 0.002), steps([0.405, 0.462], [0.428, 0.485]))
+    drawing.paint_box("brick", 0.270, 0.108, 0.296, 0.21)
+    _courses(drawing, "brick", (0.270, 0.112, 0.296, 0.20))
+    drawing.paint_box("exhaust", 0.267, 0.102, 0.299, 0.112)
     pipes = np.array([0.233, 0.320, 0.341, 0.520, 0.573])
     heights = (0.180, 0.172, 0.184, 0.176, 0.181)
     for k, (x, top) in enumerate(zip(pipes.tolist(), heights, strict=True)):
         name = "vent" if k % 2 else "metal"
-        drawing.paint_box(L[name], x, top, x + 0.008, 0.20)
-        drawing.paint_box(L[name], x - 0.003, top - 0.004, x + 0.011, top)
-    drawing.paint_box(L["metal"], 0.5450, 0.070, 0.5464, 0.20)
+        drawing.paint_box(name, x, top, x + 0.008, 0.20)
+        drawing.paint_box(name, x - 0.003, top - 0.004, x + 0.011, top)
+    drawing.paint_box("metal", 0.5450, 0.070, 0.5464, 0.20)
     bars = 0.078 + 0.012 * np.arange(5)
-    drawing.paint(L["metal"], steps(bars, bars + 0.0012), band(0.535, 0.5564))
+    drawing.paint("metal", steps(bars, bars + 0.0012), band(0.535, 0.5564))
     for x, top in ((0.72, 0.378), (0.80, 0.384), (0.86, 0.372)):
-        drawing.paint_box(L["vent"], x, top, x + 0.014, 0.400)
+        drawing.paint_box("vent", x, top, x + 0.014, 0.400)
 
 
-def _stair_tower(drawing: Drawing, L: Radiances) -> None:
+def _stair_tower(drawing: Drawing) -> None:
     """Plain brick with one tall strip of glass, in shade, between the two fronts."""
     box = (0.605, 0.168, 0.675, BASE)
-    drawing.paint_box(L["brick_shade"], *box)
-    _courses(drawing, L, "brick_shade", box)
-    drawing.paint_box(L["coping"], 0.602, 0.160, 0.678, 0.170)
-    drawing.paint_box(L["glass_mid"], 0.630, 0.200, 0.652, 0.700)
+    drawing.paint_box("brick_shade", *box)
+    _courses(drawing, "brick_shade", box)
+    drawing.paint_box("coping", 0.602, 0.160, 0.678, 0.170)
+    drawing.paint_box("glass_mid", 0.630, 0.200, 0.652, 0.700)
     landings = 0.235 + STOREY * np.arange(7)
-    warm = L["glass_lit"] - L["glass_mid"]
+    warm = difference("glass_lit", "glass_mid")
     weights = np.linspace(1.0, 0.2, 7)
-    drawing.add([(warm, steps(landings - 0.026, landings + 0.018, weights), band(0.630, 0.652))])
+    drawing.add(warm, (steps(landings - 0.026, landings + 0.018, weights), band(0.630, 0.652)))
     bars = 0.200 + 0.0125 * np.arange(41)
-    drawing.paint(L["frame"], steps(bars - 0.0007, bars + 0.0007), band(0.630, 0.652))
+    drawing.paint("frame", steps(bars - 0.0007, bars + 0.0007), band(0.630, 0.652))
     drawing.paint(
-        L["frame"], band(0.200, 0.700), steps([0.629, 0.6403, 0.6512], [0.6308, 0.6417, 0.653])
+        "frame", band(0.200, 0.700), steps([0.629, 0.6403, 0.6512], [0.6308, 0.6417, 0.653])
     )
-    drawing.paint_box(L["concrete"], 0.605, BASE - 0.018, 0.675, BASE)
+    drawing.paint_box("concrete", 0.605, BASE - 0.018, 0.675, BASE)
 
 
-def _lounge(drawing: Drawing, L: Radiances) -> None:
+def _lounge(drawing: Drawing) -> None:
     """Low glazed hall on the left, with a railing round its roof terrace."""
     posts = 0.062 + 0.0042 * np.arange(37)
-    drawing.paint(L["metal"], band(0.588, 0.612), steps(posts, posts + 0.0013))
-    drawing.paint_box(L["metal"], 0.060, 0.5855, 0.215, 0.5885)
-    drawing.paint_box(L["concrete"], 0.055, 0.612, 0.215, BASE)
-    drawing.paint_box(L["coping"], 0.050, 0.607, 0.215, 0.618)
-    drawing.paint_box(L["glass_lit"], 0.066, 0.640, 0.206, 0.728)
-    step = 0.6 * (L["glass_mid"] - L["glass_lit"]) * scatter(7, seed=71)
+    drawing.paint("metal", band(0.588, 0.612), steps(posts, posts + 0.0013))
+    drawing.paint_box("metal", 0.060, 0.5855, 0.215, 0.5885)
+    drawing.paint_box("concrete", 0.055, 0.612, 0.215, BASE)
+    drawing.paint_box("coping", 0.050, 0.607, 0.215, 0.618)
+    drawing.paint_box("glass_lit", 0.066, 0.640, 0.206, 0.728)
+    cooler = difference("glass_mid", "glass_lit")
     edges = np.linspace(0.066, 0.206, 8)
-    drawing.add([(1.0, band(0.640, 0.728), steps(edges[:-1], edges[1:], step))])
-    drawing.paint(L["frame"], band(0.640, 0.728), steps(edges - 0.001, edges + 0.001))
-    drawing.paint(L["frame"], steps([0.6395, 0.664], [0.6415, 0.666]), band(0.066, 0.206))
+    shares = 0.6 * scatter(7, seed=71)
+    drawing.add(cooler, (band(0.640, 0.728), steps(edges[:-1], edges[1:], shares)))
+    drawing.paint("frame", band(0.640, 0.728), steps(edges - 0.001, edges + 0.001))
+    drawing.paint("frame", steps([0.6395, 0.664], [0.6415, 0.666]), band(0.066, 0.206))
 
 
-def _balconies(drawing: Drawing, L: Radiances, front: Front) -> None:
+def _balconies(drawing: Drawing, front: Front) -> None:
     """Galleries of the right wing: slabs and railings of fine bars."""
     rows = front.rows()
     left, right = front.left + 0.012, front.right - 0.012
     feet = rows + WINDOW_HEIGHT + 0.011
     bars = np.arange(left, right, 0.0040)
-    drawing.paint(L["metal"], steps(feet - 0.024, feet), steps(bars, bars + 0.0012))
-    drawing.paint(L["metal"], steps(feet - 0.026, feet - 0.0235), band(left, right))
-    drawing.paint(L["slab"], steps(feet, feet + 0.005), band(left - 0.004, right + 0.004))
+    drawing.paint("metal", steps(feet - 0.024, feet), steps(bars, bars + 0.0012))
+    drawing.paint("metal", steps(feet - 0.026, feet - 0.0235), band(left, right))
+    drawing.paint("slab", steps(feet, feet + 0.005), band(left - 0.004, right + 0.004))
 
 
-def _entrance(drawing: Drawing, L: Radiances) -> None:
+def _entrance(drawing: Drawing) -> None:
     """Glazed doors under a canopy on two columns."""
-    drawing.paint_box(L["brick_shade"], 0.345, 0.645, 0.475, BASE)
-    drawing.paint_box(L["door"], 0.368, 0.672, 0.452, BASE)
+    drawing.paint_box("brick_shade", 0.345, 0.645, 0.475, BASE)
+    drawing.paint_box("door", 0.368, 0.672, 0.452, BASE)
     panels = np.linspace(0.368, 0.452, 7)
-    drawing.paint(L["frame"], band(0.672, BASE), steps(panels - 0.001, panels + 0.001))
-    drawing.paint(L["frame"], steps([0.671, 0.688], [0.673, 0.690]), band(0.368, 0.452))
-    drawing.paint_box(L["concrete"], 0.335, 0.648, 0.485, 0.662)
-    drawing.paint_box(L["coping"], 0.335, 0.645, 0.485, 0.649)
+    drawing.paint("frame", band(0.672, BASE), steps(panels - 0.001, panels + 0.001))
+    drawing.paint("frame", steps([0.671, 0.688], [0.673, 0.690]), band(0.368, 0.452))
+    drawing.paint_box("concrete", 0.335, 0.648, 0.485, 0.662)
+    drawing.paint_box("coping", 0.335, 0.645, 0.485, 0.649)
     for x in (0.345, 0.467):
-        drawing.paint_box(L["concrete"], x, 0.662, x + 0.008, BASE)
-    drawing.paint_ellipse(L["lamp"], 0.410, 0.666, 0.006, 0.0035)
+        drawing.paint_box("concrete", x, 0.662, x + 0.008, BASE)
+    drawing.paint_ellipse("lamp", 0.410, 0.666, 0.006, 0.0035)

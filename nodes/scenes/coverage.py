@@ -102,52 +102,61 @@ def _quadrant_area(x: FloatArray, y: FloatArray) -> FloatArray:
         area: FloatArray = 0.5 * (u * np.sqrt(1.0 - u * u) + np.arcsin(u))
         return area
 
-    s_x, s_chord, chord = primitive(x), primitive(chord)[:, None], chord[:, None]
+    s_x, s_chord = primitive(x)[..., None, :], primitive(chord)[..., None]
+    x, y, chord = x[..., None, :], y[..., None], chord[..., None]
     # The primitive is monotone, so it commutes with min and max and stays one-dimensional.
-    cut = (
-        np.minimum(s_x, -s_chord)
-        + 0.25 * np.pi
-        + np.abs(y)[:, None] * (np.clip(x, -chord, chord) + chord)
-        + np.maximum(s_x, s_chord)
-        - s_chord
-    )
-    area: FloatArray = s_x + 0.25 * np.pi + np.sign(y)[:, None] * cut
-    return area
+    cut = np.minimum(np.maximum(x, -chord), chord)
+    cut += chord
+    cut *= np.abs(y)
+    cut += np.minimum(s_x, -s_chord)
+    cut += np.maximum(s_x, s_chord)
+    cut += 0.25 * np.pi - s_chord
+    cut *= np.sign(y)
+    cut += s_x + 0.25 * np.pi
+    return cut
 
 
 def ellipse_coverage(
     x_edges: FloatArray,
     y_edges: FloatArray,
     *,
-    centre_x: float,
-    centre_y: float,
-    radius_x: float,
-    radius_y: float,
+    centre_x: npt.ArrayLike,
+    centre_y: npt.ArrayLike,
+    radius_x: npt.ArrayLike,
+    radius_y: npt.ArrayLike,
 ) -> FloatArray:
     """Share of each sample inside an ellipse with axes along x and y.
 
     Parameters
     ----------
-    x_edges, y_edges : ndarray, shape (columns + 1,), (rows + 1,)
-        Borders of the samples.
-    centre_x, centre_y, radius_x, radius_y : float
+    x_edges, y_edges : ndarray, shape (..., columns + 1), (..., rows + 1)
+        Borders of the samples, of each ellipse's own where there are several.
+    centre_x, centre_y, radius_x, radius_y : float or ndarray, shape (...)
         Centre and half axes, in the unit of the edges.
 
     Returns
     -------
-    ndarray, shape (rows, columns)
+    ndarray, shape (..., rows, columns)
     """
-    u = (x_edges - centre_x) / radius_x
-    v = (y_edges - centre_y) / radius_y
-    corner = _quadrant_area(np.clip(u, -1.0, 1.0), np.clip(v, -1.0, 1.0))
-    area = np.diff(np.diff(corner, axis=0), axis=1)
-    share: FloatArray = np.clip(area / (np.diff(v)[:, None] * np.diff(u)), 0.0, 1.0)
+    u = (x_edges - np.asarray(centre_x)[..., None]) / np.asarray(radius_x)[..., None]
+    v = (y_edges - np.asarray(centre_y)[..., None]) / np.asarray(radius_y)[..., None]
+    left, right, above, below = u[..., :-1], u[..., 1:], v[..., :-1], v[..., 1:]
+    corner = _quadrant_area(
+        np.minimum(np.maximum(u, -1.0), 1.0), np.minimum(np.maximum(v, -1.0), 1.0)
+    )
+    side = corner[..., 1:, :] - corner[..., :-1, :]
+    share = side[..., 1:] - side[..., :-1]
+    share /= (below - above)[..., None] * (right - left)[..., None, :]
+    np.minimum(np.maximum(share, 0.0, out=share), 1.0, out=share)
     # The differences above lose digits as the square of the size in samples; that would show as
     # noise on even areas, so samples off the rim get their exact value.
-    far_u, far_v = (np.maximum(np.abs(e[1:]), np.abs(e[:-1])) for e in (u, v))
-    near_u, near_v = (np.maximum(np.maximum(e[:-1], -e[1:]), 0.0) for e in (u, v))
-    share[far_u * far_u + (far_v * far_v)[:, None] <= 1.0] = 1.0
-    share[near_u * near_u + (near_v * near_v)[:, None] >= 1.0] = 0.0
+    far_u, far_v = np.maximum(right, -left), np.maximum(below, -above)
+    near_u = np.maximum(np.maximum(left, -right), 0.0)
+    near_v = np.maximum(np.maximum(above, -below), 0.0)
+    inside = (far_u * far_u)[..., None, :] + (far_v * far_v)[..., None] <= 1.0
+    outside = (near_u * near_u)[..., None, :] + (near_v * near_v)[..., None] >= 1.0
+    np.copyto(share, 1.0, where=inside)
+    np.copyto(share, 0.0, where=outside)
     return share
 
 

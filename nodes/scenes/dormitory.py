@@ -16,7 +16,6 @@ from nodes.scenes.grounds import (
     draw_sky,
     draw_tree,
 )
-from nodes.scenes.materials import surface_radiance
 
 CARS = (
     (0.055, "car_cool", False),
@@ -27,49 +26,23 @@ CARS = (
 )
 
 
-def dormitory(
-    *, cut_on_um: float, cut_off_um: float, temperature_K: float, delta_K: float
-) -> Drawing:
-    """Compose the scene, back to front.
-
-    Parameters
-    ----------
-    cut_on_um, cut_off_um : float
-        Band [µm].
-    temperature_K, delta_K : float
-        Air temperature [K] and the step in which surfaces differ from it [K].
-
-    Returns
-    -------
-    Drawing
-        Radiance [W m⁻² sr⁻¹] over the frame.
-
-    Raises
-    ------
-    ParameterError
-        If delta_K puts a surface at or below 0 K.
-    """
-    L = surface_radiance(
-        cut_on_um=cut_on_um,
-        cut_off_um=cut_off_um,
-        temperature_K=temperature_K,
-        delta_K=delta_K,
-    )
-    drawing = Drawing(L["zenith"])
-    draw_sky(drawing, L)
-    draw_hills(drawing, L)
-    draw_building(drawing, L)
-    draw_ground(drawing, L)
+def dormitory() -> Drawing:
+    """Compose the scene, back to front, of the surfaces in `materials`."""
+    drawing = Drawing("zenith")
+    draw_sky(drawing)
+    draw_hills(drawing)
+    draw_building(drawing)
+    draw_ground(drawing)
     for x, y, radius, foot, seed in (
         (0.520, 0.690, (0.026, 0.036), 0.765, 601),
         (0.640, 0.684, (0.028, 0.040), 0.770, 611),
         (0.265, 0.688, (0.026, 0.038), 0.768, 621),
         (0.955, 0.600, (0.075, 0.105), 0.785, 631),
     ):
-        draw_tree(drawing, L, x=x, y=y, radius=radius, foot=foot, seed=seed)
+        draw_tree(drawing, x=x, y=y, radius=radius, foot=foot, seed=seed)
     for left, body, running in CARS:
-        draw_car(drawing, L, left=left, foot=0.832, body=body, running=running)
+        draw_car(drawing, left=left, foot=0.832, body=body, running=running)
     for x in (0.292, 0.792):
-        draw_lamp(drawing, L, x=x, foot=0.872)
-    draw_tree(drawing, L, x=0.030, y=0.610, radius=(0.088, 0.140), foot=0.905, seed=641)
+        draw_lamp(drawing, x=x, foot=0.872)
+    draw_tree(drawing, x=0.030, y=0.610, radius=(0.088, 0.140), foot=0.905, seed=641)
     return drawing

@@ -101,3 +101,19 @@ def surface_radiance(
     sky = own[list(SURFACES).index("zenith")]
     total = emissivity * own + (1.0 - emissivity) * sky
     return dict(zip(SURFACES, total.tolist(), strict=True))
+
+
+def target_radiance(
+    *, cut_on_um: float, cut_off_um: float, temperature_K: float, delta_K: float
+) -> tuple[float, float]:
+    """Band radiance of a black background and of a black target that is delta_K warmer.
+
+    Parameters and unit as for `surface_radiance`.
+    """
+    levels = band_radiance(
+        cut_on_um=cut_on_um,
+        cut_off_um=cut_off_um,
+        temperature_K=np.array([temperature_K, temperature_K + delta_K]),
+    )
+    background, signal = levels.tolist()
+    return background, signal

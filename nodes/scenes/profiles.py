@@ -6,6 +6,7 @@ a difference of two values: no sampling error whatever the size of the picture.
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -18,7 +19,10 @@ from nodes.scenes.coverage import FloatArray
 
 @dataclass(frozen=True)
 class Profile:
-    """A function on `low` to `high`, by its indefinite integral."""
+    """A function on `low` to `high`, or several, by the indefinite integral.
+
+    The integral of several has an axis more in front than what it is given.
+    """
 
     low: float
     high: float
@@ -26,15 +30,23 @@ class Profile:
 
     def means(self, edges: FloatArray) -> FloatArray:
         """Mean over each sample between successive `edges`."""
-        means: FloatArray = np.diff(self.integral(np.clip(edges, self.low, self.high)))
-        return means / np.diff(edges)
+        sums = self.integral(np.minimum(np.maximum(edges, self.low), self.high))
+        means: FloatArray = (sums[..., 1:] - sums[..., :-1]) / (edges[1:] - edges[:-1])
+        return means
 
     def span(self, edges: FloatArray) -> slice:
         """The samples that the profile touches."""
-        first = int(edges.searchsorted(self.low, side="right")) - 1
-        last = int(edges.searchsorted(self.high, side="left"))
-        first = min(max(first, 0), edges.size - 1)
-        return slice(first, max(min(last, edges.size - 1), first))
+        return span(self.low, self.high, edges)
+
+
+def span(low: float, high: float, edges: FloatArray) -> slice:
+    """The samples between `edges` that `low` to `high` touches."""
+    # Searching by numpy gives other threads no turn: it lets go of Python and takes it again
+    # within microseconds, sooner than one that waits wakes up.
+    first = bisect_right(edges, low) - 1
+    last = bisect_left(edges, high)
+    first = min(max(first, 0), edges.size - 1)
+    return slice(first, max(min(last, edges.size - 1), first))
 
 
 def band(low: float, high: float) -> Profile:
@@ -68,12 +80,21 @@ def power(low: float, high: float, exponent: int) -> Profile:
     return Profile(low, high, integral)
 
 
-def wave(low: float, high: float, *, cycles: float, phase: float) -> Profile:
-    """cos(2π·cycles·u + phase), with `cycles` per unit and not 0."""
-    k = 2.0 * np.pi * cycles
+def wave(
+    low: float,
+    high: float,
+    *,
+    cycles: npt.ArrayLike,
+    phase: npt.ArrayLike,
+    height: npt.ArrayLike = 1.0,
+) -> Profile:
+    """height·cos(2π·cycles·u + phase), with `cycles` per unit and not 0; several from arrays."""
+    k = 2.0 * np.pi * np.asarray(cycles, dtype=np.float64)[..., None]
+    start = np.asarray(phase, dtype=np.float64)[..., None]
+    scale = np.asarray(height, dtype=np.float64)[..., None] / k
 
     def integral(e: FloatArray) -> FloatArray:
-        area: FloatArray = np.sin(k * e + phase) / k
+        area: FloatArray = scale * np.sin(k * e + start)
         return area
 
     return Profile(low, high, integral)
@@ -88,3 +109,15 @@ def bell(centre: float, sigma: float, height: float = 1.0) -> Profile:
         return area
 
     return Profile(centre - 5.0 * sigma, centre + 5.0 * sigma, integral)
+
+
+def bells(centres: FloatArray, sigma: float, heights: FloatArray) -> Profile:
+    """A sum of equal Gaussians side by side, cut at 5 sigma beyond the first and the last."""
+    scale = heights * (sigma * float(np.sqrt(2.0 * np.pi)))
+    reach = 5.0 * sigma
+
+    def integral(e: FloatArray) -> FloatArray:
+        area: FloatArray = scale @ ndtr((e - centres[:, None]) / sigma)
+        return area
+
+    return Profile(float(centres[0]) - reach, float(centres[-1]) + reach, integral)

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from core.errors import ParameterError
+from core.workers import Each, in_turn
 from nodes.scenes.canvas import Drawing, by_blocks
 from nodes.scenes.coverage import (
     FloatArray,
@@ -17,6 +18,7 @@ from nodes.scenes.coverage import (
     half_plane_coverage,
     star_coverage,
 )
+from nodes.scenes.mixes import difference
 from nodes.scenes.profiles import band, steps
 
 Picture = npt.NDArray[np.floating]
@@ -52,9 +54,10 @@ def two_panel(
     *, width: int, height: int, background: float, signal: float, dtype: npt.DTypeLike
 ) -> Picture:
     """`background` on the left half of the frame, `signal` on the right half."""
-    drawing = Drawing(background)
-    drawing.add([(signal - background, band(0.0, 1.0), band(0.5, 1.0))])
-    return drawing.render(width=width, height=height, dtype=dtype)
+    drawing = Drawing("background")
+    drawing.add(difference("signal", "background"), (band(0.0, 1.0), band(0.5, 1.0)))
+    two = {"background": background, "signal": signal}
+    return drawing.render(two, width=width, height=height, dtype=dtype)
 
 
 def slanted_edge(
@@ -65,6 +68,7 @@ def slanted_edge(
     signal: float,
     angle_deg: float,
     dtype: npt.DTypeLike,
+    each: Each = in_turn,
 ) -> Picture:
     """`signal` on one side of an edge through the centre.
 
@@ -84,7 +88,7 @@ def slanted_edge(
         )
         return background + (signal - background) * share
 
-    return by_blocks(width=width, height=height, dtype=dtype, rows=rows)
+    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, each=each)
 
 
 def sine(
@@ -96,6 +100,7 @@ def sine(
     angle_deg: float,
     frequency: float,
     dtype: npt.DTypeLike,
+    each: Each = in_turn,
 ) -> Picture:
     """A sinusoid of radiance between `background` and `signal`, a crest at the centre.
 
@@ -120,7 +125,7 @@ def sine(
         picture: FloatArray = mean + np.cos(phase) * x_cosine - np.sin(phase) * x_sine
         return picture
 
-    return by_blocks(width=width, height=height, dtype=dtype, rows=rows)
+    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, each=each)
 
 
 def siemens_star(
@@ -131,6 +136,7 @@ def siemens_star(
     signal: float,
     frequency: float,
     dtype: npt.DTypeLike,
+    each: Each = in_turn,
 ) -> Picture:
     """A disc of `frequency` sectors of `signal`, the first about the +x axis.
 
@@ -150,7 +156,7 @@ def siemens_star(
         star = star_coverage(x_edges, y_edges, spokes=spokes)
         return background + (signal - background) * disc * star
 
-    return by_blocks(width=width, height=height, dtype=dtype, rows=rows)
+    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, each=each)
 
 
 def four_bar(
@@ -173,7 +179,8 @@ def four_bar(
         )
     short = min(width, height)
     unit_x, unit_y = short / width, short / height
-    drawing = Drawing(background)
+    drawing = Drawing("background")
+    warmer = difference("signal", "background")
     for left, top, bar in _bar_layout(frequency, 1.0 / unit_x, 1.0 / unit_y):
         starts = 2.0 * bar * np.arange(4)
         side = 7.0 * bar
@@ -181,10 +188,11 @@ def four_bar(
         upright = steps((left + starts) * unit_x, (left + starts + bar) * unit_x)
         level = steps((top + starts) * unit_y, (top + starts + bar) * unit_y)
         down = band(top * unit_y, (top + side) * unit_y)
-        drawing.add([(signal - background, down, upright)])
+        drawing.add(warmer, (down, upright))
         over = band(across * unit_x, (across + side) * unit_x)
-        drawing.add([(signal - background, level, over)])
-    return drawing.render(width=width, height=height, dtype=dtype)
+        drawing.add(warmer, (level, over))
+    two = {"background": background, "signal": signal}
+    return drawing.render(two, width=width, height=height, dtype=dtype)
 
 
 def _bar_layout(frequency: float, room_x: float, room_y: float) -> list[tuple[float, float, float]]:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodes.scenes.canvas import Drawing, Term
+from nodes.scenes.canvas import Drawing
 from nodes.scenes.coverage import FloatArray
+from nodes.scenes.mixes import Mix, Texture
 from nodes.scenes.profiles import wave
 
 GOLDEN_STEPS = (0.7548776662466927, 0.5698402909980532)
@@ -30,8 +31,9 @@ def mottle(
     drawing: Drawing,
     *,
     box: tuple[float, float, float, float],
-    amplitude: float,
+    amplitude: Mix,
     limit: float,
+    surfaces: tuple[str, ...],
     coarse: float,
     fine: float,
     stretch: float,
@@ -43,26 +45,26 @@ def mottle(
     The waves run from `coarse` to `fine` cycles per frame, weaker when finer, and `stretch`
     times finer in y (ground seen at a grazing angle). A plane wave is a sum of two products,
     so that its mean over each sample is exact. However strong the contrast asked for, the waves
-    together stay within ± `limit`, so that no radiance falls below 0.
+    together stay within ± `limit` of the least of `surfaces`.
     """
     left, top, right, low = box
     size = coarse * (fine / coarse) ** scatter(count, seed=seed)
     angle = np.pi * scatter(count, seed=seed + 1)
     phase = 2.0 * np.pi * scatter(count, seed=seed + 2)
-    weight = amplitude * np.sqrt(2.0 / count) * np.sqrt(coarse / size)
-    reach = float(np.abs(weight).sum())
-    if reach > limit:
-        weight *= limit / reach
-    terms: list[Term] = []
-    for k in range(count):
-        # A frequency of exactly 0 has no integral of this form; the sum keeps clear of it.
-        fx = float(size[k] * np.cos(angle[k])) or 1e-6
-        fy = float(size[k] * np.sin(angle[k]) * stretch) or 1e-6
-        quarter = float(phase[k]) - 0.5 * np.pi
-        across = wave(left, right, cycles=fx, phase=float(phase[k]))
-        across_quarter = wave(left, right, cycles=fx, phase=quarter)
-        down = wave(top, low, cycles=fy, phase=0.0)
-        down_quarter = wave(top, low, cycles=fy, phase=-0.5 * np.pi)
-        terms.append((float(weight[k]), down, across))
-        terms.append((-float(weight[k]), down_quarter, across_quarter))
-    drawing.add(terms)
+    weight = np.sqrt(2.0 / count) * np.sqrt(coarse / size)
+    texture = Texture(f"mottle {seed}", amplitude, float(weight.sum()), limit, surfaces)
+    # A frequency of exactly 0 has no integral of this form; the sum keeps clear of it.
+    fx, fy = (np.where(f == 0.0, 1e-6, f) for f in (size * np.cos(angle), size * np.sin(angle)))
+    fy = fy * stretch
+    quarter = 0.5 * np.pi
+    drawing.add_texture(
+        texture,
+        (
+            wave(top, low, cycles=fy, phase=0.0, height=weight),
+            wave(left, right, cycles=fx, phase=phase),
+        ),
+        (
+            wave(top, low, cycles=fy, phase=-quarter, height=-weight),
+            wave(left, right, cycles=fx, phase=phase - quarter),
+        ),
+    )
