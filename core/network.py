@@ -208,8 +208,23 @@ class Network(_Frozen):
             If there is no such node.
         """
         old = self.node(node)
-        changed = replace(old, params={**old.params, name: value})
-        return replace(self, nodes={**self.nodes, node: changed})
+        return self.with_node(replace(old, params={**old.params, name: value}))
+
+    def with_node(self, node: Node) -> Network:
+        """With a node in the place of the one of its id.
+
+        All else is taken over as it is: it has been checked and frozen, and a drag makes a new
+        network with each move of the mouse.
+
+        Raises
+        ------
+        NetworkError
+            If there is no such node.
+        """
+        self.node(node.id)
+        changed = object.__new__(Network)
+        vars(changed).update(vars(self), nodes=MappingProxyType({**self.nodes, node.id: node}))
+        return changed
 
     def with_seed(self, seed: int) -> Network:
         """With another seed.

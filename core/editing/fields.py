@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 
 from core.editing.operation import ABSENT, Operation, check_plain, with_field
 from core.errors import NetworkError
-from core.network import Network, Node
+from core.network import Network
 from core.plain import freeze, thaw
 
 NodeField = Literal["auto", "disabled"]
@@ -36,7 +36,7 @@ class SetParameter(Operation):
             _check(self.value, f"{self.node}.{self.name}")
             return network.with_parameter(self.node, self.name, self.value)
         params = {name: value for name, value in old.params.items() if name != self.name}
-        return _with_node(network, replace(old, params=params))
+        return network.with_node(replace(old, params=params))
 
     def inverse(self, network: Network) -> Operation:
         """Give it the value it had."""
@@ -70,7 +70,7 @@ class SetNode(Operation):
     def apply(self, network: Network) -> Network:
         """The network with the field set."""
         changes: dict[str, Any] = {self.name: self.value}
-        return _with_node(network, replace(network.node(self.node), **changes))
+        return network.with_node(replace(network.node(self.node), **changes))
 
     def inverse(self, network: Network) -> Operation:
         """Set it as it was."""
@@ -102,7 +102,7 @@ class SetNodeExtra(Operation):
         """The network with the field."""
         _check(self.value, f"{self.node}.{self.name}")
         old = network.node(self.node)
-        return _with_node(network, replace(old, extra=with_field(old.extra, self.name, self.value)))
+        return network.with_node(replace(old, extra=with_field(old.extra, self.name, self.value)))
 
     def inverse(self, network: Network) -> Operation:
         """Set it as it was."""
@@ -176,10 +176,6 @@ class SetExtra(Operation):
         if not isinstance(later, SetExtra) or later.name != self.name:
             return None
         return replace(later, label=self.text)
-
-
-def _with_node(network: Network, node: Node) -> Network:
-    return replace(network, nodes={**network.nodes, node.id: node})
 
 
 def _check(value: Any, what: str) -> None:

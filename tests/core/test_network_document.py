@@ -3,6 +3,7 @@ from __future__ import annotations
 import copy
 import json
 import pickle
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,22 @@ def test_with_parameter_and_seed_leave_the_old_one(network):
     assert list(changed.nodes) == list(network.nodes)
     with pytest.raises(NetworkError, match=r"jiter is no node.*did you mean jitter\?"):
         network.with_parameter("jiter", "sigma_mrad", 0.1)
+
+
+def test_with_a_node_all_else_is_what_it_was(network):
+    assert network.followers
+    node = replace(network.nodes["jitter"], disabled=True, params={"sigma_mrad": [1.0]})
+    changed = network.with_node(node)
+    assert changed == replace(network, nodes={**network.nodes, "jitter": node})
+    assert changed.nodes["jitter"].params == {"sigma_mrad": (1.0,)}
+    assert not network.nodes["jitter"].disabled
+    assert changed.extra is network.extra
+    assert changed.order() == network.order()
+    assert copy.deepcopy(changed) == changed
+    with pytest.raises(TypeError):
+        changed.nodes["x"] = None
+    with pytest.raises(NetworkError, match="blur is no node"):
+        network.with_node(replace(node, id="blur"))
 
 
 @pytest.mark.parametrize("seed", [-1, 2**63, 1.0, True, None, "1"])

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, Signal
-from PySide6.QtGui import QAction, QImage
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.editor.canvas.adding import Adding
@@ -112,10 +112,6 @@ class Canvas(QWidget):
             By the nodes' ids; those not named have none. Typed as what signals carry.
         """
         self.content.set_badges(dict(badges))
-
-    def set_thumbnail(self, name: str, image: QImage | None) -> None:
-        """Show a small picture below a node, or none."""
-        self.content.set_thumbnail(name, image)
 
     def frame_all(self) -> None:
         """Show the whole network, no larger than natural."""

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from PySide6.QtCore import QPointF, QRectF
-from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QGraphicsScene
 
 from app.editor.canvas.backdrop_item import BackdropItem
@@ -47,6 +46,7 @@ class Content:
         self._links: tuple[Link, ...] = ()
         self._points: dict[str, Point] = {}
         self._frames: list[QRectF] = []
+        self._extra: Mapping[str, Any] | None = None
         self._badges: Mapping[str, Badge] = {}
         self._at: dict[str, list[WireItem]] = {}
         self._selected: frozenset[str] = frozenset()
@@ -58,6 +58,7 @@ class Content:
         for name in list(self.nodes):
             self._remove_node(name)
         self._follow_backdrops([])
+        self._extra = None
         self._links = ()
         self._points = {}
         self._badges = {}
@@ -81,9 +82,11 @@ class Content:
             moved = True
         if moved:
             self.route()
-        self._follow_backdrops(
-            [(each.title, QRectF(*_rect(each))) for each in backdrops_of(network)]
-        )
+        if network.extra is not self._extra:
+            self._extra = network.extra
+            self._follow_backdrops(
+                [(each.title, QRectF(*_rect(each))) for each in backdrops_of(network)]
+            )
 
     def wires_at(self, name: str) -> list[WireItem]:
         """The wires that begin or end at a node."""
@@ -148,11 +151,6 @@ class Content:
         for name, item in self.nodes.items():
             item.set_badge(badges.get(name))
 
-    def set_thumbnail(self, name: str, image: QImage | None) -> None:
-        """Show a small picture at a node that is there."""
-        if name in self.nodes:
-            self.nodes[name].set_thumbnail(image)
-
     def set_style(self, style: CanvasStyle) -> None:
         """Draw everything in other colours."""
         self.style = style
@@ -177,8 +175,6 @@ class Content:
         item = NodeItem(face, self.style)
         if old is not None:
             item.setPos(old.pos())
-            if old.thumbnail is not None:
-                item.set_thumbnail(old.thumbnail.pixmap().toImage())
             self._remove_node(node.id)
             self._drawn[node.id] = node
         item.set_badge(self._badges.get(node.id))

@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
-from PySide6.QtGui import QImage, QPainter, QPixmap
-from PySide6.QtWidgets import (
-    QGraphicsItem,
-    QGraphicsPixmapItem,
-    QStyleOptionGraphicsItem,
-    QWidget,
-)
+from PySide6.QtCore import QPointF, QRectF, QSizeF
+from PySide6.QtGui import QPainter
+from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
 from app.editor.canvas.badge_item import INSET, BadgeItem
 from app.editor.canvas.faces import NodeFace, PortFace, Side
@@ -22,7 +17,6 @@ from app.editor.canvas.routing import Box
 from app.editor.canvas.style import CanvasStyle
 from app.editor.evaluation.wants import Badge
 
-THUMBNAIL = QSizeF(96, 54)
 _MARGIN = 8.0  # what is drawn around the frame: ports, the mark of the selection
 
 
@@ -84,7 +78,6 @@ class NodeItem(AbstractNodeItem):
             item.setPos(self.geometry.ports[port.side, port.name])
             self.ports[port.side, port.name] = item
         self._badge: BadgeItem | None = None
-        self._thumbnail: QGraphicsPixmapItem | None = None
         self.setToolTip(face.tooltip)
 
     def boundingRect(self) -> QRectF:
@@ -127,32 +120,6 @@ class NodeItem(AbstractNodeItem):
             self._badge.setPos(self._width - INSET, INSET)
         else:
             self._badge.show_badge(badge)
-
-    @property
-    def thumbnail(self) -> QGraphicsPixmapItem | None:
-        """The small picture below the node."""
-        return self._thumbnail
-
-    def set_thumbnail(self, image: QImage | None) -> None:
-        """Show a small picture below the node, or none."""
-        if image is None or image.isNull():
-            if self._thumbnail is not None:
-                self._drop(self._thumbnail)
-                self._thumbnail = None
-            return
-        if self._thumbnail is None:
-            self._thumbnail = QGraphicsPixmapItem(self)
-        pixmap = QPixmap.fromImage(image).scaled(
-            (2 * THUMBNAIL).toSize(),  # sharp where the canvas is enlarged
-            Qt.AspectRatioMode.KeepAspectRatio,
-            Qt.TransformationMode.SmoothTransformation,
-        )
-        pixmap.setDevicePixelRatio(2.0)
-        self._thumbnail.setPixmap(pixmap)
-        self._thumbnail.setTransformationMode(Qt.TransformationMode.SmoothTransformation)
-        self._thumbnail.setPos(
-            (self._width - pixmap.deviceIndependentSize().width()) / 2, self._height + 3.0
-        )
 
     def take_face(self, face: NodeFace) -> bool:
         """Show another face, if it has the same texts and ports; whether it has."""

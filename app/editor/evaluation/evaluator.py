@@ -12,6 +12,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from app.editor.evaluation.collector import Collector
+from app.editor.evaluation.frames import Frames
 from app.editor.evaluation.mailbox import Asked, Inbox, Outbox, Snapshot
 from app.editor.evaluation.memory import store_bytes
 from app.editor.evaluation.pace import PAUSE_S
@@ -86,7 +87,8 @@ class Evaluator(QObject):
         self._session = session
         self._inbox = Inbox()
         bell = _Bell()
-        bell.rung.connect(self._take_news, Qt.ConnectionType.QueuedConnection)
+        self._frames = Frames(self._take_news, self)
+        bell.rung.connect(self._frames.tell, Qt.ConnectionType.QueuedConnection)
         self._outbox = Outbox(bell.ring)
         self._runner = Runner(
             session.library,
@@ -170,6 +172,7 @@ class Evaluator(QObject):
         self._session.changed.disconnect(self._follow_change)
         self._session.opened.disconnect(self._follow_opening)
         self._soon.stop()
+        self._frames.stop()
         self._outbox.closed = True
         self._inbox.stop()
         if self._thread is not None:
@@ -211,14 +214,13 @@ class Evaluator(QObject):
         self._generation += 1
         if self._thread is None:
             self._start()
-        asked = tuple(each for group in self._asked.values() for each in group)
         self._inbox.post(
             Snapshot(
                 self._generation,
                 self._document,
                 self._session.network,
                 self._session.folder,
-                asked,
+                tuple(each for group in self._asked.values() for each in group),
                 self._edits,
                 self._generates,
                 self._gestures,

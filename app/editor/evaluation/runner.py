@@ -58,6 +58,7 @@ class Runner:
         self._planned: Planned | None = None
         self._small: Plan | None = None
         self._has_preview = False
+        self._pictured = False
         self._skipped: dict[str, str] = {}
         self._badges: dict[str, Badge] | None = None
 
@@ -117,6 +118,7 @@ class Runner:
             self._sent.clear()
             self._planned = self._small = self._done = self._badges = None
             self._skipped = {}
+            self._pictured = False
             return True
         generate = last.generates != snapshot.generates
         if last.edits != snapshot.edits:
@@ -187,9 +189,12 @@ class Runner:
             self._sent.give_up([due.asked for due in task.due[position.done :]])
         finally:
             self.position = None
-        if task.due or self._is_edited(snapshot):
-            done = PassDone(snapshot.generation, position.seconds, reduced, position.stopped)
-            self._outbox.done(done)
+        # What is opened is looked at only once it has been planned.
+        follows = self._is_edited(snapshot) or (bool(pictures) and not self._pictured)
+        self._pictured |= bool(pictures)
+        if task.due or follows:
+            how = (position.seconds, reduced, position.stopped, follows)
+            self._outbox.done(PassDone(snapshot.generation, *how))
         return True
 
     def _answer_rest(self, rest: list[Due], task: Task, position: Position) -> None:
@@ -227,9 +232,8 @@ class Runner:
     ) -> None:
         asked = due.asked
         self._sent.put(asked, Sent(due.key, work.tally if work else None, reduced, error))
-        self._outbox.answer(
-            Answer(snapshot.generation, asked.owner, asked.want, value, error, reduced)
-        )
+        found = Answer(snapshot.generation, asked.owner, asked.want, value, error, reduced)
+        self._outbox.answer(found)
         if due.is_picture:
             self._pace.shown()
 

@@ -103,12 +103,17 @@ class Badge:
 
 @dataclass(frozen=True)
 class PassDone:
-    """A pass has ended: how long it took, and how."""
+    """A pass has ended: how long it took, and how.
+
+    `after_edit` says whether it was the first after an edit, after all was generated or after the
+    document was opened, and not one for what is looked at in addition.
+    """
 
     generation: int
     seconds: float
     reduced: int = 1
     cancelled: bool = False
+    after_edit: bool = False
 
 
 @dataclass(frozen=True)

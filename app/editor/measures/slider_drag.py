@@ -1,9 +1,13 @@
-"""A slider dragged by the mouse in the window: pictures a second, and gaps of the event loop."""
+"""A slider dragged by the mouse in the window: pictures a second, and gaps of the event loop.
+
+Given the side of the pictures, and if wanted the seconds of a drag and how many drags.
+"""
 
 from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 import time
 from dataclasses import replace
@@ -45,43 +49,54 @@ class Gaps:
         self._last = now
 
 
-def main(size: int, duration_s: float) -> None:
-    """Drag the blur of the Kodak chain on a picture of size², and count."""
+def main(size: int, duration_s: float = 4.0, times: int = 1) -> None:
+    """Drag the blur of the Kodak chain on a picture of size², each time anew, and count."""
     with trial_window() as (_, window):
-        _open(window, size)
-        slider = window.panels.findChild(QSlider, f"slider.{PARAMETER}")
-        painted = PaintedPictures(window, window.viewers.images[1])
-        gaps = Gaps()
-        start = time.monotonic()
-        _drag(slider, duration_s)
-        seconds = time.monotonic() - start
-        found = gaps.stop()
-        settle(window)
-        figures = {
-            "size": size,
-            "seconds": seconds,
-            "pictures": len(painted.times),
-            "pictures_per_s": len(painted.times) / seconds,
-            "previews": painted.reduced,
-            "largest_gap_ms": max(found),
-            "median_gap_ms": median(found),
-            "gaps_over_50_ms": sum(gap > 50 for gap in found),
-        }
-        print(json.dumps(figures))
+        for _ in range(times):
+            slider = open_slider(window, size)
+            print(json.dumps({"size": size, **measured(window, slider, duration_s)}))
 
 
-def _open(window: MainWindow, size: int) -> None:
+def measured(window: MainWindow, slider: QSlider, duration_s: float) -> dict[str, float]:
+    """Drag the slider, and tell what was seen."""
+    painted = PaintedPictures(window, window.viewers.images[1])
+    gaps = Gaps()
+    start = time.monotonic()
+    drag(slider, duration_s)
+    seconds = time.monotonic() - start
+    found = gaps.stop()
+    settle(window)
+    return {
+        "seconds": seconds,
+        "pictures": len(painted.times),
+        "pictures_per_s": len(painted.times) / seconds,
+        "previews": painted.reduced,
+        "largest_gap_ms": max(found),
+        "median_gap_ms": median(found),
+        "gaps_over_30_ms": sum(gap > 30 for gap in found),
+        "gaps_over_50_ms": sum(gap > 50 for gap in found),
+        "load": os.getloadavg()[0] if hasattr(os, "getloadavg") else math.nan,
+    }
+
+
+def open_slider(
+    window: MainWindow, size: int, node: str = NODE, parameter: str = PARAMETER
+) -> QSlider:
+    """Open the Kodak chain with pictures of size², nothing computed yet but what is shown."""
     library = window.session.library
     network = open_named("kodak_kir310", library=library).document.network
     for side in ("width", "height"):
         network = SetParameter("scene", side, size).apply(network)
     window.files.show(Opened(Document(replace(network), library=library)))
     settle(window)
-    window.session.select([NODE])
+    window.session.select([node])
     settle(window)
+    slider = window.panels.findChild(QSlider, f"slider.{parameter}")
+    assert isinstance(slider, QSlider)
+    return slider
 
 
-def _drag(slider: QSlider, duration_s: float) -> None:
+def drag(slider: QSlider, duration_s: float) -> None:
     """Press on the handle and move it to and fro, as a hand does."""
     style, option = slider.style(), QStyleOptionSlider()
     slider.initStyleOption(option)
@@ -103,4 +118,5 @@ def _drag(slider: QSlider, duration_s: float) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), float(sys.argv[2]))
+    size, duration_s, times = (*sys.argv[1:], *("4", "1")[len(sys.argv) - 2 :])
+    main(int(size), float(duration_s), int(times))

@@ -6,20 +6,22 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from PySide6.QtCore import Qt
-from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
+from PySide6.QtCore import QEvent, QSize, Qt
+from PySide6.QtGui import QHideEvent, QPalette, QShowEvent
+from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit, QSizePolicy, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.wants import Answer, Passing, Want
 from app.editor.panels.colours import set_ink
 from app.editor.panels.number_text import shown_figure
 from app.editor.panels.wording import label_of, tip
+from app.editor.steady_width import steady_width
 from app.editor.theme import Theme
 from core.declaration import Declaration
 from core.engine import Plan
 
 NONE = "—"
+_BESIDE = 3  # room that a line edit keeps at both ends, and for the cursor
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,55 @@ class ReadoutsWant(Want):
         """Name and text of each."""
         found = passing.engine.readouts(passing.plan, self.node, passing.work)
         return tuple((name, shown_figure(value)) for name, value in found.items())
+
+
+class ReadoutValue(QLineEdit):
+    """A value that can be selected and copied.
+
+    No `QLabel`, which has the window laid out anew for each text.
+    """
+
+    _width = 0
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setReadOnly(True)
+        self.setFrame(False)
+        self.setTextMargins(0, 0, 0, 0)
+        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+        self.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        palette = self.palette()
+        palette.setColor(QPalette.ColorRole.Base, Qt.GlobalColor.transparent)
+        self.setPalette(palette)
+        self.show_text(NONE)
+
+    def show_text(self, text: str) -> None:
+        """Show a value."""
+        if text != self.text():
+            self.setText(text)
+            self.setCursorPosition(0)
+            self._fit(self._width)
+
+    def sizeHint(self) -> QSize:
+        """Room for the value, as high as a line of text."""
+        return QSize(self._width + 2 * _BESIDE, self.fontMetrics().height())
+
+    def minimumSizeHint(self) -> QSize:
+        """All of it."""
+        return self.sizeHint()
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Follow the font."""
+        super().changeEvent(event)
+        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
+            self._fit(0)
+
+    def _fit(self, had: int) -> None:
+        width = steady_width(self.text(), self.font(), had)
+        if width != self._width:
+            self._width = width
+            self.updateGeometry()
 
 
 class ReadoutsView(QWidget):
@@ -74,7 +125,7 @@ class ReadoutsView(QWidget):
         self.want = ReadoutsWant(node)
         self._owner = f"panel.readouts.{id(self):x}"
         self._evaluator = evaluator
-        self.values: dict[str, QLabel] = {}
+        self.values: dict[str, ReadoutValue] = {}
         self._quiet: list[QLabel] = []
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 2, 0, 2)
@@ -84,18 +135,17 @@ class ReadoutsView(QWidget):
         for row, readout in enumerate(declaration.readouts):
             name = QLabel(label_of(readout.name), self)
             name.setWordWrap(True)
-            value = QLabel(NONE, self)
+            value = ReadoutValue(self)
             value.setObjectName(f"readout.{readout.name}")
-            value.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-            value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
             unit = QLabel(readout.unit, self)
             value.setAccessibleName(
                 f"{name.text()} in {readout.unit}" if readout.unit else name.text()
             )
-            for column, label in enumerate((name, value, unit)):
+            for label in (name, unit):
                 label.setTextFormat(Qt.TextFormat.PlainText)
-                label.setToolTip(tip(readout.meaning))
-                grid.addWidget(label, row, column)
+            for column, widget in enumerate((name, value, unit)):
+                widget.setToolTip(tip(readout.meaning))
+                grid.addWidget(widget, row, column)
             self.values[readout.name] = value
             self._quiet += [name, unit]
         self.set_theme(theme)
@@ -123,5 +173,5 @@ class ReadoutsView(QWidget):
         if not isinstance(answer, Answer) or answer.owner != self._owner:
             return
         texts = dict(answer.value) if answer.error is None else {}
-        for name, label in self.values.items():
-            label.setText(texts.get(name, NONE))
+        for name, value in self.values.items():
+            value.show_text(texts.get(name, NONE))

@@ -124,7 +124,7 @@ class CurvesWant(Want):
         chain = find_chain(sound_part(passing.plan))
         grid = chain.grid
         if grid is None:
-            trouble = _trouble(passing.plan, ()) or "the network has no transfer function to plot"
+            trouble = _trouble(passing.plan, ())
             return TransferCurves(self.angle_deg, np.zeros(0), (), (), trouble)
         samples = min(FINEST, max(grid.rows, grid.columns) // 2 + 1)
         found = responses_along(chain, passing.work, self.angle_deg, samples)

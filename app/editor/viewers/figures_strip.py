@@ -38,7 +38,9 @@ def figure_text(value: Any, unit: str) -> str:
 
 
 class FiguresStrip(Viewer):
-    """Read-outs of the electronics that lead to the final picture, and how long the last pass took.
+    """Read-outs of the electronics that lead to the final picture, and the run time.
+
+    That is how long all that is shown took after the last change.
 
     Parameters
     ----------
@@ -126,13 +128,12 @@ class FiguresStrip(Viewer):
             label = self._values[name]
             figure = figures.get(name)
             if figure is None:
-                label.tell(NONE)
-                label.setToolTip(none)
+                label.tell(NONE, none)
             else:
-                label.tell(figure_text(figure.value, figure.unit))
                 node = found.node if found is not None else ""
                 exact = "" if figure.value is None else f" {figure.value!r} {figure.unit}".rstrip()
-                label.setToolTip(f"{figure.meaning}{exact} ({node})")
+                text = figure_text(figure.value, figure.unit)
+                label.tell(text, f"{figure.meaning}{exact} ({node})")
 
     def _preferred(self) -> str | None:
         for name in reversed(self.session.selection):
@@ -145,8 +146,7 @@ class FiguresStrip(Viewer):
         self.ask()
 
     def _pass_done(self, done: Any) -> None:
-        if isinstance(done, PassDone) and not done.cancelled:
-            label = self._values[RUN_TIME]
-            label.tell(figure_text(done.seconds, "s"))
-            kind = f"a preview of 1:{done.reduced}" if done.reduced > 1 else "the last pass"
-            label.setToolTip(f"Time that {kind} took: {done.seconds:.4f} s")
+        if isinstance(done, PassDone) and done.after_edit and not done.cancelled:
+            kind = f"a preview of 1:{done.reduced}" if done.reduced > 1 else "all that is shown"
+            about = f"Time that {kind} took after the last change: {done.seconds:.4f} s"
+            self._values[RUN_TIME].tell(figure_text(done.seconds, "s"), about)

@@ -13,6 +13,8 @@ from app.editor.viewers.plot_looks import paint_axis, see_through
 from app.editor.viewers.without_matplotlib import without_matplotlib
 
 _WIDTH = 60
+_ROOM = 0.06  # beside the histogram at both ends, of its length
+_FILLED = 0.8  # of the axis, by the histogram: else the axis is fitted anew
 
 
 class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
@@ -36,7 +38,7 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         with without_matplotlib():
             super().__init__()
         self._writing = False
-        self._shown: Range | None = None
+        self._spread: Range | None = None
         self.vb.setMaximumWidth(_WIDTH)
         self.vb.setMenuEnabled(False)
         self.vb.setMouseEnabled(x=False, y=False)
@@ -44,6 +46,8 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         self.gradient.showTicks(False)
         self.axis.enableAutoSIPrefix(False)
         self.disableAutoHistogramRange()
+        # The curve is turned: its bars grow to the left of zero, up to 1.
+        self.vb.setXRange(-1.02, 0.0, padding=0.0)
         self.sigLevelsChanged.connect(self._levels_changed)
         self.sigLevelChangeFinished.connect(self._level_change_finished)
         self.set_theme(theme)
@@ -71,10 +75,9 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
             reach = abs(low) * 1e-3 or 1.0
             low, high = low - reach, high + reach
         bars = np.log1p(spread.counts.astype(np.float64))
+        bars /= max(1.0, float(bars.max()))
         centres = spread.centres if spread.high > spread.low else np.linspace(low, high, len(bars))
         self.plot.setData(centres, bars)
-        # The curve is turned: its bars grow to the left of zero.
-        self.vb.setXRange(-1.02 * max(1.0, float(bars.max())), 0.0, padding=0.0)
         self._see(low, high, levels)
         if not any(line.moving for line in (*self.region.lines, self.region)):
             self._writing = True
@@ -82,12 +85,19 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
             self._writing = False
 
     def _see(self, low: float, high: float, levels: Range) -> None:
-        """Keep histogram and levels in view, without jumping while levels are dragged."""
-        if (low, high) == self._shown:
+        """Keep histogram and levels in view, without jumping while levels or sliders are dragged.
+
+        The axis stays as it is where that fits nearly as well: to draw it takes a millisecond.
+        """
+        if (low, high) == self._spread:
             return
-        self._shown = low, high
+        self._spread = low, high
         bottom, top = min(low, levels[0]), max(high, levels[1])
-        self.setHistogramRange(bottom, top, padding=0.06)
+        first, last = self.vb.viewRange()[1]
+        least = _FILLED * (last - first)
+        if first <= bottom and top <= last and top - bottom >= least:
+            return
+        self.setHistogramRange(bottom, top, padding=_ROOM)
 
     def _levels_changed(self) -> None:
         if not self._writing:

@@ -133,7 +133,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._colours = name
         self.levels.set_colours(name)
         for item in (self.first, self.second):
-            item.setLookupTable(colour_table(name))
+            item.set_table(colour_table(name))
 
     def mark(self, place: tuple[float, float] | None) -> None:
         """Put the cross there."""

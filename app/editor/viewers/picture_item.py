@@ -8,7 +8,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainter
 
-from app.editor.viewers.colour_maps import Table
+from app.editor.viewers.colour_maps import Table, colour_table
 from app.editor.viewers.picture_facts import Facts
 from app.editor.viewers.picture_want import Picture
 
@@ -30,8 +30,12 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
 
     def show_picture(self, picture: Picture, table: Table, place: QRectF) -> None:
         """Show this picture at this place."""
-        self.setImage(picture.grey, autoLevels=False, levels=None, lut=table)
+        self.setImage(picture.grey, autoLevels=False, levels=None, lut=_lookup(table))
         self.setRect(place)
+
+    def set_table(self, table: Table) -> None:
+        """Show it in other colours."""
+        self.setLookupTable(_lookup(table))
 
     def show_from(self, share: float) -> None:
         """Show it from there on."""
@@ -49,3 +53,8 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
         painter.setClipRect(bounds)
         super().paint(painter, *args)
         painter.restore()
+
+
+def _lookup(table: Table) -> Table | None:
+    """Levels that are greys already need no table, and are shown faster without."""
+    return None if table is colour_table("grey") else table

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from itertools import zip_longest
 
+import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QPen
@@ -11,7 +13,8 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme
 from app.editor.viewers.drawing import Drawing, Line, Panel, value_at, y_range
-from app.editor.viewers.plot_looks import bare, mark_pen, paint_axes, see_through, thick
+from app.editor.viewers.plot_looks import bare, paint_axes, thick
+from app.editor.viewers.plot_mark import PlotMark
 
 _DASHES = (
     Qt.PenStyle.SolidLine,
@@ -19,6 +22,8 @@ _DASHES = (
     Qt.PenStyle.DotLine,
     Qt.PenStyle.DashDotLine,
 )
+_Range = tuple[float, float]
+_Ranges = tuple[_Range | None, tuple[_Range, ...]]
 _STEP = 0.01  # of the abscissa's range, for the arrow keys
 
 
@@ -47,6 +52,9 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._plots: list[pg.PlotItem] = []
         self._curves: list[dict[str, pg.PlotDataItem]] = []
         self._cursors: list[pg.InfiniteLine] = []
+        self._drawn: dict[tuple[int, str], Line] = {}
+        self._marks: list[PlotMark] = []
+        self._ranges: _Ranges | None = None
         self._at: tuple[int, float, str] | None = None
         self.scene().sigMouseMoved.connect(self._mouse_moved)
         self.set_theme(theme)
@@ -64,7 +72,6 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         alike = (
             before.x_label == drawing.x_label
             and before.entries == drawing.entries
-            and before.marks == drawing.marks
             and [_look(panel) for panel in before.panels] == [_look(p) for p in drawing.panels]
         )
         if alike:
@@ -91,11 +98,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     def frame(self) -> None:
         """Show all of the curves."""
         self.framed = True
-        along = self.drawing.x_range
-        for plot, panel in zip(self._plots, self.drawing.panels, strict=True):
-            if along is not None:
-                plot.setXRange(*along, padding=0.02)
-            plot.setYRange(*y_range(panel, self.shown), padding=0.0)
+        self._frame(self._whole())
 
     def leaveEvent(self, event: QEvent) -> None:
         """The cursor reads nothing."""
@@ -124,6 +127,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._read_nothing()
         self.ci.clear()
         self._plots, self._curves, self._cursors = [], [], []
+        self._drawn, self._ranges, self._marks = {}, None, []
         last = len(self.drawing.panels) - 1
         for row, panel in enumerate(self.drawing.panels):
             plot = self.addPlot(row=row, col=0)
@@ -138,7 +142,6 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             plot.getViewBox().sigXRangeChanged.connect(self._follow_x)
             self._plots.append(plot)
             self._curves.append({line.name: self._curve(plot, line) for line in panel.lines})
-            self._mark(plot, row == 0)
             cursor = pg.InfiniteLine(angle=90, pen=pg.mkPen(self.theme.accent))
             cursor.setVisible(False)
             plot.addItem(cursor)
@@ -151,37 +154,55 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         curve.setZValue(2 if total else 3)
         return curve
 
-    def _mark(self, plot: pg.PlotItem, named: bool) -> None:
+    def _follow_marks(self) -> None:
+        """Put the marks where they are now; those that are too many wait for their use."""
         along = self.drawing.x_range
-        for mark in self.drawing.marks:
-            if along is None or not along[0] <= mark.frequency <= along[1] * (1 + 1e-9):
-                continue
-            line = pg.InfiniteLine(mark.frequency, angle=90, pen=mark_pen(self.theme))
-            line.setZValue(5)
-            plot.addItem(line)
-            if named:
-                # Upright beside the line, on its left: on the right the plot may end.
-                label = pg.InfLineLabel(
-                    line,
-                    f"{mark.text} {mark.frequency:.4g}",
-                    position=0.03,
-                    rotateAxis=(1, 0),
-                    anchors=[(0, 1), (0, 1)],
-                    color=self.theme.text,
-                    fill=see_through(self.theme.base, 190),
-                )
-                label.setFont(self._small)
+        marks = [
+            mark
+            for mark in self.drawing.marks
+            if along is not None and along[0] <= mark.frequency <= along[1] * (1 + 1e-9)
+        ]
+        while self._plots and len(self._marks) < len(marks):
+            self._marks.append(PlotMark(self._plots, self.theme, self._small))
+        for item, mark in zip_longest(self._marks, marks):
+            if mark is None:
+                item.hide()
+            else:
+                item.show_at(mark.frequency, f"{mark.text} {mark.frequency:.4g}")
 
     def _update(self) -> None:
-        for panel, curves in zip(self.drawing.panels, self._curves, strict=True):
+        for row, panel in enumerate(self.drawing.panels):
             for line in panel.lines:
-                curve = curves[line.name]
-                curve.setVisible(line.name in self.shown)
-                curve.setData(line.x, line.y)
-        if self.framed:
-            self.frame()
+                self._show_line(row, line)
+        self._follow_marks()
+        if self.framed and (whole := self._whole()) != self._ranges:
+            self._frame(whole)
         if self._at is not None:
             self._read(*self._at)
+
+    def _show_line(self, row: int, line: Line) -> None:
+        """Draw a line, unless it is there: of a chain's curves an edit changes one or two."""
+        curve = self._curves[row][line.name]
+        curve.setVisible(line.name in self.shown)
+        drawn = self._drawn.get((row, line.name))
+        if drawn is None or not (
+            np.array_equal(drawn.x, line.x) and np.array_equal(drawn.y, line.y, equal_nan=True)
+        ):
+            curve.setData(line.x, line.y)
+            self._drawn[row, line.name] = line
+
+    def _whole(self) -> _Ranges:
+        """Abscissae of all panels, and ordinates of each, that show all of the curves."""
+        ordinates = tuple(y_range(panel, self.shown) for panel in self.drawing.panels)
+        return self.drawing.x_range, ordinates
+
+    def _frame(self, whole: _Ranges) -> None:
+        self._ranges = whole
+        along, ordinates = whole
+        for plot, ordinate in zip(self._plots, ordinates, strict=True):
+            if along is not None:
+                plot.setXRange(*along, padding=0.02)
+            plot.setYRange(*ordinate, padding=0.0)
 
     def _follow_x(self, moved: pg.ViewBox, along: tuple[float, float]) -> None:
         """Show the same abscissae in all panels; pyqtgraph's own link shifts them by some dots."""
@@ -194,7 +215,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
                 plot.getAxis("bottom").linkedViewChanged(box)
 
     def _seen_otherwise(self) -> None:
-        self.framed = False
+        self.framed, self._ranges = False, None
 
     def _mouse_moved(self, point: QPointF) -> None:
         for index, plot in enumerate(self._plots):

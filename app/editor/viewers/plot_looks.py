@@ -5,6 +5,7 @@ from __future__ import annotations
 import pyqtgraph as pg
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QPen
+from PySide6.QtWidgets import QGraphicsItem
 
 from app.editor.theme import Theme
 
@@ -24,7 +25,8 @@ def paint_axes(plot: pg.PlotItem, theme: Theme) -> None:
 
 
 def paint_axis(axis: pg.AxisItem, theme: Theme) -> None:
-    """One axis."""
+    """One axis; drawn anew only when it changes, as its text and grid take long."""
+    axis.setCacheMode(QGraphicsItem.CacheMode.DeviceCoordinateCache)
     axis.setPen(theme.line)
     axis.setTextPen(theme.text)
 

@@ -255,7 +255,10 @@ class PlotViewer(Viewer):
         if curves.trouble:
             self.status.tell(curves.trouble, failed=True)
             return
-        end = curves.frequency[-1] if len(curves.frequency) else 0.0
+        if not len(curves.frequency):
+            self.status.tell("the network has no transfer function to plot")
+            return
+        end = curves.frequency[-1]
         beyond = [mark for mark in curves.marks if mark.frequency > end * (1 + 1e-9)]
         told = [f"{mark.text} at {mark.frequency:.4g} cyc/mrad" for mark in beyond]
         self.status.tell(f"beyond the plot: {', '.join(told)}" if told else "")

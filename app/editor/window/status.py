@@ -67,6 +67,8 @@ class StatusBar(QStatusBar):
 
     def forget_error(self) -> None:
         """Nothing is wrong any more."""
+        if not self.error:
+            return  # as with nearly every edit
         self._error.setText("")
         self._error.setToolTip("")
         self._error.hide()

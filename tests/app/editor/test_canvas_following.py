@@ -1,7 +1,7 @@
 """The canvas shows what the document holds, and follows each change of it."""
 
 import pytest
-from PySide6.QtGui import QColor, QImage
+from PySide6.QtGui import QColor
 
 from app.editor.evaluation.wants import Badge
 from app.editor.theme import LIGHT
@@ -192,19 +192,6 @@ def test_a_badge_outlives_its_item_being_drawn_anew(opened, canvas):
     session.do(Rename("blur", "haze"))
     session.undo()
     assert canvas.content.nodes["blur"].badge == Badge("error", "no")
-
-
-def test_thumbnails_keep_their_shape_and_go(opened, canvas):
-    opened("first_steps")
-    image = QImage(640, 320, QImage.Format.Format_Grayscale8)
-    image.fill(120)
-    canvas.set_thumbnail("scene", image)
-    size = canvas.content.nodes["scene"].thumbnail.boundingRect()
-    assert size.width() / size.height() == pytest.approx(2.0, rel=0.02)
-    assert size.width() <= 96.0
-    canvas.set_thumbnail("scene", None)
-    assert canvas.content.nodes["scene"].thumbnail is None
-    canvas.set_thumbnail("nobody", image)
 
 
 def test_the_tooltips_say_what_there_is(opened, canvas):

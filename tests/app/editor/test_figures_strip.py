@@ -1,9 +1,12 @@
 """The row of figures: the electronics' read-outs, and the run time."""
 
 import pytest
+from PySide6.QtCore import QEvent, QObject
+from PySide6.QtGui import QFontMetricsF
 
 from app.editor.evaluation.wants import PassDone, Passing
 from app.editor.theme import DARK, LIGHT
+from app.editor.viewers.elided_label import ElidedLabel
 from app.editor.viewers.figures_strip import FiguresStrip, figure_text
 from app.editor.viewers.figures_want import SHOWN, FiguresWant
 from core.editing.fields import SetNode, SetParameter
@@ -137,11 +140,38 @@ def test_a_broken_network_still_has_its_figures(bench):
     assert all(each.value is not None for each in found.figures)
 
 
-def test_run_time_of_the_last_pass(bench, strip):
-    bench.evaluator.pass_done.emit(PassDone(99, 0.0123))
+def test_run_time_of_the_last_pass_after_a_change(bench, strip):
+    bench.evaluator.pass_done.emit(PassDone(99, 0.0123, after_edit=True))
     assert strip.text("run_time") == "12.3 ms"
-    bench.evaluator.pass_done.emit(PassDone(100, 5.0, cancelled=True))
+    bench.evaluator.pass_done.emit(PassDone(100, 5.0, cancelled=True, after_edit=True))
+    bench.evaluator.pass_done.emit(PassDone(101, 0.0012))  # for a panel opened meanwhile
     assert strip.text("run_time") == "12.3 ms"
+
+
+def test_a_figure_of_like_length_lays_nothing_out_anew(bench, strip, qtbot):
+    class Layouts(QObject):
+        number = 0
+
+        def eventFilter(self, _watched, event):  # noqa: N802
+            self.number += event.type() == QEvent.Type.LayoutRequest
+            return False
+
+    def laid_out(seconds):
+        counting.number = 0
+        bench.evaluator.pass_done.emit(PassDone(99, seconds, after_edit=True))
+        qtbot.wait(30)
+        return counting.number
+
+    counting = Layouts(strip)
+    strip.installEventFilter(counting)
+    label = strip.findChild(ElidedLabel, "figures_strip.run_time")
+    label.tell("—")
+    assert laid_out(0.01233) > 0
+    assert laid_out(0.01122) == 0
+    assert strip.text("run_time") == "11.22 ms"
+    assert laid_out(0.01) == 0
+    needed = QFontMetricsF(label.font()).horizontalAdvance("12.33 ms")
+    assert needed <= label.sizeHint().width() < needed + 2
 
 
 def test_asks_only_while_visible(bench, strip):

@@ -3,8 +3,10 @@
 import csv
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
+import pyqtgraph as pg
 import pytest
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QImage
@@ -48,8 +50,46 @@ def named(found):
 def test_an_empty_network_has_nothing_to_plot(session, qtbot):
     bench = ViewerBench(qtbot, session)
     viewer = bench.show(PlotViewer(session, bench.evaluator, DARK))
-    assert "no transfer function" in viewer.status.title.text()
+    title = viewer.status.title
+    assert "no transfer function" in title.text()
+    assert title.palette().color(title.foregroundRole()).name() == DARK.text  # no error
     bench.close()
+
+
+def test_an_edit_draws_only_what_it_changes(bench, viewer):
+    plot, drawn = viewer.canvas._plots[0], viewer.canvas._curves[0]
+    items = [item.curve for item in drawn.values()]
+    before = [id(item.xData) for item in items]
+    axes = [id(plot.getAxis(name).picture) for name in ("left", "bottom")]
+    bench.do(SetParameter("jitter", "sigma_mrad", 2 * SIGMA))
+    assert viewer.canvas._plots[0] is plot
+    totals = {each.name for each in curves(bench).curves if each.kind == "total"}
+    now = [id(item.xData) for item in items]
+    changed = {name for name, one, other in zip(drawn, before, now, strict=True) if one != other}
+    assert changed == {"jitter", *totals}
+    assert axes == [id(plot.getAxis(name).picture) for name in ("left", "bottom")]
+
+
+def test_a_mark_moves_without_the_plot_being_made_anew(bench, viewer):
+    plot = viewer.canvas._plots[0]
+    (mark,) = curves(bench).marks[:1]
+    assert mark.frequency in marks_of(plot)
+    drawing = viewer.canvas.drawing
+    moved = replace(drawing, marks=(replace(mark, frequency=mark.frequency / 2),))
+    viewer.canvas.show_drawing(moved, viewer.canvas.shown)
+    assert viewer.canvas._plots[0] is plot
+    assert marks_of(plot) == {mark.frequency / 2: f"{mark.text} {mark.frequency / 2:.4g}"}
+    viewer.canvas.show_drawing(replace(drawing, marks=()), viewer.canvas.shown)
+    assert marks_of(plot) == {}
+    viewer.canvas.show_drawing(drawing, viewer.canvas.shown)
+    assert viewer.canvas._plots[0] is plot
+    assert marks_of(plot)[mark.frequency] == f"{mark.text} {mark.frequency:.4g}"
+
+
+def marks_of(plot):
+    """Abscissae and names of the marks that are to be seen."""
+    lines = [item for item in plot.items if isinstance(item, pg.InfiniteLine) and item.isVisible()]
+    return {line.value(): child.toPlainText() for line in lines for child in line.childItems()}
 
 
 def test_draws_every_stage_and_the_totals(bench, viewer):

@@ -83,8 +83,8 @@ class Chart:
         painter.setPen(_pen(colour, width, style))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for run in _runs(np.isfinite(along)):
-            points = [QPointF(a, b) for a, b in zip(across[run], along[run], strict=True)]
-            painter.drawPolyline(QPolygonF(points))
+            points = map(QPointF, across[run].tolist(), along[run].tolist())
+            painter.drawPolyline(QPolygonF(list(points)))
         painter.restore()
 
     def upright(self, x: float, text: str, line: int = 0) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -61,7 +62,7 @@ class TransferLines:
     y: TransferLine
     turn: float | None = None
 
-    @property
+    @cached_property
     def alike(self) -> bool:
         """Whether both axes have the same curve."""
         return (

@@ -1,0 +1,66 @@
+"""What the window is told of each pass: which ones followed a change."""
+
+import pytest
+
+from app.editor.evaluation.evaluator import Evaluator
+from core.editing.document import Document
+from core.editing.fields import SetParameter
+from editor_wants import Readouts, Samples
+
+FINAL = [Samples("back.image")]
+
+
+@pytest.fixture
+def evaluator(opened):
+    session = opened("first_steps")
+    made = Evaluator(session)
+    yield made
+    made.close()
+    made.deleteLater()
+
+
+@pytest.fixture
+def told(evaluator, qtbot):
+    """Whether each pass was told as one that followed a change, up to the end of all work."""
+    passes = []
+    evaluator.pass_done.connect(passes.append)
+
+    def since_last():
+        qtbot.waitUntil(lambda: evaluator.idle, timeout=20_000)
+        found = [done.after_edit for done in passes if not done.cancelled]
+        passes.clear()
+        return found
+
+    return since_last
+
+
+def test_what_is_looked_at_in_addition_follows_no_change(evaluator, session, told):
+    evaluator.ask("viewer", FINAL)
+    assert told() == [True]
+    evaluator.ask("panel", [Readouts("blur")])
+    assert told() == [False]
+    evaluator.ask("other viewer", [Samples("scene.image")])
+    assert told() == [False]
+    session.do(SetParameter("blur", "sigma_x_mrad", 0.5))
+    assert told() == [True]
+    evaluator.ask("third viewer", [Samples("init.magnitude")])
+    assert told() == [False]
+
+
+def test_to_generate_all_and_to_open_are_changes(evaluator, session, library, told):
+    evaluator.ask("viewer", FINAL)
+    told()
+    evaluator.generate()
+    assert told() == [True]
+    session.open(Document(session.network, library=library))
+    assert told() == [True]
+
+
+def test_the_first_pictures_of_a_document_belong_to_its_opening(evaluator, told):
+    """The window looks at them only once it knows the plan."""
+    evaluator.ask("panel", [Readouts("blur")])
+    assert told() == [True]
+    evaluator.ask("viewer", FINAL)
+    assert told() == [True]
+    evaluator.ask("other viewer", [Samples("scene.image")])
+    assert told() == [False]
