@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QEvent, QMimeData, QObject
+from PySide6.QtGui import QDropEvent
+from PySide6.QtWidgets import QWidget
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.session import Session
@@ -15,17 +17,31 @@ from core.editing.fitting import new_node
 from core.editing.operation import Operation, together
 
 READ_IMAGE = "read_image"
+_DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
 _STEP = 30.0  # from one file dropped to the next
 
 
 class Drops(QObject):
     """Modules and files that come in."""
 
-    def __init__(self, session: Session, files: Files, canvas: Canvas, parent: QObject) -> None:
-        super().__init__(parent)
+    def __init__(self, session: Session, files: Files, canvas: Canvas, window: QWidget) -> None:
+        super().__init__(window)
         self._session = session
         self._files = files
         self._canvas = canvas
+        window.setAcceptDrops(True)
+        window.installEventFilter(self)
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        """Take files dropped on a part of the window that has no use for them itself."""
+        if not isinstance(event, QDropEvent) or event.type() not in _DRAGGING:
+            return False
+        paths = dropped_files(event.mimeData())
+        if paths:
+            event.acceptProposedAction()
+            if event.type() == QEvent.Type.Drop:
+                self.files(paths, self._canvas.cursor_point())
+        return bool(paths)
 
     def add_module(self, key: str) -> None:
         """Put a module of the library where the mouse was last."""
@@ -59,6 +75,11 @@ class Drops(QObject):
         folder = self._session.folder.absolute()
         inside = path.is_relative_to(folder)
         return (path.relative_to(folder) if inside else path).as_posix()
+
+
+def dropped_files(data: QMimeData) -> list[str]:
+    """Paths of the files of this machine that are dragged; none where other things are."""
+    return [url.toLocalFile() for url in data.urls() if url.isLocalFile()]
 
 
 def _named(paths: list[str]) -> str:

@@ -29,6 +29,7 @@ class Help(QObject):
         super().__init__(window)
         self._session = session
         self._window = window
+        self._exported: ImageViewer | PlotViewer | None = None
 
     def shortcuts(self) -> None:
         """List every shortcut."""
@@ -54,7 +55,7 @@ class Help(QObject):
 
     def export(self) -> None:
         """Ask where to write what the viewer used last shows."""
-        viewer = self._viewer()
+        self._exported = viewer = self._viewer()
         kinds = _CURVES if isinstance(viewer, PlotViewer) else _PICTURES
         dialog = QFileDialog(self._window, "Export", str(Path.cwd()), kinds)
         dialog.setObjectName("file_dialog")
@@ -66,7 +67,7 @@ class Help(QObject):
         dialog.open()
 
     def _export_to(self, text: str) -> None:
-        viewer = self._viewer()
+        viewer = self._exported or self._viewer()  # the dialog has had the focus meanwhile
         try:
             if isinstance(viewer, PlotViewer):
                 viewer.export(Path(text))

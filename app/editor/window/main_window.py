@@ -7,13 +7,7 @@ from typing import Any
 
 from PySide6.QtCore import QPointF, QSize, Qt, QTimer
 from PySide6.QtGui import QCloseEvent
-from PySide6.QtWidgets import (
-    QApplication,
-    QMainWindow,
-    QStackedWidget,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QApplication, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.evaluation.evaluator import Evaluator
@@ -144,8 +138,9 @@ class MainWindow(QMainWindow):
 
     def stop(self) -> None:
         """Close because the process is told to end: unsaved work stays to be recovered."""
-        self.autosaver.keep()
-        self.close_for_good()
+        if not self._closing:  # who asks may ask again before the process has ended
+            self.autosaver.keep()
+            self.close_for_good()
 
     def close_for_good(self) -> None:
         """Close without asking; what runs is stopped, nothing is left to recover."""
@@ -194,11 +189,15 @@ class MainWindow(QMainWindow):
         self.resizeDocks([plot, viewer], [24 * line, 24 * line], along)
         self.resizeDocks([viewer, plot], [62 * unit, 75 * unit], across)
 
-    def _add_dock_toggles(self) -> None:
-        menu = self.menus["&View"]
-        menu.addSeparator()
-        for dock in (self.library_dock, self.panel_dock, self.viewers.plot_dock):
-            menu.addAction(dock.toggleViewAction())
+    def _add_dock_toggles(self) -> None:  # whatever is closed can be shown again
+        self.menus["&View"].addSeparator()
+        docks = (self.library_dock, self.panel_dock, self.viewers.plot_dock)
+        for dock in (*docks, *self.viewers.docks.values()):
+            self._add_toggle(dock)
+        self.viewers.made.connect(self._add_toggle)
+
+    def _add_toggle(self, dock: Any) -> None:
+        self.menus["&View"].addAction(dock.toggleViewAction())
 
     def _connect(self) -> None:
         session, evaluator = self.session, self.evaluator
@@ -251,7 +250,8 @@ class MainWindow(QMainWindow):
         history = document.history
         name = document.path.name if document.path else self.session.network.name or "untitled"
         self.setWindowTitle(f"{name}[*] — Imagechain")
-        self.setWindowModified(document.modified)
+        if document.modified != self.isWindowModified():  # Qt tells it to all in any case
+            self.setWindowModified(document.modified)
         for key, verb, text in (
             ("undo", "&Undo", history.undo_text),
             ("redo", "&Redo", history.redo_text),

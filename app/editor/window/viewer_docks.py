@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QObject, Qt
+from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar
 from shiboken6 import isValid
 
@@ -18,7 +18,15 @@ _PICTURES = ("image", "magnitude", "phase", "transfer", "pupil")
 
 
 class ViewerDocks(QObject):
-    """Viewers by number; one that is not there yet is made when something is shown in it."""
+    """Viewers by number; one that is not there yet is made when something is shown in it.
+
+    Signals
+    -------
+    made(dock)
+        A dock has been made.
+    """
+
+    made = Signal(object)
 
     def __init__(
         self, session: Session, evaluator: Evaluator, theme: Theme, window: QMainWindow
@@ -90,6 +98,7 @@ class ViewerDocks(QObject):
             dock = self._dock(f"Viewer {number}", f"dock.viewer_{number}", viewer)
             if self.docks:
                 self._window.tabifyDockWidget(list(self.docks.values())[-1], dock)
+            self._window.restoreDockWidget(dock)  # to where it was the last time, if anywhere
             self.images[number] = viewer
             self.docks[number] = dock
         return viewer
@@ -97,6 +106,7 @@ class ViewerDocks(QObject):
     def _dock(self, title: str, name: str, widget: ImageViewer | PlotViewer) -> QDockWidget:
         dock = add_dock(self._window, title, name, widget, _BOTTOM)
         dock.visibilityChanged.connect(self._name_tabs)
+        self.made.emit(dock)
         return dock
 
     def _name_tabs(self, _visible: bool) -> None:

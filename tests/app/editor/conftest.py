@@ -10,6 +10,8 @@ os.environ.setdefault("QT_PREFERRED_BINDING", "PySide6")
 from app.editor.canvas.canvas import Canvas
 from app.editor.session import Session
 from app.editor.theme import DARK
+from app.editor.window.main_window import MainWindow
+from app.editor.window.settings import Settings
 from app.shipped import shipped_networks
 from canvas_hands import CanvasHands
 from core.editing.document import Document
@@ -60,3 +62,46 @@ def canvas(qtbot, session):
 def hand(canvas):
     """A hand on the mouse and the keys, above the canvas."""
     return CanvasHands(canvas)
+
+
+@pytest.fixture
+def settings(tmp_path):
+    """Settings of this test alone."""
+    return Settings(tmp_path / "config" / "editor.ini")
+
+
+@pytest.fixture
+def make_window(qtbot, library, settings, tmp_path):
+    """Windows that end with the test."""
+    made = []
+
+    def make(**choices):
+        chosen = {"library": library, "settings": settings, "recovery": tmp_path / "recovery"}
+        window = MainWindow(**{**chosen, **choices})
+        made.append(window)
+        window.show()
+        qtbot.waitExposed(window)
+        return window
+
+    yield make
+    for window in made:
+        window.close_for_good()
+        window.deleteLater()
+
+
+@pytest.fixture
+def window(make_window):
+    """A window with its welcome page."""
+    return make_window()
+
+
+@pytest.fixture
+def idle(qtbot):
+    """Wait until a window has computed all it wants."""
+
+    def wait(window):
+        qtbot.wait(60)
+        qtbot.waitUntil(lambda: window.evaluator.idle, timeout=30_000)
+        qtbot.wait(60)
+
+    return wait

@@ -17,64 +17,7 @@ from app.editor.window.settings import Settings
 from app.shipped import shipped_networks
 from core.editing.autosave import recoverable
 from core.editing.fields import SetParameter
-from core.editing.fitting import new_node
-
-
-@pytest.fixture
-def settings(tmp_path):
-    return Settings(tmp_path / "config" / "editor.ini")
-
-
-@pytest.fixture
-def make_window(qtbot, library, settings, tmp_path):
-    """Windows that end with the test."""
-    made = []
-
-    def make(**choices):
-        window = MainWindow(
-            library=library, settings=settings, recovery=tmp_path / "recovery", **choices
-        )
-        made.append(window)
-        window.show()
-        qtbot.waitExposed(window)
-        return window
-
-    yield make
-    for window in made:
-        window.close_for_good()
-        window.deleteLater()
-
-
-@pytest.fixture
-def window(make_window):
-    return make_window()
-
-
-@pytest.fixture
-def idle(qtbot):
-    """Wait until a window has computed all it wants."""
-
-    def wait(window):
-        qtbot.wait(60)
-        qtbot.waitUntil(lambda: window.evaluator.idle, timeout=30_000)
-        qtbot.wait(60)
-
-    return wait
-
-
-def add(window, key):
-    name, operation = new_node(window.session.network, window.session.library, key, (0.0, 0.0))
-    assert window.session.do(operation)
-    return name
-
-
-def answer(qtbot, window, button):
-    """Press a button of the question that is open."""
-    qtbot.waitUntil(lambda: window.findChild(QMessageBox, "save_changes") is not None)
-    box = window.findChild(QMessageBox, "save_changes")
-    box.setObjectName("answered")
-    QTest.mouseClick(box.button(button), Qt.MouseButton.LeftButton)
-
+from window_hands import add, answer
 
 # --- beginning, opening ------------------------------------------------------------------------
 
@@ -226,7 +169,7 @@ def test_unsaved_work_is_on_the_disk_within_two_seconds(window, qtbot, tmp_path)
     start = time.monotonic()
     add(window, "test_scene")
     folder = tmp_path / "recovery"
-    kept = lambda: [p for p in folder.glob("*") if b"test_scene" in p.read_bytes()]  # noqa: E731
+    kept = lambda: [p for p in folder.glob("*.recovery") if b"test_scene" in p.read_bytes()]  # noqa: E731
     qtbot.waitUntil(lambda: bool(kept()), timeout=5000)
     assert time.monotonic() - start < 2.0
     assert stat.S_IMODE(folder.stat().st_mode) & 0o077 == 0, "others could read it"

@@ -1,0 +1,99 @@
+"""Hands on a whole window: keys go where the focus is, as a person's do."""
+
+from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMessageBox
+
+from canvas_hands import CanvasHands
+from core.editing.fitting import new_node
+
+KEY = Qt.Key
+CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+
+
+class WindowHands(CanvasHands):
+    """Presses, drags and types in a window that is shown."""
+
+    def __init__(self, window):
+        super().__init__(window.canvas)
+        self.window = window
+
+    def begin(self):
+        """An empty network, the canvas in front and with the focus."""
+        self.window.files.new()
+        self.focus()
+
+    def focus(self):
+        """Go back to the canvas, as after a dialog."""
+        give_focus(self.window.canvas.view)
+
+    def select(self, *names):
+        """Click on the heads of nodes, further ones with Ctrl."""
+        for number, name in enumerate(names):
+            self.click(self.head(name), CTRL if number else Qt.KeyboardModifier.NoModifier)
+        assert self.window.session.selection == names
+
+    def drop_files(self, widget, pos, paths):
+        """Drag files over a widget and drop them there; whether they were taken."""
+        data = QMimeData()
+        data.setUrls([QUrl.fromLocalFile(str(path)) for path in paths])
+        return self.drop(widget, pos, data)
+
+    @staticmethod
+    def drop(widget, pos, data):
+        """What a drag from elsewhere sends to the widget under the pointer, or to its parents.
+
+        Qt gives the events of a drag to the first one upwards that accepts drops.
+        """
+        while widget is not None and not widget.acceptDrops():
+            pos, widget = widget.mapToParent(pos), widget.parentWidget()
+        if widget is None:
+            return False
+        action, left = Qt.DropAction.CopyAction, Qt.MouseButton.LeftButton
+        none = Qt.KeyboardModifier.NoModifier
+        enter = drag_event(QDragEnterEvent, pos, action, data, left, none)
+        QApplication.sendEvent(widget, enter)
+        if not enter.isAccepted():
+            return False
+        move = drag_event(QDragMoveEvent, pos, action, data, left, none)
+        QApplication.sendEvent(widget, move)
+        if not move.isAccepted():
+            return False
+        drop = QDropEvent(QPointF(pos), action, data, left, none)
+        QApplication.sendEvent(widget, drop)
+        return drop.isAccepted()
+
+
+def drag_event(kind, pos, *rest):
+    """A drag event; their points are of floating point from Qt 6.12 on."""
+    try:
+        return kind(QPointF(pos), *rest)
+    except TypeError:
+        return kind(pos, *rest)
+
+
+def give_focus(widget):
+    """As by a click: to a widget's window, then to it."""
+    widget.window().activateWindow()
+    widget.setFocus()
+    for _ in range(100):
+        if widget.hasFocus():
+            return
+        QTest.qWait(20)
+    raise AssertionError(f"{widget.objectName()} does not get the focus")
+
+
+def add(window, key, at=(0.0, 0.0)):
+    """A node of a module, by the document; gives its name."""
+    name, operation = new_node(window.session.network, window.session.library, key, at)
+    assert window.session.do(operation)
+    return name
+
+
+def answer(qtbot, window, button):
+    """Press a button of the question that is open."""
+    qtbot.waitUntil(lambda: window.findChild(QMessageBox, "save_changes") is not None)
+    box = window.findChild(QMessageBox, "save_changes")
+    box.setObjectName("answered")
+    QTest.mouseClick(box.button(button), Qt.MouseButton.LeftButton)
