@@ -7,7 +7,9 @@ from functools import cache
 from core.declaration import Module
 from core.library import Library, library_of
 from nodes.analysis.compare_images import CompareImages
+from nodes.analysis.measured_mtf import MeasuredMTF
 from nodes.analysis.mtf_slices import MtfSlices
+from nodes.analysis.spatial_blur import SpatialBlur
 from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
 from nodes.detector.charge_eff_mtf import ChargeEffMTF
 from nodes.detector.charge_eff_phase import ChargeEffPhase
@@ -63,7 +65,9 @@ MODULES: tuple[type[Module], ...] = (
     PeriodicNoise,
     NoiseFile,
     MtfSlices,
+    MeasuredMTF,
     CompareImages,
+    SpatialBlur,
 )
 
 

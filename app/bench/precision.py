@@ -9,6 +9,7 @@ from app.bench.precision_poisson import MEASURES as POISSON
 from app.bench.precision_pupils import MEASURES as PUPILS
 from app.bench.precision_scanning import MEASURES as SCANNING
 from app.bench.precision_skip import MEASURES as SKIPPING
+from app.bench.precision_spatial import MEASURES as SPATIAL
 from app.bench.precision_wavelengths import MEASURES as WAVELENGTHS
 
 MEASURES = (
@@ -20,4 +21,5 @@ MEASURES = (
     *POISSON,
     *SKIPPING,
     *SCANNING,
+    *SPATIAL,
 )

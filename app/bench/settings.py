@@ -28,6 +28,7 @@ TABLES = {
         "poisson",
         "skipping",
         "scanning",
+        "spatial",
     ),
     "peers": ("peers",),
     "editor": ("editor",),

@@ -12,6 +12,7 @@ import numpy as np
 from app.arguments import version
 from app.chain import ending_images
 from app.evaluation import Evaluation
+from app.report.budget_facts import budget_facts
 from app.report.published import conflicts, published_rows
 from app.responses import StageResponse, at_nyquist
 from core.engine import PlannedNode
@@ -57,6 +58,7 @@ def report_facts(found: Evaluation, skipped: tuple[Skip, ...]) -> dict[str, Any]
             "products": [_stage(stage) for stage in found.responses.products],
             "at_nyquist": nyquist,
         },
+        "budget": budget_facts(found),
         "nodes": {name: _node(found, name, node) for name, node in found.plan.nodes.items()},
         "published": published_rows(found, nyquist),
         "conflicts": conflicts(network),

@@ -7,6 +7,7 @@ from html import escape
 from typing import Any
 
 from app.evaluation import Evaluation
+from app.report.budget import budget
 from app.report.curves import product_png, stages_png
 from app.report.drawing import noise_png, panels_png, pictures_png
 from app.report.economy import economy, state
@@ -34,6 +35,7 @@ def page(found: Evaluation, facts: dict[str, Any]) -> str:
         _transfer(found, facts),
         _pupils(found),
         _noise(found, facts),
+        budget(facts),
         _readouts(facts),
         economy(facts),
         _nodes(facts),

@@ -124,9 +124,7 @@ def test_the_editor_with_a_display_that_does_not_answer(imagechain, display):
     )
 
 
-@pytest.mark.parametrize(
-    "size", ["", "1600", "1600x", "x900", "16x9", "1e3x900", "٣٢٠x٣٢٠"]
-)
+@pytest.mark.parametrize("size", ["", "1600", "1600x", "x900", "16x9", "1e3x900", "٣٢٠x٣٢٠"])
 def test_the_size_of_a_window(fails, size):
     assert "whole numbers from 320 to 16384" in fails("edit", "--size", size)
 

@@ -22,9 +22,11 @@ EXPECTED = {
     "kodak_kir310",
     "kodak_kir310_1996",
     "magnitude_of_one_phase_of_another",
+    "measured_mtf",
     "poisson_two_panel",
     "pupils",
     "pushbroom_banding",
+    "spatial_blur",
 }
 
 

@@ -15,7 +15,7 @@ PURE_NUMBERS = {
     "fill_x", "fill_y", "factor_x", "factor_y", "alpha", "scatter_depth", "size_x", "size_y",
     "vanes", "wavelengths", "seed", "photons_per_unit", "detectors_per_line", "efficiency",
     "optics_transmission", "filter_transmission", "amplifier_snr", "post_poles", "post_gain",
-    "amplitude", "modulation", "samples", "range_low", "range_high",
+    "amplitude", "modulation", "samples", "range_low", "range_high", "error",
 }  # fmt: skip
 # Numbers of either sign without a natural limit.
 UNBOUNDED = {

@@ -44,6 +44,8 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "noise_file": {"path": "noise.npy", "scale": 0.1},
     "mtf_slices": {"direction": "both", "samples": 9},
     "compare_images": {},
+    "measured_mtf": {"region_width": 40, "samples": 9},
+    "spatial_blur": {"truncation": "none"},
 }  # fmt: skip
 
 # Settings at which a module passes its input on; several where there are several ways to say so.

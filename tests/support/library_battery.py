@@ -28,6 +28,7 @@ APPLIED = [k for k in FILTERS if DECLARED[k].parameter("apply")]
 SCENE = {"kind": "dormitory", "width": 15, "height": 11, "fov_x_deg": 1.5, "fov_y_deg": 1.1}
 BASE: dict[str, tuple[str, dict[str, Any]]] = {
     "scene": ("test_scene", SCENE),
+    "edge": ("test_scene", {**SCENE, "kind": "slanted_edge", "width": 48, "height": 40}),
     "other": ("test_scene", {**SCENE, "kind": "sine"}),
     "init": ("init_trans", SENSOR),
     "pupil": ("exit_pupil", SMALL_PUPIL),
@@ -45,6 +46,8 @@ SOURCES = {
     "image": "scene.image", "context": "init.context", "magnitude": "blur.magnitude",
     "phase": "lag.phase", "pupil": "pupil.pupil", "transfer": "blur.mtf",
 }  # fmt: skip
+# What a module can make nothing of is not what it is tried with.
+OWN_SOURCES = {("measured_mtf", "image"): "edge.image"}
 
 
 def network(key: str, params: dict[str, Any], pupil: dict[str, Any] | None = None) -> Network:
@@ -55,6 +58,7 @@ def network(key: str, params: dict[str, Any], pupil: dict[str, Any] | None = Non
     links = list(BASE_LINKS)
     for port in DECLARED[key].inputs:
         source = "other.image" if port.name == "reference" else SOURCES[port.types[0]]
+        source = OWN_SOURCES.get((key, port.name), source)
         links.append((source, f"it.{port.name}"))
     return linked_network(nodes, links, seed=1996)
 

@@ -135,6 +135,20 @@ _SLICES = (
     Section("", ("angle_deg",), shown_when=("direction", ("angle",))),
     Section("Curves", ("stages", "samples")),
 )
+_SPATIAL = (
+    Section("Kernels", ("truncation",)),
+    Section("", ("half_width_px",), shown_when=("truncation", ("half_width",))),
+    Section("", ("error",), shown_when=("truncation", ("error",))),
+)
+_MEASURED = (
+    Section("", ("method", "target", "direction")),
+    Section("Region", ("region_x", "region_y", "region_width", "region_height")),
+    Section("Slanted edge", ("window", "samples"), shown_when=("method", ("slanted_edge",))),
+    Section(
+        "Level ends", ("clip_left_px", "clip_right_px"), shown_when=("method", ("row_average",))
+    ),
+    Section("Curve", ("axis",)),
+)
 
 _LAYOUTS: Mapping[str, Layout] = MappingProxyType(
     {
@@ -154,5 +168,7 @@ _LAYOUTS: Mapping[str, Layout] = MappingProxyType(
         "electronics_noise": ELECTRONICS,
         "periodic_noise": _PERIODIC,
         "mtf_slices": _SLICES,
+        "measured_mtf": _MEASURED,
+        "spatial_blur": _SPATIAL,
     }
 )

@@ -105,10 +105,14 @@ def other_values(parameter):
     return found[:2]
 
 
+SCENE = {"width": 24, "height": 16}
+SCENES = {"measured_mtf": {"kind": "slanted_edge", "width": 32, "height": 32}}
+
+
 def made(key, params, folder):
     """All that a node makes of a small scene, as arrays; errors as their text."""
     nodes = {
-        "scene": Node("scene", "test_scene", {"width": 24, "height": 16}),
+        "scene": Node("scene", "test_scene", SCENES.get(key, SCENE)),
         "init": Node("init", "init_trans", INIT),
         "node": Node("node", key, params),
     }

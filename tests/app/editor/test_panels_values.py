@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QFontMetricsF, QKeySequence
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
@@ -71,11 +72,16 @@ def evaluator(session):
     made.deleteLater()
 
 
+# What a module needs to see to have anything to tell.
+SCENES = {"measured_mtf": "slanted_edge"}
+
+
 def chain_with(key, folder):
     """The chain with one more node, whose inputs all are linked."""
     np.save(folder / "picture.npy", np.arange(64.0 * 64).reshape(64, 64))
     inputs = [(SOURCES[p.types[0]], f"node.{p.name}") for p in declaration(LIBRARY[key]).inputs]
-    nodes = {**CHAIN, "node": (key, PARAMS.get(key, {}))}
+    scene = ("test_scene", {"kind": SCENES.get(key, "dormitory"), "width": 64, "height": 64})
+    nodes = {**CHAIN, "scene": scene, "node": (key, PARAMS.get(key, {}))}
     return linked_network(nodes, (*LINKS, *inputs))
 
 
@@ -111,6 +117,27 @@ def test_read_outs_appear_where_the_inputs_are_there(qtbot, session, evaluator, 
         label = area.panels["node"].body.readouts.values[readout.name]
         assert readout.meaning in html.unescape(label.toolTip())
         assert label.isVisible()
+
+
+def test_a_read_out_can_be_copied_and_stays_where_it_is(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "jitter_mtf")
+    value = area.panels["node"].body.readouts.values["half_contrast"]
+    value.show_text("0.12345")
+    QApplication.processEvents()
+    size, where = value.size(), value.geometry()
+    value.show_text("0.11111")  # narrower
+    QApplication.processEvents()
+    assert (value.size(), value.geometry()) == (size, where)
+    assert value.isReadOnly()
+    QTest.mouseClick(value, LEFT)
+    QTest.keySequence(value, QKeySequence.StandardKey.SelectAll)
+    QTest.keySequence(value, QKeySequence.StandardKey.Copy)
+    assert QApplication.clipboard().text() == "0.11111"
+    value.show_text("0.111111111111111")
+    QApplication.processEvents()
+    room = value.width() - QFontMetricsF(value.font()).horizontalAdvance(value.text())
+    assert room >= 2
 
 
 def test_read_outs_follow_edits_and_go_where_they_cannot_be(qtbot, session, evaluator, tmp_path):
