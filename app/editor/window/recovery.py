@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from core.editing.autosave import Recovered, recoverable
 from PySide6.QtCore import QObject
 
 from app.editor.window.autosaving import Autosaver
 from app.editor.window.files import Files
 from app.editor.window.opening import Opened
+from core.editing.autosave import Recovered, recoverable
 from core.errors import ImagechainError
 from nodes.library import standard_library
 
