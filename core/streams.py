@@ -9,6 +9,7 @@ Source: Salmon, Moraes, Dror and Shaw 2011, Parallel random numbers: as easy as 
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from hashlib import blake2b
@@ -31,8 +32,7 @@ BLOCK = 1 << 17
 """Samples drawn from one counter; part of what defines a field. Shorter ones keep two threads
 waiting for each other: 0.74 ms for 512² normals in place of 0.94."""
 
-SPARSE_MEAN = 4.0
-"""Up to this mean, drawing a block's events is faster than a deviate for every sample."""
+SPARSE_MEAN = 4.0  # up to it, drawing a block's events is faster than a deviate for every sample
 
 NORMAL_LIMIT = 1e12
 """Poisson means above are drawn as rounded normals: exact to 1e-7 in probability, where the
@@ -45,17 +45,30 @@ _PLACE_BITS = (BLOCK - 1).bit_length()  # of a random word, that tell a place in
 
 @dataclass(frozen=True)
 class Stream:
-    """An endless supply of independent deviates, named by who draws what under which seed."""
+    """An endless supply of independent deviates, named by who draws what under which seed.
+
+    Parameters
+    ----------
+    seed, node, field
+        The network's seed, who draws, and what.
+    frame
+        Number of the frame in a sequence; a single picture is frame 0.
+    fixed
+        Whether what is drawn belongs to the sensor and stays the same in every frame.
+    """
 
     seed: int
     node: str
     field: str
+    frame: int = 0
+    fixed: bool = dataclasses.field(default=False, compare=False)
 
     @property
     def key(self) -> int:
         """128-bit key of the stream."""
         digest = blake2b(digest_size=16, person=b"imagechain noise")
-        for part in (str(int(self.seed)), self.node, self.field):
+        frame = (f"frame {self.frame}",) if self.frame else ()
+        for part in (str(int(self.seed)), self.node, self.field, *frame):
             encoded = part.encode()
             digest.update(len(encoded).to_bytes(8, "little"))
             digest.update(encoded)

@@ -18,8 +18,11 @@ class SeededModule(Module):
     ] = "automatic"
     seed: Annotated[int, Param("seed, when typed in", low=0, high=2**63 - 1)] = 0
 
-    def stream(self, here: Here, field: str) -> Stream:
-        """The stream of one noise field; a typed seed gives the same noise under any name."""
+    def stream(self, here: Here, field: str, *, fixed: bool = False) -> Stream:
+        """The stream of one noise field; a typed seed gives the same noise under any name.
+
+        What is `fixed` is the same in every frame of a sequence.
+        """
         if self.seed_mode == "typed":
-            return Stream(seed=self.seed, node="", field=field)
-        return Stream(seed=here.seed, node=here.node, field=field)
+            return Stream(seed=self.seed, node="", field=field, fixed=fixed)
+        return Stream(seed=here.seed, node=here.node, field=field, fixed=fixed)

@@ -153,7 +153,12 @@ class ElectronicsNoise(
         amplifier = {"amplifier_snr": self.amplifier_snr, "snr_reference": self.snr_reference}
         table = Step.of(figures, seen, known, node=node, detector=detector, **amplifier)
         image = with_interval(image, context)
-        plan = steps.NoisePlan(image, context.platform, node, lambda name: self.stream(here, name))
+        plan = steps.NoisePlan(
+            image,
+            context.platform,
+            node,
+            lambda name, fixed: self.stream(here, name, fixed=fixed),
+        )
         filters = self._pre_amplifier(image, context)
         post = self._post_filter(context)
 

@@ -36,7 +36,7 @@ class NoisePlan:
     image: Image
     platform: Platform
     node: str
-    stream: Callable[[str], Stream]
+    stream: Callable[[str, bool], Stream]
 
     def detected(
         self,
@@ -55,10 +55,14 @@ class NoisePlan:
         noise = self._noise_inputs(figures, variability_percent)
         if gain_percent == 0 and bias_percent == 0 and model != "literal":
             return Step.of(
-                _noisy, picture, *noise, node=self.node, variability_percent=variability_percent
+                with_detector_noise,
+                picture,
+                *noise,
+                node=self.node,
+                variability_percent=variability_percent,
             )
         return Step.of(
-            _detected,
+            read_out,
             picture,
             seen,
             self._pattern("gain"),
@@ -85,7 +89,7 @@ class NoisePlan:
     def amplifier_noise(self, picture: Recipe, table: Recipe) -> Recipe:
         """The picture with the amplifier's noise."""
         deviates = self._deviates("amplifier", self.image.shape)
-        return Step.of(_amplifier_noise, picture, table, deviates, node=self.node)
+        return Step.of(with_amplifier_noise, picture, table, deviates, node=self.node)
 
     def filter(self, picture: Recipe, factors: tuple[Separable, ...], edges: Edges) -> Recipe:
         """The picture filtered along its lines."""
@@ -93,7 +97,9 @@ class NoisePlan:
             return picture
         grid = self.image.grid()
         plain = tuple(replace(f, label="", node=None) for f in factors)
-        return Step.of(_filtered, picture, node=self.node, factors=plain, grid=grid, edges=edges)
+        return Step.of(
+            filtered_lines, picture, node=self.node, factors=plain, grid=grid, edges=edges
+        )
 
     def difference(self, picture: Recipe, other: Recipe) -> Recipe:
         """Picture less another."""
@@ -103,11 +109,13 @@ class NoisePlan:
         rows, columns = self.image.shape
         shapes = {"line": (1, 1), "push": (1, columns)}
         if self.platform not in shapes:
-            return self._deviates(name, (rows, columns))
-        return Step.of(in_double, self._deviates(name, shapes[self.platform]), node=self.node)
+            return self._deviates(name, (rows, columns), fixed=True)
+        drawn = self._deviates(name, shapes[self.platform], fixed=True)
+        return Step.of(in_double, drawn, node=self.node)
 
-    def _deviates(self, name: str, shape: tuple[int, int]) -> Recipe:
-        return Step.of(unit_deviates, node=self.node, stream=self.stream(name), shape=shape)
+    def _deviates(self, name: str, shape: tuple[int, int], *, fixed: bool = False) -> Recipe:
+        stream = self.stream(name, fixed)
+        return Step.of(unit_deviates, node=self.node, stream=stream, shape=shape)
 
     def quantized(
         self, picture: Recipe, bits: int, low: float | None, high: float | None
@@ -178,7 +186,7 @@ def pick(work: Work, table: TableData, *, name: str) -> Any:
 
 
 @pointwise
-def _detected(
+def read_out(
     work: Work,
     picture: Array,
     seen: Statistics,
@@ -204,7 +212,9 @@ def _detected(
 
 
 @pointwise
-def _noisy(work: Work, picture: Array, *noise: Any, variability_percent: float) -> Array:
+def with_detector_noise(
+    work: Work, picture: Array, *noise: Any, variability_percent: float
+) -> Array:
     return np.asarray(
         picture + _detector_noise(work, *noise, variability_percent=variability_percent)
     )
@@ -227,7 +237,7 @@ def _detector_noise(
 
 
 @pointwise
-def _amplifier_noise(work: Work, picture: Array, table: TableData, deviates: Array) -> Array:
+def with_amplifier_noise(work: Work, picture: Array, table: TableData, deviates: Array) -> Array:
     sigma: Any = table.as_dict()["amplifier_noise"]
     return np.asarray(picture + deviates * deviates.dtype.type(sigma))
 
@@ -239,7 +249,7 @@ def _filtered_part(work: Work, region: Region, picture: Recipe, *, grid: Grid, *
 
 
 @in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
-def _filtered(work: Work, picture: Array, **how: Any) -> Array:
+def filtered_lines(work: Work, picture: Array, **how: Any) -> Array:
     return filter_lines(work, picture, **how)
 
 

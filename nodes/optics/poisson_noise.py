@@ -60,19 +60,19 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
                 noise: Recipe = Step.of(_nothing, rows=image.rows, columns=image.columns)
                 return NoiseOutputs(image, image.with_recipe(noise))
             noise = Step.of(
-                _published,
+                published_noise,
                 image.recipe,
                 node=here.node,
                 sigma_px=self.width_px,
                 percent=self.percent,
                 stream=stream,
             )
-            noisy = Step.of(_sum, image.recipe, noise, node=here.node)
+            noisy = Step.of(added, image.recipe, noise, node=here.node)
         else:
             if self.photons_per_unit is None:
                 raise ParameterError("photons_per_unit", None, "the mode `photon` needs it")
             noisy = Step.of(
-                _photons,
+                photon_counts,
                 image.recipe,
                 node=here.node,
                 photons_per_unit=self.photons_per_unit,
@@ -92,7 +92,7 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
         return Step.of(_moment, Step.of(_moments, outputs.noise.recipe), which="sigma")
 
 
-def _published(
+def published_noise(
     work: Work, image: Array, *, sigma_px: float, percent: float, stream: Stream
 ) -> Array:
     """The added deviates, by their events where these are few."""
@@ -104,14 +104,14 @@ def _published(
     return poisson_field(means, stream, each=work.each, in_place=True)
 
 
-def _photons(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
+def photon_counts(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
     means = photon_means(image, photons_per_unit=photons_per_unit)
     counts = poisson_field(means, stream, each=work.each)
     return radiance_of_photons(counts, photons_per_unit=photons_per_unit)
 
 
 @pointwise
-def _sum(work: Work, image: Array, noise: Array) -> Array:
+def added(work: Work, image: Array, noise: Array) -> Array:
     return np.asarray(image + noise)
 
 

@@ -1,0 +1,161 @@
+"""The seven components of three-dimensional noise, and how variances of averages tell them.
+
+A sequence of frames of a uniform scene, less its mean, is taken as a sum of independent fields that
+vary with time (t), row (v, vertical) and column (h, horizontal), alone or together: N_t + N_v + N_h
++ N_tv + N_th + N_vh + N_tvh.
+
+Source: D'Agostino and Webb 1991, Three-dimensional analysis framework and measurement methodology
+for imaging system noise, Proc. SPIE 1488; used by FLIR92 (Scott and D'Agostino 1992).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+from core.errors import DataError, ParameterError
+
+
+@dataclass(frozen=True)
+class NoiseVariances:
+    """Variance of each component, in the picture's unit squared.
+
+    Parameters
+    ----------
+    tvh : float
+        Random from sample to sample and frame to frame.
+    vh : float
+        Fixed pattern from sample to sample.
+    v, h : float
+        Fixed from row to row, from column to column.
+    t : float
+        Of whole frames from one to the next.
+    tv, th : float
+        Of rows, of columns, from one frame to the next.
+
+    Notes
+    -----
+    An unbiased estimate of a variance that is next to nothing comes out below zero half the time.
+    """
+
+    tvh: float = 0.0
+    vh: float = 0.0
+    v: float = 0.0
+    h: float = 0.0
+    t: float = 0.0
+    tv: float = 0.0
+    th: float = 0.0
+
+    def __add__(self, other: NoiseVariances) -> NoiseVariances:
+        """Of two independent noises together."""
+        return NoiseVariances(*(getattr(self, n) + getattr(other, n) for n in COMPONENTS))
+
+    def variance(self, name: str) -> float:
+        """Variance of one component.
+
+        Raises
+        ------
+        ParameterError
+            For a name that is none of the seven.
+        """
+        if name not in COMPONENTS:
+            raise ParameterError("component", name, f"one of {', '.join(COMPONENTS)}")
+        return float(getattr(self, name))
+
+    def sigma(self, name: str) -> float:
+        """Standard deviation of one component; of a variance estimated below zero −√(−variance)."""
+        variance = self.variance(name)
+        return math.copysign(math.sqrt(abs(variance)), variance)
+
+    @property
+    def temporal(self) -> float:
+        """Variance of a sample from frame to frame."""
+        return self.tvh + self.tv + self.th + self.t
+
+    @property
+    def fixed(self) -> float:
+        """Variance of what stays the same from frame to frame."""
+        return self.vh + self.v + self.h
+
+    @property
+    def total(self) -> float:
+        """Variance of all together."""
+        return self.temporal + self.fixed
+
+
+COMPONENTS = tuple(field.name for field in fields(NoiseVariances))
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Expected variances of a noise field and of its averages.
+
+    Parameters
+    ----------
+    sample : float
+        Of a sample, averaged over the frame.
+    row_mean, column_mean : float
+        Of the mean of a row, of a column, averaged over these.
+    frame_mean : float
+        Of the mean of the frame.
+    """
+
+    sample: float
+    row_mean: float
+    column_mean: float
+    frame_mean: float
+
+    def scaled(self, factor: float) -> Moments:
+        """All variances times a factor."""
+        return Moments(*(factor * getattr(self, field.name) for field in fields(self)))
+
+
+def components_of_moments(
+    *, moments: Moments, rows: int, columns: int, temporal: bool
+) -> NoiseVariances:
+    """Components that unbiased estimates have on average, for a noise of any correlation.
+
+    Parameters
+    ----------
+    moments : Moments
+        Variances about zero: over the frames if `temporal`, else over all the patterns a sensor of
+        this kind may have.
+    rows, columns : int
+        Size of the frame, 2 or more.
+    temporal : bool
+        Whether the noise is drawn anew with every frame, or stays.
+
+    Returns
+    -------
+    NoiseVariances
+        tvh, tv, th and t of a temporal noise; vh, v and h of a fixed one, whose mean over the
+        frame counts as none.
+
+    Raises
+    ------
+    DataError
+        For a frame of a single row or column.
+
+    Notes
+    -----
+    The variances of sample, row mean, column mean and frame mean are linear in the four components
+    (Searle, Casella and McCulloch 1992, Variance Components, table 4.1), and this solves them:
+    sample = t + v + h + vh, row mean = t + v + (h + vh)/columns, column mean = t + h +
+    (v + vh)/rows, frame mean = t + v/rows + h/columns + vh/(rows·columns).
+    """
+    if rows < 2 or columns < 2:
+        raise DataError(f"components of noise need 2 × 2 samples or more, not {columns} × {rows}")
+    kept_columns, kept_rows = 1.0 - 1.0 / columns, 1.0 - 1.0 / rows
+    across = (moments.sample - moments.row_mean) / kept_columns
+    across_of_means = (moments.column_mean - moments.frame_mean) / kept_columns
+    single = (across - across_of_means) / kept_rows
+    column = across - single
+    row = (moments.sample - moments.column_mean) / kept_rows - single
+    whole = moments.sample - single - column - row
+    rounding = 1e-13 * moments.sample
+    single, column, row, whole = (
+        each if abs(each) > rounding else 0.0 for each in (single, column, row, whole)
+    )
+    if temporal:
+        return NoiseVariances(tvh=single, tv=row, th=column, t=whole)
+    return NoiseVariances(vh=single, v=row, h=column)
