@@ -20,12 +20,20 @@ class Series:
 
 @dataclass(frozen=True)
 class CurveData:
-    """Curves that share their axes."""
+    """Curves that share their axes, or bars that share their names.
+
+    `bars` names the bars in order; each series then holds one height for each of them, at
+    x = 0, 1, 2 and so on. With `log_y` the ordinate is shown by its logarithm, with `log_x` the
+    abscissa; values that are infinite or not above 0 leave a gap.
+    """
 
     title: str
     x_label: str
     y_label: str
     series: tuple[Series, ...]
+    bars: tuple[str, ...] = ()
+    log_y: bool = False
+    log_x: bool = False
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -158,8 +158,10 @@ class Engine:
         except ImagechainError as error:
             raise error.at(node) from error
 
-    def readouts(self, plan: Plan, node: str, work: Work) -> dict[str, Any]:
-        """Values of a node's read-outs by name.
+    def readouts(
+        self, plan: Plan, node: str, work: Work, names: Collection[str] | None = None
+    ) -> dict[str, Any]:
+        """Values of a node's read-outs by name; of those in `names`, if given.
 
         Raises
         ------
@@ -173,6 +175,8 @@ class Engine:
         if planned.result is None and planned.node.disabled:
             return found
         for readout in planned.declaration.readouts:
+            if names is not None and readout.name not in names:
+                continue
             known = {**planned.inputs, "outputs": planned.result}
             arguments = {name: known[name] for name in readout.needs}
             try:

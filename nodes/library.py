@@ -6,9 +6,14 @@ from functools import cache
 
 from core.declaration import Module
 from core.library import Library, library_of
+from nodes.analysis.camera_geometry import CameraGeometry
 from nodes.analysis.compare_images import CompareImages
+from nodes.analysis.figures_of_merit import FiguresOfMerit
+from nodes.analysis.line_by_line import LineByLine
 from nodes.analysis.measured_mtf import MeasuredMTF
 from nodes.analysis.mtf_slices import MtfSlices
+from nodes.analysis.noise_3d import Noise3D
+from nodes.analysis.noise_budget import NoiseBudget
 from nodes.analysis.spatial_blur import SpatialBlur
 from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
 from nodes.detector.charge_eff_mtf import ChargeEffMTF
@@ -66,8 +71,13 @@ MODULES: tuple[type[Module], ...] = (
     NoiseFile,
     MtfSlices,
     MeasuredMTF,
+    FiguresOfMerit,
+    NoiseBudget,
+    Noise3D,
     CompareImages,
     SpatialBlur,
+    LineByLine,
+    CameraGeometry,
 )
 
 

@@ -123,6 +123,12 @@ def test_run_loads_neither_qt_nor_what_only_reports_need(tmp_path):
     assert public <= {"fft", "special", "version", "linalg"}
 
 
+def test_a_trade_off_loads_neither_qt_nor_what_only_pictures_need(tmp_path):
+    words = ["tradeoff", "first_steps", "--vary", "blur.sigma_x_mrad=0,1", "--output", "a.csv"]
+    packages = {name.split(".")[0] for name in loaded_by(words, tmp_path)}
+    assert not packages & (QT | {"matplotlib", "rich", "spectral", "OpenImageIO", "PIL"})
+
+
 def test_modules_loads_no_qt(tmp_path):
     packages = {name.split(".")[0] for name in loaded_by(["modules", "--json"], tmp_path)}
     assert not packages & (QT | {"matplotlib", "rich"})

@@ -12,22 +12,18 @@ leaves the comparison to later work.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
-from core.errors import DataError, ParameterError
+from core.errors import ParameterError
 from core.physics.scalar_checks import positive
 
 Vector = NDArray[np.float64]
-Transfer = Callable[[Vector, Vector], NDArray[Any]]
 
 
-def view_angles_rad(*, columns: int, interval_mrad: float) -> Vector:
-    """Angle from nadir of each sample of a scan line centred on nadir.
+def view_angles_rad(*, columns: int, interval_mrad: float, look_angle_rad: float = 0.0) -> Vector:
+    """Angle from nadir of each sample of a scan line.
 
     Parameters
     ----------
@@ -35,6 +31,8 @@ def view_angles_rad(*, columns: int, interval_mrad: float) -> Vector:
         Samples of a scan line, 1 or more.
     interval_mrad : float
         Angle from one to the next, above zero.
+    look_angle_rad : float
+        Angle from nadir of the line's middle.
 
     Returns
     -------
@@ -53,7 +51,12 @@ def view_angles_rad(*, columns: int, interval_mrad: float) -> Vector:
         raise ParameterError(
             "interval_mrad", interval_mrad, f"below {1000 * math.pi / (columns - 1):g}", unit="mrad"
         )
-    return np.asarray((np.arange(columns) - 0.5 * (columns - 1)) * step, np.float64)
+    aside = 0.5 * (columns - 1) * step
+    if not abs(look_angle_rad) + aside < 0.5 * math.pi:
+        raise ParameterError(
+            "look_angle_rad", look_angle_rad, f"within ±{0.5 * math.pi - aside:g}", unit="rad"
+        )
+    return np.asarray(look_angle_rad + (np.arange(columns) - 0.5 * (columns - 1)) * step)
 
 
 def line_intervals_mrad(
@@ -87,57 +90,6 @@ def line_intervals_mrad(
     if not farthest < 0.5 * math.pi:
         raise ParameterError("view_angle_rad", farthest, "within ±π/2", unit="rad")
     return np.asarray(1000.0 * spacing / altitude * np.cos(angle))
-
-
-def filter_line_by_line(
-    image: ArrayLike, *, transfer: Transfer, interval_x_mrad: float, intervals_y_mrad: ArrayLike
-) -> Vector:
-    """The frame filtered with each column's own interval in flight; a direct sum for each column.
-
-    Parameters
-    ----------
-    image : array_like, shape (rows, columns)
-        The frame, mirrored beyond its edges.
-    transfer : callable
-        Transfer function of (xi, eta) in cycles/mrad, which broadcast; real, and even in both. A
-        PTF along the scan has one scale for the whole frame and is applied to that.
-    interval_x_mrad : float
-        Sampling interval along the scan, above zero.
-    intervals_y_mrad : array_like, shape (columns,)
-        Sampling interval in flight of each column, above zero: `line_intervals_mrad`.
-
-    Returns
-    -------
-    ndarray, shape (rows, columns)
-        The filtered frame in double precision.
-
-    Raises
-    ------
-    ParameterError
-        When an interval is not above zero.
-    DataError
-        When the shapes do not go together.
-    """
-    frame = np.asarray(image, np.float64)
-    intervals = _intervals(intervals_y_mrad)
-    if frame.ndim != 2 or intervals.shape != frame.shape[1:]:
-        raise DataError(
-            f"a frame of shape {frame.shape} needs an interval for each column, not a shape of "
-            f"{intervals.shape}"
-        )
-    rows, columns = frame.shape
-    xi = np.arange(columns) / (
-        2.0 * columns * positive("interval_x_mrad", interval_x_mrad, unit="mrad")
-    )
-    steps_y = np.arange(rows) / (2.0 * rows)  # cycles a sample
-    spectrum = scipy.fft.dctn(frame, type=2) / columns
-    spectrum[:, 0] *= 0.5
-    filtered = np.empty_like(frame)
-    for column in range(columns):
-        wave = np.cos(np.pi / columns * (column + 0.5) * np.arange(columns))
-        response = transfer(xi[np.newaxis, :], steps_y[:, np.newaxis] / intervals[column])
-        filtered[:, column] = (spectrum * response) @ wave
-    return np.asarray(scipy.fft.idct(filtered, type=2, axis=0))
 
 
 def scale_nodes_mrad(*, intervals_mrad: ArrayLike, count: int) -> Vector:

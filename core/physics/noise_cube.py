@@ -56,6 +56,7 @@ class NoiseCube:
                 f"components of noise need 2 × 2 samples or more, not {columns} × {rows}"
             )
         self.rows, self.columns = rows, columns
+        self._offset: float | None = None
         self._squares = 0.0
         self._sum = np.zeros((rows, columns))
         self._row_means: list[Vector] = []
@@ -74,7 +75,10 @@ class NoiseCube:
                 f"a frame of {frame.shape[1]} × {frame.shape[0]} samples does not go with "
                 f"{self.columns} × {self.rows}"
             )
-        samples = np.asarray(frame, np.float64)
+        if self._offset is None:
+            # What all frames have in common would cost the sums of squares their digits.
+            self._offset = float(np.mean(frame, dtype=np.float64))
+        samples = np.subtract(frame, self._offset, dtype=np.float64)
         self._squares += float(np.vdot(samples, samples))
         self._sum += samples
         self._row_means.append(samples.mean(axis=1))
@@ -122,7 +126,12 @@ class NoiseCube:
                 / each
             )
         return MeasuredNoise(
-            NoiseVariances(**variances), NoiseVariances(**errors), mean, frames, rows, columns
+            NoiseVariances(**variances),
+            NoiseVariances(**errors),
+            mean + (self._offset or 0.0),
+            frames,
+            rows,
+            columns,
         )
 
 

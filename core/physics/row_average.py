@@ -32,6 +32,8 @@ class RowAverage:
         Modulus divided by its largest, and standard error.
     profile, clipped : ndarray
         Mean of the rows, and the same with level ends.
+    left, right : int
+        First and last sample between these.
     contrast, noise : float
         Step, or height of the line, and standard deviation of a sample about its column's mean.
     """
@@ -41,6 +43,8 @@ class RowAverage:
     error: Vector
     profile: Vector
     clipped: Vector
+    left: int
+    right: int
     contrast: float
     noise: float
 
@@ -119,7 +123,7 @@ def row_average(
         ]
         moduli = np.array([profile_mtf(profile=each, target=target) for each in replicas])
         error = jackknife_error(replicas=moduli)
-    return RowAverage(frequency, mtf, error, profile, clipped, contrast, noise)
+    return RowAverage(frequency, mtf, error, profile, clipped, left, right, contrast, noise)
 
 
 def with_level_ends(*, profile: Vector, left: int, right: int) -> Vector:

@@ -11,17 +11,23 @@ from core.physics.edge_line import Target
 from core.physics.slanted_edge import Window
 from core.recipes import Recipe, Step
 from core.values import Curve, Image, Table
+from nodes.analysis.expected_mtf import chain_behind, expected
 from nodes.analysis.mtf_measuring import (
-    Axis,
     Direction,
     Rectangle,
-    curve_of,
-    figure_of,
     measured_rows,
     measured_slanted,
+)
+from nodes.analysis.mtf_told import (
+    Axis,
+    curve_of,
+    expected_figure,
+    figure_of,
     spread_of,
     table_of,
 )
+
+_PIXELS = (0, 1024)  # of sliders
 
 
 class MeasuredOutputs(NamedTuple):
@@ -40,8 +46,12 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     responses of quarters and derivative are taken out; frequencies are along the edge's normal.
     `row_average`: the mean of the rows is clipped at its ends, its derivative transformed, and the
     modulus divided by its largest; the differences' own response, 0.64 at Nyquist, stays in.
-    Standard errors come from leaving out rows. Source: ISO 12233:2023; Tantalo 1996, eqs. 5.67 to
-    5.70 and appendix B.
+    Standard errors come from leaving out rows. `expected` is the MTF of the chain the picture
+    comes from, along the same direction and up to Nyquist: of all stages from the source on, and of
+    a test scene's samples, which are means over their area. How much the scene in a file is blurred
+    is not known, and does not count; a picture straight from a file expects nothing. What
+    `row_average` folds back from beyond Nyquist is no part of it. Source: ISO 12233:2023; Tantalo
+    1996, eqs. 5.67 to 5.70 and appendix B.
     """
 
     method: Annotated[
@@ -54,13 +64,16 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     direction: Annotated[
         Direction, Param("across (an upright edge), along, or whichever changes most")
     ] = "automatic"
-    region_x: Annotated[int, Param("first column of the region", unit="px", low=0)] = 0
-    region_y: Annotated[int, Param("first row of the region", unit="px", low=0)] = 0
+    region_x: Annotated[
+        int, Param("first column of the region", unit="px", low=0, slider=_PIXELS)
+    ] = 0
+    region_y: Annotated[int, Param("first row of the region", unit="px", low=0, slider=_PIXELS)] = 0
     region_width: Annotated[
-        int | None, Param("columns; empty: to the picture's end", unit="px", low=0)
+        int | None,
+        Param("columns; empty: to the picture's end", unit="px", low=0, slider=_PIXELS),
     ] = None
     region_height: Annotated[
-        int | None, Param("rows; empty: to the picture's end", unit="px", low=0)
+        int | None, Param("rows; empty: to the picture's end", unit="px", low=0, slider=_PIXELS)
     ] = None
     window: Annotated[
         Window, Param("weight of the line spread; tukey: level over its middle half")
@@ -116,10 +129,15 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
                 **settings,
             )
         shown = {"axis": self.axis}
+        behind = chain_behind(image)
+        both = [found]
+        if behind is not None:
+            differences = self.method == "row_average" and self.target == "edge"
+            both.append(Step.of(expected, found, node=here.node, differences=differences, **behind))
         return MeasuredOutputs(
-            Curve(Step.of(curve_of, found, node=here.node, **shown)),
+            Curve(Step.of(curve_of, *both, node=here.node, **shown)),
             Curve(Step.of(spread_of, found, node=here.node, unit=image.unit)),
-            Table(Step.of(table_of, found, node=here.node, unit=image.unit, **shown)),
+            Table(Step.of(table_of, *both, node=here.node, unit=image.unit, **shown)),
         )
 
     def _where(self, image: Image) -> Rectangle:
@@ -173,6 +191,21 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         """Standard error of at_nyquist."""
         return _figure(outputs, "at_nyquist_error")
 
+    @readout("cyc/mrad")
+    def expected_mtf50(self, outputs: MeasuredOutputs) -> Recipe | None:
+        """Frequency at which the MTF of the chain behind the picture falls to one half."""
+        return _expected_figure(outputs, "expected_mtf50")
+
+    @readout()
+    def expected_at_nyquist(self, outputs: MeasuredOutputs) -> Recipe | None:
+        """MTF of the chain behind the picture at half a cycle per pixel."""
+        return _expected_figure(outputs, "expected_at_nyquist")
+
+    @readout()
+    def largest_difference(self, outputs: MeasuredOutputs) -> Recipe | None:
+        """Largest distance of the measured MTF from the expected one, up to Nyquist."""
+        return _expected_figure(outputs, "largest_difference")
+
     @readout("deg")
     def edge_angle_deg(self, outputs: MeasuredOutputs) -> Recipe:
         """Direction of the edge's normal, along which the MTF is: 0 across, 90 along."""
@@ -180,5 +213,9 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
 
 
 def _figure(outputs: MeasuredOutputs, name: str) -> Recipe:
-    (measured,) = outputs.table.recipe.inputs
-    return Step.of(figure_of, measured, name=name)
+    return Step.of(figure_of, outputs.table.recipe.inputs[0], name=name)
+
+
+def _expected_figure(outputs: MeasuredOutputs, name: str) -> Recipe | None:
+    both = outputs.table.recipe.inputs
+    return Step.of(expected_figure, *both, name=name) if len(both) == 2 else None

@@ -1,4 +1,4 @@
-"""Measuring the MTF in a region of a picture, and saying it as curves and figures."""
+"""Measuring the MTF in a region of a picture."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.data import CurveData, Series, TableData, TableRow
 from core.errors import DataError
 from core.physics.edge_line import Target
 from core.physics.row_average import row_average
@@ -25,9 +24,7 @@ from core.work import Work
 Array = NDArray[Any]
 Vector = NDArray[np.float64]
 Direction = Literal["automatic", "horizontal", "vertical"]
-Axis = Literal["cyc_per_mrad", "cyc_per_pixel"]
 _BLOCK = 4
-UNITS: dict[Axis, str] = {"cyc_per_mrad": "cyc/mrad", "cyc_per_pixel": "cyc/pixel"}
 
 
 @dataclass(frozen=True)
@@ -199,71 +196,3 @@ def _crossing(frequency: Vector, mtf: Vector, replicas: Array, level: float) -> 
     if value is None or len(known) < len(each):
         return Figure(value)
     return Figure(value, float(jackknife_error(replicas=np.array(known))))
-
-
-def curve_of(work: Work, found: Measured, *, axis: Axis) -> CurveData:
-    """MTF and the bounds of one standard error."""
-    axis, factor = _axis(found, axis)
-    x = found.frequency * factor
-    series = [Series("measured", x, found.mtf)]
-    if found.error.any():
-        series.append(Series("+ standard error", x, found.mtf + found.error))
-        series.append(Series("− standard error", x, np.maximum(found.mtf - found.error, 0.0)))
-    return CurveData(f"MTF {found.direction}", f"frequency ({UNITS[axis]})", "MTF", tuple(series))
-
-
-def spread_of(work: Work, found: Measured, *, unit: str) -> CurveData:
-    """Edge spread and line spread, per pixel, against the distance along the normal."""
-    y_label = f"value ({unit})" if unit else "value"
-    series = (
-        Series("edge spread", found.away, found.spread),
-        Series("line spread", found.away, found.line_spread),
-    )
-    return CurveData(f"Spread {found.direction}", "distance (pixels)", y_label, series)
-
-
-def table_of(work: Work, found: Measured, *, axis: Axis, unit: str) -> TableData:
-    """Figures with their standard errors."""
-    axis, factor = _axis(found, axis)
-
-    def scaled(value: float | None) -> float | None:
-        return None if value is None else value * factor
-
-    rows = [TableRow("direction", found.direction, "", "across what the MTF is measured")]
-    rows.append(
-        TableRow("edge_angle_deg", found.angle_deg, "deg", "direction of the edge's normal")
-    )
-    for name, figure, meaning in (
-        ("mtf50", found.mtf50, "frequency at which the MTF falls to 0.5"),
-        ("mtf10", found.mtf10, "frequency at which the MTF falls to 0.1"),
-    ):
-        rows.append(TableRow(name, scaled(figure.value), UNITS[axis], meaning))
-        rows.append(TableRow(f"{name}_error", scaled(figure.error), UNITS[axis], "standard error"))
-    rows += [
-        TableRow("nyquist", 0.5 * factor, UNITS[axis], "half a cycle per pixel"),
-        TableRow("at_nyquist", found.nyquist.value, "", "MTF at Nyquist"),
-        TableRow("at_nyquist_error", found.nyquist.error, "", "standard error"),
-        TableRow("contrast", found.contrast, unit, "step of the edge, or height of the line"),
-        TableRow("noise", found.noise, unit, "standard deviation of a sample"),
-    ]
-    return TableData(tuple(rows))
-
-
-def _axis(found: Measured, axis: Axis) -> tuple[Axis, float]:
-    """Axis and cycles on it in a cycle per pixel: without an interval per pixel."""
-    if axis == "cyc_per_mrad" and found.per_mrad is not None:
-        return axis, found.per_mrad
-    return "cyc_per_pixel", 1.0
-
-
-def figure_of(work: Work, found: Measured, *, name: str) -> float | None:
-    """One figure, frequencies in cycles per pixel or per mrad as the name says."""
-    if name == "edge_angle_deg":
-        return found.angle_deg
-    if name.startswith("at_nyquist"):
-        return found.nyquist.error if name.endswith("error") else found.nyquist.value
-    figure = found.mtf50 if name.startswith("mtf50") else found.mtf10
-    value = figure.error if name.endswith("error") else figure.value
-    if name.endswith("per_pixel"):
-        return value
-    return None if value is None or found.per_mrad is None else value * found.per_mrad

@@ -198,6 +198,7 @@ def read_out(
     model: Any,
     variability_percent: float,
 ) -> Array:
+    """The picture with each detector's errors of gain and bias, and its noise."""
     read = apply_gain_bias(
         picture,
         gain_pattern=gain_pattern,
@@ -215,6 +216,7 @@ def read_out(
 def with_detector_noise(
     work: Work, picture: Array, *noise: Any, variability_percent: float
 ) -> Array:
+    """The picture with the noise of detectors alone."""
     return np.asarray(
         picture + _detector_noise(work, *noise, variability_percent=variability_percent)
     )
@@ -238,6 +240,7 @@ def _detector_noise(
 
 @pointwise
 def with_amplifier_noise(work: Work, picture: Array, table: TableData, deviates: Array) -> Array:
+    """The picture with noise of the amplifier's rms."""
     sigma: Any = table.as_dict()["amplifier_noise"]
     return np.asarray(picture + deviates * deviates.dtype.type(sigma))
 
@@ -250,6 +253,7 @@ def _filtered_part(work: Work, region: Region, picture: Recipe, *, grid: Grid, *
 
 @in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
 def filtered_lines(work: Work, picture: Array, **how: Any) -> Array:
+    """The picture filtered along its lines: see `core.line_filter`."""
     return filter_lines(work, picture, **how)
 
 

@@ -22,6 +22,7 @@ SOURCES = ("cut_on_um", "cut_off_um", "temperature_K", "delta_K")
 
 Kind = Literal[
     "dormitory",
+    "airfield",
     "slanted_edge",
     "four_bar",
     "siemens_star",
@@ -37,7 +38,7 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
 
     Temperatures and emissivities become band radiance through Planck's law; edges are
     area-sampled, not aliased. The dormitory is a building front with windows, warm and cool, sky
-    and ground.
+    and ground; the airfield is seen from above, with straight roads, for Camera Geometry.
     """
 
     __test__ = False  # not a test class, whatever its name says

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.atomic import write_text
 from core.data import CurveData
 from core.declaration import Here, Module
 from core.errors import ParameterError
@@ -19,6 +20,7 @@ from core.realize import realize
 from core.values import Curve, Image, Transfer
 from core.work import Work
 from nodes.files.arrays import write_curves, write_matrix
+from nodes.files.curve_text import columns_text, is_plain
 
 Files = list[tuple[Path, Callable[[Path], None]]]
 _SUFFIXES = (".csv", ".txt", ".prn")
@@ -30,7 +32,8 @@ class WriteMatrix(
     """Write plain numbers, a row on each line, as MathCad's READPRN reads them.
 
     A name that ends in .csv separates them by commas and names the columns of curves; .txt and
-    .prn by blanks. A transfer function is written in the order of the FFT, zero frequency
+    .prn by blanks. Bars have their names in the first column of .csv, in the others their number
+    from 0. A transfer function is written in the order of the FFT, zero frequency
     first. Only when a run asks for outputs.
     """
 
@@ -68,7 +71,9 @@ class WriteMatrix(
             return [(target, partial(write_matrix, array=value))]
         columns = curve_columns(value)
         if target.suffix.lower() == ".csv":
-            return [(target, partial(write_curves, columns=columns))]
+            if is_plain(value):
+                return [(target, partial(write_curves, columns=columns))]
+            return [(target, partial(write_text, content=columns_text(value, columns)))]
         matrix = np.stack(list(columns.values()), axis=1)
         return [(target, partial(write_matrix, array=matrix))]
 

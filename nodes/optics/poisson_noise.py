@@ -105,6 +105,7 @@ def published_noise(
 
 
 def photon_counts(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
+    """The picture made of numbers of photons."""
     means = photon_means(image, photons_per_unit=photons_per_unit)
     counts = poisson_field(means, stream, each=work.each)
     return radiance_of_photons(counts, photons_per_unit=photons_per_unit)
@@ -112,6 +113,7 @@ def photon_counts(work: Work, image: Array, *, photons_per_unit: float, stream: 
 
 @pointwise
 def added(work: Work, image: Array, noise: Array) -> Array:
+    """Picture and noise."""
     return np.asarray(image + noise)
 
 

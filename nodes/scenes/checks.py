@@ -13,6 +13,7 @@ MAX_SIDE = 65536
 
 KINDS = (
     "dormitory",
+    "airfield",
     "slanted_edge",
     "four_bar",
     "siemens_star",

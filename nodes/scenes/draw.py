@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from core.workers import Each, in_turn
 from nodes.scenes import targets
+from nodes.scenes.airfield import airfield
 from nodes.scenes.checks import check_frame, check_geometry, check_radiometry
 from nodes.scenes.dormitory import dormitory
 from nodes.scenes.materials import surface_radiance, target_radiance
@@ -41,7 +42,8 @@ def draw_scene(
         Band [µm].
     temperature_K, delta_K : float
         Background [K] and how much warmer the target is [K]. All targets are black; the
-        dormitory has surfaces of many temperatures and emissivities, in steps of delta_K.
+        dormitory and the airfield have surfaces of many temperatures and emissivities, in steps
+        of delta_K.
     angle_deg : float
         Direction from +x towards +y: the normal of the slanted edge, and along which the
         sinusoid varies [deg].
@@ -72,8 +74,9 @@ def draw_scene(
         "delta_K": delta_K,
     }
     check_radiometry(**sources)
-    if kind == "dormitory":
-        return dormitory().render(
+    if kind in ("dormitory", "airfield"):
+        drawing = dormitory() if kind == "dormitory" else airfield()
+        return drawing.render(
             surface_radiance(**sources), width=width, height=height, dtype=kind_dtype, each=each
         )
     background, signal = target_radiance(**sources)

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from core.workers import Each, in_turn
 from nodes.scenes import targets
+from nodes.scenes.airfield import airfield
 from nodes.scenes.checks import check_frame, check_radiometry
 from nodes.scenes.dormitory import dormitory
 from nodes.scenes.layers import Layers, layers_of
@@ -25,7 +26,12 @@ MOST_SAMPLES = 1280 * 1024
 """Larger scenes are drawn at once."""
 
 GEOMETRY: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {"dormitory": (), "slanted_edge": ("angle_deg",), "siemens_star": ("frequency",)}
+    {
+        "dormitory": (),
+        "airfield": (),
+        "slanted_edge": ("angle_deg",),
+        "siemens_star": ("frequency",),
+    }
 )
 """Scenes drawn in two steps, and what beside the size tells where their surfaces are."""
 
@@ -68,8 +74,9 @@ def draw_shares(
         If a parameter is out of range.
     """
     kept = check_frame(kind, width, height, dtype)
-    if kind == "dormitory":
-        return layers_of(dormitory(), width=width, height=height, dtype=kept)
+    if kind in ("dormitory", "airfield"):
+        drawing = dormitory() if kind == "dormitory" else airfield()
+        return layers_of(drawing, width=width, height=height, dtype=kept)
     draw: Callable[..., targets.Picture] = targets.slanted_edge
     if kind == "siemens_star":
         draw = targets.siemens_star

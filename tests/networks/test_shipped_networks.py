@@ -16,13 +16,17 @@ from nodes.library import standard_library
 FOLDER = Path(__file__).parents[2] / "networks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.json"))
 EXPECTED = {
+    "camera_and_sensor",
+    "figures_of_merit",
     "first_steps",
     "inframetrics",
     "inframetrics_1996",
     "kodak_kir310",
     "kodak_kir310_1996",
+    "line_by_line",
     "magnitude_of_one_phase_of_another",
     "measured_mtf",
+    "noise_budget",
     "poisson_two_panel",
     "pupils",
     "pushbroom_banding",
@@ -112,6 +116,13 @@ def test_netd_of_1996():
     assert kodak["netd_system_K"] == pytest.approx(0.177219, abs=2e-3)
     scanner = figures("inframetrics_1996", "electronics")
     assert 0.0030 < scanner["netd_detector_K"] < 0.0032
+
+
+def test_noise_of_the_budget_is_what_frames_show():
+    """16 frames of 65536 samples, and one fixed pattern of as many: 0.1 and 0.3 percent."""
+    budget, components = (figures("noise_budget", node) for node in ("budget", "components"))
+    assert components["temporal_measured"] == pytest.approx(budget["sigma_temporal"], rel=0.01)
+    assert components["fixed_measured"] == pytest.approx(budget["sigma_fixed"], rel=0.015)
 
 
 def test_sizes_of_the_two_sensors():

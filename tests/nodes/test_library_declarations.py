@@ -16,9 +16,13 @@ PURE_NUMBERS = {
     "vanes", "wavelengths", "seed", "photons_per_unit", "detectors_per_line", "efficiency",
     "optics_transmission", "filter_transmission", "amplifier_snr", "post_poles", "post_gain",
     "amplitude", "modulation", "samples", "range_low", "range_high", "error",
+    "columns", "rows", "strips", "fill_value",
+    "snr_threshold", "n50_detection", "n50_recognition", "n50_identification", "v50",
+    "magnification", "nodes", "tolerance", "frames",
 }  # fmt: skip
 # Numbers of either sign without a natural limit.
 UNBOUNDED = {
+    "offset_x_m", "offset_y_m", "fill_value",
     "scale", "delta_K", "angle_deg", "range_low", "range_high", "velocity_m_per_s",
     "image_velocity_x", "image_velocity_y", "platform_velocity_x", "platform_velocity_y",
     "amplitude", "xi", "eta", "phase_deg", "modulation_xi", "modulation_eta",

@@ -38,12 +38,15 @@ def simulated(folder, kinds, **settings):
 @pytest.mark.parametrize("setting", SETTINGS)
 @pytest.mark.parametrize("kinds", [*((kind,) for kind in KINDS), ALL], ids=[*KINDS, "all"])
 def test_prediction_is_the_mean_of_estimates(tmp_path, setting, kinds):
-    """Within four standard errors of 200 frames, which the sensors' own scatter tells."""
+    """Within four standard errors of 200 frames, which the sensors' own scatter tells.
+
+    The samples, of 30, are rounded to 2^−48 in each step: below 1e−14 squared nothing is told.
+    """
     found, predicted = simulated(tmp_path, kinds, **SETTINGS[setting])
     error = found.std(axis=0, ddof=1) / np.sqrt(SENSORS)
     largest = predicted.max()
     off = np.abs(found.mean(axis=0) - predicted)
-    assert np.all(off < 4.0 * error + 1e-9 * largest), dict(
+    assert np.all(off < 4.0 * error + 1e-9 * largest + 1e-28), dict(
         zip(COMPONENTS, zip(found.mean(axis=0), predicted, error, strict=True), strict=True)
     )
     assert largest > 0 or (setting, kinds) == ("scanner", ("bias",))

@@ -21,6 +21,7 @@ from planck_truth import band_radiance
 BAND = {"cut_on_um": 8.0, "cut_off_um": 12.0}
 GEOMETRY = {
     "dormitory": {},
+    "airfield": {},
     "slanted_edge": {"angle_deg": 5.0},
     "siemens_star": {"frequency": 12.0},
 }

@@ -59,6 +59,27 @@ def test_dormitory_is_one_scene_at_every_size():
     assert abs(difference.mean()) < 2e-4 * span
 
 
+def test_airfield_is_one_scene_at_every_size():
+    small = scene("airfield", 512, 512)
+    difference = block_mean(scene("airfield", 1024, 1024)) - small
+    assert np.sqrt(np.mean(difference**2)) < 0.004 * np.ptp(small)
+    assert abs(difference.mean()) < 2e-4 * np.ptp(small)
+
+
+@pytest.mark.parametrize("delta", [-170.0, 0.0, 110.0])
+def test_airfield_stays_positive_at_any_contrast(delta):
+    assert scene("airfield", 320, 320, delta_K=delta).min() > 0.0
+
+
+def test_airfields_roads_are_straight_and_even():
+    """The level road's surface at two places far from all else, as Planck's law has it."""
+    picture = scene("airfield", 2048, 2048)
+    sky = band_radiance(8, 12, 303 - 26)
+    road = 0.95 * band_radiance(8, 12, 303 + 6) + 0.05 * sky
+    for x in (0.02, 0.65):
+        assert picture[int(0.795 * 2048), int(x * 2048)] == pytest.approx(road, rel=1e-11)
+
+
 @pytest.mark.parametrize("delta", [-170.0, -60.0, 0.0, 40.0, 110.0])
 @pytest.mark.parametrize("band_um", [(8.0, 12.0), (3.0, 5.0), (0.9, 1.7)])
 def test_dormitory_stays_positive_at_any_contrast(delta, band_um):

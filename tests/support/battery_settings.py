@@ -46,6 +46,11 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "compare_images": {},
     "measured_mtf": {"region_width": 40, "samples": 9},
     "spatial_blur": {"truncation": "none"},
+    "line_by_line": {"look_angle_deg": 30},
+    "figures_of_merit": {"frame_rate_Hz": 25},
+    "noise_3d": {"frames": 3},
+    "noise_budget": {"frequency": 0.7},
+    "camera_geometry": {"fov_x_deg": 1.1, "columns": 9, "rows": 7},
 }  # fmt: skip
 
 # Settings at which a module passes its input on; several where there are several ways to say so.
@@ -78,6 +83,7 @@ NEVER_NEUTRAL = {
     "detector_mtf": "a detector always has an area",
     "electronics_noise": "a detector always has noise",
     "compare_images": "what it gives is a difference",
+    "camera_geometry": "a camera's samples lie where it looks",
 }
 
 PUPILS: dict[str, dict[str, Any]] = {

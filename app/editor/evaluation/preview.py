@@ -20,7 +20,7 @@ SMALLEST = 16
 """No side of a picture gets fewer samples."""
 BINNING = "combine_pixels"
 _DRAWN_ALIKE = ("slanted_edge", "four_bar", "sine", "two_panel", "uniform")
-_DRAWN_NEARLY = ("dormitory", "siemens_star")
+_DRAWN_NEARLY = ("dormitory", "airfield", "siemens_star")
 
 
 def reduced_network(plan: Plan, factor: int, *, edited: Collection[str] = ()) -> Network | None:

@@ -90,6 +90,30 @@ def _pattern(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any] | None:
     }
 
 
+def _camera(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any]:
+    """Camera Geometry: the same field of the same scene, both in fewer and larger samples."""
+    module: Any = planned.module
+    image = planned.inputs["image"]
+    camera, ground = module.camera(image), module.ground(image)
+    columns, rows = max(1, camera.columns // ratio[0]), max(1, camera.rows // ratio[1])
+    across, along = camera.columns / columns, camera.rows / rows
+    focal_length_mm = module.focal_length_mm or 1.0
+    changed = {
+        "ground_interval_m": ground.interval_x_m * image.columns / (image.columns // ratio[0]),
+        "ground_interval_y_m": ground.interval_y_m * image.rows / (image.rows // ratio[1]),
+        "columns": columns,
+        "rows": rows,
+        "fov_x_deg": None,
+        "focal_length_mm": focal_length_mm,
+        "pitch_x_um": camera.step_x_mrad * across * focal_length_mm,
+        "pitch_y_um": camera.step_y_mrad * along * focal_length_mm,
+    }
+    if camera.kind != "framing":
+        changed["velocity_m_per_s"] = camera.line_spacing_m * along
+        changed["line_rate_Hz"] = 1.0
+    return changed
+
+
 def _mean(ratio: Ratio) -> float:
     return math.sqrt(ratio[0] * ratio[1])
 
@@ -104,5 +128,6 @@ IN_SAMPLES: Mapping[str, Count] = MappingProxyType(
         "charge_eff_phase": _transfers,
         "electronics_noise": _dwell,
         "periodic_noise": _pattern,
+        "camera_geometry": _camera,
     }
 )

@@ -10,7 +10,7 @@ from app.editor.panels.colours import set_ground, set_ink
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.flow_layout import FlowLayout
 from app.editor.panels.outlined import Toggle
-from app.editor.panels.wording import tip
+from app.editor.panels.wording import flowing, tip
 from app.editor.theme import Theme
 from core.network import Node
 
@@ -98,7 +98,7 @@ class PanelHead(QWidget):
         self.close_button = self.bar.add_button("close", "×", "Close this panel")
         self.help.setVisible(bool(text))
         self.help.toggled.connect(self._show_help)
-        self.text = QLabel(_flowing(text), self)
+        self.text = QLabel(flowing(text), self)
         self.text.setObjectName("module_text")
         self.text.setTextFormat(Qt.TextFormat.PlainText)
         self.text.setWordWrap(True)
@@ -202,8 +202,3 @@ class PanelHead(QWidget):
 
     def _show_help(self, on: bool) -> None:
         self.text.setVisible(on)
-
-
-def _flowing(text: str) -> str:
-    """Paragraphs without the line breaks they have in the source."""
-    return "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))

@@ -140,6 +140,33 @@ _SPATIAL = (
     Section("", ("half_width_px",), shown_when=("truncation", ("half_width",))),
     Section("", ("error",), shown_when=("truncation", ("error",))),
 )
+_LINES_FLOWN = ("line", "pushbroom")
+_CAMERA = (
+    Section("Camera", ("kind", "altitude_m", "columns", "rows"), page="Camera"),
+    Section("Samples", ("fov_x_deg", "pitch_x_um", "pitch_y_um", "focal_length_mm"), page="Camera"),
+    Section(
+        "Flight",
+        ("velocity_m_per_s", "line_rate_Hz"),
+        page="Camera",
+        shown_when=("kind", _LINES_FLOWN),
+    ),
+    Section("Attitude", ("roll_deg", "pitch_deg", "yaw_deg"), page="Attitude"),
+    Section(
+        "Scene",
+        ("ground_interval_m", "ground_interval_y_m", "offset_x_m", "offset_y_m"),
+        page="Scene",
+    ),
+    Section("Sampling", ("interpolation", "strips", "outside"), page="Scene"),
+    Section("", ("fill_value",), page="Scene", shown_when=("outside", ("fill",))),
+)
+_LINES = (
+    Section("Scan", ("scan", "look_angle_deg", "nadir_column")),
+    Section("Scan lines on the ground", ("spacing",)),
+    Section("", ("line_spacing_m",), shown_when=("spacing", ("typed",))),
+    Section("", ("altitude_m",), shown_when=("spacing", ("typed", "flight"))),
+    Section("Apertures and other planar factors", ("method",)),
+    Section("", ("nodes", "tolerance"), shown_when=("method", ("nodes",))),
+)
 _MEASURED = (
     Section("", ("method", "target", "direction")),
     Section("Region", ("region_x", "region_y", "region_width", "region_height")),
@@ -149,6 +176,22 @@ _MEASURED = (
     ),
     Section("Curve", ("axis",)),
 )
+_MERIT = (
+    Section("", ("model", "scanning", "snr_threshold"), page="Sensor"),
+    Section("Noise", ("cut_on_um", "cut_off_um", "background_K"), page="Sensor"),
+    Section("In time", ("frame_rate_Hz", "eye_integration_s"), page="Eye"),
+    Section("MDTD", ("mdtd_window", "eye_limit_mrad"), page="Eye"),
+    Section(
+        "Target",
+        ("target_size_m", "target_delta_K", "extinction_per_km", "range_max_km"),
+        page="Target",
+    ),
+    Section("Johnson", ("n50_detection", "n50_recognition", "n50_identification"), page="Target"),
+    Section("Task and scene", ("v50", "scene_contrast_K"), page="TTP"),
+    Section("Display", ("display_cd_m2", "display_deg", "magnification"), page="TTP"),
+)
+_NOISE_3D = (Section("Measurement", ("frames",)),)
+_BUDGET = (Section("Noise and blur", ("noise", "frequency", "show")),)
 
 _LAYOUTS: Mapping[str, Layout] = MappingProxyType(
     {
@@ -169,6 +212,11 @@ _LAYOUTS: Mapping[str, Layout] = MappingProxyType(
         "periodic_noise": _PERIODIC,
         "mtf_slices": _SLICES,
         "measured_mtf": _MEASURED,
+        "figures_of_merit": _MERIT,
         "spatial_blur": _SPATIAL,
+        "noise_3d": _NOISE_3D,
+        "noise_budget": _BUDGET,
+        "line_by_line": _LINES,
+        "camera_geometry": _CAMERA,
     }
 )

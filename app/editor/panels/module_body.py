@@ -27,9 +27,12 @@ class ModuleBody(QWidget):
     -------
     view_requested(node, port, viewer)
         Show that output in the viewer of that number.
+    trade_off_requested(node, parameter)
+        Show figures of merit as it moves.
     """
 
     view_requested = Signal(str, str, int)
+    trade_off_requested = Signal(str, str)
 
     def __init__(
         self,
@@ -57,6 +60,7 @@ class ModuleBody(QWidget):
         self.sections.edited.connect(self._edit)
         self.sections.reset_wanted.connect(self._reset)
         self.sections.gesture_ended.connect(session.end_gesture)
+        self.sections.trade_off_wanted.connect(self._trade_off)
         self._column.addWidget(self.sections)
         self.readouts = ReadoutsView(declaration, node, evaluator, theme, self)
         if declaration.readouts:
@@ -100,6 +104,9 @@ class ModuleBody(QWidget):
     def _edit(self, name: str, value: object, gesture: object) -> None:
         if self._node in self._session.network.nodes:
             self._session.do(SetParameter(self._node, name, value), gesture=gesture)
+
+    def _trade_off(self, name: str) -> None:
+        self.trade_off_requested.emit(self._node, name)
 
     def _reset(self, name: str) -> None:
         if self._node in self._session.network.nodes:

@@ -44,9 +44,12 @@ class NodePanel(QFrame):
         Compute everything.
     close_requested(node)
         Put the panel away.
+    trade_off_requested(node, parameter)
+        Show figures of merit as it moves.
     """
 
     view_requested = Signal(str, str, int)
+    trade_off_requested = Signal(str, str)
     generate_requested = Signal(str)
     close_requested = Signal(str)
 
@@ -76,6 +79,7 @@ class NodePanel(QFrame):
         if declared is not None:
             self.body = ModuleBody(declared, node, session, evaluator, theme, self)
             self.body.view_requested.connect(self.view_requested)
+            self.body.trade_off_requested.connect(self.trade_off_requested)
         else:
             self.body = UnknownBody(self.module, node, theme, self)
             for button in (self.head.auto, self.head.disable, self.head.generate):

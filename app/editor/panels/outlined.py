@@ -1,14 +1,17 @@
-"""Buttons whose state is well seen in both looks: Fusion draws dark outlines on dark grounds."""
+"""Buttons and boxes well seen in both looks: Fusion draws dark outlines on dark grounds."""
 
 from __future__ import annotations
 
+from PySide6.QtCore import QModelIndex, QPersistentModelIndex
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPalette, QPen
 from PySide6.QtWidgets import (
     QAbstractButton,
     QCheckBox,
     QRadioButton,
     QStyle,
+    QStyledItemDelegate,
     QStyleOptionButton,
+    QStyleOptionViewItem,
     QToolButton,
     QWidget,
 )
@@ -56,6 +59,28 @@ class Check(QCheckBox):
         """Draw the frame over Qt's own."""
         super().paintEvent(event)
         _outline(self, QStyle.SubElement.SE_CheckBoxIndicator, round_=False)
+
+
+class OutlinedItems(QStyledItemDelegate):
+    """Items of a list with a frame round the box to tick."""
+
+    def paint(
+        self,
+        painter: QPainter,
+        option: QStyleOptionViewItem,
+        index: QModelIndex | QPersistentModelIndex,
+    ) -> None:
+        """Draw the frame over Qt's own."""
+        super().paint(painter, option, index)
+        item = QStyleOptionViewItem(option)
+        self.initStyleOption(item, index)
+        widget: QWidget = item.widget
+        box = QStyle.SubElement.SE_ItemViewItemCheckIndicator
+        rect = widget.style().subElementRect(box, item, widget)
+        painter.save()
+        painter.setPen(QPen(widget.palette().color(QPalette.ColorRole.PlaceholderText), 1))
+        painter.drawRect(rect.adjusted(0, 0, -1, -1))
+        painter.restore()
 
 
 def _outline(button: QAbstractButton, element: QStyle.SubElement, *, round_: bool) -> None:

@@ -38,9 +38,12 @@ class PanelArea(QScrollArea):
         Show that output in the viewer of that number.
     generate_requested(node)
         Compute everything.
+    trade_off_requested(node, parameter)
+        Show figures of merit as it moves.
     """
 
     view_requested = Signal(str, str, int)
+    trade_off_requested = Signal(str, str)
     generate_requested = Signal(str)
 
     def __init__(
@@ -171,6 +174,7 @@ class PanelArea(QScrollArea):
         panel = NodePanel(self._session, self._evaluator, name, self._theme, self.widget())
         panel.set_badge(self._badges.get(name))
         panel.view_requested.connect(self.view_requested)
+        panel.trade_off_requested.connect(self.trade_off_requested)
         panel.generate_requested.connect(self.generate_requested)
         panel.close_requested.connect(self._close)
         self.panels[name] = panel

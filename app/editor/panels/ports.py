@@ -12,6 +12,7 @@ from core.declaration import Declaration, Port
 from core.network import Link, Network
 
 VIEWERS = range(1, 10)
+PLOTTED = frozenset({"curve", "table"})  # types of ports that are shown in Curves
 
 
 class PortsView(QWidget):
@@ -80,18 +81,23 @@ class _PortRow(QObject):
         self.button.setObjectName(f"view.{side}.{port.name}")
         self.button.setText("View")
         self.button.setAccessibleName(f"view {side} {port.name}")
-        self.button.setToolTip(
-            tip("Show it in viewer 1; the arrow (or Down key) offers the others")
-        )
         self.button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        if set(port.types) <= PLOTTED:
+            self.button.setToolTip(tip("Show it in Curves"))
+        else:
+            self._offer_viewers()
+        self.button.clicked.connect(self._clicked)
+        self.follow(None)
+
+    def _offer_viewers(self) -> None:
+        told = "Show it in viewer 1; the arrow (or Down key) offers the others"
+        self.button.setToolTip(tip(told))
         self.button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
         menu = QMenu(self.button)
         for number in VIEWERS:
             menu.addAction(f"Viewer &{number}").setData(number)
         menu.triggered.connect(self._chosen)
         self.button.setMenu(menu)
-        self.button.clicked.connect(self._clicked)
-        self.follow(None)
 
     def follow(self, link: Link | None) -> None:
         """Show what is linked to an input."""

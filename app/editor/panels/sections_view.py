@@ -24,12 +24,14 @@ from core.network import Node
 class SectionsView(QWidget):
     """Fields for all parameters of a module.
 
-    Signals are those of the fields: `edited`, `reset_wanted`, `gesture_ended`.
+    Signals are those of the fields: `edited`, `reset_wanted`, `gesture_ended`,
+    `trade_off_wanted`.
     """
 
     edited = Signal(str, object, object)
     reset_wanted = Signal(str)
     gesture_ended = Signal()
+    trade_off_wanted = Signal(str)
 
     def __init__(
         self,
@@ -130,6 +132,7 @@ class SectionsView(QWidget):
             field.edited.connect(self.edited)
             field.reset_wanted.connect(self.reset_wanted)
             field.gesture_ended.connect(self.gesture_ended)
+            field.trade_off_wanted.connect(self.trade_off_wanted)
             self.fields.append(field)
             inside.addWidget(field)
         return box

@@ -20,7 +20,10 @@ _WORDS: Mapping[str, str] = MappingProxyType(
     {
         "fov": "FOV",
         "ifov": "IFOV",
+        "gsd": "GSD",
         "mtf": "MTF",
+        "mtf10": "MTF10",
+        "mtf50": "MTF50",
         "ptf": "PTF",
         "snr": "SNR",
         "nep": "NEP",
@@ -35,8 +38,16 @@ _WORDS: Mapping[str, str] = MappingProxyType(
         "nyquist": "Nyquist",
         "rmse": "RMSE",
         "psnr": "PSNR",
+        "mrtd": "MRTD",
+        "mdtd": "MDTD",
+        "ttp": "TTP",
+        "flir92": "FLIR92",
+        "ratches": "Ratches",
         "alpha": "α",
+        "sigma": "σ",
         "fried": "Fried's",
+        "tukey": "Tukey",
+        "hamming": "Hamming",
         "lowpass": "low-pass",
         "highpass": "high-pass",
     }
@@ -55,6 +66,11 @@ _NAMES: Mapping[str, str] = MappingProxyType(
         "cut_off_um": "Cut-off",
         "use_mtf": "Use pre-amplifier MTF",
         "percent": "Share of the mean",
+        "target_delta_K": "Target difference",
+        "range_max_km": "Longest range",
+        "display_cd_m2": "Display luminance",
+        "display_deg": "Display size",
+        "scan": "Axis",
     }
 )
 
@@ -111,3 +127,8 @@ def about(parameter: Parameter) -> str:
 def tip(text: str) -> str:
     """Plain text as a tooltip, broken into lines where it is long."""
     return f"<p>{html.escape(text)}</p>".replace("\n", "<br>")
+
+
+def flowing(text: str) -> str:
+    """Paragraphs without the line breaks they have in the source."""
+    return "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))

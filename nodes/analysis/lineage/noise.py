@@ -11,6 +11,7 @@ from core.delivered import Delivered, block_combine
 from core.errors import DataError
 from core.grid import Grid
 from core.noise_power import Array, NoisePower, Operator
+from core.noise_spectrum import spectrum_of
 from core.physics.noise_components import NoiseVariances, components_of_moments
 from core.planes import Axes
 from core.recipes import Recipe, Step
@@ -20,7 +21,7 @@ from nodes.analysis.lineage import noise_sources as sources
 from nodes.analysis.lineage.noise_free import noise_free
 from nodes.analysis.lineage.transfer import PASSING
 from nodes.analysis.spatial_blur import blurred
-from nodes.electronics.noise_steps import filtered_lines
+from nodes.electronics.noise_steps import filtered_lines, read_out
 from nodes.transform.interpolate import resampled, taps
 
 
@@ -63,11 +64,14 @@ class ImageNoise:
         Mean of the picture, noise and all.
     unknown : tuple of str
         Nodes through which noise cannot be followed; what lies before them is not counted.
+    spectrum : ndarray, optional
+        Power of all temporal noise in equal cells up to Nyquist's frequencies, (along, across).
     """
 
     terms: tuple[NoiseTerm, ...]
     mean: float
     unknown: tuple[str, ...] = ()
+    spectrum: Array | None = field(default=None, compare=False)
 
     @property
     def total(self) -> Summed:
@@ -88,13 +92,19 @@ class ImageNoise:
 
 @dataclass(frozen=True, eq=False)
 class NoiseOf(Recipe):
-    """The recipe of a picture's `ImageNoise`."""
+    """The recipe of a picture's `ImageNoise`.
+
+    `uniform`: with the gain errors of detectors as they show on a uniform field of the picture's
+    mean, where those of one detector are no pattern; else as they show on the scene.
+    """
 
     image: Image
     node: str | None = field(default=None, compare=False)
+    uniform: bool = False
 
     def _content(self) -> tuple[object, ...]:
-        return (self.image.key, self.image.interval_x_mrad, self.image.interval_y_mrad)
+        image = self.image
+        return (image.key, image.interval_x_mrad, image.interval_y_mrad, self.uniform)
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
@@ -103,7 +113,7 @@ class NoiseOf(Recipe):
 
     def compute(self, work: Work) -> ImageNoise:
         """Follow every noise to the picture."""
-        known = _Follow(work)
+        known = _Follow(work, self.uniform)
         found = known.to(self.image.recipe, *self.image.shape)
         if any(each.step for each in found):
             clean = work.value(noise_free(self.image.recipe))
@@ -112,7 +122,8 @@ class NoiseOf(Recipe):
             NoiseTerm(each.node, each.name, each.temporal, _components(each)) for each in found
         )
         mean = sources.mean_of(work, self.image.recipe)
-        return ImageNoise(terms, mean, tuple(dict.fromkeys(known.unknown)))
+        spectrum = spectrum_of([each.power for each in found if each.temporal])
+        return ImageNoise(terms, mean, tuple(dict.fromkeys(known.unknown)), spectrum)
 
     def _seen(self, work: Work, noise: sources.Noise, clean: Array) -> sources.Noise:
         """A known pattern as it shows in the picture."""
@@ -132,8 +143,9 @@ def _components(noise: sources.Noise) -> NoiseVariances:
 class _Follow:
     """Goes up a picture's recipe, and down again with the noises met."""
 
-    def __init__(self, work: Work) -> None:
+    def __init__(self, work: Work, uniform: bool = False) -> None:
         self._work = work
+        self._uniform = uniform
         self.unknown: list[str] = []
 
     def to(self, recipe: Recipe, rows: int, columns: int) -> list[sources.Noise]:
@@ -146,7 +158,12 @@ class _Follow:
         given, values = recipe.inputs[0], dict(recipe.parameters)
         if recipe.function in PASSING:
             before = self.to(given, rows, columns)
-            return [*before, *sources.arising(self._work, recipe, rows, columns, before)]
+            if recipe.function is read_out and values["model"] == "literal":
+                # The gain error as printed scales the whole picture.
+                mean = self._work.value(recipe.inputs[1]).mean
+                before = [_scaled(each, values["gain_percent"] / 100.0 * mean) for each in before]
+            uniform = self._uniform
+            return [*before, *sources.arising(self._work, recipe, rows, columns, before, uniform)]
         if recipe.function is filtered_lines:
             axes: Axes = "mirrored" if values["edges"] == "reflect" else "periodic"
             return self._filtered(

@@ -45,8 +45,15 @@ STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay wha
 Arising = Callable[..., list[Noise]]
 
 
-def arising(work: Work, step: Step, rows: int, columns: int, before: list[Noise]) -> list[Noise]:
-    """What a step adds to a picture of this size; `before` is what its picture has already."""
+def arising(
+    work: Work, step: Step, rows: int, columns: int, before: list[Noise], uniform: bool = False
+) -> list[Noise]:
+    """What a step adds to a picture of this size; `before` is what its picture has already.
+
+    `uniform`: gain errors as on a uniform field of the picture's mean.
+    """
+    if step.function is read_out:
+        return _read_out(work, step, rows, columns, uniform)
     return _ARISING[step.function](work, step, rows, columns, before)
 
 
@@ -99,7 +106,7 @@ def _detector(work: Work, step: Step, rows: int, columns: int, before: list[Nois
     return [_white(step, "detector", rows, columns, variance)]
 
 
-def _read_out(work: Work, step: Step, rows: int, columns: int, before: list[Noise]) -> list[Noise]:
+def _read_out(work: Work, step: Step, rows: int, columns: int, uniform: bool) -> list[Noise]:
     """Errors of gain and bias, constant along the direction of collection, and detector noise."""
     picture, seen, gain_pattern, bias_pattern = step.inputs[:4]
     values, node = dict(step.parameters), step.node or ""
@@ -107,14 +114,14 @@ def _read_out(work: Work, step: Step, rows: int, columns: int, before: list[Nois
     gain, bias = values["gain_percent"] / 100.0, values["bias_percent"] / 100.0
     found = []
     if gain and values["model"] != "literal":
-        seen_by_each = values["model"] == "per_pixel"
+        seen_by_each = values["model"] == "per_pixel" and not uniform
         weight = work.value(picture) if seen_by_each else None
         power = _pattern_power(gain_pattern, rows, columns, gain, mean, weight)
         found.append(Noise(node, "gain", False, power))
     if bias and values["model"] != "literal":
         power = _pattern_power(bias_pattern, rows, columns, bias, mean, None)
         found.append(Noise(node, "bias", False, power))
-    return [*found, *_detector(work, step, rows, columns, before)]
+    return [*found, *_detector(work, step, rows, columns, [])]
 
 
 def _pattern_power(
@@ -178,7 +185,6 @@ _ARISING: dict[Any, Arising] = {
     photon_counts: _photon_counts,
     summed: _pattern_added,
     with_detector_noise: _detector,
-    read_out: _read_out,
     with_amplifier_noise: _amplifier,
     quantized: _quantization,
 }

@@ -55,12 +55,16 @@ class ImageTransfer:
         Sampling of the scene it stems from.
     source : Recipe
         Makes the scene's samples; of a step whose transfer function is not known, its result.
+    gain : float or None
+        What a uniform scene is multiplied by, such as the pixels of a sum; None where it is left
+        to chance (a gain error as printed).
     """
 
     stages: tuple[Stage, ...]
     grid: Grid
     source_grid: Grid
     source: Recipe
+    gain: float | None = 1.0
 
     @property
     def factors(self) -> tuple[Factor, ...]:
@@ -86,11 +90,15 @@ def transfer_of(image: Image) -> ImageTransfer:
     """
     grid = image.grid()
     factors: list[Factor] = []
-    recipe, here = image.recipe, grid
+    recipe, here, gain = image.recipe, grid, 1.0
+    known = True
     while True:
         found = _before(recipe, here)
         if found is None:
-            return ImageTransfer(stages_of(tuple(factors)), grid, here, recipe)
+            stages = stages_of(tuple(factors))
+            return ImageTransfer(stages, grid, here, recipe, gain if known else None)
+        gain *= _summed_pixels(recipe)
+        known = known and not _is_literal(recipe)
         recipe, here, stage = found
         factors = [*stage, *factors]
 
@@ -105,6 +113,22 @@ def _before(recipe: Recipe, grid: Grid) -> Behind | None:
         return recipe.inputs[0], grid, ()
     known = _KNOWN.get(recipe.function)
     return known(recipe, dict(recipe.parameters), grid) if known else None
+
+
+def _summed_pixels(recipe: Recipe) -> int:
+    """Pixels whose sum is taken, 1 of a mean."""
+    if isinstance(recipe, Delivered):
+        return recipe.factor_x * recipe.factor_y if recipe.mode == "sum" else 1
+    values = dict(recipe.parameters) if isinstance(recipe, Step) else {}
+    if isinstance(recipe, Step) and recipe.function is block_combine and values["mode"] == "sum":
+        return int(values["factor_x"] * values["factor_y"])
+    return 1
+
+
+def _is_literal(recipe: Recipe) -> bool:
+    if not isinstance(recipe, Step) or recipe.function is not read_out:
+        return False
+    return bool(dict(recipe.parameters)["model"] == "literal")
 
 
 def _before_transform(recipe: Delivered, grid: Grid) -> Behind | None:

@@ -46,6 +46,7 @@ EDITS = {
         "Si:Ga",
     ),
     "periodic_noise": ({"amplitude": 1.0}, "amplitude", 2.0),
+    "camera_geometry": ({"fov_x_deg": 3.0}, "fov_x_deg", 2.0),
 }
 
 

@@ -33,8 +33,16 @@ ENOUGH = {  # to be computed whatever is chosen
         "scan_mirror_rate_Hz": 10.0,
         "post_corner_Hz": 900.0,
     },
+    "line_by_line": {"line_spacing_m": 0.5, "altitude_m": 500.0},
 }
-INIT = {"detector_x_um": 30.0, "detector_y_um": 30.0, "focal_length_mm": 100.0, "f_number": 2.0}
+INIT = {
+    "detector_x_um": 30.0,
+    "detector_y_um": 30.0,
+    "focal_length_mm": 100.0,
+    "f_number": 2.0,
+    "velocity_m_per_s": 50.0,
+    "scan_velocity_mrad_per_s": 5000.0,
+}
 
 
 @pytest.mark.parametrize("key", DECLARED)

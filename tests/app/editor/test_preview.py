@@ -206,6 +206,25 @@ def test_where_it_cannot_be_there_is_none(library, network, tmp_path):
     assert reduced_network(plan, 4) is None
 
 
+@pytest.mark.parametrize("kind", ["line", "framing"])
+def test_a_camera_sees_the_same_field_in_larger_samples(library, kind):
+    """Block means of small footprints nearly are the mean over the large one they make up."""
+    camera = {"kind": kind, "ground_interval_m": 10.0, "columns": 64, "rows": 40, "pitch_deg": 2.0,
+              "interpolation": "cubic"}  # fmt: skip
+    network = of_scene(
+        "sine",
+        Node("camera", "camera_geometry", camera),
+        links=("scene.image > camera.image",),
+        width=128,
+        height=128,
+        frequency=3.0,
+    )
+    full, small = both(network, 4, library)("camera.image")
+    assert small.shape == (10, 16)
+    binned = means_of_blocks(full, *small.shape)
+    assert np.abs(binned - small).max() < 0.01 * np.ptp(full)
+
+
 def test_pictures_reduced_differently_do_not_meet(library):
     half = {"width": 32, "height": 32}
     network = of_scene(

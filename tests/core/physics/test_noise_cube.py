@@ -110,6 +110,17 @@ def test_a_picture_that_stays_is_no_temporal_noise():
     assert found.vh == pytest.approx(single, rel=1e-12)
 
 
+def test_what_frames_have_in_common_takes_no_digits():
+    """On a pedestal of 2^30, of which a sample keeps 2^−22: squares would lose all below 2^8."""
+    rng = np.random.default_rng(6)
+    cube = np.round(rng.standard_normal((4, 6, 5)) * 256) / 256
+    plain, lifted = measured(cube), measured(cube + 2.0**30)
+    for name in COMPONENTS:
+        expected = plain.variances.variance(name)
+        assert lifted.variances.variance(name) == pytest.approx(expected, abs=1e-9), name
+    assert lifted.mean == pytest.approx(2.0**30 + cube.mean(), rel=1e-15)
+
+
 def test_too_few_frames_or_samples_are_refused():
     with pytest.raises(DataError, match="2 × 2 samples or more, not 5 × 1"):
         NoiseCube(1, 5)

@@ -29,6 +29,8 @@ class Field(QWidget):
         Back to the default.
     gesture_ended
         The mouse is up, the key released.
+    trade_off_wanted(name)
+        Show figures of merit as it moves.
     """
 
     lines_up = False  # whether its unit stands in one column with those of others
@@ -36,6 +38,7 @@ class Field(QWidget):
     edited = Signal(str, object, object)
     reset_wanted = Signal(str)
     gesture_ended = Signal()
+    trade_off_wanted = Signal(str)
 
     def __init__(self, parameter: Parameter, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -165,6 +168,11 @@ class Field(QWidget):
             menu = QMenu(self)
         menu.setObjectName("field.menu")
         menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        if self.parameter.kind in ("number", "integer"):
+            varying = menu.addAction("Trade off…")
+            varying.setObjectName("trade_off")
+            varying.setToolTip("Figures of merit as this parameter moves")
+            varying.triggered.connect(self._trade_off)
         default = ""
         if not self.parameter.required:
             unit = f" {self.parameter.param.unit}" if self.parameter.param.unit else ""
@@ -178,6 +186,9 @@ class Field(QWidget):
     def _reset(self) -> None:
         self.discard_typing()
         self.reset_wanted.emit(self.parameter.name)
+
+    def _trade_off(self) -> None:
+        self.trade_off_wanted.emit(self.parameter.name)
 
     def _settle(self) -> None:
         self.show_value(self.value)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from app.editor.panels.illustrations.camera_geometry import CameraIllustration
 from app.editor.panels.illustrations.electronics import ElectronicsIllustration
 from app.editor.panels.illustrations.exit_pupil import ExitPupilIllustration
 from app.editor.panels.illustrations.illustration import Illustration
@@ -41,5 +42,6 @@ _ILLUSTRATIONS: Mapping[str, type[Illustration]] = MappingProxyType(
         "init_trans": InitTransIllustration,
         "exit_pupil": ExitPupilIllustration,
         "electronics_noise": ElectronicsIllustration,
+        "camera_geometry": CameraIllustration,
     }
 )

@@ -1,0 +1,36 @@
+"""Curves as CSV where numbers alone do not tell them: names of bars, and values without end."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Mapping
+from itertools import zip_longest
+from typing import Any
+
+import numpy as np
+
+from core.data import CurveData
+
+
+def is_plain(curves: CurveData) -> bool:
+    """Whether finite numbers are all there is to them."""
+    return not curves.bars and all(np.isfinite(series.y).all() for series in curves.series)
+
+
+def columns_text(curves: CurveData, columns: Mapping[str, Iterable[Any]]) -> str:
+    """Columns by name as CSV; of bars, their names take the place of the abscissa.
+
+    Infinite values are written as ``inf``, missing ones as ``nan``.
+    """
+    names, values = list(columns), [list(column) for column in columns.values()]
+    if curves.bars and names:
+        names[0], values[0] = curves.x_label or "name", list(curves.bars)
+    text = io.StringIO()
+    rows = ([_cell(cell) for cell in row] for row in zip_longest(*values, fillvalue=""))
+    csv.writer(text, lineterminator="\n").writerows([names, *rows])
+    return text.getvalue()
+
+
+def _cell(value: Any) -> str:
+    return value if isinstance(value, str) else repr(float(value))

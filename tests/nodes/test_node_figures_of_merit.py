@@ -1,0 +1,237 @@
+"""Figures of Merit on chains whose noise and blur are known, and on noise that is drawn."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from core.errors import DataError, ParameterError
+from merit_sensor import FOV, INTERVAL, NYQUIST, sensor
+from planck_truth import band_radiance
+
+
+def table_of(*args, **kwargs):
+    engine, plan, work = sensor(*args, **kwargs)
+    return engine.value(plan, "merit.table", work).as_dict()
+
+
+def curves_of(port, *args, **kwargs):
+    engine, plan, work = sensor(*args, **kwargs)
+    return {s.label: s for s in engine.value(plan, f"merit.{port}", work).series}
+
+
+def slope(temperature_K):
+    """dL/dT of Planck's law, by a difference."""
+    up, down = (float(band_radiance(3.0, 5.0, temperature_K + d)) for d in (0.01, -0.01))
+    return (up - down) / 0.02
+
+
+def transfer(f, sigma):
+    """Gaussian blur, and a detector of 80 µm/200 mm = 0.4 mrad."""
+    return np.exp(-2 * np.pi**2 * sigma**2 * f**2) * np.sinc(0.4 * f)
+
+
+def share(length, end):
+    x = np.pi * length * (np.arange(20000) + 0.5) * end / 20000
+    return float(np.mean((np.sin(x) / x) ** 2))
+
+
+class TestNoise:
+    def test_of_frames_drawn_anew(self):
+        """Standard deviation of 40 frames' samples, without a fixed pattern."""
+        frames = []
+        for seed in range(40):
+            engine, plan, work = sensor(seed=seed)
+            frames.append(engine.value(plan, "noise.image", work))
+        sigma = float(np.std(np.array(frames), axis=0, ddof=1).mean())
+        mean = float(np.mean(frames))
+        found = table_of()
+        assert found["ner"] == pytest.approx(sigma, rel=0.01)
+        assert found["snr"] == pytest.approx(mean / sigma, rel=0.01)
+        assert found["netd_K"] == pytest.approx(sigma / slope(300.0), rel=0.01)
+        assert found["background_K"] == pytest.approx(300.0, rel=1e-3)
+        for name in ("vh", "v", "h"):
+            assert found[f"sigma_{name}_K"] == 0
+
+    def test_fixed_pattern(self):
+        """A gain error of 2 % differs from detector to detector: 2 % of 300 K's radiance."""
+        found = table_of(noise={"gain_percent": 2.0})
+        level = float(band_radiance(3.0, 5.0, 300.0))
+        assert found["sigma_vh_K"] == pytest.approx(0.02 * level / slope(300.0), rel=0.01)
+
+    def test_background_typed_in(self):
+        """NETD is noise over the slope of the background, whatever the picture shows."""
+        cold, usual = table_of({"background_K": 250.0}), table_of()
+        assert cold["ner"] == usual["ner"]
+        ratio = cold["netd_K"] / usual["netd_K"]
+        assert ratio == pytest.approx(slope(300.0) / slope(250.0), rel=1e-3)
+
+
+class TestMrtd:
+    @pytest.mark.parametrize("model", ["ratches_1976", "flir92"])
+    @pytest.mark.parametrize(("axis", "sigma"), [("x", 0.2), ("y", 0.1)])
+    def test_at_half_of_nyquist(self, model, axis, sigma):
+        """(π²/8)·2.5·NETD·√(left)/H at 0.573 cycles/mrad, with 25 frames/s and 0.2 s."""
+        found = table_of({"model": model, "frame_rate_Hz": 25.0})
+        f = NYQUIST / 2
+        over_width = share(0.5 / f, NYQUIST)
+        over_length = INTERVAL * 2 * f / 7 if model == "ratches_1976" else share(3.5 / f, NYQUIST)
+        noise = found["netd_K"] if model == "ratches_1976" else found["sigma_tvh_K"]
+        left = over_width * over_length * noise**2 / 5
+        if model == "flir92":  # what little of the noise is the same in a whole column or row
+            lines = found["sigma_th_K" if axis == "x" else "sigma_tv_K"] ** 2
+            left += over_width * lines / 5
+        truth = math.pi**2 / 8 * 2.5 * math.sqrt(left) / transfer(f, sigma)
+        assert found[f"mrtd_{axis}_50_percent_nyquist"] == pytest.approx(truth, rel=1e-4)
+
+    @pytest.mark.parametrize(
+        ("platform", "scanning", "ends"),
+        [
+            ("array", "automatic", ("horizontal", "vertical")),
+            ("line", "automatic", ("vertical",)),
+            ("push", "automatic", ("horizontal",)),
+            ("line", "staring", ("horizontal", "vertical")),
+            ("array", "parallel_scan", ("vertical",)),
+            ("array", "serial_scan", ("vertical",)),
+        ],
+    )
+    def test_sampled_directions_end_at_nyquist(self, platform, scanning, ends):
+        curves = curves_of("mrtd", {"scanning": scanning}, init={"platform": platform})
+        for label in ("horizontal", "vertical"):
+            last = curves[label].x[-1]
+            if label in ends:
+                assert last < NYQUIST
+                assert last == pytest.approx(NYQUIST, rel=0.01)
+            else:
+                assert last == pytest.approx(2 * NYQUIST, rel=0.01)
+
+    def test_ratches_ends_at_the_detectors_zero(self):
+        """A detector of 0.8 mrad has its zero at 1.25 cycles/mrad, above Nyquist at 1.146."""
+        large = {"detector_x_um": 160.0}
+        curves = curves_of("mrtd", {"model": "ratches_1976"}, init=large)
+        assert NYQUIST < curves["horizontal"].x[-1] < 1.25
+        assert curves["vertical"].x[-1] > 2
+
+    def test_more_frames(self):
+        """A quarter of the noise after 16 times as many frames, without a fixed pattern."""
+        once = curves_of("mrtd", {"frame_rate_Hz": None})["2-D"]
+        often = curves_of("mrtd", {"frame_rate_Hz": 80.0})["2-D"]
+        np.testing.assert_allclose(often.y, once.y / 4, rtol=1e-9)
+
+    def test_shown_by_logarithm(self):
+        engine, plan, work = sensor()
+        assert engine.value(plan, "merit.mrtd", work).log_y
+        assert engine.value(plan, "merit.mdtd", work).log_y
+        assert engine.value(plan, "merit.mdtd", work).log_x
+        assert not engine.value(plan, "merit.mrtd", work).log_x
+
+
+def test_mdtd_of_a_large_target():
+    """Ten samples wide: SNR_th·NETD·share/√6, less what the blur takes over the border."""
+    curve = curves_of("mdtd")["square target"]
+    size = curve.x[np.argmin(np.abs(curve.x - 10 * INTERVAL))]
+    f = (np.arange(40000) + 0.5) * 1e-3
+    intensity = [
+        2e-3 * size * float(np.sum(np.sinc(size * f) ** 2 * transfer(f, sigma)))
+        for sigma in (0.2, 0.1)
+    ]
+    found = table_of()
+    over = share(size, NYQUIST)
+    left = over**2 * found["sigma_tvh_K"] ** 2
+    left += over * (found["sigma_th_K"] ** 2 + found["sigma_tv_K"] ** 2)
+    truth = 2.5 * math.sqrt(left / 6) / (intensity[0] * intensity[1])
+    assert np.interp(size, curve.x, curve.y) == pytest.approx(truth, rel=1e-4)
+
+
+class TestAcquisition:
+    @pytest.mark.parametrize("task", ["detection", "recognition", "identification"])
+    def test_half_succeed_at_the_range(self, task):
+        curves = curves_of("probability", {"range_max_km": 8.0})
+        km = table_of()[f"{task}_range_km"]
+        assert np.interp(km, curves[task].x, curves[task].y) == pytest.approx(0.5, abs=0.01)
+
+    @pytest.mark.parametrize("extinction", [0.0, 3.0])
+    def test_range_resolves_n50_cycles(self, extinction):
+        """At it 2.3 m span N50 cycles of the frequency at which the MRTD is what is left of 2 K."""
+        settings = {"extinction_per_km": extinction}
+        km = table_of(settings)["recognition_range_km"]
+        curve = curves_of("mrtd", settings)["2-D"]
+        left = 2.0 * math.exp(-extinction * km)
+        resolved = np.exp(np.interp(math.log(left), np.log(curve.y), np.log(curve.x)))
+        assert resolved * 2.3 / km == pytest.approx(3.0, rel=1e-3)
+
+    def test_ttp_of_another_task(self):
+        assert table_of({"v50": 5.0})["ttp_range_km"] > 2 * table_of()["ttp_range_km"]
+
+    def test_ttp_by_a_plain_sum(self):
+        """V = 2.3 m/1 km·√(∫√(C/T_x) df·∫√(C/T_y) df), C = 2 K·exp(−0.2)/(2·5 K) = 0.163746."""
+        curves = curves_of("mrtd")
+        sums = []
+        for label, sigma in (("horizontal", 0.2), ("vertical", 0.1)):
+            f = np.linspace(curves[label].x[0], curves[label].x[-1], 20001)
+            mrtd = np.exp(np.interp(np.log(f), np.log(curves[label].x), np.log(curves[label].y)))
+            # A picture 2° wide fills 15° at the eye; one cycle/mrad is 17.4533 cycles/degree.
+            u = f * 17.453293 / (15 / FOV)
+            a = 540 * (1 + 0.7 / 34) ** -0.2 / (1 + 12 / (15 * (1 + u / 3) ** 2))
+            b = 0.3 * (1 + 100 / 34) ** 0.15
+            eye = 1 / (a * u * np.exp(-b * u) * np.sqrt(1 + 0.06 * np.exp(b * u)))
+            threshold = np.sqrt((eye / transfer(f, sigma)) ** 2 + (mrtd / 10) ** 2)
+            sums.append(np.sqrt(np.maximum(0.163746 / threshold, 1)) * (threshold < 0.163746))
+        v = 2.3 * math.sqrt(np.prod([np.sum(each[1:]) * (f[1] - f[0]) for each in sums]))
+        ratio = v / 5.0
+        exponent = 1.51 + 0.24 * ratio
+        truth = ratio**exponent / (1 + ratio**exponent)
+        curve = curves_of("probability", {"range_max_km": 1.0, "v50": 5.0})["TTP"]
+        assert curve.x[-1] == 1
+        assert curve.y[-1] == pytest.approx(truth, rel=2e-3)
+
+    def test_target_too_faint(self):
+        found = table_of({"target_delta_K": 0.0})
+        assert all(found[f"{task}_range_km"] is None for task in ("detection", "ttp"))
+
+
+def test_without_noise():
+    """Nothing hides a target: no NETD, no SNR, no threshold that a logarithm could show."""
+    found = table_of(noisy=False)
+    assert found["netd_K"] == found["ner"] == 0
+    assert found["snr"] is None
+    assert curves_of("mrtd", noisy=False) == {}
+
+
+def test_a_new_task_keeps_the_thresholds():
+    _, plan, _ = sensor()
+    _, other, _ = sensor({"n50_detection": 2.0, "target_size_m": 5.0})
+    before, after = plan.nodes["merit"].outputs, other.nodes["merit"].outputs
+    for port, same in (("mrtd", True), ("mdtd", True), ("probability", False), ("table", False)):
+        assert (before[port].key == after[port].key) is same
+
+
+def test_read_outs_are_the_tables():
+    engine, plan, work = sensor()
+    shown = engine.readouts(plan, "merit", work)
+    table = engine.value(plan, "merit.table", work).as_dict()
+    assert shown["netd_K"] == table["netd_K"]
+    assert shown["mrtd_x_K"] == table["mrtd_x_50_percent_nyquist"]
+    assert shown["ttp_range_km"] == table["ttp_range_km"]
+
+
+@pytest.mark.parametrize(
+    ("merit", "error", "text"),
+    [
+        ({"background_K": 1.0}, DataError, "emits nothing"),
+        ({"cut_on_um": 6.0}, ParameterError, "at least cut_on_um"),
+        ({"snr_threshold": 0.0}, ParameterError, "above 0"),
+    ],
+)
+def test_refused(merit, error, text):
+    with pytest.raises(error, match=text) as caught:
+        told(*sensor(merit))
+    assert caught.value.exit_code == 2
+
+
+def told(engine, plan, work):
+    if plan.nodes["merit"].error is not None:
+        raise plan.nodes["merit"].error
+    return engine.value(plan, "merit.table", work)

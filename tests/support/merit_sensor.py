@@ -1,0 +1,55 @@
+"""A small staring sensor before Figures of Merit, of which every part can be changed."""
+
+from __future__ import annotations
+
+import math
+
+from core.engine import Engine
+from core.policy import Policy
+from linked_network import linked_network
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+FOV = 2.0  # degrees in 80 samples: 0.4363 mrad
+INTERVAL = math.radians(FOV) * 1000 / 80
+NYQUIST = 0.5 / INTERVAL
+SCENE = {
+    "kind": "uniform", "width": 80, "height": 80, "fov_x_deg": FOV, "fov_y_deg": FOV,
+    "cut_on_um": 3.0, "cut_off_um": 5.0, "temperature_K": 300.0,
+}  # fmt: skip
+INIT = {
+    "detector_x_um": 80.0, "detector_y_um": 80.0, "focal_length_mm": 200.0, "f_number": 2.0,
+    "range_m": 400.0, "platform": "array",
+}  # fmt: skip
+NOISE = {
+    "region": "MWIR", "d_star": 1e12, "material": "manual", "bandwidth_Hz": 3e5,
+    "amplifier_snr": 100.0,
+}  # fmt: skip
+
+
+def sensor(merit=None, *, scene=None, init=None, noise=None, noisy=True, seed=1):
+    nodes = {
+        "scene": ("test_scene", {**SCENE, **(scene or {})}),
+        "init": ("init_trans", {**INIT, **(init or {})}),
+        "blur": ("gaussian_mtf", {"sigma_x_mrad": 0.2, "sigma_y_mrad": 0.1}),
+        "detector": ("detector_mtf", {}),
+        "back": ("back_transform", {}),
+        "merit": ("figures_of_merit", merit or {}),
+    }
+    links = [
+        ("scene.image", "init.image"),
+        ("init.context", "blur.context"),
+        ("init.magnitude", "blur.magnitude"),
+        ("init.context", "detector.context"),
+        ("blur.magnitude", "detector.magnitude"),
+        ("detector.magnitude", "back.magnitude"),
+        ("init.phase", "back.phase"),
+        ("init.context", "merit.context"),
+        ("noise.image" if noisy else "back.image", "merit.image"),
+    ]
+    if noisy:
+        nodes["noise"] = ("electronics_noise", {**NOISE, **(noise or {})})
+        links += [("back.image", "noise.image"), ("init.context", "noise.context")]
+    engine = Engine(LIBRARY)
+    plan = engine.plan(linked_network(nodes, links, seed=seed))
+    return engine, plan, engine.work(Policy(precision="double"))

@@ -1,0 +1,68 @@
+"""Chains of a wide line scanner that end in Back Transform and in Line by Line."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from core.engine import Engine
+from core.policy import Policy
+from delivered_chains import LIBRARY
+from linked_network import linked_network
+from scan_truth import ACROSS, ALONG, INIT, PUPILS, STAGES
+
+EXACT = Policy(precision="double", tolerance=0.0)
+CHAINS = {
+    "separable": ("blur", "pixel"),
+    "phase": ("blur", "left", "late"),
+    "optics": ("optics", "pixel"),
+    "optics and phase": ("optics", "pixel", "left", "late"),
+    "line smear": ("smear", "blur"),
+    "line smear and phase": ("smear", "pixel", "left", "late"),
+}
+DEFAULT_CHAINS = {**CHAINS, "coma and phase": ("coma", "left", "late"), "nothing": ()}
+
+
+def network(stages, shape, edges="reflect", init=None, **params):
+    """A picture file through the stages, to Back Transform and to Line by Line."""
+    fields = {"fov_x_deg": math.degrees(ACROSS * shape[1]) / 1000,
+              "fov_y_deg": math.degrees(ALONG * shape[0]) / 1000}  # fmt: skip
+    nodes = {
+        "file": ("read_image", {"path": "in.npy"}),
+        "init": ("init_trans", {**INIT, **fields, "edges": edges, **(init or {})}),
+        "back": ("back_transform", {}),
+        "lines": ("line_by_line", params),
+    }
+    links = [("file.image", "init.image"), ("init.context", "lines.context")]
+    wires = {"magnitude": "init", "phase": "init"}
+    for stage in stages:
+        key, settings = STAGES[stage]
+        nodes[stage] = (key, settings)
+        links.append(("init.context", f"{stage}.context"))
+        changed = ("phase",) if key == "charge_eff_phase" else ("magnitude",)
+        if key == "exit_pupil_mtf":
+            nodes[f"{stage} pupil"] = ("exit_pupil", PUPILS[stage])
+            links.append((f"{stage} pupil.pupil", f"{stage}.pupil"))
+            changed = ("magnitude", "phase")
+        for name in changed:
+            links.append((f"{wires[name]}.{name}", f"{stage}.{name}"))
+            wires[name] = stage
+    for name, source in wires.items():
+        links += [(f"{source}.{name}", f"{end}.{name}") for end in ("back", "lines")]
+    return linked_network(nodes, links)
+
+
+def planned(folder, picture, document):
+    np.save(folder / "in.npy", picture)
+    engine = Engine(LIBRARY)
+    plan = engine.plan(document, folder=folder)
+    assert plan.errors() == []
+    return engine, plan
+
+
+def values(folder, picture, stages, ports=("image",), policy=EXACT, **settings):
+    engine, plan = planned(folder, picture, network(stages, picture.shape, **settings))
+    work = engine.work(policy)
+    return tuple(engine.value(plan, port if "." in port else f"lines.{port}", work)
+                 for port in ports)  # fmt: skip
