@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import cycle
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -12,27 +12,25 @@ from app.chain import Chain
 from app.report.drawing import COLOURS, figure
 from app.responses import Response, Responses, StageResponse
 
+_NEAR = 0.02  # curves so close are told apart by their dashes
+Part = Literal["mtf", "ptf"]
 _DASHES = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5, 1, 1.5)))
 
 
-def stages_png(found: Responses, chain: Chain) -> bytes:
-    """Every stage and the products, across and along: MTF, and PTF where there is one.
+def stages_png(found: Responses, chain: Chain, part: Part) -> bytes:
+    """MTF or PTF of every stage and of the products: a. across, b. along.
 
     Stages that do nothing are left out.
     """
-    drawn_stages = [s for s in found.stages if s.acts]
-    phases = any(stage.has_phase for stage in drawn_stages)
-    rows = 2 if phases else 1
-    with figure(10.0, 3.9 * rows + 0.8) as (drawn, out):
-        axes = drawn.subplots(rows, 2, squeeze=False, sharey="row")
-        for row, part in enumerate(("mtf", "ptf")[:rows]):
-            for column, along in enumerate(("x", "y")):
-                panel(axes[row][column], found, chain, drawn_stages, part, along)
+    stages = [s for s in found.stages if (s.has_phase if part == "ptf" else s.has_blur)]
+    with figure(10.0, 4.7) as (drawn, out):
+        axes = drawn.subplots(1, 2, sharey=True)
         named: dict[str, Any] = {}
-        for axis in axes.ravel():
+        for axis, along in zip(axes, ("x", "y"), strict=True):
+            panel(axis, found, chain, stages, part, along)
             handles, labels = axis.get_legend_handles_labels()
             named = dict(zip(labels, handles, strict=True)) | named
-        order = [_label(s) for s in (*drawn_stages, *found.products)]
+        order = [_label(each) for each in (*stages, *found.products)]
         named = {label: named[label] for label in order if label in named}
         drawn.legend(
             named.values(), named.keys(), loc="outside lower center", ncols=3, fontsize=8.5
@@ -41,31 +39,19 @@ def stages_png(found: Responses, chain: Chain) -> bytes:
 
 
 def product_png(found: Responses, chain: Chain) -> bytes:
-    """The product across and along in one figure."""
+    """All the stages together, across and along, in one figure."""
+    whole = found.products[-1]
     with figure(6.6, 4.3) as (drawn, out):
         axis = drawn.subplots()
-        for product, width in zip(found.products, (1.8, 1.2), strict=False):
-            for frequency, response, colour, name in (
-                (found.xi, product.x, "#1f77b4", "across (x)"),
-                (found.eta, product.y, "#d95f02", "along (y)"),
-            ):
-                first = product is found.products[0]
-                total = found.products[0].x if response is product.x else found.products[0].y
-                if not first and np.array_equal(response.mtf, total.mtf):
-                    continue  # the electronics does nothing along this axis
-                dash = "-" if first else "-."
-                if response is product.y and np.array_equal(product.x.mtf, product.y.mtf):
-                    dash = "--" if first else ":"
-                axis.plot(
-                    frequency,
-                    response.mtf,
-                    dash,
-                    color=colour,
-                    lw=width,
-                    label=f"{product.title}, {name}",
-                )
+        apart = whole.x.mtf - np.interp(found.xi, found.eta, whole.y.mtf)
+        alike = float(np.max(np.abs(apart))) < _NEAR
+        for frequency, response, colour, dash, name in (
+            (found.xi, whole.x, COLOURS[0], "-", "Horizontal MTF"),
+            (found.eta, whole.y, COLOURS[1], "--" if alike else "-", "Vertical MTF"),
+        ):
+            axis.plot(frequency, response.mtf, dash, color=colour, lw=2.0, label=name)
         _frame(axis, "frequency (cyc/mrad)", "MTF")
-        _limits(axis, [r.mtf for p in found.products for r in (p.x, p.y)])
+        _limits(axis, [whole.x.mtf, whole.y.mtf])
         _nyquist(axis, chain, "x")
         drawn.legend(loc="outside lower center", ncols=2, fontsize=8.5)
     return out.getvalue()
@@ -80,7 +66,7 @@ def panel(
     found: Responses,
     chain: Chain,
     stages: Sequence[StageResponse],
-    part: str,
+    part: Part,
     along: str,
 ) -> None:
     """Draw the MTF or PTF of the stages and products along one axis."""
@@ -97,11 +83,11 @@ def panel(
         # On top of a curve it coincides with, in dashes that let it through; else below all.
         hides = any(np.allclose(values, other, rtol=0, atol=1e-3) for other in curves)
         style: Any = {"ls": (0, (3, 3)), "zorder": 3} if hides else {"ls": dash, "zorder": 1.6}
-        axis.plot(frequency, values, "k", lw=2.0, label=_label(product), **style)
+        axis.plot(frequency, values, "k", lw=2.4, label=_label(product), **style)
         curves.append(values)
-    direction = "Across" if along == "x" else "Along"
+    direction = "a. Horizontal" if along == "x" else "b. Vertical"
     symbol = "ξ" if along == "x" else "η"
-    axis.set_title(f"{direction}: {part.upper()}", pad=15)
+    axis.set_title(f"{direction} {part.upper()}s", pad=15)
     _frame(
         axis,
         f"{symbol} (cyc/mrad)",
@@ -112,7 +98,7 @@ def panel(
     _nyquist(axis, chain, along)
 
 
-def _values(stage: StageResponse, part: str, along: str) -> Any:
+def _values(stage: StageResponse, part: Part, along: str) -> Any:
     response: Response = stage.x if along == "x" else stage.y
     return response.mtf if part == "mtf" else response.ptf
 
@@ -125,9 +111,12 @@ def _frame(axis: Any, x_label: str, y_label: str) -> None:
 
 
 def _limits(axis: Any, curves: Sequence[Any]) -> None:
+    from matplotlib.ticker import MultipleLocator
+
     low = min((float(curve.min()) for curve in curves if len(curve)), default=0.0)
     high = max((float(curve.max()) for curve in curves if len(curve)), default=1.0)
     axis.set_ylim(min(low * 1.15, -0.02), max(high, 1.0) * 1.06)
+    axis.yaxis.set_major_locator(MultipleLocator(0.25))
 
 
 def _nyquist(axis: Any, chain: Chain, along: str) -> None:

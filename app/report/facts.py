@@ -13,6 +13,9 @@ from app.arguments import version
 from app.chain import ending_images
 from app.evaluation import Evaluation
 from app.report.budget_facts import budget_facts
+from app.report.drawn_as import drawn_as
+from app.report.judged_facts import judged_facts
+from app.report.node_curves import curve_facts
 from app.report.published import conflicts, published_rows
 from app.responses import StageResponse, at_nyquist
 from core.engine import PlannedNode
@@ -58,6 +61,9 @@ def report_facts(found: Evaluation, skipped: tuple[Skip, ...]) -> dict[str, Any]
             "products": [_stage(stage) for stage in found.responses.products],
             "at_nyquist": nyquist,
         },
+        "judged": judged_facts(found),
+        "drawn_as": drawn_as(network),
+        "curves": curve_facts(found),
         "budget": budget_facts(found),
         "nodes": {name: _node(found, name, node) for name, node in found.plan.nodes.items()},
         "published": published_rows(found, nyquist),

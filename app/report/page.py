@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from html import escape
 from typing import Any
 
 from app.evaluation import Evaluation
 from app.report.budget import budget
-from app.report.curves import product_png, stages_png
 from app.report.drawing import noise_png, panels_png, pictures_png
 from app.report.economy import economy, state
+from app.report.judged import judged
 from app.report.markup import figure, table
+from app.report.node_curves import MOST, curves_png, node_curves
 from app.report.numbers import number
 from app.report.published import DIFFERENT, REPRODUCED
 from app.report.pupils import pupil_panels
 from app.report.style import CSS
+from app.report.transfer import transfer
 from core.realize import realize
 
 _MOST_INPUTS = 2
@@ -32,8 +33,10 @@ def page(found: Evaluation, facts: dict[str, Any]) -> str:
         _run_line(facts),
         _pictures(found, facts),
         _published(facts),
-        _transfer(found, facts),
+        transfer(found, facts),
+        judged(facts),
         _pupils(found),
+        _curves(found),
         _noise(found, facts),
         budget(facts),
         _readouts(facts),
@@ -161,48 +164,6 @@ def _published_value(row: dict[str, Any]) -> str:
     return number(row["value"]) + within
 
 
-def _transfer(found: Evaluation, facts: dict[str, Any]) -> str:
-    responses, chain = found.responses, found.chain
-    acting = any(stage.acts for stage in responses.stages)
-    if not acting and not responses.beside:
-        return ""
-    text = "<h2>Transfer functions</h2>"
-    caption = (
-        "MTF of every stage, signed"
-        + (" (and its PTF in radians)" if any(s.has_phase for s in responses.stages) else "")
-        + ", at the frequencies of the picture's FFT. Total: the product before pixels are "
-        "combined."
-    )
-    if not chain.cascade:
-        caption = "MTF of every stage, signed; the stages stand side by side and have no product."
-    if acting:
-        text += figure(stages_png(responses, chain), caption, "MTF and PTF of every stage")
-    if acting and responses.products:
-        caption = "Total MTF across and along" + (
-            "; with electronics where these do anything." if responses.products[1:] else "."
-        )
-        text += figure(product_png(responses, chain), caption, "product of the MTFs")
-    if responses.beside:
-        alone = replace(responses, stages=responses.beside, products=())
-        caption = "Transfer functions that do not lead to the output shown."
-        text += figure(stages_png(alone, chain), caption, "further transfer functions")
-    nyquist = facts["transfer"]["at_nyquist"]
-    rows = [
-        (
-            stage.title,
-            "" if stage.is_product else stage.name,
-            *(
-                number(nyquist[f"{stage.name}.{part}_nyquist_{axis}"], unit="rad")
-                for axis in ("x", "y")
-                for part in ("mtf", "ptf")
-            ),
-        )
-        for stage in (*responses.stages, *responses.beside, *responses.products)
-    ]
-    heads = ("at Nyquist", "node", "MTF x", "PTF x (rad)", "MTF y", "PTF y (rad)")
-    return text + table(heads, rows, numbers=(2, 3, 4, 5))
-
-
 def _pupils(found: Evaluation) -> str:
     panels, left_out = pupil_panels(found)
     if not panels:
@@ -216,6 +177,17 @@ def _pupils(found: Evaluation) -> str:
     more = f" Not shown: {', '.join(left_out)}." if left_out else ""
     drawn = panels_png(panels)
     return "<h2>Pupils</h2>" + figure(drawn, caption + more, "exit pupils and autocorrelations")
+
+
+def _curves(found: Evaluation) -> str:
+    curves = node_curves(found)
+    if not curves:
+        return ""
+    rest = ", ".join(port for port, _ in curves[MOST:])
+    caption = "What nodes plot; gaps where there is no value." + (
+        f" Not shown: {rest}." if rest else ""
+    )
+    return "<h2>Curves</h2>" + figure(curves_png(curves[:MOST]), caption, "curves of nodes")
 
 
 def _noise(found: Evaluation, facts: dict[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""Shares of noise and blur against variances and laws written out here."""
+"""Shares of noise and blur against laws written out here, and noises silenced one by one."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.budget import _shares, blur_budget, noise_budget
+from app.budget import blur_budget, noise_budget
 from app.evaluation import TimedWork, evaluate, planned
 from app.report.budget import bars_png, budget
 from app.report.budget_facts import budget_facts
+from app.silencing import noise_sources
 from core.engine import Engine
 from core.policy import Policy
 from linked_network import linked_network
@@ -81,7 +82,7 @@ def expected_sigmas(level):
     line = np.convolve(weights, [0.5, 0.5])  # the blur, then the mean of two samples
     photons = math.sqrt(level / PHOTONS["photons_per_unit"]) * float(np.sum(line**2))
     return {
-        "": photons,
+        "photons": photons,
         "gain": 0.01 * level / 2,
         "bias": 0.005 * level / 2,
         "detector": ner / 2,
@@ -95,52 +96,98 @@ def whole():
     return found, noise_budget(found)
 
 
+def sigmas(budget_):
+    return {each.name: each.sigma for each in budget_.predicted.shares}
+
+
+def silenced_sigmas(found):
+    """Rms of what the picture loses when a source alone is silenced, the others as before.
+
+    All but quantization are compared without it, since it rounds them away or up together.
+    """
+
+    def picture(document):
+        plan = found.engine.plan(document, folder=found.folder)
+        return found.engine.value(plan, found.chain.final, found.work).astype(float)
+
+    sources = noise_sources(found)
+    smooth = found.network
+    for source in sources:
+        if source.name == "quantization":
+            smooth = source.silenced(smooth)
+    spreads = {}
+    for source in sources:
+        base = found.network if source.name == "quantization" else smooth
+        spreads[source.name] = np.std(picture(base) - picture(source.silenced(base)))
+    return {name or "photons": sigma for name, sigma in spreads.items()}
+
+
 def test_noise_of_each_source_is_that_of_its_law(whole):
     found, budget_ = whole
-    expected = expected_sigmas(radiance(found))
-    assert {each.source.name: each.sigma for each in budget_.shares} == pytest.approx(
-        expected,
-        rel=0.02,  # 65536 samples tell a deviation to 0.3 %, a blurred one to 0.7 %
+    assert sigmas(budget_) == pytest.approx(
+        expected_sigmas(radiance(found)),
+        rel=1e-3,  # means that have noise themselves
     )
     assert budget_.port == "pixels.image"
-    for each in budget_.shares:
-        assert each.mean == pytest.approx(0, abs=0.05 * expected[each.source.name])
+    fixed = {each.name for each in budget_.predicted.shares if each.temporal is None}
+    assert fixed == {"gain", "bias"}
+    assert all((each.fixed is None) != (each.name in fixed) for each in budget_.predicted.shares)
+
+
+COARSE = {**ELECTRONICS, "bits": 6}
+
+
+@pytest.mark.parametrize("case", ["as it is", "quantized", "literal"])
+def test_noise_of_each_source_is_what_its_silence_takes_away(case, whole):
+    level = radiance(whole[0])
+    electronics = {
+        "as it is": ELECTRONICS,
+        "quantized": {**COARSE, "range_low": 0.8 * level, "range_high": 1.2 * level},
+        "literal": {**ELECTRONICS, "gain_model": "literal"},
+    }[case]
+    found = evaluated(network(electronics=electronics))
+    simulated = silenced_sigmas(found)
+    predicted = sigmas(noise_budget(found))
+    if case == "literal":  # a bias that is the same for all samples
+        assert simulated.pop("bias") == pytest.approx(0, abs=1e-9 * level)
+    # 65536 samples tell a deviation to 0.3 %, a blurred one to 0.7 %.
+    assert predicted == pytest.approx(simulated, rel=0.02)
+    variances = {name: sigma**2 for name, sigma in simulated.items()}
+    shares = {each.name: each.share_temporal + each.share_fixed
+              for each in noise_budget(found).predicted.shares}  # fmt: skip
+    for name, share in shares.items():
+        assert share == pytest.approx(variances[name] / sum(variances.values()), rel=0.05)
 
 
 def test_variances_add_up(whole):
     _, budget_ = whole
-    variances = [each.sigma**2 for each in budget_.shares]
-    assert budget_.summed == pytest.approx(math.sqrt(sum(variances)), rel=1e-12)
-    assert [each.share for each in budget_.shares] == pytest.approx(
-        [variance / sum(variances) for variance in variances], rel=1e-12
-    )
-    # All at once: sources are independent, whatever the picture they were told from.
-    assert budget_.together == pytest.approx(budget_.summed, rel=0.02)
+    shares = budget_.predicted.shares
+    assert sum(each.share_temporal + each.share_fixed for each in shares) == pytest.approx(1)
+    variances = [sigma**2 for sigma in sigmas(budget_).values()]
+    assert budget_.predicted.sigma == pytest.approx(math.sqrt(sum(variances)), rel=1e-12)
+    # All at once in this picture: 65536 samples.
+    assert budget_.measured.sigma == pytest.approx(budget_.predicted.sigma, rel=0.02)
+    assert budget_.measured.mean == pytest.approx(0, abs=0.05 * budget_.predicted.sigma)
 
 
-def test_every_source_alone_makes_the_same_noise():
-    """Not silenced among others, but the only one there: drawn by the same stream."""
+def test_every_source_alone_makes_the_same_noise(whole):
     silent = {**ELECTRONICS, "gain_percent": 0, "bias_percent": 0, "amplifier_snr": None}
-    alone = evaluated(network({**PHOTONS, "mode": "published", "percent": 0}, silent))
-    shares = noise_budget(alone).shares
-    assert [each.source.name for each in shares] == ["detector"]
-    assert shares[0].share == 1.0
-    among = {each.source.name: each.sigma for each in noise_budget(evaluated(network())).shares}
-    assert shares[0].sigma == pytest.approx(among["detector"], rel=1e-9)
+    quiet = {"mode": "published", "percent": 0}
+    shares = noise_budget(evaluated(network(quiet, silent))).predicted.shares
+    assert [(each.name, each.share_temporal) for each in shares] == [("detector", 1.0)]
+    assert shares[0].sigma == pytest.approx(sigmas(whole[1])["detector"], rel=1e-3)
 
 
 def test_quantization_is_a_step_over_root_twelve(whole):
     level = radiance(whole[0])
     low, high = 0.8 * level, 1.2 * level
-    coarse = {**ELECTRONICS, "bits": 6, "range_low": low, "range_high": high}
-    found = noise_budget(evaluated(network(electronics=coarse)))
-    by_name = {each.source.name: each.sigma for each in found.shares}
+    found = noise_budget(
+        evaluated(network(electronics={**COARSE, "range_low": low, "range_high": high}))
+    )
+    by_name = sigmas(found)
     step = (high - low) / 63
-    assert by_name.pop("quantization") == pytest.approx(step / math.sqrt(12) / 2, rel=0.02)
-    # The others are told before it: they are as without it.
-    unquantized = {each.source.name: each.sigma for each in whole[1].shares}
-    assert by_name == pytest.approx(unquantized, rel=1e-9)
-    assert found.together == pytest.approx(found.summed, rel=0.02)
+    assert by_name["quantization"] == pytest.approx(step / math.sqrt(12) / 2, rel=0.01)
+    assert found.measured.sigma == pytest.approx(found.predicted.sigma, rel=0.02)
 
 
 def test_what_is_switched_off_or_elsewhere_is_no_source():
@@ -148,9 +195,10 @@ def test_what_is_switched_off_or_elsewhere_is_no_source():
     off = document.with_node(
         type(document.node("photons"))("photons", "poisson_noise", PHOTONS, disabled=True)
     )
-    names = [each.source.name for each in noise_budget(evaluated(off)).shares]
-    assert names == ["gain", "bias", "detector", "amplifier"]
-    assert noise_budget(evaluated(without_electronics())) is None
+    found = noise_budget(evaluated(off)).predicted
+    assert [each.name for each in found.shares] == ["gain", "bias", "detector", "amplifier"]
+    reason = noise_budget(evaluated(without_electronics()))
+    assert reason == "no noise is added on the way to pixels.image"
 
 
 def without_electronics(*stages):
@@ -169,6 +217,13 @@ def without_electronics(*stages):
     return linked_network(nodes, links)
 
 
+PAIRS = -math.log(math.cos(math.pi / 8))  # mean of two samples, at half the pixels' Nyquist
+
+
+def shares_of(found):
+    return {each.label: each.share for each in found.shares}
+
+
 def test_gaussian_blurs_share_as_their_variances():
     stages = (
         ("a", "gaussian_mtf", {"sigma_x_mrad": 3.0, "sigma_y_mrad": 1.0}),
@@ -176,13 +231,17 @@ def test_gaussian_blurs_share_as_their_variances():
         ("idle", "gaussian_mtf", {}),
     )
     found = blur_budget(evaluated(without_electronics(*stages)))
-    shares = {each.node: each.share for each in found.shares}
-    assert list(shares) == ["a", "b"]
-    assert shares["a"] == pytest.approx((9 / 10, 1 / 2), rel=1e-9)
-    assert shares["b"] == pytest.approx((1 / 10, 1 / 2), rel=1e-9)
     interval = math.radians(FOV_DEG) * 1000 / 64
     # Half of 1/(2·interval), where the interval is that of the combined pixels.
     assert found.frequency == pytest.approx((1 / (8 * interval),) * 2, rel=1e-9)
+    one = 2 * (math.pi / (8 * interval)) ** 2  # −ln of exp(−2π²σ²f²) where σ is 1 mrad
+    assert shares_of(found) == {
+        "Gaussian MTF": pytest.approx((9 * one / (10 * one + PAIRS), one / (2 * one + PAIRS))),
+        "Jitter MTF": pytest.approx((one / (10 * one + PAIRS), one / (2 * one + PAIRS))),
+        "Combined pixels": pytest.approx((PAIRS / (10 * one + PAIRS), PAIRS / (2 * one + PAIRS))),
+    }
+    x, y = (math.exp(-n * one) * math.cos(math.pi / 8) for n in (10, 2))
+    assert found.mtf == pytest.approx((x, y), rel=1e-9)
 
 
 def test_detector_and_gaussian():
@@ -192,55 +251,65 @@ def test_detector_and_gaussian():
     )
     found = blur_budget(evaluated(without_electronics(*stages)))
     f = found.frequency[0]
-    losses = 2 * (math.pi * f) ** 2, -math.log(math.sin(math.pi * 4 * f) / (math.pi * 4 * f))
-    shares = {each.node: each.share for each in found.shares}
-    assert shares["a"] == pytest.approx((losses[0] / sum(losses), 0.0), rel=1e-9)
-    assert shares["b"] == pytest.approx((losses[1] / sum(losses), 1.0), rel=1e-9)
+    gaussian = 2 * (math.pi * f) ** 2
+    across, along = (-math.log(math.sin(math.pi * w * f) / (math.pi * w * f)) for w in (4, 2))
+    shares = shares_of(found)
+    assert shares["Gaussian MTF"] == pytest.approx((gaussian / (gaussian + across + PAIRS), 0.0))
+    assert shares["Detector MTF"] == pytest.approx(
+        (across / (gaussian + across + PAIRS), along / (along + PAIRS))
+    )
     assert all(math.copysign(1, value) == 1 for pair in shares.values() for value in pair)
 
 
-def test_what_lets_nothing_through_has_all_of_it():
-    assert _shares([0.5, 0.0, 0.9]) == [0.0, 1.0, 0.0]
-    assert _shares([0.0, 0.0]) == [0.5, 0.5]
-    assert _shares([1.0, 1.0]) == [0.0, 0.0]
-    assert sum(_shares([2.0, 0.25])) == pytest.approx(1.0)
-    assert _shares([2.0, 0.25])[0] == pytest.approx(-1.0)
+def test_nothing_to_tell_says_why():
+    nodes = {"scene": ("test_scene", {**SCENE, "width": 64, "height": 64})}
+    facts = {"budget": budget_facts(evaluated(linked_network(nodes)))}
+    assert facts["budget"] == {
+        "noise": None,
+        "noise_reason": "no noise is added on the way to scene.image",
+        "blur": None,
+        "blur_reason": "no transfer function other than 1 leads to scene.image",
+    }
+    page = budget(facts)
+    assert "Noise is not shared out: no noise is added on the way to scene.image." in page
+    assert "Blur is not shared out: no transfer function other than 1" in page
 
 
-def test_nothing_to_tell():
-    found = evaluated(without_electronics())
-    facts = {"budget": budget_facts(found)}
-    assert facts == {"budget": {"noise": None, "blur": None}}
-    assert budget(facts) == ""
+def test_no_final_picture_is_a_reason():
+    found = evaluated(linked_network({"pupil": ("exit_pupil", {})}))
+    assert noise_budget(found) == blur_budget(found) == "the network has no final picture"
 
 
 @pytest.mark.parametrize("gain_model", ["per_pixel", "literal"])
 def test_the_gain_as_printed_is_the_picture_and_no_noise(gain_model):
-    found = evaluated(network(electronics={**ELECTRONICS, "gain_model": gain_model}))
-    names = [each.source.name for each in noise_budget(found).shares]
-    assert ("gain" in names) is (gain_model == "per_pixel")
+    found = noise_budget(evaluated(network(electronics={**ELECTRONICS, "gain_model": gain_model})))
+    assert ("gain" in sigmas(found)) is (gain_model == "per_pixel")
+    # Without its noise there would be no picture to compare with, and the report says so.
+    assert isinstance(found.measured, str) is (gain_model == "literal")
 
 
 def test_single_precision_tells_the_same(whole):
     single = noise_budget(evaluated(network(), "single"))
-    for one, other in zip(single.shares, whole[1].shares, strict=True):
-        assert one.sigma == pytest.approx(other.sigma, rel=0.02)
+    assert sigmas(single) == pytest.approx(sigmas(whole[1]), rel=1e-3)
+    assert single.measured.sigma == pytest.approx(whole[1].measured.sigma, rel=0.02)
 
 
 def test_it_is_in_both_reports(imagechain, tmp_path):
     done = imagechain("run", "inframetrics", "--report", "r.json", "--report", "r.html")
     assert (done.returncode, done.stderr) == (0, "")
     found = json.loads((tmp_path / "r.json").read_text())["budget"]
-    sources = [each["name"] or each["node"] for each in found["noise"]["sources"]]
-    assert sources[1:] == ["gain", "bias", "detector", "amplifier", "quantization"]
-    assert sum(each["share"] for each in found["noise"]["sources"]) == pytest.approx(1)
+    noise, sources = found["noise"], found["noise"]["sources"]
+    names = ["photons", "gain", "bias", "detector", "amplifier", "quantization"]
+    assert [each["name"] for each in sources] == names
+    assert sum(each["share"] for each in sources) == pytest.approx(1)
+    assert noise["together"] == pytest.approx(noise["summed"], rel=0.02)
     for axis in ("x", "y"):
         shares = [each[f"share_{axis}"] for each in found["blur"]["stages"]]
         assert sum(shares) == pytest.approx(1)
     # One detector reads every line: its error of bias shifts the picture and spreads nothing.
-    (bias,) = [each for each in found["noise"]["sources"] if each["name"] == "bias"]
-    assert bias["sigma"] == 0.0
-    assert bias["mean"] > 0.01
+    (bias,) = [each for each in sources if each["name"] == "bias"]
+    assert (bias["fixed"], bias["temporal"]) == (0.0, None)
+    assert abs(noise["together_mean"]) > 0.01
     page = (tmp_path / "r.html").read_text()
     assert 'alt="shares of noise and blur"' in page
     for words in ("What contributes how much", "Quantization", "All together", "Detector MTF"):
@@ -259,3 +328,71 @@ def test_two_bars_of_one_name_tell_their_node():
     row = {"title": "Gaussian MTF", "share_x": 0.5, "share_y": -0.2}
     blur = {"stages": [{**row, "node": "a"}, {**row, "node": "b"}]}
     assert bars_png(None, blur).startswith(b"\x89PNG")
+
+
+def test_what_cannot_be_followed_says_why(imagechain, write, tmp_path):
+    """Magnitude and phase of different pictures: neither noise nor blur can be told apart."""
+    scene = {"module": "test_scene", "params": {**SCENE, "width": 32, "height": 32}}
+    document = {
+        "format": "imagechain-network",
+        "version": 1,
+        "nodes": {
+            "one": scene,
+            "other": {"module": "test_scene", "params": {**scene["params"], "kind": "sine"}},
+            "photons": {"module": "poisson_noise", "params": PHOTONS},
+            "init_one": {"module": "init_trans", "params": SENSOR},
+            "init_other": {"module": "init_trans", "params": SENSOR},
+            "back": {"module": "back_transform"},
+        },
+        "links": [
+            ["one.image", "photons.image"], ["photons.image", "init_one.image"],
+            ["other.image", "init_other.image"], ["init_one.magnitude", "back.magnitude"],
+            ["init_other.phase", "back.phase"],
+        ],
+    }  # fmt: skip
+    done = imagechain("run", write(document), "--report", "r.json", "--report", "r.html")
+    assert (done.returncode, done.stderr) == (0, "")
+    found = json.loads((tmp_path / "r.json").read_text())["budget"]
+    assert (found["noise"], found["blur"]) == (None, None)
+    assert found["noise_reason"].startswith("noise cannot be followed through back")
+    assert found["blur_reason"] == "what back does is not known as transfer functions"
+    page = (tmp_path / "r.html").read_text()
+    assert "Noise is not shared out: noise cannot be followed through back" in page
+    assert "Blur is not shared out: what back does is not known" in page
+
+
+def test_a_picture_of_nothing_but_noise_is_shared_out(imagechain, write, tmp_path):
+    np.save(tmp_path / "dark.npy", np.zeros((32, 32)))
+    np.save(tmp_path / "glow.npy", np.tile([29.0, 31.0], (32, 16)))
+    document = {
+        "format": "imagechain-network",
+        "version": 1,
+        "nodes": {
+            "scene": {
+                "module": "read_image",
+                "params": {"path": "dark.npy", "fov_x_deg": 3.0, "fov_y_deg": 3.0},
+            },
+            "glow": {"module": "noise_file", "params": {"path": "glow.npy"}},
+            "init": {"module": "init_trans", "params": {**SENSOR}},
+            "back": {"module": "back_transform"},
+            "electronics": {
+                "module": "electronics_noise",
+                "params": {
+                    **ELECTRONICS, "amplifier_snr": 30.0, "cut_on_um": 8.0, "cut_off_um": 12.0,
+                },
+            },
+        },
+        "links": [
+            ["scene.image", "glow.image"], ["glow.image", "init.image"],
+            ["init.magnitude", "back.magnitude"], ["init.phase", "back.phase"],
+            ["back.image", "electronics.image"], ["init.context", "electronics.context"],
+        ],
+    }  # fmt: skip
+    done = imagechain("run", write(document), "--report", "r.json", "--report", "r.html")
+    assert (done.returncode, done.stderr) == (0, "")
+    found = json.loads((tmp_path / "r.json").read_text())["budget"]
+    by_name = {each["name"]: each for each in found["noise"]["sources"]}
+    # ±1 about 30, as the estimate of 32 columns about their mean that is right on average.
+    assert by_name["file"]["fixed"] == pytest.approx(math.sqrt(32 / 31), rel=1e-6)
+    assert by_name["amplifier"]["temporal"] == pytest.approx(1.0, rel=0.01)  # 30 over 30
+    assert "Noise file" in (tmp_path / "r.html").read_text()

@@ -77,7 +77,7 @@ def test_html_needs_no_other_file(imagechain, write, published, tmp_path):
     page = (tmp_path / "r.html").read_text()
     assert "A &lt;slanted&gt; edge &amp; two blurs." in page
     sources = re.findall(r'(?:src|href)="([^"]*)"', page)
-    assert len(sources) == 4
+    assert len(sources) == 5
     for source in sources:
         kind, _, data = source.partition("base64,")
         assert kind == "data:image/png;"
