@@ -8,12 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NoReturn, cast
 
+from app.command_words import (
+    bench_words,
+    edit_words,
+    network_words,
+    run_words,
+    tradeoff_words,
+)
 from app.option_values import (
-    SAVE_SUFFIXES,
     Assignment,
     Save,
     assignment,
     file_path,
+    output_path,
     report_path,
     save_target,
     tolerance,
@@ -33,10 +40,8 @@ exit codes:
   1  a failure of the program, or stopped
   2  a fault of the input; one line on stderr says which
 
-imagechain COMMAND --help tells the options of a command; --set, --save and --report may be
-repeated."""
-BENCH_PARTS = ("speed", "precision", "peers", "editor")
-SCREENSHOT_PARTS = ("window", "canvas", "panel", "curves", "picture")
+imagechain COMMAND --help tells the options of a command; --set, --save, --report, --figure and
+--output may be repeated, --vary once."""
 Look = Literal["dark", "light"]
 
 
@@ -44,12 +49,16 @@ Look = Literal["dark", "light"]
 class Options:
     """What was asked for."""
 
-    command: Literal["edit", "run", "check", "modules", "bench"]
+    command: Literal["edit", "run", "check", "tradeoff", "modules", "bench"]
     network: str = ""
     settings: tuple[Assignment, ...] = ()
     saves: tuple[Save, ...] = ()
     output_dir: Path | None = None
     reports: tuple[Path, ...] = ()
+    frames: int | None = None
+    vary: tuple[str, ...] = ()
+    figures: tuple[str, ...] = ()
+    outputs: tuple[Path, ...] = ()
     precision: Precision = "single"
     seed: int | None = None
     tolerance: float | None = None
@@ -83,22 +92,6 @@ class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any, **__: Any) -> None:
         print(f"imagechain {version()}")
         parser.exit()
-
-
-class _Once(argparse.Action):
-    # Kept on the namespace, not here: a parser may be used again.
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,
-        option_string: str | None = None,
-    ) -> None:
-        given: set[str] = namespace.__dict__.setdefault("given", set())
-        if self.dest in given:
-            parser.error(f"{option_string} is given more than once")
-        given.add(self.dest)
-        setattr(namespace, self.dest, values)
 
 
 def parse(argv: list[str]) -> Options:
@@ -140,17 +133,30 @@ def parse(argv: list[str]) -> Options:
     settings = tuple(assignment("--set", text, "NODE.PARAM=VALUE") for text in found.set)
     if found.command == "check":
         return Options("check", found.network, settings)
+    common: dict[str, Any] = {
+        "settings": settings,
+        "precision": found.precision,
+        "tolerance": tolerance(found.tolerance),
+        "seed": whole_number("--seed", found.seed, largest=LARGEST_INTEGER),
+        "threads": whole_number("--threads", found.threads, largest=1024) or 0,
+    }
+    if found.command == "tradeoff":
+        return Options(
+            "tradeoff",
+            found.network,
+            vary=tuple(found.vary),
+            figures=tuple(found.figure),
+            outputs=tuple(output_path(text) for text in found.output),
+            **common,
+        )
     return Options(
         "run",
         found.network,
-        settings,
         saves=tuple(save_target(text) for text in found.save),
         output_dir=file_path("--output-dir", found.output_dir),
         reports=tuple(report_path(text) for text in found.report),
-        precision=cast(Precision, found.precision),
-        tolerance=tolerance(found.tolerance),
-        seed=whole_number("--seed", found.seed, largest=LARGEST_INTEGER),
-        threads=whole_number("--threads", found.threads, largest=1024) or 0,
+        frames=whole_number("--frames", found.frames),
+        **common,
     )
 
 
@@ -177,113 +183,19 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    _edit_words(commands.add_parser("edit", help="open the editor", allow_abbrev=False))
-    _run_words(commands.add_parser("run", help="evaluate a network", allow_abbrev=False))
+    edit_words(commands.add_parser("edit", help="open the editor", allow_abbrev=False))
+    run_words(commands.add_parser("run", help="evaluate a network", allow_abbrev=False))
     check = commands.add_parser("check", help="validate a network", allow_abbrev=False)
-    _network_words(check)
+    network_words(check)
+    varying = commands.add_parser(
+        "tradeoff", help="figures of merit as a parameter moves", allow_abbrev=False
+    )
+    tradeoff_words(varying)
     modules = commands.add_parser("modules", help="list the library", allow_abbrev=False)
     modules.add_argument("key", metavar="KEY", nargs="?", help="only this module")
     modules.add_argument("--json", action="store_true", help="for programs")
-    _bench_words(commands.add_parser("bench", help="time against error", allow_abbrev=False))
+    bench_words(commands.add_parser("bench", help="time against error", allow_abbrev=False))
     return parser
-
-
-def _network_words(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("network", metavar="NETWORK", help="a file, or the name of a shipped one")
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NODE.PARAM=VALUE",
-        help="change a parameter for this once; null empties it; may be repeated",
-    )
-
-
-def _edit_words(parser: argparse.ArgumentParser) -> None:
-    add: Any = parser.add_argument
-    add("network", metavar="NETWORK", nargs="?", help="a file, or the name of a shipped one")
-    add(
-        "--screenshot",
-        action=_Once,
-        metavar="FILE",
-        help="draw the window, without a display, to a .png and end",
-    )
-    add(
-        "--part",
-        action=_Once,
-        choices=SCREENSHOT_PARTS,
-        default="window",
-        help="window (default), canvas, panel, curves, or the first viewer's picture within --size",
-    )
-    add("--size", action=_Once, metavar="WxH", help="of the window (default: 1600x900)")
-    add("--look", action=_Once, choices=("dark", "light"), help="colours (default: as last time)")
-
-
-def _run_words(parser: argparse.ArgumentParser) -> None:
-    _network_words(parser)
-    add: Any = parser.add_argument
-    add(
-        "--save",
-        action="append",
-        default=[],
-        metavar="NODE.PORT=FILE",
-        help=f"write what a port gives, as {' '.join(SAVE_SUFFIXES)}; NODE.PORT[TOP:BOTTOM,"
-        "LEFT:RIGHT]=FILE writes those rows and columns of an image, counted from 0, the ends "
-        "exclusive, a bound left out being the image's; may be repeated",
-    )
-    add(
-        "--output-dir",
-        action=_Once,
-        metavar="DIR",
-        help="where final.png, mtf.csv and readouts.json go (default ./NAME-output)",
-    )
-    add(
-        "--report",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="write a report, .html or .json; may be repeated",
-    )
-    add(
-        "--precision",
-        action=_Once,
-        choices=("single", "double"),
-        default="single",
-        help="default: single",
-    )
-    add(
-        "--tolerance",
-        action=_Once,
-        metavar="T",
-        help="error budget: leave out stages that together change the picture by less than this "
-        "fraction of its range, 0 to below 1 (default: below the precision's rounding; 0: only "
-        "what changes nothing at all)",
-    )
-    add("--seed", action=_Once, metavar="N", help="of the noise, in place of the network's")
-    add("--threads", action=_Once, metavar="N", help="worker threads (default: all)")
-
-
-def _bench_words(parser: argparse.ArgumentParser) -> None:
-    add: Any = parser.add_argument
-    add("--json", metavar="FILE", help="write every figure, for programs")
-    add("--html", metavar="FILE", help="write a page with tables and pictures")
-    add(
-        "--markdown",
-        metavar="FILE",
-        help="write the tables of speed and peers, in a file that is there between its lines "
-        "<!-- bench table --> and <!-- end of bench table -->",
-    )
-    add("--pictures", metavar="DIR", help="write each picture as bench_NAME.png")
-    add("--quick", action="store_true", help="fewer repetitions and sizes")
-    add(
-        "--only",
-        action="append",
-        default=[],
-        choices=BENCH_PARTS,
-        metavar="PART",
-        help="measure this part: " + ", ".join(BENCH_PARTS),
-    )
-    add("--size", metavar="N", help="samples along a side of the picture (default: 1024)")
 
 
 def version() -> str:

@@ -81,6 +81,11 @@ def _carry_out(words: list[str], told_to_stop: threading.Event) -> None:
         from app.check import check
 
         check(options)
+    elif options.command == "tradeoff":
+        from app.tradeoff.command import trade_off
+
+        _stop_if(told_to_stop)
+        trade_off(options, told_to_stop)
     elif options.command == "bench":
         from app.bench import bench
 

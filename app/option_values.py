@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from core.region import Region
 
 REPORT_SUFFIXES = (".json", ".html")
+OUTPUT_SUFFIXES = (".csv", ".json", ".png", ".html")
 SAVE_SUFFIXES = (".npy", ".exr", ".tif", ".tiff", ".png", ".csv")
 _LONGEST_NUMBER = 20
 _BOUNDS = re.compile(r"([0-9]{0,18}):([0-9]{0,18}),([0-9]{0,18}):([0-9]{0,18})", re.ASCII)
@@ -96,6 +97,11 @@ def save_target(text: str) -> Save:
 def report_path(text: str) -> Path:
     """The file of a report."""
     return _with_suffix("--report", text, REPORT_SUFFIXES)
+
+
+def output_path(text: str) -> Path:
+    """The file of a trade-off."""
+    return _with_suffix("--output", text, OUTPUT_SUFFIXES)
 
 
 def _with_suffix(option: str, text: str, allowed: tuple[str, ...]) -> Path:

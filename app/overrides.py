@@ -32,33 +32,54 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
         For an unknown node or parameter, or a value that does not fit.
     """
     for setting in settings:
-        node = network.nodes.get(setting.node)
-        if node is None:
-            known = close(setting.node, network.nodes) or _listed(network.nodes)
-            raise UsageError(f"--set {setting.port}: there is no node {shown(setting.node)}{known}")
-        module = library.get(node.module)
-        if module is None:  # for the check of the whole network to say
+        parameter = named_parameter("--set", setting, network, library=library)
+        if parameter is None:  # for the check of the whole network to say
             continue
-        declared = declaration(module)
-        parameter = declared.parameter(setting.name)
-        if parameter is None:
-            names = [each.name for each in declared.parameters]
-            known = close(setting.name, names) or _listed(names)
-            raise UsageError(
-                f"--set {setting.port}: {declared.title} has no parameter "
-                f"{shown(setting.name)}{known}"
-            )
         value = _fitting(parameter, setting)
         network = network.with_parameter(setting.node, setting.name, plain(value))
     return network
 
 
-def _fitting(parameter: Parameter, setting: Assignment) -> Any:
-    readings: list[Any] = [setting.text]
+def named_parameter(
+    option: str, setting: Assignment, network: Network, *, library: Library
+) -> Parameter | None:
+    """The parameter that an option names; None where the node's module is unknown.
+
+    Raises
+    ------
+    UsageError
+        If there is no such node or parameter.
+    """
+    node = network.nodes.get(setting.node)
+    if node is None:
+        known = close(setting.node, network.nodes) or listed(network.nodes)
+        raise UsageError(f"{option} {setting.port}: there is no node {shown(setting.node)}{known}")
+    module = library.get(node.module)
+    if module is None:
+        return None
+    declared = declaration(module)
+    parameter = declared.parameter(setting.name)
+    if parameter is None:
+        names = [each.name for each in declared.parameters]
+        known = close(setting.name, names) or listed(names)
+        raise UsageError(
+            f"{option} {setting.port}: {declared.title} has no parameter "
+            f"{shown(setting.name)}{known}"
+        )
+    return parameter
+
+
+def readings(text: str) -> list[Any]:
+    """What a text may mean, the likeliest first: JSON or a number, else itself."""
+    found: list[Any] = [text]
     with contextlib.suppress(ValueError, RecursionError):  # no JSON, so a text
-        readings.insert(0, _read(setting.text))
+        found.insert(0, _read(text))
+    return found
+
+
+def _fitting(parameter: Parameter, setting: Assignment) -> Any:
     first: ImagechainError | None = None
-    for reading in readings:
+    for reading in readings(setting.text):
         try:
             return parameter.coerce(reading)
         except ParameterError as error:
@@ -76,5 +97,6 @@ def _read(text: str) -> Any:
     return json.loads(text)
 
 
-def _listed(names: Iterable[str]) -> str:
+def listed(names: Iterable[str]) -> str:
+    """All there are, to end an error with."""
     return f"; it has {', '.join(names) or 'none'}"

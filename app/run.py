@@ -19,6 +19,7 @@ from app.png import encode_png, grey_levels, robust_limits
 from app.progress import Progress
 from app.responses import mtf_csv
 from app.saving import check_suffix, save_value
+from app.sequence import MOST_FRAMES, save_frames
 from app.shipped import Place, find_network
 from app.staging import Staging
 from app.tables import columns, jsonable, printable, readout_rows
@@ -65,7 +66,7 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
     plan = planned(engine, network, place.folder)
     folder = options.output_dir or Path(f"{place.name}-output")
     _check_folder(folder)
-    with Staging(folder, [place.path, *_input_files(plan, place.folder)]) as staging:
+    with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
         sinks = _sink_targets(plan, place.folder)
         writers = _claim(plan, options, folder, sinks, staging)
         with Progress(len(plan.nodes)) as progress:
@@ -73,7 +74,7 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
             work.check()
             found = evaluate(engine, plan, work, place.folder)
             found.seconds["total"] = time.perf_counter() - start
-            _write(found, writers, staging, folder)
+            _write(found, writers, staging, folder, options.frames)
             skipped = skips(plan, work)  # before the reports, whose pictures ask for more
             _write_reports(found, skipped, options, staging)
         work.check()
@@ -120,11 +121,11 @@ def _not_a_folder(error: OSError) -> str:
     return error.strerror or str(error)
 
 
-def _input_files(plan: Plan, folder: Path) -> list[Path]:
+def input_files(plan: Plan, folder: Path) -> list[Path]:
     """Files that the network reads: no output may take their place."""
     found = []
     for each in plan.nodes.values():
-        if each.declaration.sink:
+        if each.module is None or each.declaration.sink:
             continue
         for parameter in each.declaration.parameters:
             value = getattr(each.module, parameter.name)
@@ -138,9 +139,13 @@ def _claim(
 ) -> list[tuple[Path, str, Region | None]]:
     """Say early what will be written; gives the ``--save`` files, each with port and region."""
     saves = []
+    if options.frames is not None and not 1 <= options.frames <= MOST_FRAMES:
+        raise UsageError(f"--frames {options.frames}: give a whole number from 1 to {MOST_FRAMES}")
     for save in options.saves:
         path, value = Path(save.text), _port_value(plan, save.node, save.name)
         check_suffix(save.port, value, path)
+        if options.frames is not None and isinstance(value, Image) and path.suffix != ".npy":
+            raise UsageError(f"--save {save.port}={path}: --frames of an image need a .npy")
         saves.append((path, save.port, _region(save, value)))
         staging.claim(path)
     for path in (*options.reports, *(folder / name for name in (FINAL, MTF, READOUTS))):
@@ -187,9 +192,10 @@ def _write(
     saves: list[tuple[Path, str, Region | None]],
     staging: Staging,
     folder: Path,
+    frames: int | None,
 ) -> None:
     for path, port, region in saves:
-        staging.write(path, partial(_save, found, port, region))
+        staging.write(path, partial(_save, found, port, region, frames))
     for path, writer in _sink_files(found):
         staging.write(path, writer)
     if found.chain.final is not None:
@@ -208,9 +214,15 @@ def _write_reports(
         staging.write(path, partial(write_report, found, skipped))
 
 
-def _save(found: Evaluation, port: str, region: Region | None, path: Path) -> None:
+def _save(
+    found: Evaluation, port: str, region: Region | None, frames: int | None, path: Path
+) -> None:
+    value = found.plan.output(port)
     try:
-        save_value(found.plan.output(port), path, found.work, port=port, region=region)
+        if frames is not None and isinstance(value, Image):
+            save_frames(value, path, found.work, port=port, frames=frames, region=region)
+        else:
+            save_value(value, path, found.work, port=port, region=region)
     except ImagechainError as error:
         raise error.at(port.rpartition(".")[0]) from error
 

@@ -21,6 +21,7 @@ from core.region import Region
 from core.values import Context, Curve, Image, Table
 from core.work import Work
 from nodes.files.arrays import write_curves, write_matrix, write_npy
+from nodes.files.curve_text import columns_text, is_plain
 from nodes.files.picture_writing import write_picture
 from nodes.files.read import check_finite
 
@@ -120,7 +121,11 @@ def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
 def _save_curve(path: Path, curve: CurveData, suffix: str, work: Work) -> None:
     shared = all(np.array_equal(series.x, curve.series[0].x) for series in curve.series[1:])
     if suffix == ".csv" and shared and curve.series:
-        write_curves(path, _columns(curve))
+        named = _columns(curve)
+        if is_plain(curve):
+            write_curves(path, named)
+        else:
+            write_text(path, columns_text(curve, named))
     elif suffix == ".csv":
         points = [
             (series.label, repr(float(x)), repr(float(y)))

@@ -32,14 +32,14 @@ class Staging:
 
     Parameters
     ----------
-    folder : Path
+    folder : Path or None
         The one folder that may be missing still; it is made when the files are put in place.
     inputs : iterable of Path
         Files that no output may replace.
     """
 
-    def __init__(self, folder: Path, inputs: Iterable[Path] = ()) -> None:
-        self._folder = _real_target(folder)
+    def __init__(self, folder: Path | None, inputs: Iterable[Path] = ()) -> None:
+        self._folder = None if folder is None else _real_target(folder)
         self._inputs = {_real_target(path) for path in inputs}
         self._claimed: dict[Path, Path] = {}
         self._staged: list[_Staged] = []
@@ -79,7 +79,8 @@ class Staging:
     def _check_place(self, real: Path, target: Path) -> None:
         _check_existing(real, target)
         parent = real.parent
-        if not parent.is_dir() and not parent.is_relative_to(self._folder):
+        made = self._folder is not None and parent.is_relative_to(self._folder)
+        if not parent.is_dir() and not made:
             raise FileError(f"cannot write {target}: there is no folder {target.parent}")
         folder = _existing(parent)
         if not folder.is_dir():
@@ -121,7 +122,7 @@ class Staging:
             For the one that failed.
         """
         undo: list[Callable[[], object]] = []
-        target: Path = self._folder
+        target = self._folder or Path()
         try:
             for each in self._staged:
                 target = each.given

@@ -1,0 +1,1 @@
+"""Trade-offs: figures of merit as a parameter moves."""

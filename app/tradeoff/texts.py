@@ -1,0 +1,125 @@
+"""A trade-off as text: the table of the terminal, CSV and JSON."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from app.tables import columns, jsonable, number_text, without_rounding
+from app.tradeoff.results import Results, shown_value
+from app.tradeoff.values import Variation
+
+_GAP = 2  # between columns
+_MOST_REASONS = 12
+
+
+def table(found: Results, width: int | None = None) -> str:
+    """Heads of node, name and unit above the values; broken into blocks no wider than `width`."""
+    axes = [found.varied, *([found.second] if found.second else [])]
+    kept = [_axis_column(axis, found, number) for number, axis in enumerate(axes)]
+    others = [
+        [
+            *(figure.node, figure.name, figure.unit),
+            *(_cell(point.figures.get(figure.text), figure.unit) for _, point in found.rows()),
+        ]
+        for figure in found.figures
+    ]
+    blocks = []
+    while others:
+        block = [*kept]
+        while others and (len(block) == len(kept) or _fits([*block, others[0]], width)):
+            block.append(others.pop(0))
+        rows = list(zip(*block, strict=True))
+        blocks.append(columns(rows, right=range(len(block))))
+    return "\n\n".join(blocks)
+
+
+def failures(found: Results) -> list[str]:
+    """One line for each place that has no figure, and why; of many, the first."""
+    lines = [f"{place}: {reason}" for place, reason in found.failures()]
+    if len(lines) > _MOST_REASONS:
+        lines[_MOST_REASONS - 1 :] = [f"and {len(lines) - _MOST_REASONS + 1} more gaps"]
+    return lines
+
+
+def csv_text(found: Results) -> str:
+    """A row for each point in full precision; what is not there is empty, its reason at the end."""
+    heads = [
+        found.varied.text,
+        *([found.second.text] if found.second else []),
+        *(figure.text for figure in found.figures),
+        "failed",
+    ]
+    text = io.StringIO()
+    lines = csv.writer(text, lineterminator="\n")
+    lines.writerow(heads)
+    for curve, point in found.rows():
+        values = [point.value, *([curve.second] if found.second else [])]
+        values += [point.figures.get(figure.text) for figure in found.figures]
+        reasons = dict.fromkeys(
+            point.reasons[f.text] for f in found.figures if f.text in point.reasons
+        )
+        lines.writerow([*(_exact(value) for value in values), "; ".join(reasons)])
+    return text.getvalue()
+
+
+def json_text(found: Results) -> str:
+    """All that is known, for programs."""
+    figures = [figure.text for figure in found.figures]
+    facts = {
+        "network": found.network,
+        "vary": [_variation(each) for each in (found.varied, found.second) if each is not None],
+        "present": found.present,
+        "figures": [
+            {"name": each.text, "unit": each.unit, "meaning": each.meaning}
+            for each in found.figures
+        ],
+        "curves": [
+            {
+                **({"second": curve.second} if found.second is not None else {}),
+                "points": [
+                    {
+                        "value": point.value,
+                        "figures": {name: point.figures.get(name) for name in figures},
+                        "failed": {n: r for n, r in point.reasons.items() if n in figures},
+                    }
+                    for point in curve.points
+                ],
+            }
+            for curve in found.curves
+        ],
+    }
+    return json.dumps(jsonable(facts), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _variation(varied: Variation) -> dict[str, Any]:
+    return {"parameter": varied.text, "unit": varied.unit, "values": varied.values}
+
+
+def _axis_column(axis: Variation, found: Results, number: int) -> list[str]:
+    values = [(point.value, curve.second)[number] for curve, point in found.rows()]
+    return [
+        *(axis.node, axis.parameter.name, axis.unit),
+        *(shown_value(value) for value in values),
+    ]
+
+
+def _cell(value: float | None, unit: str) -> str:
+    return number_text(without_rounding(value, unit))
+
+
+def _fits(block: Sequence[Sequence[str]], width: int | None) -> bool:
+    if width is None:
+        return True
+    return sum(max(map(len, column)) + _GAP for column in block) - _GAP <= width
+
+
+def _exact(value: Any) -> Any:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return repr(value) if isinstance(value, float) else value

@@ -1,0 +1,128 @@
+"""The values a parameter is to take: a range, or a list, as the command line says it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from app.option_values import Assignment, assignment
+from app.overrides import named_parameter, readings
+from core.errors import ParameterError, UsageError
+from core.library import Library
+from core.network import Network
+from core.parameters import Parameter, plain
+
+OPTION = "--vary"
+FORM = "NODE.PARAM=FROM:TO:COUNT, or :log after it, or a list a,b,c"
+MOST = 1000
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?", re.ASCII)
+_COUNT = re.compile(r"[0-9]{1,9}", re.ASCII)
+_RANGE_PARTS = (3, 4)
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A parameter and the values it takes; `log` if they are equal factors apart."""
+
+    node: str
+    parameter: Parameter
+    values: tuple[Any, ...]
+    log: bool = False
+
+    @property
+    def text(self) -> str:
+        """``NODE.PARAM``."""
+        return f"{self.node}.{self.parameter.name}"
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values, empty for a pure number."""
+        return self.parameter.param.unit
+
+    @property
+    def is_numeric(self) -> bool:
+        """Whether all values lie on one axis."""
+        return all(is_number(value) for value in self.values)
+
+
+def is_number(value: object) -> bool:
+    """Whether it has a place on an axis."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def spaced(
+    low: float, high: float, count: int, *, log: bool = False, whole: bool = False
+) -> tuple[float | int, ...]:
+    """So many values from one to the other: equal steps, or factors; each whole one once."""
+    make = np.geomspace if log else np.linspace
+    values = [float(f"{value:.12g}") for value in make(low, high, count)]
+    values[0], values[-1] = low, high
+    if whole:
+        return tuple(dict.fromkeys(round(value) for value in values))
+    return tuple(values)
+
+
+def variation(text: str, network: Network, *, library: Library) -> Variation:
+    """What ``--vary`` says.
+
+    Numbers out of the parameter's range are left for the evaluation to refuse, one by one.
+
+    Raises
+    ------
+    UsageError, ParameterError
+        If it does not fit the network, or is no range or list.
+    """
+    said = assignment(OPTION, text, FORM)
+    parameter = named_parameter(OPTION, said, network, library=library)
+    if parameter is None or parameter.kind == "numbers":
+        raise UsageError(f"{OPTION} {said.port}: a list of numbers cannot be varied")
+    numeric = parameter.kind in ("number", "integer")
+    if numeric and ":" in said.text:
+        return _range(said, parameter)
+    parts = said.text.split(",")
+    if len(parts) > MOST:
+        raise UsageError(f"{OPTION} {said.port}: {len(parts)} values, at most {MOST} are allowed")
+    values = tuple(dict.fromkeys(_value(part.strip(), parameter, said) for part in parts))
+    return Variation(said.node, parameter, values)
+
+
+def _range(said: Assignment, parameter: Parameter) -> Variation:
+    parts = said.text.split(":")
+    log = len(parts) == 4 and parts[3] == "log"
+    fits = len(parts) in _RANGE_PARTS and (len(parts) == 3 or log)
+    if not fits or not all(_NUMBER.fullmatch(part) for part in parts[:2]):
+        raise UsageError(f"{OPTION} {said.port}={said.text:.80}: write {FORM}")
+    low, high = float(parts[0]), float(parts[1])
+    if not (np.isfinite([low, high]).all() and low != high):
+        raise UsageError(f"{OPTION} {said.port}={said.text:.80}: FROM and TO must be two numbers")
+    if not _COUNT.fullmatch(parts[2]) or not 2 <= int(parts[2]) <= MOST:
+        raise UsageError(
+            f"{OPTION} {said.port}: COUNT = {parts[2]:.20} is not allowed: from 2 to {MOST}"
+        )
+    if log and (low <= 0 or high <= 0):
+        raise UsageError(f"{OPTION} {said.port}={said.text:.80}: log needs FROM and TO above 0")
+    whole = parameter.kind == "integer"
+    values = spaced(low, high, int(parts[2]), log=log, whole=whole)
+    return Variation(said.node, parameter, values, log)
+
+
+def _value(text: str, parameter: Parameter, said: Assignment) -> Any:
+    first: ParameterError | None = None
+    for reading in readings(text):
+        try:
+            found = parameter.coerce(reading)
+        except ParameterError as error:
+            if parameter.kind in ("number", "integer") and _finite(reading):
+                return reading
+            first = first or error.at(said.node)
+        else:
+            return reading if is_number(reading) and found is None else plain(found)
+    assert first is not None
+    raise first
+
+
+def _finite(value: object) -> bool:
+    return is_number(value) and bool(np.isfinite(float(value)))  # type: ignore[arg-type]
