@@ -115,7 +115,7 @@ class NoiseOf(Recipe):
         """Follow every noise to the picture."""
         known = _Follow(work, self.uniform)
         found = known.to(self.image.recipe, *self.image.shape)
-        if any(each.step for each in found):
+        if any(each.pattern for each in found):
             clean = work.value(noise_free(self.image.recipe))
             found = [self._seen(work, each, clean) for each in found]
         terms = tuple(
@@ -127,9 +127,9 @@ class NoiseOf(Recipe):
 
     def _seen(self, work: Work, noise: sources.Noise, clean: Array) -> sources.Noise:
         """A known pattern as it shows in the picture."""
-        if noise.step is None:
+        if noise.pattern is None:
             return noise
-        alone = work.value(noise_free(self.image.recipe, but=noise.step))
+        alone = work.value(noise_free(self.image.recipe, but=noise.pattern.step))
         return replace(noise, power=NoisePower.of_pattern(np.subtract(alone, clean, dtype=float)))
 
 
@@ -152,7 +152,9 @@ class _Follow:
         """All noises in a picture of this size."""
         self._work.check()
         if isinstance(recipe, Delivered):
-            return self._delivered(recipe)
+            behind: _Behind = self._work.value(_DeliveredNoise(recipe, self._uniform))
+            self.unknown += behind.unknown
+            return list(behind.noises)
         if not isinstance(recipe, Step) or not recipe.inputs:
             return []
         given, values = recipe.inputs[0], dict(recipe.parameters)
@@ -181,7 +183,8 @@ class _Follow:
             return self._resampled(given, values)
         return self._lost(recipe)
 
-    def _delivered(self, recipe: Delivered) -> list[sources.Noise]:
+    def delivered(self, recipe: Delivered) -> list[sources.Noise]:
+        """All noises in a filtered picture."""
         source = recipe.magnitude.image
         if source is None or not recipe.one_source:
             return self._lost(recipe)
@@ -240,6 +243,32 @@ class _Follow:
         if any(sources.is_noisy(each) for each in recipe.inputs):
             self.unknown.append(recipe.node or "a node")
         return []
+
+
+@dataclass(frozen=True)
+class _Behind:
+    """Noises behind a transform, and the nodes through which none could be followed."""
+
+    noises: tuple[sources.Noise, ...]
+    unknown: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _DeliveredNoise(Recipe):
+    """The noises in a filtered picture: a value of its own, for edits of what follows it."""
+
+    recipe: Delivered
+    uniform: bool
+    node: str | None = field(default=None, compare=False)
+
+    def _content(self) -> tuple[object, ...]:
+        return self.recipe.key, self.uniform
+
+    def compute(self, work: Work) -> _Behind:
+        """Follow the noises through its transfer functions."""
+        known = _Follow(work, self.uniform)
+        noises = tuple(known.delivered(self.recipe))
+        return _Behind(noises, tuple(known.unknown))
 
 
 def _scaled(noise: sources.Noise, factor: float) -> sources.Noise:

@@ -26,19 +26,26 @@ from nodes.electronics.periodic_noise import drawn, summed
 from nodes.optics.poisson_noise import added, photon_counts, published_noise
 
 
+@dataclass(frozen=True, slots=True)
+class Pattern:
+    """The step that adds a known pattern."""
+
+    step: Step
+
+
 @dataclass(frozen=True)
 class Noise:
     """A noise on its way: who added it, whether it changes in time, and its power now.
 
-    Of a pattern that is known to the last sample, `step` is the one that adds it: what becomes of
-    it is seen by making the picture with it alone.
+    What becomes of a `pattern` that is known to the last sample is seen by making the picture with
+    it alone.
     """
 
     node: str
     name: str
     temporal: bool
     power: NoisePower
-    step: Step | None = None
+    pattern: Pattern | None = None
 
 
 STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
@@ -173,7 +180,7 @@ def _quantization(
 
 
 def _known(step: Step, name: str, rows: int, columns: int) -> Noise:
-    return Noise(step.node or "", name, False, NoisePower.white(rows, columns, 0.0), step)
+    return Noise(step.node or "", name, False, NoisePower.white(rows, columns, 0.0), Pattern(step))
 
 
 def _white(step: Step, name: str, rows: int, columns: int, variance: float | Array) -> Noise:
