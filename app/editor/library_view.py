@@ -15,13 +15,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from app.editor.module_search import found_by, rank
 from app.editor.theme import DARK, Theme
 from core.declaration import declaration
 from core.network import Library
 
 MIME_TYPE = "application/x-imagechain-module"
 _KEY = Qt.ItemDataRole.UserRole
-_WORDS = Qt.ItemDataRole.UserRole + 1
 
 
 def module_data(key: str) -> QMimeData:
@@ -52,14 +52,14 @@ class ModuleTree(QTreeWidget):
         self.setDragDropMode(QAbstractItemView.DragDropMode.DragOnly)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setIndentation(self.fontMetrics().averageCharWidth() * 2)
+        self._texts: dict[str, tuple[str, str, str]] = {}
         self.modules: dict[str, QTreeWidgetItem] = {}
         self.groups: dict[str, QTreeWidgetItem] = {}
         for key, module in library.items():
             declared = declaration(module)
             item = QTreeWidgetItem(self._group(declared.group), [declared.title])
             item.setData(0, _KEY, key)
-            words = f"{declared.title} {key} {declared.group} {declared.summary}"
-            item.setData(0, _WORDS, words.casefold())
+            self._texts[key] = found_by(declared)
             item.setToolTip(0, declared.text)
             item.setFlags(_ENABLED | _SELECTABLE | Qt.ItemFlag.ItemIsDragEnabled)
             self.modules[key] = item
@@ -80,18 +80,18 @@ class ModuleTree(QTreeWidget):
         return str(item.data(0, _KEY) or "") if item is not None else ""
 
     def show_matching(self, typed: str) -> None:
-        """Show the modules in which every word occurs, and mark the first."""
-        words = typed.casefold().split()
-        for item in self.modules.values():
-            item.setHidden(not all(word in item.data(0, _WORDS) for word in words))
+        """Show the modules in which every word occurs, and mark the one that fits best."""
+        ranks = {key: rank(texts, typed) for key, texts in self._texts.items()}
+        for key, item in self.modules.items():
+            item.setHidden(ranks[key] is None)
         for group in self.groups.values():
             there = [group.child(row) for row in range(group.childCount())]
             group.setHidden(all(item.isHidden() for item in there))
-            if words:
+            if typed.strip():
                 group.setExpanded(True)
-        first = next((item for item in self.modules.values() if not item.isHidden()), None)
-        if words and first is not None:
-            self.setCurrentItem(first)
+        found = {key: place for key, place in ranks.items() if place}
+        if found:
+            self.setCurrentItem(self.modules[min(found, key=lambda key: found[key])])
         else:
             self.clearSelection()
             self.setCurrentIndex(QModelIndex())

@@ -15,6 +15,7 @@ from app.editor.canvas.node_item import NodePort
 from app.editor.canvas.points import free_point
 from app.editor.canvas.surface import Surface
 from app.editor.canvas.wire_choices import possible_links
+from app.editor.module_search import found_by
 from app.editor.theme import Theme
 from core.declaration import declaration
 from core.editing.fitting import Candidate, End, Side, fitting, new_node, wired_to
@@ -116,11 +117,13 @@ class Adding(QObject):
 
     def _module_choice(self, key: str, value: Callable[[], None], port: str = "") -> Choice:
         known = declaration(self._surface.session.library[key])
+        _, summary, further = found_by(known)
         return Choice(
             text=known.title,
             value=value,
             detail=port or known.group,
             words=f"{key} {known.group}",
+            further=f"{summary} {further}",
             colour=self._theme.groups.get(known.group, self._theme.line),
             tip=known.summary,
         )

@@ -41,8 +41,8 @@ class Choice:
         What is chosen by it.
     detail : str
         Said beside it, fainter.
-    words : str
-        What it is also found by.
+    words, further : str
+        What it is also found by, and what only where these do not tell.
     colour : str
         Of the mark before it.
     tip : str
@@ -53,20 +53,27 @@ class Choice:
     value: Any
     detail: str = ""
     words: str = ""
+    further: str = ""
     colour: str = ""
     tip: str = ""
 
 
 def matching(choices: Sequence[Choice], typed: str) -> list[Choice]:
-    """The choices in which every word occurs; first those whose text begins so."""
+    """The choices in which every word occurs; first those whose text begins so.
+
+    Where there is none, those that the words tell of further.
+    """
     words = typed.casefold().split()
-    found = [
-        choice
-        for choice in choices
-        if all(word in f"{choice.text} {choice.detail} {choice.words}".casefold() for word in words)
-    ]
+    found = [each for each in choices if _tells(each, words)]
+    if not found:
+        return [each for each in choices if _tells(each, words, each.further)]
     first = words[0] if words else ""
     return sorted(found, key=lambda choice: _rank(choice, first)) if first else found
+
+
+def _tells(choice: Choice, words: Sequence[str], further: str = "") -> bool:
+    told = f"{choice.text} {choice.detail} {choice.words} {further}".casefold()
+    return all(word in told for word in words)
 
 
 def _rank(choice: Choice, word: str) -> int:

@@ -16,7 +16,7 @@ from app.editor.evaluation.pace import PAUSE_S, REDUCTIONS, Pace
 from app.editor.evaluation.pass_work import PassWork, Position
 from app.editor.evaluation.preview import reduced_network, with_same_nodes
 from app.editor.evaluation.sent import Sent, SentAnswers
-from app.editor.evaluation.tasks import Change, Due, Task, due_wants, edited
+from app.editor.evaluation.tasks import Change, Due, Task, due_wants, edited, overtaken
 from app.editor.evaluation.wants import Answer, Badge, PassDone, Passing
 from core.engine import Engine, Plan
 from core.errors import Cancelled, ImagechainError
@@ -84,6 +84,7 @@ class Runner:
             self._done = snapshot
             self._tell_badges()
             self._settle(snapshot)
+            self._answer_waiting(snapshot)
             self._outbox.finished(snapshot.generation)
 
     def _task(self, snapshot: Snapshot, plan: Plan) -> Task:
@@ -251,20 +252,9 @@ class Runner:
         return newest is not None and newest.edits != snapshot.edits
 
     def _must_stop(self, task: Task, position: Position) -> bool:
-        inbox, snapshot = self._inbox, task.snapshot
-        if inbox.stopped or self._is_cancelled(snapshot):
+        if self._inbox.stopped or self._is_cancelled(task.snapshot):
             return True
-        newest = inbox.newest
-        if newest is None or newest.edits == snapshot.edits:
-            return False
-        if newest.document != snapshot.document:
-            return True
-        return task.reduced == 1 and self._pace.gives_way(
-            position.seconds,
-            task.expected,
-            has_preview=task.has_preview,
-            new_gesture=newest.gestures != snapshot.gestures,
-        )
+        return overtaken(task, self._inbox.newest, self._pace, position.seconds)
 
     def _settle(self, snapshot: Snapshot) -> None:
         """Once edits pause, look at what was skipped, and whether a preview could be made."""
@@ -274,14 +264,27 @@ class Runner:
         self._has_preview = self._small_network(REDUCTIONS[0]) is not None
         position = Position(0, lambda _: self._inbox.waiting)
         work = PassWork(self._policy, self._engine.store, self._workers, position)
-        for sent in self._sent:
-            if sent.tally is not None and sent.reduced == 1:
-                work.tally.add(sent.tally)
+        work.tally.add(self._sent.tally())
         try:
             self._skipped = skip_texts(skips(self._planned.shown, work))
         except ImagechainError:  # something newer has come, or an error that is told elsewhere
             return
         self._tell_badges()
+
+    def _answer_waiting(self, snapshot: Snapshot) -> None:
+        """Answer what could wait until edits paused; whatever comes goes before it."""
+        assert self._planned is not None
+        plan, inbox = self._planned.shown, self._inbox
+        due = due_wants(snapshot.asked, plan, self._sent, waiting=True)
+        position = Position(len(due), lambda _: inbox.waiting or self._is_cancelled(snapshot))
+        self.position = position
+        try:
+            self._answer(list(due), Task(snapshot, plan, due, None), position)
+        except Cancelled:
+            if self._is_cancelled(snapshot):
+                self._sent.give_up([each.asked for each in due[position.done :]])
+        finally:
+            self.position = None
 
     def _tell_badges(self) -> None:
         assert self._planned is not None

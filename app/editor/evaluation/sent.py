@@ -30,6 +30,14 @@ class SentAnswers:
     def __iter__(self) -> Iterator[Sent]:
         return iter(tuple(self._sent.values()))
 
+    def tally(self) -> Tally:
+        """All that was looked at for answers from full pictures."""
+        found = Tally()
+        for sent in self:
+            if sent.tally is not None and sent.reduced == 1:
+                found.add(sent.tally)
+        return found
+
     def clear(self) -> None:
         """Forget all."""
         self._sent.clear()

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from app.editor.evaluation.failures import as_error
 from app.editor.evaluation.mailbox import Asked, Snapshot
+from app.editor.evaluation.pace import Pace
 from app.editor.evaluation.sent import SentAnswers
 from core.engine import Plan
 from core.errors import ImagechainError
@@ -65,11 +66,21 @@ class Task:
 
 
 def due_wants(
-    asked: Sequence[Asked], plan: Plan, sent: SentAnswers, reduced: int = 1
+    asked: Sequence[Asked],
+    plan: Plan,
+    sent: SentAnswers,
+    reduced: int = 1,
+    *,
+    waiting: bool = False,
 ) -> tuple[Due, ...]:
-    """What of that is to be answered from this plan, the most urgent first."""
+    """What of that is to be answered from this plan, the most urgent first.
+
+    With `waiting` only what can wait until edits pause, else only what cannot.
+    """
     found = []
     for each in asked:
+        if each.want.waits is not waiting:
+            continue
         due = _due(each, plan)
         if sent.is_due(each, due.key, reduced):
             found.append(due)
@@ -82,6 +93,21 @@ def _due(asked: Asked, plan: Plan) -> Due:
     except Exception as raised:
         error = as_error(raised)
         return Due(asked, ("error", str(error)), error)
+
+
+def overtaken(task: Task, newest: Snapshot | None, pace: Pace, elapsed: float) -> bool:
+    """Whether a pass gives way to what has come since it began, `elapsed` seconds ago."""
+    snapshot = task.snapshot
+    if newest is None or newest.edits == snapshot.edits:
+        return False
+    if newest.document != snapshot.document:
+        return True
+    return task.reduced == 1 and pace.gives_way(
+        elapsed,
+        task.expected,
+        has_preview=task.has_preview,
+        new_gesture=newest.gestures != snapshot.gestures,
+    )
 
 
 def edited(before: Network | None, after: Network) -> Change:

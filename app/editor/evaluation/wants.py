@@ -41,11 +41,13 @@ class Want(ABC):
     """A question to a network, asked again after each change. An immutable, hashable value.
 
     `urgency` orders the wants of a pass, the lowest first: 0 pictures, 1 what stands beside them,
-    2 all else. `from_preview` says whether a picture of reduced size answers it.
+    2 all else. `from_preview` says whether a picture of reduced size answers it. One that `waits`
+    is answered only once edits pause and all others are, and stops for whatever comes.
     """
 
     urgency: ClassVar[int] = 2
     from_preview: ClassVar[bool] = False
+    waits: ClassVar[bool] = False
 
     @abstractmethod
     def key(self, plan: Plan) -> Hashable:

@@ -5,10 +5,22 @@ from __future__ import annotations
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMenu, QToolButton, QWidget
 
+from app.editor.panels.outlined import Toggle
+
 
 def tool_button(name: str, text: str, told: str, parent: QWidget) -> QToolButton:
     """A button that the keyboard reaches."""
-    button = QToolButton(parent)
+    return _named(QToolButton(parent), name, text, told)
+
+
+def toggle_button(name: str, text: str, told: str, parent: QWidget) -> Toggle:
+    """One that stays down, and shows it in the colours of a theme."""
+    button = Toggle(parent)
+    _named(button, name, text, told)
+    return button
+
+
+def _named(button: QToolButton, name: str, text: str, told: str) -> QToolButton:
     button.setObjectName(name)
     button.setText(text)
     button.setToolTip(told)

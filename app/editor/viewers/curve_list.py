@@ -8,6 +8,7 @@ from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QIcon, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QListWidget, QListWidgetItem, QWidget
 
+from app.editor.panels.outlined import OutlinedItems
 from app.editor.viewers.drawing import Entry
 
 _NAME = Qt.ItemDataRole.UserRole
@@ -33,6 +34,7 @@ class CurveList(QListWidget):
         self.setIconSize(QSize(3 * width, self.fontMetrics().height()))
         self.setTextElideMode(Qt.TextElideMode.ElideRight)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setItemDelegate(OutlinedItems(self))
         self.itemChanged.connect(self._item_changed)
 
     def sizeHint(self) -> QSize:
@@ -62,6 +64,13 @@ class CurveList(QListWidget):
         self.blockSignals(False)
         self.updateGeometry()
 
+    def scroll_to_ticked(self) -> None:
+        """Have the first entry that is ticked in sight."""
+        for row in range(self.count()):
+            if self.item(row).checkState() == _CHECKED:
+                self.scrollToItem(self.item(row), QListWidget.ScrollHint.PositionAtTop)
+                return
+
     def _icon(self, pen: QPen) -> QIcon:
         """A piece of the line, drawn for the screen's dots."""
         ratio = self.devicePixelRatioF()
@@ -73,6 +82,8 @@ class CurveList(QListWidget):
         thick = QPen(pen)
         thick.setCosmetic(False)
         thick.setWidthF(max(2.0, pen.widthF()))
+        if thick.style() == Qt.PenStyle.CustomDashLine:  # its gaps may be wider than the icon
+            thick.setStyle(Qt.PenStyle.DashLine)
         painter.setPen(thick)
         painter.drawLine(0, size.height() // 2, size.width(), size.height() // 2)
         painter.end()

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from app.chain import Chain, Stage, find_chain
 from app.editor.evaluation.wants import Passing, Want
-from app.editor.viewers.sound_plan import sound_part
 from app.responses import LineStageResponse, responses_along
+from app.sound_plan import sound_part
 from core.data import CurveData, TableData
 from core.engine import Plan
 from core.errors import NetworkError

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from app.chain import ancestors, final_image
 from app.editor.evaluation.wants import Passing, Want
-from app.editor.viewers.sound_plan import sound_part
+from app.sound_plan import sound_part
 from core.engine import Plan
 from core.errors import ImagechainError
 

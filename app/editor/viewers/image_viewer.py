@@ -14,6 +14,7 @@ from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.colour_maps import NAMES, colour_table
 from app.editor.viewers.elided_label import centred_hint
+from app.editor.viewers.neighbours import neighbours
 from app.editor.viewers.network_ports import ports_by_node
 from app.editor.viewers.picture_bar import PictureBar
 from app.editor.viewers.picture_canvas import PictureCanvas
@@ -23,6 +24,7 @@ from app.editor.viewers.picture_probe import PictureProbe
 from app.editor.viewers.picture_saving import save_picture
 from app.editor.viewers.picture_told import facts_text
 from app.editor.viewers.picture_want import Picture, PictureWant
+from app.editor.viewers.region_tool import RegionTool
 from app.editor.viewers.status_line import StatusLine
 from app.editor.viewers.viewer import Viewer
 from app.editor.viewers.zoom_links import ZoomLinks
@@ -104,6 +106,7 @@ class ImageViewer(Viewer):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
+        self.bar.region.set_theme(theme)
         self.canvas.set_theme(theme)
         self.status.set_theme(theme)
 
@@ -158,6 +161,7 @@ class ImageViewer(Viewer):
             self.canvas.show_picture(picture)
             self.status.tell(facts_text(picture, self.choices))
             self.probe.show_picture(picture, self.choices)
+            self.region.show_picture(picture, self.choices.port)
         else:
             self.canvas.make_faint()
             self.status.tell(str(answer.error), failed=True)
@@ -183,6 +187,7 @@ class ImageViewer(Viewer):
         self.links = ZoomLinks(self.canvas)
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
         self.probe = PictureProbe(self.canvas, self.status)
+        self.region = RegionTool(self.session, self.evaluator, self.canvas, self.bar.region)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
@@ -210,6 +215,7 @@ class ImageViewer(Viewer):
         bar.compare.mode.chosen.connect(self._choose_mode)
         bar.compare.other_chosen.connect(self._choose_other)
         bar.compare.linked.connect(self._choose_link)
+        self.region.picture_wanted.connect(self._show_for_region)
         canvas.zoomed.connect(self.links.tell)
         canvas.levels.dragged.connect(self._drag_levels)
 
@@ -218,6 +224,10 @@ class ImageViewer(Viewer):
         self.choices = before.with_(**changes)
         if self.choices != before:
             self._follow_choices()
+
+    def _show_for_region(self, port: str) -> None:
+        self._lost = None
+        self._choose(port=port, mapping="linear", mode="alone")
 
     def _choose_mapping(self, name: str) -> None:
         self._choose(mapping=name)
@@ -233,7 +243,7 @@ class ImageViewer(Viewer):
         self._choose(other=port, mode="wipe" if self.choices.mode == "alone" else self.choices.mode)
 
     def _choose_link(self, number: int, on: bool) -> None:
-        for viewer in self._neighbours():
+        for viewer in neighbours(self):
             if viewer.number == number:
                 self.link_to(viewer, on)
 
@@ -263,6 +273,7 @@ class ImageViewer(Viewer):
             self._pages.setCurrentWidget(self._hint)
             self.status.tell("")
             self.probe.show_picture(None, choices)
+            self.region.show_picture(None, None)
         elif choices.mode != "alone" and choices.other is None:
             self.status.tell("choose the other wire under Compare")
         self.ask()
@@ -280,17 +291,5 @@ class ImageViewer(Viewer):
         compare = self.bar.compare
         groups = ports_by_node(self.session.network, self.session.library, PICTURES)
         compare.fill_others(groups, self.choices.other)
-        linked = {viewer.number: self.links.has(viewer.links) for viewer in self._neighbours()}
+        linked = {viewer.number: self.links.has(viewer.links) for viewer in neighbours(self)}
         compare.fill_links(linked)
-
-    def _neighbours(self) -> list[ImageViewer]:
-        """The other image viewers of the window, floating ones too."""
-        top: QWidget = self
-        while (above := top.parentWidget()) is not None:
-            top = above
-        found = top.findChildren(ImageViewer)
-        return sorted((each for each in found if each is not self), key=_number)
-
-
-def _number(viewer: ImageViewer) -> int:
-    return viewer.number

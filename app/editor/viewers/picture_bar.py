@@ -6,7 +6,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from app.editor.session import Session
-from app.editor.viewers.buttons import menu_button, tool_button
+from app.editor.viewers.buttons import menu_button, toggle_button, tool_button
 from app.editor.viewers.picture_facts import PICTURES
 from app.editor.viewers.picture_menus import CompareMenu, DisplayMenu
 from app.editor.viewers.port_choice import PortChoice
@@ -45,8 +45,11 @@ class PictureBar(QWidget):
         compared.menu().aboutToShow.connect(self.opening)
         self.fit = tool_button(f"{owner}.fit", "Fit", "Show all of the picture (0)", self)
         self.dots = tool_button(f"{owner}.dots", "1:1", "Show each sample as one dot (1)", self)
+        self.region = toggle_button(
+            f"{owner}.region", "⬚", "Draw the region of the selected module (R)", self
+        )
         layout = QHBoxLayout(self)
         layout.setContentsMargins(2, 2, 2, 0)
         layout.setSpacing(3)
-        for widget in (self.ports, shown, compared, self.fit, self.dots):
+        for widget in (self.ports, shown, compared, self.region, self.fit, self.dots):
             layout.addWidget(widget, 1 if widget is self.ports else 0)

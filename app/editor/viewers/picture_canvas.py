@@ -14,6 +14,7 @@ from app.editor.viewers.picture_item import PictureItem, extent
 from app.editor.viewers.picture_want import Picture
 from app.editor.viewers.plot_looks import bare, paint_axes
 from app.editor.viewers.profile_line import ProfileLine
+from app.editor.viewers.region_overlay import RegionOverlay
 
 Zoom = tuple[float, ...]
 _STEPS = {
@@ -62,6 +63,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.levels = LevelsBar(theme)
         self.addItem(self.levels, row=0, col=1)
         self.profile = ProfileLine(self.plot, self.ci, self)
+        self.region = RegionOverlay(self.view, self, theme)
         self.fitted = True
         self._picture: Picture | None = None
         self._place = QRectF()
@@ -81,6 +83,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         paint_axes(self.plot, theme)
         self.levels.set_theme(theme)
         self.profile.set_theme(theme)
+        self.region.set_theme(theme)
         self.wipe.setPen(theme.accent, width=2)
         self.wipe.setHoverPen(theme.changed, width=3)
         self.cross.setPen(theme.accent, width=2)

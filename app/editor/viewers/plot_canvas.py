@@ -13,15 +13,9 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme
 from app.editor.viewers.drawing import Drawing, Line, Panel, value_at, y_range
-from app.editor.viewers.plot_looks import bare, paint_axes, thick
+from app.editor.viewers.plot_looks import PlotAxis, bare, entry_pen, paint_axes
 from app.editor.viewers.plot_mark import PlotMark
 
-_DASHES = (
-    Qt.PenStyle.SolidLine,
-    Qt.PenStyle.DashLine,
-    Qt.PenStyle.DotLine,
-    Qt.PenStyle.DashDotLine,
-)
 _Range = tuple[float, float]
 _Ranges = tuple[_Range | None, tuple[_Range, ...]]
 _STEP = 0.01  # of the abscissa's range, for the arrow keys
@@ -70,7 +64,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         before, self.drawing = self.drawing, drawing
         self.shown = frozenset(shown)
         alike = (
-            before.x_label == drawing.x_label
+            (before.x_label, before.log_x) == (drawing.x_label, drawing.log_x)
             and before.entries == drawing.entries
             and [_look(panel) for panel in before.panels] == [_look(p) for p in drawing.panels]
         )
@@ -86,14 +80,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def pen(self, name: str) -> QPen:
         """The pen of an entry."""
-        totals = [entry.name for entry in self.drawing.entries if entry.total]
-        others = [entry.name for entry in self.drawing.entries if not entry.total]
-        if name in totals:
-            style = _DASHES[min(totals.index(name), 1)]
-            return thick(self.theme.text, 2, style)
-        index, colours = others.index(name), self.theme.curves
-        dash = _DASHES[index // len(colours) % len(_DASHES)]
-        return thick(colours[index % len(colours)], 1, dash)
+        return entry_pen(self.drawing.entries, name, self.theme)
 
     def frame(self) -> None:
         """Show all of the curves."""
@@ -130,12 +117,15 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._drawn, self._ranges, self._marks = {}, None, []
         last = len(self.drawing.panels) - 1
         for row, panel in enumerate(self.drawing.panels):
-            plot = self.addPlot(row=row, col=0)
+            axes = {side: PlotAxis(side) for side in ("left", "bottom")}
+            plot = self.addPlot(row=row, col=0, axisItems=axes)
             bare(plot)
             paint_axes(plot, self.theme)
             plot.setLabel("left", panel.y_label)
             plot.setLabel("bottom", self.drawing.x_label if row == last else "")
             plot.showGrid(x=True, y=True, alpha=0.12)
+            for axis in axes.values():
+                axis.setLogMode(self.drawing.log_x, panel.log)
             plot.getAxis("left").setWidth(self.fontMetrics().averageCharWidth() * 9)
             plot.disableAutoRange()
             plot.getViewBox().sigRangeChangedManually.connect(self._seen_otherwise)
@@ -150,8 +140,8 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def _curve(self, plot: pg.PlotItem, line: Line) -> pg.PlotDataItem:
         curve = plot.plot(pen=self.pen(line.name))
-        total = next(each.total for each in self.drawing.entries if each.name == line.name)
-        curve.setZValue(2 if total else 3)
+        entry = next(each for each in self.drawing.entries if each.name == line.name)
+        curve.setZValue(1 if entry.bound else 2 if entry.total else 3)
         return curve
 
     def _follow_marks(self) -> None:
@@ -188,7 +178,8 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         if drawn is None or not (
             np.array_equal(drawn.x, line.x) and np.array_equal(drawn.y, line.y, equal_nan=True)
         ):
-            curve.setData(line.x, line.y)
+            x, y = self.drawing.drawn_x(line.x), self.drawing.panels[row].drawn(line.y)
+            curve.setData(x, y, connect="finite")
             self._drawn[row, line.name] = line
 
     def _whole(self) -> _Ranges:
@@ -230,11 +221,11 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def _nearest(self, index: int, x: float, height: float) -> Line | None:
         """The line of a panel that passes the abscissa nearest to a height of the scene."""
-        box = self._plots[index].getViewBox()
+        box, panel = self._plots[index].getViewBox(), self.drawing.panels[index]
         nearest: tuple[float, Line] | None = None
         for line in self._lines(index):
-            value = value_at(line, x)
-            if value is None:
+            value = value_at(line, self.drawing.x_at(x))
+            if value is None or not np.isfinite(value := float(panel.drawn(np.array(value)))):
                 continue
             far = abs(box.mapViewToScene(QPointF(x, value)).y() - height)
             if nearest is None or far < nearest[0]:
@@ -260,7 +251,8 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def _read(self, index: int, x: float, name: str) -> None:
         line = next((each for each in self._lines(index) if each.name == name), None)
-        value = None if line is None else value_at(line, x)
+        place = self.drawing.x_at(x)
+        value = None if line is None else value_at(line, place)
         if value is None:
             self._read_nothing()
             return
@@ -272,7 +264,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         quantity, _, unit = self.drawing.panels[index].y_label.rstrip(")").partition(" (")
         _, _, x_unit = self.drawing.x_label.rstrip(")").partition(" (")
         what = f"{title}: " if quantity in title else f"{title}, {quantity}: "
-        text = f"{x:.4g} {x_unit}".rstrip() + f"   {what}{value:.5g} {unit}".rstrip()
+        text = f"{place:.4g} {x_unit}".rstrip() + f"   {what}{value:.5g} {unit}".rstrip()
         self.read.emit(text.replace("-", "\N{MINUS SIGN}"))
 
     def _read_nothing(self) -> None:
@@ -283,5 +275,5 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.read.emit("")
 
 
-def _look(panel: Panel) -> tuple[str, list[str]]:
-    return panel.y_label, [line.name for line in panel.lines]
+def _look(panel: Panel) -> tuple[str, bool, list[str]]:
+    return panel.y_label, panel.log, [line.name for line in panel.lines]

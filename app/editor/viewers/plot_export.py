@@ -34,10 +34,24 @@ def export(widget: QWidget, data: Data, path: Path) -> None:
     FileError
         If the file cannot be written.
     """
-    suffix = path.suffix.lower()
-    if suffix == ".csv":
+    if path.suffix.lower() == ".csv":
         write_text(path, csv_text(data))
-    elif suffix == ".png":
+    else:
+        export_picture(widget, path)
+
+
+def export_picture(widget: QWidget, path: Path) -> None:
+    """Write a picture of the widget.
+
+    Raises
+    ------
+    UsageError
+        For a suffix that is of no picture.
+    FileError
+        If the file cannot be written.
+    """
+    suffix = path.suffix.lower()
+    if suffix == ".png":
         write_bytes(path, _png(widget))
     elif suffix == ".svg":
         write_bytes(path, _svg(widget))
@@ -56,6 +70,9 @@ def csv_text(data: Data) -> str:
         for curve in data.curves:
             columns.append((f"{curve.name}.mtf", curve.mtf.tolist()))
             columns.append((f"{curve.name}.ptf_rad", curve.ptf.tolist()))
+    elif data.bars:
+        columns.append((data.x_label or "name", data.bars))
+        columns += [(s.label or data.y_label, s.y.tolist()) for s in data.series]
     else:
         for series in data.series:
             columns.append((f"{series.label}: {data.x_label}", series.x.tolist()))

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QHBoxLayout, QStackedWidget, QVBoxLayout, QWidget
 from app.editor.evaluation.wants import Answer, Want
 from app.editor.session import Session
 from app.editor.theme import Theme
+from app.editor.viewers.bar_chart import BarChart
 from app.editor.viewers.curve_list import CurveList
 from app.editor.viewers.curves_want import CurvesWant, PortDataWant, TransferCurves
 from app.editor.viewers.drawing import Drawing, Parts, curve_drawing, transfer_drawing
@@ -55,6 +56,7 @@ class PlotViewer(Viewer):
         self.port: str | None = None
         self.angle_deg = 0.0
         self.parts: Parts = "mtf"
+        self.log: bool | None = None
         self.data: Data | None = None
         self._lost: str | None = None
         self._switched: dict[str, bool] = {}
@@ -67,6 +69,7 @@ class PlotViewer(Viewer):
         self._lost = None
         if port != self.port:
             self.port = port
+            self.log = None
             self._switched.clear()
             self._follow_choices()
 
@@ -83,6 +86,11 @@ class PlotViewer(Viewer):
             self._follow_choices()
             self._draw()
 
+    def set_log(self, log: bool | None) -> None:
+        """Plot with a logarithmic ordinate or not; None as the data want it."""
+        self.log = log
+        self._draw()
+
     def export(self, path: Path) -> None:
         """Write what is shown (``.png``, ``.svg``), or all of its numbers (``.csv``).
 
@@ -98,7 +106,9 @@ class PlotViewer(Viewer):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
+        self.bar.set_theme(theme)
         self.canvas.set_theme(theme)
+        self.bars.set_theme(theme)
         self.status.set_theme(theme)
         self._fill_list()
 
@@ -108,6 +118,7 @@ class PlotViewer(Viewer):
             "port": self._lost or self.port,
             "angle_deg": self.angle_deg,
             "parts": self.parts,
+            "log": self.log,
             "switched": dict(self._switched),
         }
 
@@ -120,7 +131,8 @@ class PlotViewer(Viewer):
             self.angle_deg = float(angle)
         if parts in get_args(Parts):
             self.parts = parts  # type: ignore[assignment]
-        switched = state.get("switched")
+        log, switched = state.get("log"), state.get("switched")
+        self.log = log if isinstance(log, bool) else None
         if isinstance(switched, Mapping):
             self._switched = {str(name): on is True for name, on in switched.items()}
         self._follow_choices()
@@ -145,7 +157,7 @@ class PlotViewer(Viewer):
         elif isinstance(answer.value, CurveData):
             self.status.tell(answer.value.title)
         else:
-            self.status.tell("")
+            self.status.tell(f"{len(answer.value.rows)} figures; Ctrl+C copies them")
 
     def follow(self, before: Network, after: Network) -> None:
         """Go with nodes that get other names; a node that comes back is shown again."""
@@ -172,6 +184,8 @@ class PlotViewer(Viewer):
         self.bar = PlotBar(self.session, self.owner, self)
         self.canvas = PlotCanvas(self.theme, self)
         self.canvas.setObjectName(f"{self.owner}.canvas")
+        self.bars = BarChart(self.theme, self)
+        self.bars.setObjectName(f"{self.owner}.bars")
         self.list = CurveList(self)
         self.list.setObjectName(f"{self.owner}.curves")
         self.table = FigureTable(self)
@@ -182,6 +196,8 @@ class PlotViewer(Viewer):
         beside.setContentsMargins(0, 0, 0, 0)
         beside.setSpacing(2)
         beside.addWidget(self.canvas, 1)
+        beside.addWidget(self.bars, 1)
+        self.bars.hide()
         beside.addWidget(self.list, 0)
         self._pages = QStackedWidget(self)
         self._pages.addWidget(self._curves)
@@ -193,8 +209,10 @@ class PlotViewer(Viewer):
         layout.addWidget(self._pages, 1)
         layout.addWidget(self.status)
         self.bar.ports.chosen.connect(self._choose_port)
+        self.bar.outputs.chosen.connect(self._choose_port)
         self.bar.angle_chosen.connect(self.set_angle)
         self.bar.parts_chosen.connect(self.set_parts)
+        self.bar.log_chosen.connect(self.set_log)
         self.bar.fit.clicked.connect(self.canvas.frame)
         self.canvas.read.connect(self.status.tell_more)
         self.list.toggled.connect(self._toggle)
@@ -217,7 +235,9 @@ class PlotViewer(Viewer):
 
     def _toggle(self, name: str, on: bool) -> None:
         self._switched[name] = on
-        self.canvas.show_entries(self._shown(self.canvas.drawing))
+        shown = self._shown(self.canvas.drawing)
+        self.canvas.show_entries(shown)
+        self.bars.show_entries(shown)
 
     def _follow_choices(self) -> None:
         self.bar.show_choices(self.port, self.angle_deg, self.parts)
@@ -225,6 +245,10 @@ class PlotViewer(Viewer):
 
     def _draw(self) -> None:
         data = self.data
+        log = self.log if self.log is not None else getattr(data, "log_y", False)
+        self.bar.log.setChecked(log)
+        self.bar.log.setVisible(not isinstance(data, TableData))
+        self.bar.fit.setVisible(not isinstance(data, TableData) and not getattr(data, "bars", ()))
         if isinstance(data, TableData):
             self.table.show_table(data)
             self._pages.setCurrentWidget(self.table)
@@ -232,11 +256,15 @@ class PlotViewer(Viewer):
         self._pages.setCurrentWidget(self._curves)
         drawing = Drawing("")
         if isinstance(data, TransferCurves):
-            drawing = transfer_drawing(data, self.parts)
+            drawing = transfer_drawing(data, self.parts, log=log)
         elif isinstance(data, CurveData):
-            drawing = curve_drawing(data)
+            drawing = curve_drawing(data, log=log)
         listed = self.canvas.drawing.entries
-        self.canvas.show_drawing(drawing, self._shown(drawing))
+        shown = self._shown(drawing)
+        self.canvas.show_drawing(drawing, shown)
+        self.bars.show_drawing(drawing, shown, self.canvas.pen)
+        self.canvas.setVisible(not drawing.bars)
+        self.bars.setVisible(bool(drawing.bars))
         if drawing.entries != listed:
             self._fill_list()
 

@@ -50,7 +50,7 @@ class PortChoice(QComboBox):
         self.setModel(self._list)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-        self.setMinimumContentsLength(8)
+        self.setMinimumContentsLength(3)
         self.setMaxVisibleItems(24)
         self.activated.connect(self._activated)
         session.changed.connect(self._changed)

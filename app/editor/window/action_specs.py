@@ -85,6 +85,14 @@ ACTIONS: tuple[ActionSpec, ...] = (
     ),
     ActionSpec("zoom_in", "&View", "Zoom &In", "Enlarge the canvas", ("Ctrl++", "Ctrl+=")),
     ActionSpec("zoom_out", "&View", "Zoom &Out", "Shrink the canvas", ("Ctrl+-",)),
+    ActionSpec(
+        "trade_off",
+        "&View",
+        "&Trade-off",
+        "Show figures of merit as a parameter moves",
+        ("Ctrl+T",),
+        checkable=True,
+    ),
     ActionSpec("next_part", "&View", "&Next Part", "Go to the next part of the window", ("F6",)),
     ActionSpec("previous_part", "&View", "&Previous Part", "Go to the part before", ("Shift+F6",)),
     ActionSpec("light", "&View", "Li&ght Colours", "Light or dark", (), checkable=True),
@@ -122,4 +130,10 @@ def viewer_specs() -> tuple[ActionSpec, ...]:
 
 def starts_a_group(spec: ActionSpec) -> bool:
     """Whether a line stands above it in its menu."""
-    return spec.name in _SEPARATED or spec.name in ("view_1", "zoom_in", "next_part", "light")
+    return spec.name in _SEPARATED or spec.name in (
+        "view_1",
+        "zoom_in",
+        "trade_off",
+        "next_part",
+        "light",
+    )

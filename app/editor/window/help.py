@@ -10,8 +10,10 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
 
 from app.arguments import version
 from app.editor.session import Session
+from app.editor.tradeoff.view import TradeOffView
 from app.editor.viewers.image_viewer import ImageViewer
 from app.editor.viewers.plot_viewer import PlotViewer
+from app.editor.window.module_text import ModuleText
 from app.editor.window.shortcut_list import ShortcutList
 from core.errors import ImagechainError
 
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from app.editor.window.main_window import MainWindow
 
 _PICTURES = "Pictures (*.png *.tif *.exr);;Samples (*.npy *.csv)"
+Exported = ImageViewer | PlotViewer | TradeOffView
 _CURVES = "Pictures (*.png *.svg);;Numbers (*.csv)"
 
 
@@ -29,7 +32,8 @@ class Help(QObject):
         super().__init__(window)
         self._session = session
         self._window = window
-        self._exported: ImageViewer | PlotViewer | None = None
+        self._exported: Exported | None = None
+        window.viewers.tradeoff.export_wanted.connect(self._export_trade_off)
 
     def shortcuts(self) -> None:
         """List every shortcut."""
@@ -42,7 +46,7 @@ class Help(QObject):
         if declared is None:
             self._session.told.emit("note", "select a node to read what its module does")
         else:
-            self._message(declared.title, declared.text)
+            ModuleText(declared, self._window).open()
 
     def about(self) -> None:
         """Version and sources."""
@@ -55,8 +59,12 @@ class Help(QObject):
 
     def export(self) -> None:
         """Ask where to write what the viewer used last shows."""
-        self._exported = viewer = self._viewer()
-        kinds = _CURVES if isinstance(viewer, PlotViewer) else _PICTURES
+        self.export_of(self._viewer())
+
+    def export_of(self, viewer: Exported) -> None:
+        """Ask where to write what it shows."""
+        self._exported = viewer
+        kinds = _PICTURES if isinstance(viewer, ImageViewer) else _CURVES
         dialog = QFileDialog(self._window, "Export", str(Path.cwd()), kinds)
         dialog.setObjectName("file_dialog")
         dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
@@ -66,25 +74,27 @@ class Help(QObject):
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
 
+    def _export_trade_off(self) -> None:
+        self.export_of(self._window.viewers.tradeoff)
+
     def _export_to(self, text: str) -> None:
         viewer = self._exported or self._viewer()  # the dialog has had the focus meanwhile
         try:
-            if isinstance(viewer, PlotViewer):
-                viewer.export(Path(text))
-            else:
+            if isinstance(viewer, ImageViewer):
                 viewer.save_as(Path(text))
+            else:
+                viewer.export(Path(text))
         except ImagechainError as error:
             self._session.told.emit("error", f"not exported: {error}")
         else:
             self._session.told.emit("note", f"wrote {text}")
 
-    def _viewer(self) -> ImageViewer | PlotViewer:
+    def _viewer(self) -> Exported:
         """The viewer that has the focus, else the first."""
         focus = QApplication.focusWidget()
         viewers = self._window.viewers
-        if focus is not None and viewers.plot.isAncestorOf(focus):
-            return viewers.plot
-        for viewer in viewers.images.values():
+        others: list[Exported] = [viewers.plot, viewers.tradeoff]
+        for viewer in (*others, *viewers.images.values()):
             if focus is not None and viewer.isAncestorOf(focus):
                 return viewer
         return viewers.images[1]

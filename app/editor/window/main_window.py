@@ -18,11 +18,11 @@ from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.figures_strip import FiguresStrip
 from app.editor.window.actions import Actions
 from app.editor.window.autosaving import Autosaver
-from app.editor.window.docks import Curtain, add_dock
+from app.editor.window.docks import Curtain, add_dock, arrange
 from app.editor.window.drops import Drops
 from app.editor.window.edit_commands import EditCommands
 from app.editor.window.files import Files
-from app.editor.window.first_look import first_ports
+from app.editor.window.first_look import first_look
 from app.editor.window.focus import go_to_next
 from app.editor.window.help import Help
 from app.editor.window.recovery import Recovery
@@ -120,12 +120,14 @@ class MainWindow(QMainWindow):
         self.pages.setCurrentWidget(self._work_page)
         self.curtain.open()
         if not self._docks_arranged:
-            self._arrange_docks()
+            self._docks_arranged = True
+            viewer, plot = self.viewers.docks[1], self.viewers.plot_dock
+            arrange(self, (self.library_dock, self.panel_dock), (viewer, plot))
         self.canvas.setFocus()
 
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""
-        viewers = [*self.viewers.images.values(), self.viewers.plot]
+        viewers = [*self.viewers.images.values(), self.viewers.plot, self.viewers.tradeoff]
         go_to_next([self.welcome, self.canvas, self.library_view, self.panels, *viewers], step)
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -179,22 +181,14 @@ class MainWindow(QMainWindow):
         self.panel_dock = add_dock(self, "Control panels", "dock.panels", self.panels, _RIGHT)
         self.viewers = ViewerDocks(self.session, self.evaluator, self.theme, self)
 
-    def _arrange_docks(self) -> None:
-        """Sizes of the docks where none are remembered."""
-        self._docks_arranged = True
-        unit, line = self.fontMetrics().averageCharWidth(), self.fontMetrics().height()
-        across, along = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
-        self.resizeDocks([self.library_dock, self.panel_dock], [30 * unit, 52 * unit], across)
-        viewer, plot = self.viewers.docks[1], self.viewers.plot_dock
-        self.resizeDocks([plot, viewer], [24 * line, 24 * line], along)
-        self.resizeDocks([viewer, plot], [62 * unit, 75 * unit], across)
-
     def _add_dock_toggles(self) -> None:  # whatever is closed can be shown again
         self.menus["&View"].addSeparator()
         docks = (self.library_dock, self.panel_dock, self.viewers.plot_dock)
         for dock in (*docks, *self.viewers.docks.values()):
             self._add_toggle(dock)
         self.viewers.made.connect(self._add_toggle)
+        in_front = self.viewers.tradeoff_dock.visibilityChanged
+        in_front.connect(self.actions_by_name["trade_off"].setChecked)
 
     def _add_toggle(self, dock: Any) -> None:
         self.menus["&View"].addAction(dock.toggleViewAction())
@@ -218,6 +212,7 @@ class MainWindow(QMainWindow):
         self.canvas.files_dropped.connect(self._files_dropped)
         self.panels.view_requested.connect(self._view_requested)
         self.panels.generate_requested.connect(self.generate)
+        self.panels.trade_off_requested.connect(self.viewers.trade_off)
         welcome = self.welcome
         welcome.chosen.connect(self.files.open)
         welcome.new_wanted.connect(self.files.new)
@@ -241,9 +236,10 @@ class MainWindow(QMainWindow):
         plan = self.evaluator.plan
         if self._first_look_due and plan is not None and plan.network.nodes:
             self._first_look_due = False
-            ports = first_ports(plan)
-            for number, port in zip((2, 1), reversed(ports[:2]), strict=False):
-                self.viewers.look_at(number if len(ports) == 2 else 1, port)
+            look = first_look(plan)
+            self.viewers.look_first(look)
+            if look.node is not None and not self.session.selection:
+                self.session.select([look.node])
 
     def _follow_state(self) -> None:
         document = self.session.document
@@ -279,8 +275,7 @@ class MainWindow(QMainWindow):
         declared = self.session.declared(node)
         output = declared.output(port) if declared is not None else None
         if output is not None and output.types[0] in ("curve", "table"):
-            self.viewers.plot.look_at(f"{node}.{port}")
-            self.viewers.plot_dock.raise_()
+            self.viewers.plot_port(f"{node}.{port}")
         else:
             self.viewers.look_at(number, f"{node}.{port}")
 

@@ -68,7 +68,9 @@ def take(app: QApplication, network: str, shot: Shot) -> None:
 
 
 def _select_telling_node(window: MainWindow) -> None:
-    """Select the node whose panel tells most of the network: where its figures come from."""
+    """Select a node where the first look selects none: where the sensor's figures come from."""
+    if window.session.selection:
+        return
     nodes = window.session.network.nodes.values()
     electronics = [node.id for node in nodes if node.module == "electronics_noise"]
     window.session.select((electronics or [node.id for node in nodes])[:1])

@@ -24,6 +24,8 @@ MOUSE = (
     ("Mouse", "Insert", "drop a node on a wire", "Lead the wire through the node"),
     ("Mouse", "Cut wires", "Alt+Shift and drag", "Disconnect what the line crosses"),
     ("Mouse", "Open", "drop a file", "A picture becomes Read Image, a network is opened"),
+    ("Mouse", "Region", "⬚, or R on a picture", "Draw the region of the selected module"),
+    ("Mouse", "Move a region", "drag, or arrow keys", "Shift: by 10; Ctrl: its last edges; Esc"),
     ("Mouse", "Default", "right-click on a value", "Reset it to its default"),
 )
 

@@ -42,6 +42,7 @@ def targets(window: MainWindow) -> dict[str, Target]:
         "arrange": edits.arrange,
         "zoom_in": partial(canvas.zoom_by, 1.25),
         "zoom_out": partial(canvas.zoom_by, 0.8),
+        "trade_off": window.viewers.toggle_trade_off,
         "next_part": partial(window.go_to_part, 1),
         "previous_part": partial(window.go_to_part, -1),
         "light": window.toggle_light,

@@ -69,7 +69,10 @@ def test_the_arrows_and_the_mouse_choose_too(session, canvas, hand):
 def test_modules_are_found_by_title_key_and_group(session, canvas, hand):
     canvas.open_search()
     for typed, title in (
-        ("turbul", None),
+        ("zyx", None),
+        ("turbul", "Atmosphere MTF"),  # of its summary
+        ("roi", "Measured MTF"),
+        ("netd", "Figures of Merit"),
         ("charge_eff_p", "Charge Eff Phase"),
         ("motion", "Jitter MTF"),
         ("Electronics &", "Electronics & Noise"),

@@ -11,8 +11,8 @@ from app.editor.evaluation.wants import Passing
 from app.editor.viewers.curves_want import CurvesWant, PortDataWant
 from app.editor.viewers.drawing import transfer_drawing
 from app.editor.viewers.plot_export import csv_text
-from app.editor.viewers.sound_plan import sound_part
 from app.responses import responses, responses_along
+from app.sound_plan import sound_part
 from core.data import CurveData, Series
 from core.errors import ImagechainError
 from viewer_bench import ViewerBench

@@ -108,3 +108,33 @@ def test_the_groups_wear_the_themes_colours(view):
     assert mark("Motion") == DARK.groups["Motion"]
     view.set_theme(LIGHT)
     assert mark("Motion") == LIGHT.groups["Motion"]
+
+
+@pytest.mark.parametrize(
+    ("typed", "best", "also"),
+    [
+        ("NETD", "figures_of_merit", {"electronics_noise"}),
+        ("mrtd", "figures_of_merit", set()),
+        ("ROI", "measured_mtf", set()),
+        ("edge", "measured_mtf", {"test_scene"}),
+        ("3D noise", "noise_3d", set()),
+        ("noise 3-d", "noise_3d", set()),
+        ("banding", "electronics_noise", {"periodic_noise", "noise_3d"}),
+        ("fixed pattern", "electronics_noise", {"noise_3d"}),
+        ("pushbroom", "camera_geometry", set()),
+        ("budget", "noise_budget", set()),
+        ("gsd", "camera_geometry", set()),
+    ],
+)
+def test_words_of_the_trade_find_their_module(view, chosen, typed, best, also):
+    """What fits best is marked, so that Enter adds it; the others stay in sight."""
+    QTest.keyClicks(view.filter, typed)
+    assert {best, *also} <= set(visible(view))
+    QTest.keyClick(view.filter, Qt.Key.Key_Return)
+    assert chosen == [best]
+
+
+def test_analysis_begins_with_what_judges_a_sensor(view):
+    group = view.tree.groups["Analysis"]
+    titles = [group.child(row).text(0) for row in range(group.childCount())]
+    assert titles[:4] == ["MTF Slices", "Measured MTF", "Figures of Merit", "Noise Budget"]

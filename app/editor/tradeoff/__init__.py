@@ -1,0 +1,1 @@
+"""The trade-off dock: figures of merit as a parameter moves, live."""

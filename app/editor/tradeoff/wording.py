@@ -1,0 +1,76 @@
+"""What the dock calls figures, and which it shows at first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+from app.editor.panels.wording import label_of
+from app.responses import SYSTEM, TOTAL
+from app.tradeoff.figures import ELECTRONICS, Figure
+from core.network import Network
+
+_PLACES: Mapping[str, str] = MappingProxyType(
+    {
+        "mtf_nyquist_x": "MTF ξ, Nyquist",
+        "mtf_nyquist_y": "MTF η, Nyquist",
+        "mtf_half_nyquist_x": "MTF ξ, ½ Nyquist",
+        "mtf_half_nyquist_y": "MTF η, ½ Nyquist",
+    }
+)
+_FIRST = ("netd_system_K", "snr")
+_RANGES = ("mrtd_x_K", "detection_range_km", "ttp_range_km")
+_MOST_FIRST = 2
+
+
+def title_of(figure: Figure, shown: Sequence[Figure] = ()) -> str:
+    """Name and unit; with its node where others are called alike."""
+    if figure.is_total:
+        return _PLACES[figure.name] + (", with electronics" if figure.node == SYSTEM else "")
+    unit = f" ({figure.unit})" if figure.unit else ""
+    alike = [each for each in shown if each.name == figure.name and each.node != figure.node]
+    return f"{label_of(figure.name)}{unit}" + (f", {figure.node}" if alike else "")
+
+
+def listed_title(figure: Figure, every: Sequence[Figure]) -> str:
+    """As the list of all figures has it: without its unit."""
+    return title_of(replace(figure, unit=""), every)
+
+
+def renamed(text: str, old: str, new: str) -> str:
+    """A figure's name, ``NODE.NAME``, once a node is called otherwise."""
+    node, _, name = text.rpartition(".")
+    return f"{new}.{name}" if node == old else text
+
+
+def in_order(known: Mapping[str, Figure], network: Network) -> dict[str, Figure]:
+    """The figures as they are listed: what is asked for most comes first."""
+
+    def place(figure: Figure) -> int:
+        if figure.is_total:
+            return 1 if figure.node == TOTAL else 2
+        return 0 if network.nodes[figure.node].module == ELECTRONICS else 3
+
+    return {figure.text: figure for figure in sorted(known.values(), key=place)}
+
+
+def first_figures(
+    network: Network, known: Mapping[str, Figure], analysis: str = ""
+) -> frozenset[str]:
+    """What is shown until somebody chooses: NETD, SNR and the MTF at Nyquist.
+
+    They do not hang on the parameters of an analysis node: where one of these is varied, it is
+    that node's own figures.
+    """
+    own = [figure.text for figure in known.values() if analysis and figure.node == analysis]
+    if own:
+        ranges = [name for name in own if name.rpartition(".")[2] in _RANGES]
+        return frozenset(ranges or own[:_MOST_FIRST])
+    electronics = [node.id for node in network.nodes.values() if node.module == ELECTRONICS]
+    names = [f"{electronics[-1]}.{name}" for name in _FIRST] if electronics else []
+    names += [f"{TOTAL}.mtf_nyquist_x"]
+    if not electronics:
+        names += [f"{TOTAL}.mtf_half_nyquist_x"]
+    found = [name for name in names if name in known]
+    return frozenset(found or list(known)[:_MOST_FIRST])

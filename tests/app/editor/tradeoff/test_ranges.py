@@ -1,0 +1,68 @@
+"""Which values a trade-off begins with, and in which order they are computed."""
+
+import pytest
+
+from app.editor.tradeoff.ranges import COARSE, PART, Span, coarse_first, usual_span
+from core.declaration import declaration
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+NUMBERS = [
+    (key, parameter.name)
+    for key, module in LIBRARY.items()
+    for parameter in declaration(module).parameters
+    if parameter.kind in ("number", "integer")
+]
+
+
+def parameter(key, name):
+    return declaration(LIBRARY[key]).parameter(name)
+
+
+@pytest.mark.parametrize(("key", "name"), NUMBERS)
+def test_every_number_has_a_range_of_allowed_values(key, name):
+    declared = parameter(key, name)
+    for present in (None, declared.default if isinstance(declared.default, int | float) else 1):
+        span = usual_span(declared, present)
+        assert span.low < span.high
+        values = span.values()
+        assert values[0] < values[-1]
+        for value in (values[0], values[len(values) // 2], values[-1]):
+            assert declared.coerce(value) is not None or value is None
+
+
+@pytest.mark.parametrize(
+    ("key", "name", "present", "span"),
+    [
+        # declared from 0 to 1, 0 itself not allowed: the slider begins a thousandth above it
+        ("electronics_noise", "optics_transmission", 0.9, Span(0.001, 1.0)),
+        # around the present value: 0 is a blur that says something, 5 mrad would hide it
+        ("gaussian_mtf", "sigma_x_mrad", 0.1, Span(0.0, 0.2)),
+        # 0 would mean empty
+        ("electronics_noise", "amplifier_snr", 100.0, Span(50.0, 200.0)),
+        # decades
+        ("electronics_noise", "d_star", 3e13, Span(3e12, 3e14, log=True)),
+        ("electronics_noise", "post_poles", 20, Span(1, 100, whole=True)),
+    ],
+)
+def test_ranges_people_would_choose(key, name, present, span):
+    assert usual_span(parameter(key, name), present) == span
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 5, 6, 17, 25, 100, 201])
+def test_every_value_once_the_coarse_ones_first(count):
+    values = tuple(range(count))
+    parts = coarse_first(values)
+    assert sorted(value for part in parts for value in part) == list(values)
+    assert len(parts[0]) == min(count, COARSE)
+    assert {0, count - 1} <= set(parts[0])
+    assert all(len(part) <= PART for part in parts)
+
+
+def test_places_and_values_are_inverse():
+    for span in (Span(0.0, 2.0), Span(-3.0, 5.0), Span(1e9, 1e12, log=True)):
+        for share in (0.0, 0.25, 0.5, 1.0):
+            assert span.share(span.value_at(share)) == pytest.approx(share, abs=2e-3)
+    assert Span(1e2, 1e4, log=True).value_at(0.5) == 1000.0
+    assert Span(0, 7, whole=True).value_at(0.49) == 3
+    assert Span(0.0, 1.0).value_at(1.7) == 1.0

@@ -1,0 +1,147 @@
+"""Wants that wait until edits pause, and what they leave alone."""
+
+import threading
+import time
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.tradeoff.side_work import SideStore, SideWork
+from core.editing.fields import SetParameter
+from core.policy import Policy
+from core.recipes import Step
+from core.store import Store
+from core.work import Work
+from editor_wants import Asking, Gate, Readouts, Samples
+
+
+@dataclass(frozen=True)
+class Waiting(Asking):
+    """Asked once edits pause."""
+
+    waits = True
+
+
+@pytest.fixture
+def evaluator(qtbot, opened):
+    made = Evaluator(opened("first_steps"))
+    yield made
+    made.close()
+
+
+def blur(session):
+    node = next(n for n in session.network.nodes.values() if n.module == "gaussian_mtf")
+    return node.id
+
+
+def test_it_is_answered_last(evaluator, qtbot):
+    order = []
+    evaluator.answered.connect(lambda answer: order.append(answer.owner))
+    session = evaluator._session
+    evaluator.ask("late", [Waiting(lambda _: 1, urgency=0)])
+    evaluator.ask("figures", [Readouts(blur(session))])
+    evaluator.ask("picture", [Samples("back.image")])
+    qtbot.waitUntil(lambda: len(order) == 3 and evaluator.idle, timeout=20_000)
+    assert order == ["picture", "figures", "late"]
+
+
+def test_while_edits_come_it_is_not_asked(evaluator, qtbot):
+    """Edits every 20 ms for most of a second: pictures follow, the want waits for the pause."""
+    session, moments, pictures = evaluator._session, [], []
+    name = blur(session)
+    evaluator.ask("picture", [Samples("back.image")])
+    qtbot.waitUntil(lambda: evaluator.idle, timeout=20_000)
+    evaluator.answered.connect(lambda answer: pictures.append(answer.owner))
+    evaluator.ask("late", [Waiting(lambda _: moments.append(time.perf_counter()))])
+    qtbot.waitUntil(lambda: len(moments) == 1, timeout=20_000)
+    del moments[:], pictures[:]
+    for number in range(40):
+        session.do(SetParameter(name, "sigma_x_mrad", 0.1 + 0.01 * number), gesture="drag")
+        qtbot.wait(20)
+    last = time.perf_counter()
+    session.end_gesture()
+    assert pictures.count("picture") > 3
+    qtbot.waitUntil(lambda: bool(moments) and evaluator.idle, timeout=20_000)
+    assert len(moments) == 1
+    assert moments[0] > last
+
+
+def test_it_gives_way_to_an_edit_at_once(evaluator, qtbot):
+    session, gate, told = evaluator._session, Gate(), []
+    evaluator.answered.connect(told.append)
+    evaluator.ask("picture", [Samples("back.image")])
+    evaluator.ask("late", [Waiting(gate)])
+    qtbot.waitUntil(lambda: gate.entered.is_set() and bool(told), timeout=20_000)
+    del told[:]
+    session.do(SetParameter(blur(session), "sigma_x_mrad", 0.77))
+    qtbot.waitUntil(lambda: [a.owner for a in told] == ["picture"], timeout=20_000)
+    gate.opened.set()
+    qtbot.waitUntil(lambda: [a.owner for a in told] == ["picture", "late"], timeout=20_000)
+    assert told[-1].value == "went on"
+
+
+def test_cancelled_it_stays_away_until_the_next_edit(evaluator, qtbot):
+    session, gate, told = evaluator._session, Gate(), []
+    evaluator.answered.connect(told.append)
+    evaluator.ask("late", [Waiting(gate)])
+    qtbot.waitUntil(gate.entered.is_set, timeout=20_000)
+    evaluator.cancel()
+    qtbot.waitUntil(lambda: evaluator.idle, timeout=20_000)
+    assert told == []
+    gate.opened.set()
+    session.do(SetParameter(blur(session), "sigma_x_mrad", 0.78))
+    qtbot.waitUntil(lambda: [a.owner for a in told] == ["late"], timeout=20_000)
+
+
+# --- work beside a pass ------------------------------------------------------------------------
+
+
+def make(work, *, number):
+    return np.full(1000, float(number))
+
+
+def add(work, a, b):
+    return a + b
+
+
+def test_values_beside_a_pass_stay_beside_it():
+    base = Store()
+    main = Work(Policy(), base)
+    known, new = Step.of(make, number=1), Step.of(make, number=2)
+    first = main.value(known)
+    before = base.used_bytes
+    side = SideWork(main)
+    both = Step.of(add, known, new)
+    assert (side.value(both) == 3.0).all()
+    assert known.key not in side.tally.computed  # taken from the pass
+    assert {new.key, both.key} <= side.tally.computed
+    assert base.used_bytes == before
+    assert side.value(known) is first
+    again = Step.of(add, new, known)
+    side.value(again)
+    assert side.store.used_bytes >= 3 * 8000  # its own it keeps
+
+
+def test_it_stops_with_the_pass_and_works_in_its_threads():
+    cancel = threading.Event()
+    main = Work(Policy(threads=2), Store(), cancel)
+    side = SideWork(main)
+    seen = []
+    side.each(seen.append, [1, 2, 3])
+    assert sorted(seen) == [1, 2, 3]
+    cancel.set()
+    with pytest.raises(Exception, match="stopped on request"):
+        side.check()
+
+
+def test_a_side_store_forgets_its_own_alone():
+    base = Store()
+    base.get("a", lambda: np.ones(10))
+    side = SideStore(base, 1000)
+    for number in range(50):
+        side.get(f"n{number}", lambda: np.ones(100))
+    assert side.peek("n0", "gone") == "gone"
+    assert (side.peek("a") == 1.0).all()
+    assert len(base) == 1

@@ -1,0 +1,60 @@
+"""What the trade-off dock calls figures, and which it shows at first."""
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from app.editor.tradeoff.wording import first_figures, listed_title
+from app.shipped import shipped_networks
+from app.tradeoff.figures import figures_of
+from core.network_file import load_network
+
+
+@pytest.fixture
+def known(library):
+    network = load_network(shipped_networks()["figures_of_merit"], library=library)
+    return network, figures_of(network, library)
+
+
+def test_a_parameter_of_the_chain_moves_the_electronics_figures(known):
+    wanted = {"electronics.netd_system_K", "electronics.snr", "total.mtf_nyquist_x"}
+    assert first_figures(*known) == wanted
+
+
+def test_a_parameter_of_an_analysis_moves_that_ones_figures(known):
+    wanted = {"merit.mrtd_x_K", "merit.detection_range_km", "merit.ttp_range_km"}
+    assert first_figures(*known, "merit") == wanted
+    network, figures = known
+    others = {name: each for name, each in figures.items() if "range" not in name}
+    del others["merit.mrtd_x_K"]
+    assert first_figures(network, others, "merit") == {"merit.snr", "merit.netd_K"}
+
+
+def test_a_node_is_named_only_where_figures_are_called_alike(known):
+    _, figures = known
+    every = tuple(figures.values())
+    titles = {name: listed_title(figure, every) for name, figure in figures.items()}
+    assert titles["electronics.netd_system_K"] == "NETD system"
+    assert titles["electronics.snr"] == "SNR, electronics"
+    assert titles["merit.snr"] == "SNR, merit"
+    assert titles["total.mtf_nyquist_x"] == "MTF ξ, Nyquist"
+    assert len(set(titles.values())) == len(titles)
+
+
+def test_the_dock_says_how_the_value_is_moved(dock, opened_window, idle):
+    told = dock.status.title.text()
+    assert "drag it" in told
+    before = dock.varied.present
+    dock.plots.setFocus()
+    QTest.keyClick(dock.plots, Qt.Key.Key_Right)
+    idle(opened_window)
+    assert dock.varied.present > before
+
+
+def test_what_is_ticked_is_in_sight(dock):
+    first = next(
+        dock.list.item(row)
+        for row in range(dock.list.count())
+        if dock.list.item(row).checkState() == Qt.CheckState.Checked
+    )
+    assert dock.list.viewport().rect().intersects(dock.list.visualItemRect(first))
