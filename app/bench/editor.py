@@ -31,8 +31,8 @@ def window(settings: Settings) -> list[Table]:
         "First picture: from the start of the process until the Kodak network's picture is "
         "painted, the median. Drag: the aberration's slider of that network moved by the mouse 60 "
         "times a second; a picture counts when it is painted; a gap is the longest time "
-        "in which the event loop did nothing else. Memory: after all networks against after the "
-        "first ten."
+        "in which the event loop did nothing else. Memory: the most in use in the last round "
+        "through the shipped networks against the first round after ten."
     )
     return [Table("editor", "The window", heads, tuple(rows), text, brief=tuple(heads))]
 

@@ -42,11 +42,12 @@ def trial_window() -> Iterator[tuple[QApplication, MainWindow]]:
 
 
 def live(seconds: float) -> None:
-    """Let the window live for a while."""
+    """Let the window live for a while; without a loop of its own, Qt deletes nothing by itself."""
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0:
         QCoreApplication.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, int(1000 * left) + 1)
         time.sleep(0.0005)
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
 
 
 class PaintedPictures(QObject):
