@@ -163,11 +163,12 @@ def test_reader_that_has_seen_enough():
 
 def test_progress_on_a_terminal(write, small, tmp_path):
     """A terminal sees a bar once work takes long, and nothing of it stays."""
-    small["nodes"]["scene"]["params"] |= {"width": 4000, "height": 4000, "kind": "dormitory"}
+    small["nodes"]["scene"]["params"] |= {"width": 6000, "height": 6000, "kind": "dormitory"}
     write(small)
     outer, inner = pty.openpty()
+    slowly = ("--threads", "1", "--precision", "double")  # long on any machine
     process = subprocess.Popen(
-        [sys.executable, "-m", "app.cli", "run", "net.json"],
+        [sys.executable, "-m", "app.cli", "run", "net.json", *slowly],
         cwd=tmp_path,
         env={**ENVIRONMENT, "TERM": "xterm"},
         stdout=subprocess.DEVNULL,
