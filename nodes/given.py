@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from core.errors import ParameterError
-from core.values import Context, Image
+from core.errors import DataError, ParameterError
+from core.values import Context, Image, Magnitude, Phase
 
 
 def given(name: str, own: float | None, context: Context, *, unit: str) -> float:
@@ -74,3 +74,31 @@ def with_interval(image: Image, context: Context) -> Image:
         interval_x_mrad=grid.interval_x_mrad * grid.columns / image.columns,
         interval_y_mrad=grid.interval_y_mrad * grid.rows / image.rows,
     )
+
+
+def one_source(magnitude: Magnitude, phase: Phase, *, wanted: str, refusal: str) -> Image:
+    """The one image that both wires belong to.
+
+    Parameters
+    ----------
+    magnitude, phase : Magnitude, Phase
+        The wires.
+    wanted, refusal : str
+        For people: what there has to be, and what does not do with two images.
+
+    Raises
+    ------
+    DataError
+        If there is none, or the two belong to different images or transforms.
+    """
+    source, other = magnitude.image, phase.image
+    if source is None or other is None:
+        raise DataError(
+            f"a transfer function alone has no {wanted}: set apply to multiply upstream"
+        )
+    if source.key != other.key or magnitude.grid != phase.grid or magnitude.edges != phase.edges:
+        raise DataError(
+            f"magnitude and phase stem from different images or transforms, which {refusal}: take "
+            "Back Transform"
+        )
+    return source

@@ -17,7 +17,7 @@ from core.scan_chain import ScanChain
 from core.values import Context, Curve, Image, Magnitude, Phase, Table
 from nodes.analysis.compare_images import subtracted
 from nodes.analysis.mixed_sampling import Scan, by_view_angle, mixed, picture_of, told
-from nodes.given import given
+from nodes.given import given, one_source
 from nodes.input_output.examine_image import figure
 
 
@@ -255,16 +255,7 @@ def _source(context: Context, magnitude: Magnitude, phase: Phase) -> Image:
     DataError
         If there is none, or the wires belong to different images or transforms.
     """
-    source, other = magnitude.image, phase.image
-    if source is None or other is None:
-        raise DataError(
-            "a transfer function alone has no frame to scan: set apply to multiply upstream"
-        )
-    if source.key != other.key or magnitude.grid != phase.grid or magnitude.edges != phase.edges:
-        raise DataError(
-            "magnitude and phase stem from different images or transforms, which no scanner "
-            "sees: take Back Transform"
-        )
+    source = one_source(magnitude, phase, wanted="frame to scan", refusal="no scanner sees")
     if context.grid != magnitude.grid or context.edges != magnitude.edges:
         raise DataError("context and magnitude stem from different Init & Trans: link the same")
     return source

@@ -18,6 +18,7 @@ from core.values import Curve, Edges, Image, Magnitude, Phase, Table
 from core.work import Work
 from nodes.analysis.impulse_response import Cut, Kernel, Kernels, Truncation, impulse_responses
 from nodes.analysis.spatial_convolution import convolved
+from nodes.given import one_source
 from nodes.input_output.examine_image import figure
 
 Array = NDArray[Any]
@@ -61,7 +62,9 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
 
     def run(self, magnitude: Magnitude, phase: Phase, here: Here) -> SpatialOutputs:
         """Plan the convolution."""
-        source = _source(magnitude, phase)
+        source = one_source(
+            magnitude, phase, wanted="scene to convolve", refusal="no convolution combines"
+        )
         factors = (*magnitude.factors, *phase.factors)
         kernels = Step.of(
             impulse_responses,
@@ -87,27 +90,6 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
     def error_bound(self, outputs: SpatialOutputs) -> Recipe:
         """Largest error by cutting kernels short, a share of the departure from the mean."""
         return Step.of(figure, outputs.table.recipe, name="error_bound")
-
-
-def _source(magnitude: Magnitude, phase: Phase) -> Image:
-    """The one image of both wires.
-
-    Raises
-    ------
-    DataError
-        If there is none, or the two belong to different images or transforms.
-    """
-    source, other = magnitude.image, phase.image
-    if source is None or other is None:
-        raise DataError(
-            "a transfer function alone has no scene to convolve: set apply to multiply upstream"
-        )
-    if source.key != other.key or magnitude.grid != phase.grid or magnitude.edges != phase.edges:
-        raise DataError(
-            "magnitude and phase stem from different images or transforms, which no convolution "
-            "combines: take Back Transform"
-        )
-    return source
 
 
 def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges) -> Array:
