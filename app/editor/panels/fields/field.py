@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSizePolicy, QVBoxLayo
 
 from app.editor.panels.colours import set_ink
 from app.editor.panels.fields.type_in import TypeIn
+from app.editor.panels.left_open import require_defined
 from app.editor.panels.wording import about, label_of, shown_value, tip
 from app.editor.theme import Theme
 from core.editing.operation import ABSENT
@@ -41,6 +42,7 @@ class Field(QWidget):
     trade_off_wanted = Signal(str)
 
     def __init__(self, parameter: Parameter, theme: Theme, parent: QWidget | None = None) -> None:
+        require_defined(type(self), Field, "build", "show_value")
         super().__init__(parent)
         self.parameter = parameter
         self.theme = theme
@@ -78,12 +80,10 @@ class Field(QWidget):
         return not self.parameter.required and self.value != self.parameter.default
 
     def build(self) -> None:
-        """Make the widgets that the value is shown in."""
-        raise NotImplementedError
+        """Make the widgets that the value is shown in; every kind of field has its own."""
 
     def show_value(self, value: Any) -> None:
-        """Show an allowed value, without telling anybody."""
-        raise NotImplementedError
+        """Show an allowed value, without telling anybody; every kind of field its own way."""
 
     def show_unfit(self, text: str) -> None:
         """Show what the document has but may not have."""

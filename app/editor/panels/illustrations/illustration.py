@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.wants import Answer, Want
+from app.editor.panels.left_open import require_defined
 from app.editor.panels.wording import tip
 from app.editor.session import Session
 from app.editor.theme import Theme
@@ -51,6 +52,8 @@ class Illustration(QWidget):
         theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
+        asks = type(self).wants is not Illustration.wants
+        require_defined(type(self), Illustration, "draw", *(("take",) if asks else ()))
         super().__init__(parent)
         self.setObjectName("illustration")
         self.session = session
@@ -74,12 +77,11 @@ class Illustration(QWidget):
         return ()
 
     def take(self, value: Any) -> str:
-        """Keep an answer; what it shows, in words."""
-        raise NotImplementedError
+        """Keep an answer; what it shows, in words. One that asks has its own."""
+        return str(value)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint what there is to show; called where there is something."""
-        raise NotImplementedError
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
