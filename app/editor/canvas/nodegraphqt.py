@@ -1,7 +1,7 @@
 """NodeGraphQt's view layer: the only file that imports it.
 
 Of its parts we take the graphics view, which brings the scene, and the items as bases of our own;
-none of its graphs, models, menus and undo. Its types are in the file's stub.
+none of its graphs, models, menus and undo. Its types are in the `.pyi` beside this file.
 """
 
 import os
