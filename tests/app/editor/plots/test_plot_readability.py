@@ -9,29 +9,11 @@ from app.editor.evaluation.wants import Answer
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.curves_want import PortDataWant
 from app.editor.viewers.plot_looks import PlotAxis
-from app.editor.viewers.plot_viewer import PlotViewer
 from core.data import CurveData, Series
 
 PORT = "a.curve"
 FREQUENCY = np.linspace(0.0, 2.0, 201)
 LINEAR = CurveData("", "x", "y", (Series("a", FREQUENCY, FREQUENCY),))
-
-
-@pytest.fixture
-def shown(session, qtbot):
-    """A viewer of data that need no network; gives it."""
-
-    def show(data, theme=DARK, size=(640, 360)):
-        viewer = PlotViewer(session, None, theme)
-        viewer.look_at(PORT)
-        qtbot.addWidget(viewer)
-        viewer.resize(*size)
-        viewer.show()
-        viewer.take(Answer(1, viewer.owner, PortDataWant(PORT), data))
-        qtbot.wait(20)
-        return viewer
-
-    return show
 
 
 SIZES = np.array([0.0, 0.1, 1.0, 10.0, 100.0])

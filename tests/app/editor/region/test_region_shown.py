@@ -6,37 +6,15 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.image_viewer import ImageViewer
 from app.editor.viewers.picture_facts import picture_facts
 from core.editing.fields import SetNodeExtra, SetParameter
 from core.editing.nodes import Add, Placed, Remove
 from core.network import Link, Node
-from region_hands import PictureHand, framed, stored
-from viewer_bench import ViewerBench
+from region_hands import framed, stored
 
 INPUT = "electronics.image"
 KEY = Qt.Key
 AS_SHIPPED = (96, 32, 64, 192)  # of a picture of 256 × 256
-
-
-@pytest.fixture
-def bench(qtbot, opened):
-    made = ViewerBench(qtbot, opened("measured_mtf"))
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def viewer(bench):
-    made = ImageViewer(bench.session, bench.evaluator, DARK, 1)
-    made.look_at(INPUT)
-    return bench.show(made, 900, 700)
-
-
-@pytest.fixture
-def hand(viewer, bench):
-    bench.session.select(["measured"])
-    return PictureHand(viewer)
 
 
 def test_the_region_of_the_selected_node_is_framed(bench, viewer):

@@ -14,7 +14,6 @@ from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.curves_want import PortDataWant
 from app.editor.viewers.drawing import curve_drawing, y_range
 from app.editor.viewers.plot_export import csv_text
-from app.editor.viewers.plot_viewer import PlotViewer
 from core.data import CurveData, Series
 
 PORT = "a.curve"
@@ -37,23 +36,6 @@ MRTD = CurveData(
     (Series("MRTD", FREQUENCY, np.where(FREQUENCY <= 1.5, 0.01 * 10**FREQUENCY, np.inf)),),
     log_y=True,
 )
-
-
-@pytest.fixture
-def shown(session, qtbot):
-    """A viewer of data that need no network; gives it."""
-
-    def show(data, theme=DARK, size=(640, 360)):
-        viewer = PlotViewer(session, None, theme)
-        viewer.look_at(PORT)
-        qtbot.addWidget(viewer)
-        viewer.resize(*size)
-        viewer.show()
-        viewer.take(Answer(1, viewer.owner, PortDataWant(PORT), data))
-        qtbot.wait(20)
-        return viewer
-
-    return show
 
 
 def painted(viewer, colour):

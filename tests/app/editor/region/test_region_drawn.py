@@ -8,36 +8,14 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.theme import DARK
-from app.editor.viewers.image_viewer import ImageViewer
 from app.editor.viewers.plot_viewer import PlotViewer
 from core.editing.nodes import Remove, Rename
 from region_hands import PictureHand, framed, stored, undo_steps
-from viewer_bench import ViewerBench
 
 INPUT = "electronics.image"
 KEY = Qt.Key
 SHIFT, CTRL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
 AS_SHIPPED = (96, 32, 64, 192)  # of a picture of 256 × 256
-
-
-@pytest.fixture
-def bench(qtbot, opened):
-    made = ViewerBench(qtbot, opened("measured_mtf"))
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def viewer(bench):
-    made = ImageViewer(bench.session, bench.evaluator, DARK, 1)
-    made.look_at(INPUT)
-    return bench.show(made, 900, 700)
-
-
-@pytest.fixture
-def hand(viewer, bench):
-    bench.session.select(["measured"])
-    return PictureHand(viewer)
 
 
 def test_dragging_moves_it_by_whole_samples_in_one_undo_step(bench, viewer, hand):
