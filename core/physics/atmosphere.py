@@ -176,17 +176,17 @@ def path_optical_depth(
     path_m : float
         Length of the path in m, zero or above: range, or height when looking down or up.
     view : str
-        `horizontal`: the same air all along, coefficient × path. `vertical`: coefficients that
-        fall as exp(−height/scale height) from the ground to the height `path_m`.
+        `horizontal`: the same air all along, coefficient × path. `vertical` (down) and `up`, which
+        have the same depth: coefficients that fall as exp(−height/scale height) from the ground to
+        the height `path_m`.
     scale_height_km : float
-        Scale height of the aerosol in km, above zero; used by `vertical`.
+        Scale height of the aerosol in km, above zero; not used by `horizontal`.
 
     Returns
     -------
     PathOpticalDepth
         Absorption and scattering apart. Absorption dims every frequency alike, zero included, so
-        an MTF that is 1 at zero frequency has `scattering` as its depth; `extinction` is the
-        depth of the form that is not divided by its value at zero frequency.
+        the depth of an MTF is `scattering`; `extinction` is that of the path's transmission.
 
     Raises
     ------
@@ -203,10 +203,10 @@ def path_optical_depth(
     scattering = non_negative("scattering_per_km", scattering_per_km, unit="1/km")
     path_km = non_negative("path_m", path_m, unit="m") / 1000.0
     height = positive("scale_height_km", scale_height_km, unit="km")
-    if view == "vertical":
+    if view in ("vertical", "up"):
         path_km = -height * math.expm1(-path_km / height)
     elif view != "horizontal":
-        raise ParameterError("view", view, "one of horizontal, vertical")
+        raise ParameterError("view", view, "one of horizontal, vertical, up")
     depth = PathOpticalDepth(absorption * path_km, scattering * path_km)
     if not math.isfinite(depth.extinction):
         raise ParameterError("path_m", path_m, "a path with a finite optical depth", unit="m")

@@ -69,7 +69,8 @@ def interpolation_mtf(
     Returns
     -------
     ndarray
-        Real, as the places are symmetric about the old samples; 1 at zero frequency.
+        Signed, 1 at zero frequency. The places are symmetric about the old samples, so that this
+        is all, but where `takes_the_later` of two: there `interpolation_ptf` belongs to it.
 
     Raises
     ------
@@ -81,6 +82,49 @@ def interpolation_mtf(
     Source: Keys 1981, IEEE Trans. ASSP 29, for the cubic weights; Park and Schowengerdt 1982,
     Applied Optics 21, for the mean over the places of samples.
     """
+    found = _mean_response(frequency, interval_mrad, order, old, new)
+    if takes_the_later(order=order, old=old, new=new):
+        return np.asarray(np.abs(found) * _sign(found, old, new), np.float64)
+    return np.asarray(found.real, np.float64)
+
+
+def interpolation_ptf(
+    *, frequency: ArrayLike, interval_mrad: float, order: int, old: int, new: int
+) -> Vector:
+    """Phase of the same mean: 0 but for nearest samples that lie half-way between two.
+
+    Parameters
+    ----------
+    frequency, interval_mrad, order, old, new
+        As for `interpolation_mtf`.
+
+    Returns
+    -------
+    ndarray
+        Radians, between −π and π. Of every second, fourth, … sample it is πf·interval: the picture
+        moves by half an old sample to −x, and loses nothing of its contrast.
+    """
+    found = _mean_response(frequency, interval_mrad, order, old, new)
+    if takes_the_later(order=order, old=old, new=new):
+        return np.asarray(np.angle(found * _sign(found, old, new)), np.float64)
+    return np.zeros(found.shape)
+
+
+def takes_the_later(*, order: int, old: int, new: int) -> bool:
+    """Whether nearest samples include some half-way between two old ones, of which one is taken."""
+    # At (2k + 1)·old/new/2 a whole number, which takes an even number of old ones a place.
+    return order == 0 and (old // math.gcd(old, new)) % 2 == 0
+
+
+def _sign(response: NDArray[np.complex128], old: int, new: int) -> Vector:
+    """Sign of the MTF: of the real part, but for a shift of all samples alike."""
+    return np.where((response.real < 0.0) & (old % new != 0), -1.0, 1.0)
+
+
+def _mean_response(
+    frequency: ArrayLike, interval_mrad: float, order: int, old: int, new: int
+) -> NDArray[np.complex128]:
+    """Mean over the places of new samples of what a wave of unit amplitude shows there."""
     if order not in (0, 1, 3):
         raise ParameterError("order", order, "0, 1 or 3")
     for name, number in (("old", old), ("new", new)):
@@ -89,13 +133,13 @@ def interpolation_mtf(
     step = positive("interval_mrad", interval_mrad, unit="mrad")
     cycles = 2.0 * np.pi * np.asarray(frequency, np.float64) * step
     places = new // math.gcd(old, new)
-    total = np.zeros(cycles.shape)
+    total = np.zeros(cycles.shape, np.complex128)
     for place in range(places):
         # Where the sample lies from the old one before it, in whole numbers of 1/(2·new).
         t = ((2 * place + 1) * old - new) % (2 * new) / (2 * new)
         for offset, weight in _weights(t, order):
-            total += weight * np.cos(cycles * (offset - t))
-    return total / places
+            total += weight * np.exp(1j * cycles * (offset - t))
+    return np.asarray(total / places)
 
 
 def _weights(t: float, order: int) -> tuple[tuple[int, float], ...]:

@@ -7,16 +7,21 @@ import math
 from core.errors import ParameterError
 from core.physics.scalar_checks import positive, within
 
+# Far below any optics, and so far above the least number that frequencies have squares.
+LEAST_FIELD_DEG = 1e-30
 
-def interval_mrad(*, fov_deg: float, samples: int) -> float:
+
+def interval_mrad(*, fov_deg: float, samples: int, name: str = "fov_deg") -> float:
     """Angle from one sample to the next.
 
     Parameters
     ----------
     fov_deg : float
-        Field of view of the whole frame along this axis, above 0° and below 180°.
+        Field of view of the whole frame along this axis, from 1e-30° and below 180°.
     samples : int
         Samples along this axis.
+    name : str
+        Of the parameter, for people.
 
     Returns
     -------
@@ -32,9 +37,10 @@ def interval_mrad(*, fov_deg: float, samples: int) -> float:
     -----
     Source: Tantalo 1996, eq. 4.1: the angle itself is divided, not its tangent.
     """
-    angle = positive("fov_deg", fov_deg, unit="deg")
-    if angle >= 180.0:
-        raise ParameterError("fov_deg", fov_deg, "above 0 and below 180", unit="deg")
+    angle = positive(name, fov_deg, unit="deg")
+    if not LEAST_FIELD_DEG <= angle < 180.0:
+        allowed = f"at least {LEAST_FIELD_DEG:g} and below 180"
+        raise ParameterError(name, fov_deg, allowed, unit="deg")
     return angle * (math.pi / 180.0) * 1000.0 / _count(samples)
 
 

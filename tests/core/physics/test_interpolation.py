@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from core.errors import ParameterError
-from core.physics.interpolation import block_mean_mtf, interpolation_mtf
+from core.physics.interpolation import block_mean_mtf, interpolation_mtf, interpolation_ptf
 
 
 def kernel(order, x):
@@ -36,7 +36,9 @@ def test_very_many_places_make_the_transform_of_the_kernel(order, frequency):
 
 
 @pytest.mark.parametrize("order", [0, 1, 3])
-@pytest.mark.parametrize(("old", "new"), [(2, 5), (80, 200), (3, 3), (7, 4), (170, 512)])
+@pytest.mark.parametrize(
+    ("old", "new"), [(2, 5), (80, 200), (3, 3), (7, 4), (170, 512), (8, 4), (12, 3), (4, 3)]
+)
 def test_places_of_few_samples(order, old, new):
     """Each new sample by the kernel itself, its centre where the field's share says."""
     frequency = np.array([0.03, 0.21, 0.5])
@@ -44,12 +46,25 @@ def test_places_of_few_samples(order, old, new):
     for number in range(new):
         centre = (number + 0.5) * old / new - 0.5
         for sample in range(-4, old + 5):
-            tie = order == 0 and abs(sample - centre) == 0.5
-            weight = float(kernel(order, sample - centre)) if not tie else 0.5
-            expected += weight * np.exp(-2j * np.pi * frequency * (sample - centre)) / new
-    found = interpolation_mtf(frequency=frequency, interval_mrad=1.0, order=order, old=old, new=new)
-    assert expected.imag == pytest.approx([0, 0, 0], abs=1e-12)
-    assert found == pytest.approx(expected.real, abs=1e-12)
+            weight = float(kernel(order, sample - centre))
+            if order == 0 and sample - centre == 0.5:
+                weight = 1.0  # of two as near, the later
+            expected += weight * np.exp(2j * np.pi * frequency * (sample - centre)) / new
+    how = {"frequency": frequency, "interval_mrad": 1.0, "order": order, "old": old, "new": new}
+    found = interpolation_mtf(**how) * np.exp(1j * interpolation_ptf(**how))
+    assert found == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("factor", [2, 4, 6, 16])
+def test_every_second_sample_is_a_shift_without_loss(factor):
+    """Samples 1, 3, 5 … of a wave, whose centres should be those of the pairs."""
+    interval, old = 0.7, 240
+    frequency = np.array([0.0, 0.01, 0.05, 0.3, 0.7])
+    how = {"frequency": frequency, "interval_mrad": interval, "order": 0}
+    how |= {"old": old, "new": old // factor}
+    np.testing.assert_allclose(interpolation_mtf(**how), 1.0, rtol=1e-14)
+    # A sample half an interval further on: exp(2πi·f·interval/2).
+    np.testing.assert_allclose(interpolation_ptf(**how), np.pi * frequency * interval, rtol=1e-12)
 
 
 @pytest.mark.parametrize("samples", [1, 2, 3, 8])

@@ -31,7 +31,8 @@ def test_same_as_bisection(half_m, steepness, wanted, levels):
     """1/(1 + (R/R50)^s), also in so many steps that it jumps."""
 
     def at(range_m):
-        smooth = 1 / (1 + (range_m / half_m) ** steepness)
+        with np.errstate(over="ignore"):  # far away it is 0
+            smooth = 1 / (1 + np.float64(range_m / half_m) ** steepness)
         return smooth if levels == 1 else np.floor(smooth * levels) / levels
 
     found = range_for_probability(probability_at=at, probability=wanted)

@@ -81,6 +81,7 @@ def test_optical_depth_of_a_path() -> None:
     with mpmath.workdps(25):
         truth = mpmath.quad(lambda h: mpmath.mpf(0.3) * mpmath.exp(-h / mpmath.mpf(1.2)), [0, 3])
     assert up.scattering == pytest.approx(float(truth), rel=1e-15)
+    assert path_optical_depth(**ground, path_m=3000.0, view="up", scale_height_km=1.2) == up
     short = path_optical_depth(**ground, path_m=1e-9, view="vertical")
     assert short.scattering == pytest.approx(0.3e-12, rel=1e-12)
 
@@ -156,7 +157,7 @@ def test_profile_is_finite_at_every_height() -> None:
         lambda: aerosol_mtf(rho=1.0, optical_depth=1.0, cutoff_cyc_per_mrad=0.0),
         lambda: turbidity_optical_depth(level="thick"),
         lambda: path_optical_depth(
-            absorption_per_km=0.0, scattering_per_km=1.0, path_m=1.0, view="up"
+            absorption_per_km=0.0, scattering_per_km=1.0, path_m=1.0, view="sideways"
         ),
         lambda: fried_r0_uniform_m(cn2=1e-14, path_m=1.0, wavelength_um=4.0, wave="beam"),
         lambda: fried_r0_slant_m(
