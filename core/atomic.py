@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import os
-import secrets
 import stat
 from collections.abc import Iterator
 from pathlib import Path
 
 from core.errors import FileError
+from core.leftovers import new_mark, sweep
 
 
 @contextlib.contextmanager
@@ -20,6 +20,7 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     stays within one file system and writers that choose a format by suffix choose the same one.
     It is flushed to the disk before the rename. When the block raises, it is removed and what
     was at `path` before is untouched. A symbolic link is followed: its target is replaced.
+    What a killed process has left in the folder is removed.
 
     Parameters
     ----------
@@ -96,8 +97,9 @@ def _mode_of_existing(target: Path) -> int | None:
 
 
 def _create_beside(target: Path) -> Path:
+    sweep(target.parent)
     # The name is cut: a target near the file system's longest name leaves no room for more.
-    name = f".{target.stem[:60]}.{secrets.token_hex(6)}{target.suffix}"
+    name = f".{target.stem[:40]}.{new_mark()}{target.suffix}"
     temporary = target.with_name(name)
     try:
         # Not tempfile: its files are private (0600), ours follow the umask like any other.

@@ -18,14 +18,14 @@ from typing import Any
 
 from core.atomic import write_text
 from core.editing.document import Document
-from core.editing.file_lock import FileLock, is_held, take
 from core.editing.links import check_new_wires
 from core.editing.moved_folder import rebased
-from core.editing.process_token import own_token, runs
 from core.errors import FileError, NetworkError
+from core.file_lock import FileLock, is_held, take
 from core.network import Library, Network
 from core.network_file import format_network
 from core.network_parse import parse_network
+from core.process_token import own_token, runs
 
 FORMAT = "imagechain-recovery"
 VERSION = 1
@@ -98,6 +98,7 @@ class Autosave:
             "format": FORMAT,
             "version": VERSION,
             "original": str(path.absolute()) if path is not None else None,
+            "stored": self._document.stored if path is not None else None,
             "folder": _here() if path is None else None,
             "pid": os.getpid(),
             "started": own_token(),
@@ -147,6 +148,8 @@ class Recovered:
         The text of its network file.
     folder : Path or None
         What file names are relative to in work that was never saved.
+    stored : str or None
+        The mark of what the original file held, None where that was not kept.
     """
 
     file: Path
@@ -155,6 +158,7 @@ class Recovered:
     problem: str = ""
     text: str = field(default="", repr=False)
     folder: Path | None = None
+    stored: str | None = None
 
     def document(self, library: Library) -> Document:
         """The work as an unsaved document of its original file.
@@ -174,7 +178,9 @@ class Recovered:
         if self.folder is not None and here is not None:
             moved = rebased(network, library, self.folder, Path(here))
             network = moved.apply(network) if moved is not None else network
-        return Document(network, library=library, path=self.original, saved=False)
+        return Document(
+            network, library=library, path=self.original, saved=False, stored=self.stored
+        )
 
     def discard(self) -> None:
         """Remove its files; whatever cannot be removed stays."""
@@ -235,7 +241,11 @@ def _recovered(path: Path, content: Any) -> Recovered:
     # A date far off is none that a calendar could show.
     if not 0 <= moment < 2.0**35:
         raise ValueError("time is no date")
-    return Recovered(path, original, moment, text=_get(content, "network", str), folder=folder)
+    stored = content.get("stored")  # not kept by earlier versions
+    if stored is not None and not isinstance(stored, str):
+        raise ValueError("stored is no text")
+    text = _get(content, "network", str)
+    return Recovered(path, original, moment, text=text, folder=folder, stored=stored)
 
 
 def _path(content: Any, name: str) -> Path | None:

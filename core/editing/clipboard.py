@@ -47,7 +47,7 @@ def pasted(
 ) -> tuple[tuple[str, ...], Operation]:
     """What puts copied nodes in, under names that are free; and those names.
 
-    The text of a whole network file pastes as its nodes.
+    The text of a whole network file pastes as its nodes. A copy is not marked as the output.
 
     Parameters
     ----------
@@ -170,7 +170,8 @@ def _adding(
         fresh[name] = fresh_name(name, taken)
         taken.add(fresh[name])
     placed = tuple(
-        Placed(replace(node, id=fresh[name]), points.get(name)) for name, node in part.nodes.items()
+        Placed(replace(node, id=fresh[name], final=False), points.get(name))
+        for name, node in part.nodes.items()
     )
     links = [
         replace(link, source=fresh[link.source], target=fresh[link.target]) for link in part.links

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import replace
+from os.path import realpath
 from pathlib import Path
 
 from core.editing.history import History
 from core.editing.links import check_new_wires
 from core.editing.operation import Operation
-from core.errors import NetworkError
+from core.editing.stored import GONE, mark, mark_of
+from core.errors import ChangedFileError, NetworkError
 from core.network import Library, Network
 from core.network_file import format_network, save_network
 
@@ -29,6 +31,9 @@ class Document:
         The file it was read from, and is saved to.
     saved : bool
         Whether that file holds it as it is; not so for recovered work and copies.
+    stored : str, optional
+        The mark (`core.editing.stored`) of what the file held when this was read from it; default
+        of what it holds now.
     """
 
     def __init__(
@@ -38,10 +43,14 @@ class Document:
         library: Library,
         path: Path | None = None,
         saved: bool = True,
+        stored: str | None = None,
     ) -> None:
         self.network = _tidied(network)
         self.library = library
         self.path = path
+        self.stored = GONE
+        if path is not None:
+            self.stored = mark_of(path) if stored is None else stored
         self.history = History()
         self.history.mark_saved(saved)
         self._listeners: list[Listener] = []
@@ -102,11 +111,26 @@ class Document:
         """Do again the step undone last, if there is one."""
         self._become(self.history.redo(self.network))
 
-    def save(self, path: Path | None = None) -> None:
+    def disagreement(self) -> str:
+        """What somebody else has done to its file since then; empty where it is as it was."""
+        if self.path is None or (found := mark_of(self.path)) == self.stored:
+            return ""
+        return "removed" if found == GONE else "changed"
+
+    def save(self, path: Path | None = None, *, over: bool = False) -> None:
         """Write it to a file, from then on its own.
+
+        Parameters
+        ----------
+        path : Path, optional
+            Another file than its own.
+        over : bool
+            Whether to write over what somebody else has made of its own file.
 
         Raises
         ------
+        ChangedFileError
+            If its own file is no longer what it was, and `over` is not set.
         FileError
             If it cannot be written: the document stays modified, the file as it was.
         NetworkError
@@ -115,9 +139,18 @@ class Document:
         target = path or self.path
         if target is None:
             raise NetworkError("the network has no file yet: say where it is to be saved")
-        save_network(self.network, target, library=self.library)
-        self.path = target
+        if not over and self.is_own(target) and (done := self.disagreement()):
+            raise ChangedFileError(f"{target} has been {done} since it was opened or saved here")
+        text = save_network(self.network, target, library=self.library)
+        self.path, self.stored = target, mark(text.encode())
         self.history.mark_saved()
+
+    def is_own(self, path: Path) -> bool:
+        """Whether a path, however it is written, is that of its file."""
+        try:
+            return self.path is not None and realpath(path) == realpath(self.path)
+        except ValueError:  # no file name is possible
+            return False
 
     def _same(self, one: Network, other: Network) -> bool:
         # To Python 1 is true, and mappings in another order are equal; to a file they are not.

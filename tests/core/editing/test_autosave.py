@@ -9,15 +9,15 @@ import sys
 
 import pytest
 
-from child_process import ROOT, kill_program
+from child_process import PATIENCE_S, ROOT, finished, kill_program
 from core.editing.autosave import Autosave, recoverable
 from core.editing.document import Document
 from core.editing.fields import SetNetwork
 from core.editing.nodes import Remove
-from core.editing.process_token import own_token
 from core.errors import FileError, NetworkError
 from core.network import Network, Node
 from core.network_file import read_network
+from core.process_token import own_token
 
 # Leaves work behind, as a process that ends without a word.
 CRASH = """
@@ -48,7 +48,7 @@ from pathlib import Path
 from core.editing.autosave import Autosave
 from core.editing.document import Document
 from core.editing.fields import SetNetwork
-from core.editing.process_token import own_token
+from core.process_token import own_token
 from core.network import Network, Node
 document = Document(Network("busy"), library={})
 autosave = Autosave(document, Path(sys.argv[1]))
@@ -66,7 +66,7 @@ from core.editing.autosave import Autosave
 from core.editing.document import Document
 from core.editing.fields import SetNetwork
 from core.errors import FileError
-from core.editing.process_token import own_token
+from core.process_token import own_token
 from core.network import Network, Node
 document = Document(Network("a"), library={})
 autosave = Autosave(document, Path(sys.argv[1]))
@@ -100,7 +100,7 @@ def document(kodak, library):
 
 def crashed(folder, *more):
     program = [sys.executable, "-c", CRASH, str(folder), *map(str, more)]
-    done = subprocess.run(program, cwd=ROOT, capture_output=True, text=True, check=False)
+    done = finished(program)
     assert (done.returncode, done.stderr) == (1, "")
 
 
@@ -153,7 +153,7 @@ def test_a_living_process_keeps_its_work_to_itself(folder, tmp_path):
         assert child.stdout.readline() == "written\n"
         assert len(list(folder.glob("*.recovery"))) == 1
         assert recoverable(folder) == ()
-        child.communicate("")
+        child.communicate("", timeout=PATIENCE_S)
     assert len(recoverable(folder)) == 1
 
 
@@ -179,7 +179,7 @@ def test_a_kill_leaves_the_last_state_or_the_one_before_never_half_of_one(folder
 def test_a_full_disk_is_told_and_the_work_kept_before_stays(folder):
     """The child exits with 1, as one that crashed, after it has written once more."""
     command = [sys.executable, "-c", FULL_DISK, str(folder)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    done = finished(command)
     assert done.stdout.startswith("kept: cannot write"), done.stderr
     (work,) = recoverable(folder)
     assert work.document({}).network.description == "short again"

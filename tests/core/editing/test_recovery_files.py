@@ -9,10 +9,10 @@ import pytest
 
 from child_process import run_program
 from core.editing.autosave import recoverable
-from core.editing.file_lock import is_held, take
-from core.editing.process_token import own_token, runs
 from core.errors import NetworkError
+from core.file_lock import is_held, take
 from core.network import Network
+from core.process_token import own_token, runs
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def test_a_process_is_known_by_its_start():
     assert runs(os.getpid(), own_token())
     assert not runs(1, own_token())  # the first process of all did not start just now
     assert not runs(os.getpid(), "")
-    told = run_program("from core.editing.process_token import own_token; print(own_token())")
+    told = run_program("from core.process_token import own_token; print(own_token())")
     assert told.stdout.strip() not in ("", own_token())
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import time
+from collections.abc import Iterator
 from pathlib import Path
 
 if sys.platform == "win32":
@@ -17,6 +19,9 @@ else:
 
     def _try(descriptor: int) -> None:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+_PLAIN = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
 class FileLock:
@@ -55,10 +60,37 @@ def take(path: Path) -> FileLock | None:
     return FileLock(path, descriptor)
 
 
+@contextlib.contextmanager
+def in_turn(path: Path, wait_s: float = 10.0) -> Iterator[None]:
+    """Hold a lock that others wait for; its file stays.
+
+    Where it cannot be had, as on file systems without locks, the block runs without it.
+    """
+    try:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | _PLAIN, 0o600)
+    except OSError:
+        yield
+        return
+    try:
+        end = time.monotonic() + wait_s
+        while time.monotonic() < end:
+            try:
+                _try(descriptor)
+                break
+            except (BlockingIOError, PermissionError):
+                time.sleep(0.01)
+            except OSError:
+                break
+        yield
+    finally:
+        os.close(descriptor)
+
+
 def is_held(path: Path) -> bool | None:
     """Whether a living process holds a lock; None where there is no such file to tell by."""
     try:
-        descriptor = os.open(path, os.O_RDWR)
+        # No link and no pipe: whoever names a file so wants another one opened.
+        descriptor = os.open(path, os.O_RDWR | _PLAIN)
     except OSError:
         return None
     try:

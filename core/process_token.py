@@ -16,7 +16,7 @@ def start_token(pid: int) -> str:
     try:
         # The program's name, in parentheses, may hold spaces and parentheses itself.
         fields = (_PROC / str(pid) / "stat").read_bytes().rpartition(b")")[2].split()
-        boot = (_PROC / "sys/kernel/random/boot_id").read_text("ascii").strip()
+        boot = (_PROC / "sys/kernel/random/boot_id").read_bytes().decode("ascii").strip()
         return f"{boot}:{fields[19].decode('ascii')}"
     except (OSError, IndexError, ValueError):
         return ""
