@@ -8,7 +8,8 @@
         def run(self, context: Context, magnitude: Magnitude) -> MtfOutputs: ...
 
 Parameters are the annotated fields, input ports the arguments of `run`, output ports the fields of
-the named tuple it returns, read-outs the methods marked with `readout`.
+the named tuple it returns, read-outs the methods marked with `readout`, warnings those marked with
+`warning`.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from typing import (
     get_type_hints,
 )
 
+from core.caution import Caution
 from core.parameters import Kind, Parameter, coerce_all
 
 
@@ -65,6 +67,15 @@ class Readout:
 
 
 @dataclass(frozen=True)
+class WarningCheck:
+    """A method that warns of what does not keep a node from running; `name` is the method's."""
+
+    name: str
+    meaning: str
+    needs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Declaration:
     """All there is to know of a module without running it."""
 
@@ -78,6 +89,7 @@ class Declaration:
     outputs: tuple[Port, ...]
     parameters: tuple[Parameter, ...]
     readouts: tuple[Readout, ...]
+    warnings: tuple[WarningCheck, ...]
     replaces: tuple[str, ...]
     sink: bool
 
@@ -109,6 +121,16 @@ def readout(
         return method
 
     return mark
+
+
+def warning(method: Callable[..., Caution | None]) -> Callable[..., Caution | None]:
+    """Mark a method that warns; its docstring says of what.
+
+    Its arguments are as those of a read-out. It returns a `Caution`, or None where all is well. It
+    is asked whenever the node is planned: it compares values, and computes no pixels.
+    """
+    method.is_warning = True  # type: ignore[attr-defined]
+    return method
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
@@ -188,6 +210,7 @@ def _derive(module: Any) -> Declaration:
         outputs=_outputs(module),
         parameters=_parameters(module),
         readouts=_readouts(module),
+        warnings=_warnings(module),
         replaces=module.replaces,
         sink=module.sink,
     )
@@ -254,6 +277,20 @@ def _outputs(module: type[Module]) -> tuple[Port, ...]:
     return tuple(Port(name, _types(hint)[0]) for name, hint in get_type_hints(result).items())
 
 
+def _warnings(module: type[Module]) -> tuple[WarningCheck, ...]:
+    found = {}
+    for klass in reversed(module.__mro__):
+        for name, method in vars(klass).items():
+            if hasattr(method, "is_warning"):
+                needs = tuple(inspect.signature(method).parameters)[1:]
+                found[name] = WarningCheck(name, _meaning(method), needs)
+    return tuple(found.values())
+
+
+def _meaning(method: Any) -> str:
+    return " ".join(inspect.cleandoc(method.__doc__ or "").split())
+
+
 def _readouts(module: type[Module]) -> tuple[Readout, ...]:
     found = {}
     for klass in reversed(module.__mro__):
@@ -261,6 +298,6 @@ def _readouts(module: type[Module]) -> tuple[Readout, ...]:
             if hasattr(method, "readout_unit"):
                 name = method.readout_name or attribute
                 needs = tuple(inspect.signature(method).parameters)[1:]
-                meaning = " ".join(inspect.cleandoc(method.__doc__ or "").split())
-                found[name] = Readout(name, method.readout_unit, meaning, needs, attribute)
+                unit = method.readout_unit
+                found[name] = Readout(name, unit, _meaning(method), needs, attribute)
     return tuple(found.values())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -13,7 +14,7 @@ from core.errors import DataError
 from core.factors import Factor
 from core.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
 from core.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
-from core.planes import Axes, axes_of
+from core.planes import Axes, axes_of, known_planes
 from core.product import Product
 from core.recipes import Recipe, Step, in_parts
 from core.region import Region
@@ -49,6 +50,7 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
         grid.interval_y_mrad,
         unit=unit,
         band_um=like.band_um if like is not None else None,
+        edges="reflect" if recipe.mirrored else "periodic",
     )
 
 
@@ -69,12 +71,39 @@ class Delivered(Recipe):
     @property
     def inputs(self) -> tuple[Recipe, ...]:
         """The pictures, and what the factors are made of."""
+        return (*self._pictures, *self.bound)
+
+    @property
+    def needs(self) -> tuple[Recipe, ...]:
+        """In place of one picture its spectrum, and what is kept of planar factors."""
+        product = Product((*self.magnitude.factors, *self._phase_factors()))
+        axes: Axes = "mirrored" if self.mirrored else "periodic"
+        sources = (self._spectrum,) if self.one_source else self._pictures
+        return (*self.bound, *known_planes(product, self.magnitude.grid, axes), *sources)
+
+    def first(self, work: Work) -> tuple[Recipe, ...]:
+        """Without the picture where its spectrum is there."""
+        if self.one_source and work.knows(self._spectrum):
+            return self.bound
+        return (*self.bound, *self._pictures)
+
+    @property
+    def _pictures(self) -> tuple[Recipe, ...]:
         wires = (self.magnitude, self.phase)
-        laws = (law for wire in wires for factor in wire.factors for law in factor.laws)
-        return (
-            *(wire.image.recipe for wire in wires if wire.image is not None),
-            *(recipe for law in laws for recipe in law.inputs),
-        )
+        return tuple(wire.image.recipe for wire in wires if wire.image is not None)
+
+    @property
+    def bound(self) -> tuple[Recipe, ...]:
+        """Recipes that laws are bound to."""
+        factors = (*self.magnitude.factors, *self.phase.factors)
+        return tuple(recipe for factor in factors for law in factor.laws for recipe in law.inputs)
+
+    @cached_property
+    def _spectrum(self) -> Recipe:
+        """Of the picture that magnitude and phase stem from."""
+        assert self.magnitude.image is not None
+        transform = mirrored_spectrum if self.mirrored else periodic_spectrum
+        return Step.of(transform, self.magnitude.image.recipe, node=self.node)
 
     @property
     def mirrored(self) -> bool:
@@ -120,8 +149,7 @@ class Delivered(Recipe):
                 picture = source.recipe
                 samples = work.part(picture, region) if region else work.value(picture)
                 return np.asarray(samples, work.policy.dtype)
-            transform = mirrored_spectrum if self.mirrored else periodic_spectrum
-            spectrum = work.value(Step.of(transform, source.recipe, node=self.node))
+            spectrum = work.value(self._spectrum)
             apply = mirrored_filter if self.mirrored else periodic_filter
         else:
             spectrum, apply = self._crossed(work), periodic_filter
@@ -190,6 +218,7 @@ def combine_pixels(
         columns=image.columns // factor_x,
         interval_x_mrad=None if x is None else x * factor_x,
         interval_y_mrad=None if y is None else y * factor_y,
+        edges=image.edges if whole else None,  # a frame that is cropped goes on otherwise
     )
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from core.arithmetic import watched
+from core.caution import Caution
 from core.declaration import Declaration, Here, Module, declaration
 from core.errors import ImagechainError, NetworkError, UnconnectedError
 from core.library import Library
@@ -39,6 +41,19 @@ class PlannedNode:
         """Declaration of the node's module."""
         assert self.module is not None
         return declaration(type(self.module))
+
+    @cached_property
+    def warnings(self) -> tuple[Caution, ...]:
+        """What its module warns of; nothing of a node that has an error or is disabled."""
+        if self.error is not None or self.module is None or self.node.disabled:
+            return ()
+        known = {**self.inputs, "outputs": self.result}
+        found = []
+        for check in self.declaration.warnings:
+            caution = getattr(self.module, check.name)(*(known[name] for name in check.needs))
+            if caution is not None:
+                found.append(caution.at(self.node.id, check.name))
+        return tuple(found)
 
 
 @dataclass(frozen=True)
@@ -81,11 +96,12 @@ class Plan:
 
     def errors(self) -> list[ImagechainError]:
         """Errors of the nodes, each once, in order."""
-        found: list[ImagechainError] = []
-        for planned in self.nodes.values():
-            if planned.error is not None and planned.error not in found:
-                found.append(planned.error)
-        return found
+        errors = (planned.error for planned in self.nodes.values())
+        return list(dict.fromkeys(error for error in errors if error is not None))
+
+    def warnings(self) -> list[Caution]:
+        """What the nodes warn of, in order."""
+        return [each for planned in self.nodes.values() for each in planned.warnings]
 
 
 class Engine:
@@ -168,21 +184,42 @@ class Engine:
         ImagechainError
             The node's own error, or one met while computing.
         """
+        found = self.planned_readouts(plan, node, names)
+        recipes = [value for value in found.values() if isinstance(value, Recipe)]
+        with work.hold(recipes) as held:
+            for name, value in found.items():
+                if isinstance(value, Recipe):
+                    try:
+                        found[name] = work.value(value)
+                    except ImagechainError as error:
+                        raise error.at(node) from error
+                    held.release([value])
+        return found
+
+    def planned_readouts(
+        self, plan: Plan, node: str, names: Collection[str] | None = None
+    ) -> dict[str, Any]:
+        """A node's read-outs as values, or as recipes where they have to be computed.
+
+        Raises
+        ------
+        ImagechainError
+            The node's own error.
+        """
         planned = plan.node(node)
         if planned.error is not None:
             raise planned.error
         found: dict[str, Any] = {}
         if planned.result is None and planned.node.disabled:
             return found
+        known = {**planned.inputs, "outputs": planned.result}
         for readout in planned.declaration.readouts:
             if names is not None and readout.name not in names:
                 continue
-            known = {**planned.inputs, "outputs": planned.result}
             arguments = {name: known[name] for name in readout.needs}
             try:
                 with watched(node):
-                    value = getattr(planned.module, readout.method)(**arguments)
-                found[readout.name] = work.value(value) if isinstance(value, Recipe) else value
+                    found[readout.name] = getattr(planned.module, readout.method)(**arguments)
             except ImagechainError as error:
                 raise error.at(node) from error
         return found

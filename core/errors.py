@@ -4,7 +4,8 @@ Which to raise:
 
 - `ParameterError`: a number, choice or combination of them that the physics cannot use.
 - `DataError`: samples that cannot be used (not finite, wrong shape, no samples at all).
-- `FileError`: a file that is missing, damaged, of an unknown kind, or cannot be written.
+- `FileError`: a file that is missing, damaged, of an unknown kind, or cannot be written;
+  `ChangedFileError`, one that is no longer what it was when it was opened.
 - `NetworkError`: a network document that is not one, or whose modules and links do not fit.
 - `UsageError`: a command line that cannot be carried out.
 - `Cancelled`: the caller asked to stop.
@@ -99,6 +100,10 @@ class DataError(InputError):
 
 class FileError(InputError):
     """A file that cannot be read or written."""
+
+
+class ChangedFileError(FileError):
+    """A file that somebody else has changed or removed since it was read or written."""
 
 
 class NetworkError(InputError):

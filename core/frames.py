@@ -39,6 +39,14 @@ def _moved(value: object, frame: int) -> object:
     return replace(value, frame=frame) if isinstance(value, Stream) and not value.fixed else value
 
 
+def _pictures(recipe: Recipe) -> tuple[Recipe, ...]:
+    """What a recipe is made of, less what transfer functions are."""
+    if isinstance(recipe, Delivered):
+        wires = (recipe.magnitude, recipe.phase)
+        return tuple(wire.image.recipe for wire in wires if wire.image is not None)
+    return recipe.inputs if isinstance(recipe, Step) else ()
+
+
 class Remaking:
     """Makes recipes anew with some of those they are made of changed.
 
@@ -54,11 +62,16 @@ class Remaking:
 
     def of(self, recipe: Recipe) -> Recipe:
         """The recipe remade; the same object where nothing changes."""
-        found = self._known.get(recipe.key)
-        if found is None:
-            found = self._change(recipe) or self.inputs_of(recipe)
-            self._known[recipe.key] = found
-        return found
+        path = [] if recipe.key in self._known else [(recipe, iter(_pictures(recipe)))]
+        while path:  # the furthest first: none is remade within another
+            each, coming = path[-1]
+            fresh = next((one for one in coming if one.key not in self._known), None)
+            if fresh is not None:
+                path.append((fresh, iter(_pictures(fresh))))
+                continue
+            self._known[each.key] = self._change(each) or self.inputs_of(each)
+            path.pop()
+        return self._known[recipe.key]
 
     def inputs_of(self, recipe: Recipe) -> Recipe:
         """The recipe with its inputs remade; those of transfer functions are left alone."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -16,7 +16,7 @@ from core.plain import check_id, close, freeze, shown, thaw
 
 Library = Mapping[str, type[Module]]
 
-NODE_FIELDS = ("module", "params", "auto", "disabled")
+NODE_FIELDS = ("module", "params", "auto", "disabled", "final")
 NETWORK_FIELDS = ("format", "version", "name", "description", "seed", "nodes", "links", "layout")
 SEEDS = f"a whole number from 0 to {LARGEST_INTEGER}"
 
@@ -47,6 +47,8 @@ class Node(_Frozen):
         Whether it passes its main input through.
     extra : mapping
         Other fields of the file, such as pinned panels, kept as they are.
+    final : bool
+        Whether the network's output is its first picture or, of a sink, the picture it takes.
 
     Raises
     ------
@@ -60,6 +62,7 @@ class Node(_Frozen):
     auto: bool | None = None
     disabled: bool = False
     extra: Mapping[str, Any] = field(default_factory=dict)
+    final: bool = False
 
     def __post_init__(self) -> None:
         check_id(self.id)
@@ -150,6 +153,18 @@ class Network(_Frozen):
             if link.source in found and link.target in found:
                 found[link.source][link.target] = None
         return {name: tuple(targets) for name, targets in found.items()}
+
+    @property
+    def marked(self) -> tuple[str, ...]:
+        """The nodes that are marked as the output; one at most where the network is sound."""
+        return tuple(name for name, node in self.nodes.items() if node.final)
+
+    @property
+    def output_nodes(self) -> tuple[str, ...]:
+        """The nodes whose picture is marked as the output, be it by the network's own field."""
+        port = self.extra.get("final")
+        named = port.rpartition(".")[0] if isinstance(port, str) else ""
+        return self.marked or ((named,) if named in self.nodes else ())
 
     def node(self, name: str) -> Node:
         """The node of that id.
@@ -270,6 +285,21 @@ def cycle_error(loop: tuple[str, ...]) -> NetworkError:
     names = loop if len(loop) <= 12 else (*loop[:11], "…", loop[-1])
     way = " → ".join((*names, loop[0]))
     return NetworkError(f"the links form a cycle: {way}; take one of them away", node=loop[0])
+
+
+def with_marks(network: Network, marked: Collection[str], extra: Mapping[str, Any]) -> Network:
+    """The network with these nodes marked as the output and no others, and with other fields."""
+    nodes = {
+        name: node if node.final == (name in marked) else replace(node, final=name in marked)
+        for name, node in network.nodes.items()
+    }
+    return replace(network, nodes=nodes, extra=extra)
+
+
+def marked_twice(marked: tuple[str, ...]) -> NetworkError:
+    """The error for several nodes marked as the output."""
+    named = ", ".join(map(shown, marked[:8])) + (", …" if marked[8:] else "")
+    return NetworkError(f"{len(marked)} nodes are marked final ({named}): one may be")
 
 
 def _check_extra(extra: Mapping[str, Any], taken: tuple[str, ...]) -> None:

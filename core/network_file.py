@@ -20,7 +20,14 @@ from core.plain import thaw
 from core.strict_json import LARGEST
 from core.validate import check_network
 
-__all__ = ["format_network", "load_network", "parse_network", "read_network", "save_network"]
+__all__ = [
+    "format_network",
+    "load_network",
+    "parse_network",
+    "read_network",
+    "read_text",
+    "save_network",
+]
 
 
 def load_network(
@@ -57,10 +64,11 @@ def load_network(
 
 def read_network(path: str | PathLike[str], *, library: Library) -> Network:
     """Open a network file without asking whether it fits the library; errors as `load_network`."""
-    return parse_network(_read(path), library=library, name_of_source=fspath(path))
+    return parse_network(read_text(path), library=library, name_of_source=fspath(path))
 
 
-def _read(path: str | PathLike[str]) -> str:
+def read_text(path: str | PathLike[str]) -> str:
+    """The text of a network file, whatever it says; errors as `load_network`."""
     try:
         # Opening a pipe would wait, reading a device never end.
         if not stat.S_ISREG(Path(path).stat().st_mode):
@@ -79,10 +87,10 @@ def _read(path: str | PathLike[str]) -> str:
         raise NetworkError(f"{path}: not UTF-8 text (byte {error.start + 1})") from None
 
 
-def save_network(network: Network, path: str | PathLike[str], *, library: Library) -> None:
+def save_network(network: Network, path: str | PathLike[str], *, library: Library) -> str:
     """Write a network to a file, which is the old one or the new one, never half of each.
 
-    A network that is unfinished, or holds unknown modules, can be saved.
+    A network that is unfinished, or holds unknown modules, can be saved. Returns the text written.
 
     Raises
     ------
@@ -95,6 +103,7 @@ def save_network(network: Network, path: str | PathLike[str], *, library: Librar
     # Never put in the place of a good file what could not be opened again.
     parse_network(text, library=library, name_of_source=fspath(path))
     write_text(path, text)
+    return text
 
 
 def format_network(network: Network, *, library: Library) -> str:
@@ -152,6 +161,8 @@ def _node(node: Node, library: Library) -> dict[str, Any]:
         fields["auto"] = node.auto
     if node.disabled:
         fields["disabled"] = True
+    if node.final:
+        fields["final"] = True
     return fields | dict(sorted(node.extra.items()))
 
 

@@ -88,7 +88,7 @@ def _node(name: str, value: Any) -> Node:
     _expect(value, dict, where)
     for other in _others(value, NODE_FIELDS):
         # Fields we do not know are kept, but a slip here would silently run with the defaults.
-        meant = difflib.get_close_matches(other, ("params", "disabled"), n=1, cutoff=0.75)
+        meant = difflib.get_close_matches(other, ("params", "disabled", "final"), n=1, cutoff=0.75)
         if meant and len(other) <= 64:
             raise NetworkError(f"{where} has a field {shown(other)}; did you mean {meant[0]}?")
     module = _field(value, "module", str, where)
@@ -100,6 +100,7 @@ def _node(name: str, value: Any) -> Node:
         params=_field(value, "params", dict, where, {}),
         auto=_field(value, "auto", bool, where) if "auto" in value else None,
         disabled=_field(value, "disabled", bool, where, False),
+        final=_field(value, "final", bool, where, False),
         extra=_others(value, NODE_FIELDS),
     )
 

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from core.factors import Factor
 from core.grid import Grid
+from core.nyquist import nyquist_lines
 from core.physics.noise_components import Moments
 from core.planes import Axes, axes_of
 from core.product import Product
@@ -111,6 +112,14 @@ class NoisePower:
         product = Product(factors)
         xi, eta = (grid.xi(), grid.eta()) if axes == "periodic" else axes_of(grid, axes)
         changed = self.on(axes)
+        if axes == "periodic" and not product.symmetric:
+            # At Nyquist the Hermitian part of all factors together acts, which has no axes.
+            whole = np.array(product.total(work, xi, eta), np.complex128)
+            for place, mean in nyquist_lines(lambda x, y: product.total(work, x, y), xi, eta):
+                whole[place] = mean
+            power = changed.shown * np.abs(whole) ** 2
+            changed = replace(changed, power=power, along=None, across=None, variances=None)
+            return changed.averaged(factor_x, factor_y)
         plane = product.plane(work, xi, eta)
         if plane is not None:
             # A plane does not act on an axis alone: what several waves have in common is let go.

@@ -20,19 +20,21 @@ def spectrum_of(powers: list[NoisePower], cells: int = CELLS) -> Vector | None:
     powers : list of NoisePower
         Of independent noises, of frames of one size.
     cells : int
-        Most cells along an axis, from frequency zero to Nyquist's.
+        Most cells along an axis, from frequency zero to Nyquist's. A frame has no more than
+        samples, and as many whatever waves its noises are known on.
 
     Returns
     -------
     ndarray or None
-        Mean power in each cell, shape (along, across), cells or fewer; None without any noise.
+        Mean power in each cell, shape (along, across), either 1 where all cells of an axis are
+        alike; None without any noise.
     """
     total: Vector | None = None
     for power in powers:
         shown = np.asarray(power.shown, np.float64)
         for axis, size in ((0, power.rows), (1, power.columns)):
             if shown.shape[axis] > 1:
-                shares = _shares(size, power.axes, cells)
+                shares = _shares(size, power.axes, min(cells, size))
                 shown = shares @ shown if axis == 0 else shown @ shares.T
         total = shown if total is None else total + shown
     return total if total is not None and total.sum() > 0.0 else None
@@ -52,7 +54,7 @@ def _shares(size: int, axes: Axes, cells: int) -> Vector:
         place = np.arange(size // 2 + 1) / (size / 2.0)
         twice = np.bincount(order).astype(float)
     bounds = np.concatenate([[0.0], (place[1:] + place[:-1]) / 2.0, [1.0]])
-    edges = np.linspace(0.0, 1.0, min(cells, len(place)) + 1)
+    edges = np.linspace(0.0, 1.0, cells + 1)
     low = np.maximum(edges[:-1, np.newaxis], bounds[:-1])
     high = np.minimum(edges[1:, np.newaxis], bounds[1:])
     part = np.clip(high - low, 0.0, None) * (len(edges) - 1)

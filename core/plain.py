@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 import unicodedata
 from collections.abc import Iterable, Mapping
 from pathlib import PurePath
@@ -32,6 +33,20 @@ def check_id(name: str) -> None:
 def shown(text: str) -> str:
     """A name as it is where that is harmless in one line of text, else quoted."""
     return text if text and text.isprintable() and len(text) <= 80 else f"{text!r:.80}"
+
+
+# Control characters but for tab and line ends, those that turn the direction of what follows, line
+# ends of other kinds, and halves of surrogate pairs.
+_BARRED = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+
+
+def printable(text: str) -> str:
+    r"""The text with escapes such as ``\u001b`` for what a terminal or a page would obey.
+
+    Bytes of file names that are no UTF-8 become escapes too. A JSON document stays one, and reads
+    back the same.
+    """
+    return _BARRED.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def close(name: str, known: Iterable[str]) -> str:

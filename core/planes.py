@@ -36,7 +36,7 @@ class Planes:
         for factor in product.planar:
             quarter = Quarter.of(self.xi, self.eta, factor.cutoff)
             kept = EVALUATED
-            if min(len(self.xi), len(self.eta)) >= SMALLEST:
+            if _is_kept(grid, axes):
                 kept = work.value(Known(factor, grid, axes, node=factor.node))
             self._parts.append((factor, quarter, kept))
 
@@ -104,6 +104,11 @@ class Known(Recipe):
     def _content(self) -> tuple[object, ...]:
         return self.factor.key, self.grid, self.axes
 
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """What the factor's law is made of."""
+        return self.factor.law.inputs
+
     def compute(self, work: Work) -> Kept:
         """Compute in double, keep in the evaluation's precision."""
         factor = self.factor
@@ -126,6 +131,19 @@ class Known(Recipe):
 
         work.each(one, range(0, len(quarter.eta), height))
         return Kept(plane=plane)
+
+
+def known_planes(product: Product, grid: Grid, axes: Axes) -> list[Recipe]:
+    """The recipes that `Planes` asks for."""
+    if not product.symmetric or not _is_kept(grid, axes):
+        return []
+    return [Known(factor, grid, axes, node=factor.node) for factor in product.planar]
+
+
+def _is_kept(grid: Grid, axes: Axes) -> bool:
+    """Whether planes of this size are worth keeping."""
+    columns = grid.columns if axes == "mirrored" else grid.columns // 2 + 1
+    return min(columns, grid.rows) >= SMALLEST
 
 
 def _evaluated(

@@ -21,6 +21,11 @@ class TransferAt(Recipe):
     eta: float
     node: str | None = None
 
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """What its laws are made of."""
+        return tuple(self.transfer.recipes)
+
     def _content(self) -> tuple[object, ...]:
         return self.transfer.key, self.xi, self.eta
 

@@ -105,9 +105,9 @@ def _rejoin(planar: list[Planar]) -> tuple[Planar, ...]:
     joined: list[Planar] = []
     for factor in planar:
         other = {"modulus": "phase", "phase": "modulus"}.get(factor.take)
-        for index, earlier in enumerate(joined):
+        for index, earlier in enumerate(joined) if other else ():
             same = earlier.law.key == factor.law.key and earlier.ratios == factor.ratios
-            if other and earlier.take == other and same:
+            if earlier.take == other and same:
                 joined[index] = replace(earlier, take="complex")
                 break
         else:

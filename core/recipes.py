@@ -8,7 +8,7 @@ value is made once and shared. Nothing is computed until `Work.value` asks. Of a
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -33,9 +33,31 @@ class Recipe(ABC):
         """Recipes whose values this one is made of."""
         return ()
 
+    @property
+    def made_of(self) -> Iterable[Recipe]:
+        """Recipes whose keys enter this one's."""
+        return self.inputs
+
+    @property
+    def needs(self) -> tuple[Recipe, ...]:
+        """Recipes that `compute` may ask for, as far as that is known before.
+
+        Their values are held until this one is made, whatever their size.
+        """
+        return self.inputs
+
+    def first(self, work: Work) -> tuple[Recipe, ...]:  # noqa: ARG002  (others look at what is there)
+        """Those it will certainly ask for, made one after the other before `compute` is called.
+
+        A chain of any length is then made without one step waiting within the next.
+        """
+        return self.inputs
+
     @cached_property
     def key(self) -> str:
         """Content key; fields declared with ``compare=False`` do not enter it."""
+        for each in _without_key(self):
+            each.key  # noqa: B018  (kept by each: no key is then made within another)
         return content_key(type(self).__qualname__, *self._content())
 
     @abstractmethod
@@ -58,6 +80,20 @@ class Recipe(ABC):
     def share(self, region: Region, shape: tuple[int, int]) -> float:
         """Share of the whole picture's work that a region takes: of its samples, if no other."""
         return region.rows * region.columns / (shape[0] * shape[1])
+
+
+def _without_key(recipe: Recipe) -> Iterator[Recipe]:
+    """All that a recipe is made of and that has no key yet, the furthest first."""
+    path = [(recipe, iter(recipe.made_of))]
+    while path:
+        each, parts = path[-1]
+        fresh = next((part for part in parts if "key" not in vars(part)), None)
+        if fresh is not None:
+            path.append((fresh, iter(fresh.made_of)))
+            continue
+        path.pop()
+        if path:
+            yield each
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +127,13 @@ class Step(Recipe):
     ) -> Step:
         """Write ``Step.of(f, a, b, sigma=2)`` for f(work, a's value, b's value, sigma=2)."""
         return cls(function, inputs, tuple(sorted(parameters.items())), node)
+
+    @property
+    def made_of(self) -> Iterable[Recipe]:
+        """The inputs, and what parameters such as a wire are made of."""
+        yield from self.inputs
+        for _, value in self.parameters:
+            yield from (value,) if isinstance(value, Recipe) else getattr(value, "recipes", ())
 
     def _content(self) -> tuple[object, ...]:
         return self.function, tuple(recipe.key for recipe in self.inputs), self.parameters

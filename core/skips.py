@@ -104,6 +104,9 @@ class _Account:
         reused = work.tally.reused()
         behind = _behind(reused)
         self.parts = {**work.tally.parts}
+        self._steps: dict[str | None, list[str]] = {}
+        for key, recipe in self.asked.items():
+            self._steps.setdefault(recipe.node, []).append(key)
         self.known = behind.union(self.asked, work.tally.looked_at, (key for key, _ in self.parts))
         self.was_there = behind.union(recipe.key for recipe in reused)
 
@@ -130,7 +133,7 @@ class _Account:
                 yield from self._of_picture(name, recipe)
 
     def _unchanged(self, name: str, keys: set[str]) -> Iterator[Skip]:
-        steps = [key for key, recipe in self.asked.items() if recipe.node == name]
+        steps = self._steps.get(name, [])
         reused = [key for key in steps if key not in self.computed]
         if len(reused) < len(steps) and reused:
             text = f"{len(reused)} of {len(steps)} steps unchanged: their values were there already"

@@ -1,4 +1,7 @@
-"""The store of computed values: least recently used out first, bounded in bytes."""
+"""The store of computed values: least recently used out first, bounded in bytes.
+
+A value that somebody has pinned stays, whatever its size, until the last one lets it go.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-DEFAULT_BYTES = 1 << 29
+from core.memory import store_bytes
 
 
 def size_in_bytes(value: object) -> int:
@@ -52,31 +55,78 @@ class _Running:
 
 
 class Store:
-    """Values by key. One computation per key at a time; safe to share between threads."""
+    """Values by key. One computation per key at a time; safe to share between threads.
 
-    def __init__(self, capacity_bytes: int = DEFAULT_BYTES) -> None:
-        self.capacity_bytes = capacity_bytes
+    Parameters
+    ----------
+    capacity_bytes : int, optional
+        How much may stay beside what is pinned; what the machine's memory allows, if not given.
+    """
+
+    def __init__(self, capacity_bytes: int | None = None) -> None:
+        self.capacity_bytes = store_bytes() if capacity_bytes is None else capacity_bytes
         self._values: OrderedDict[str, tuple[Any, int]] = OrderedDict()
+        self._pinned: dict[str, tuple[Any, int]] = {}
+        self._pins: dict[str, int] = {}
         self._bytes = 0
         self._lock = threading.Lock()
         self._running: dict[str, _Running] = {}
 
     def __len__(self) -> int:
-        return len(self._values)
+        return len(self._values) + len(self._pinned)
 
     @property
     def used_bytes(self) -> int:
-        """Bytes held now."""
+        """Bytes held now, pinned or not."""
         return self._bytes
+
+    @property
+    def pinned(self) -> int:
+        """How many keys somebody has pinned, whether their values are there or not."""
+        return len(self._pins)
 
     def peek(self, key: str, default: Any = None) -> Any:
         """The value of `key` if it is there, else `default`; never computes."""
         with self._lock:
             found = self._values.get(key)
-            if found is None:
-                return default
-            self._values.move_to_end(key)
-            return found[0]
+            if found is not None:
+                self._values.move_to_end(key)
+                return found[0]
+            found = self._pinned.get(key)
+            return default if found is None else found[0]
+
+    def holds(self, key: str) -> bool:
+        """Whether the value of `key` is there."""
+        return self.peek(key, _ABSENT) is not _ABSENT
+
+    def pin(self, key: str) -> bool:
+        """Keep the value of `key`, or what it will be, until it is unpinned as often.
+
+        Returns
+        -------
+        bool
+            Whether it is there already.
+        """
+        with self._lock:
+            self._pins[key] = self._pins.get(key, 0) + 1
+            found = self._values.pop(key, None)
+            if found is not None:
+                self._pinned[key] = found
+                return True
+        return self.holds(key)
+
+    def unpin(self, key: str) -> None:
+        """Take back one `pin`; after the last the value stays while there is room."""
+        with self._lock:
+            left = self._pins[key] - 1
+            if left:
+                self._pins[key] = left
+                return
+            del self._pins[key]
+            found = self._pinned.pop(key, None)
+            if found is not None:
+                self._bytes -= found[1]
+                self._keep(key, *found)
 
     def get(self, key: str, compute: Callable[[], Any]) -> Any:
         """The value of `key`, computed if it is not there.
@@ -111,16 +161,29 @@ class Store:
         """Forget everything."""
         with self._lock:
             self._values.clear()
+            self._pinned.clear()
             self._bytes = 0
 
     def _put(self, key: str, value: Any) -> None:
         size = size_in_bytes(value)
-        if size > self.capacity_bytes:
-            return
         with self._lock:
-            _, before = self._values.pop(key, (None, 0))
+            for kept in (self._values, self._pinned):
+                self._bytes -= kept.pop(key, (None, 0))[1]
+            if key not in self._pins:
+                self._keep(key, value, size)
+                return
+            self._pinned[key] = (value, size)
+            self._bytes += size
+            self._make_room()
+
+    def _keep(self, key: str, value: Any, size: int) -> None:
+        """Take in a value that is not pinned; one too large leaves the others alone."""
+        if size <= self.capacity_bytes:
             self._values[key] = (value, size)
-            self._bytes += size - before
-            while self._bytes > self.capacity_bytes:
-                _, (_, dropped) = self._values.popitem(last=False)
-                self._bytes -= dropped
+            self._bytes += size
+            self._make_room()
+
+    def _make_room(self) -> None:
+        while self._bytes > self.capacity_bytes and self._values:
+            _, (_, dropped) = self._values.popitem(last=False)
+            self._bytes -= dropped

@@ -8,7 +8,15 @@ from typing import Any
 from core.declaration import Declaration, Port, declaration
 from core.errors import ImagechainError, NetworkError, ParameterError
 from core.graph import cycles
-from core.network import Library, Link, Network, Node, cycle_error, passed_through
+from core.network import (
+    Library,
+    Link,
+    Network,
+    Node,
+    cycle_error,
+    marked_twice,
+    passed_through,
+)
 from core.plain import close, shown, thaw
 
 MOST_SUGGESTIONS = 100  # comparing names is slow, and a hostile file has a million wrong ones
@@ -60,7 +68,8 @@ def problems(
         Accept modules that are not in the library, with any parameters and ports.
     unfinished : bool
         Accept what keeps it from running but not from being worked on: inputs not linked yet,
-        links from outputs that have no value because their node is disabled.
+        links from outputs that have no value because their node is disabled, several nodes marked
+        as the output.
     """
     survey = _Survey(network, library)
     survey.nodes(keep_unknown)
@@ -68,6 +77,8 @@ def problems(
     survey.found += [cycle_error(loop) for loop in cycles(network.followers)]
     if not unfinished:
         survey.missing()
+        if len(network.marked) > 1:
+            survey.found.append(marked_twice(network.marked))
     return survey.found
 
 

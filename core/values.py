@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal
@@ -19,11 +20,24 @@ Platform = Literal["line", "push", "array"]
 
 @dataclass(frozen=True)
 class Header:
-    """What an image's file says of the sensor that took it; empty fields are None."""
+    """What an image's file says of the sensor that took it; empty fields are None.
+
+    `bare_integers`: the file stores integers and names no unit of them. `channels`: names of a
+    colour picture's channels, of which the image is one; empty for a picture of one channel.
+    `not_applied`: fields that would change the samples, which are as stored.
+    """
 
     fov_x_deg: float | None = None
     fov_y_deg: float | None = None
     focal_length_mm: float | None = None
+    bare_integers: bool = False
+    channels: tuple[str, ...] = ()
+    not_applied: tuple[str, ...] = ()
+
+
+def _bound(factors: Iterable[Factor]) -> tuple[Recipe, ...]:
+    """Recipes bound in the factors' laws."""
+    return tuple(recipe for factor in factors for law in factor.laws for recipe in law.inputs)
 
 
 @dataclass(frozen=True)
@@ -44,6 +58,8 @@ class Image:
         Cut-on and cut-off wavelength.
     header : Header
         What the file says, for `Init & Trans`.
+    edges : Edges or None
+        How the frame goes on beyond its edges, as its transform had it; None where nobody has said.
     """
 
     port_type: ClassVar[str] = "image"
@@ -56,6 +72,7 @@ class Image:
     unit: str = "W/m²/sr"
     band_um: tuple[float, float] | None = None
     header: Header = Header()
+    edges: Edges | None = None
 
     @property
     def key(self) -> str:
@@ -105,6 +122,12 @@ class SpectrumWire:
         source = self.image.key if self.image is not None else None
         keys = tuple(factor.key for factor in self.factors)
         return content_key(type(self).__name__, source, self.grid, self.edges, keys)
+
+    @property
+    def recipes(self) -> tuple[Recipe, ...]:
+        """The picture's, and those bound in laws."""
+        source = (self.image.recipe,) if self.image is not None else ()
+        return (*source, *_bound(self.factors))
 
 
 @dataclass(frozen=True)
@@ -159,6 +182,12 @@ class Transfer:
         return content_key(
             "transfer", self.grid, self.part, tuple(f.key for f in self.factors), self.own
         )
+
+    @property
+    def recipes(self) -> tuple[Recipe, ...]:
+        """Its own, and those bound in laws."""
+        own = (self.own,) if self.own is not None else ()
+        return (*own, *_bound(self.factors))
 
 
 @dataclass(frozen=True)
@@ -233,8 +262,9 @@ class Pupil:
         Size of the pupil array.
     shape : PupilShape or None
         The geometry, where there is one.
-    radius : float
-        Radius of the disc on which the wavefront is defined, samples.
+    radius : float or None
+        Radius of the disc on which the wavefront is defined, samples, centred on the array; None
+        for the smallest circle round the samples.
     defocus_waves : float
         W20 at the rim.
     zernike_waves : tuple of float
@@ -247,7 +277,7 @@ class Pupil:
     rows: int
     columns: int
     shape: PupilShape | None
-    radius: float
+    radius: float | None
     defocus_waves: float = 0.0
     zernike_waves: tuple[float, ...] = ()
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from core.arithmetic import watched
+from core.claims import Claims, Held
 from core.errors import Cancelled, ImagechainError
 from core.policy import Policy
 from core.recipes import Recipe
@@ -18,6 +21,8 @@ from core.tally import Tally
 from core.workers import Workers
 
 Progress = Callable[[str | None], None]
+DEEPEST = 24
+"""Parts that are made one within the other; what lies further up is made whole."""
 
 
 class Work:
@@ -51,17 +56,55 @@ class Work:
         self.tally = Tally()
         self._cancel = cancel
         self._progress = progress
+        self._suffix = f"/{policy.key}"
+        self._claims = Claims(store, self._suffix)
+        self._nested = threading.local()
 
     def value(self, recipe: Recipe) -> Any:
         """The value of a recipe, from the store or computed now.
+
+        All that it is made of is made once, whatever the store can hold.
 
         Raises
         ------
         Cancelled
             When the caller has asked to stop.
         """
-        self.tally.asked[recipe.key] = recipe
-        return self.store.get(f"{recipe.key}/{self.policy.key}", lambda: self._compute(recipe))
+        key = recipe.key
+        self.tally.asked[key] = recipe
+        value = self.store.get(key + self._suffix, lambda: self._made(recipe))
+        if key in self._claims.waiting:
+            self._claims.settle(recipe)  # somebody else has made it
+        return value
+
+    def hold(self, recipes: Iterable[Recipe]) -> Held:
+        """Hold values that will be asked for one after the other, and what they are made of.
+
+        Written ``with work.hold(recipes) as held:``. Each is let go of once `Held.release` says
+        that it has been asked for, the rest when the block ends.
+        """
+        return Held(self._claims, recipes)
+
+    def one_by_one(self, recipes: Iterable[Recipe], region: Region | None = None) -> Iterator[Any]:
+        """The values of recipes in turn; of each only what the next one shares is held on to."""
+        opened: list[Held] = []
+        before: Recipe | None = None
+        try:
+            for recipe in recipes:
+                opened.append(self.hold([recipe]))
+                if before is not None:
+                    yield self.value(before) if region is None else self.part(before, region)
+                    opened.pop(0).close()
+                before = recipe
+            if before is not None:
+                yield self.value(before) if region is None else self.part(before, region)
+        finally:
+            for held in opened:
+                held.close()
+
+    def knows(self, recipe: Recipe) -> bool:
+        """Whether the value of a recipe is there already."""
+        return self.store.holds(recipe.key + self._suffix)
 
     def part(self, recipe: Recipe, region: Region) -> Any:
         """The samples of a picture in a region; what is no array comes whole.
@@ -69,10 +112,11 @@ class Work:
         They are cut from the whole where it is known already or has to be made, and the same to
         the bit where they are made alone.
         """
-        key = f"{recipe.key}/{self.policy.key}"
-        if recipe.in_parts and self.store.peek(key) is None:
+        depth = getattr(self._nested, "parts", 0)
+        if recipe.in_parts and depth < DEEPEST and not self.knows(recipe):
             self.tally.parts[recipe.key, region] = recipe
-            return self.store.get(f"{key}/{region}", lambda: self._compute(recipe, region))
+            with self._part_held(recipe, region, depth) as key:
+                return self.store.get(key, lambda: self._compute(recipe, region))
         value = self.value(recipe)
         if not isinstance(value, np.ndarray):
             return value
@@ -105,6 +149,60 @@ class Work:
                 function(item)
 
         self._workers.each(one, items, self.policy.workers)
+
+    def _made(self, recipe: Recipe) -> Any:
+        """Make a recipe, what it is made of before it."""
+        self._claims.begin(recipe)
+        try:
+            self._make_first(recipe)
+            return self._compute(recipe)
+        finally:
+            self._claims.settle(recipe)
+
+    def _make_first(self, recipe: Recipe) -> None:
+        """Make all that the recipe is made of and that is not there, the furthest first."""
+        path = [(recipe, iter(recipe.first(self)))]
+        try:
+            while path:
+                each, coming = path[-1]
+                fresh = next((one for one in coming if not self.knows(one)), None)
+                if fresh is not None:
+                    self._claims.begin(fresh)
+                    path.append((fresh, iter(fresh.first(self))))
+                    continue
+                if len(path) > 1:
+                    self.tally.asked[each.key] = each
+                    self.store.get(each.key + self._suffix, partial(self._compute, each))
+                    self._claims.settle(each)
+                path.pop()
+        except ImagechainError as error:
+            owner = next((each.node for each, _ in reversed(path) if each.node), None)
+            if owner is None:
+                raise
+            raise error.at(owner) from error
+        finally:
+            for each, _ in path[1:]:
+                self._claims.settle(each)
+
+    @contextmanager
+    def _part_held(self, recipe: Recipe, region: Region, depth: int) -> Iterator[str]:
+        """Hold a part, and all that the picture is made of, until the outermost part is made."""
+        key = f"{recipe.key}{self._suffix}/{region}"
+        nested = self._nested
+        if depth == 0:
+            self._claims.take([recipe])
+            nested.pinned = []
+        self.store.pin(key)
+        nested.pinned.append(key)
+        nested.parts = depth + 1
+        try:
+            yield key
+        finally:
+            nested.parts = depth
+            if depth == 0:
+                for each in nested.pinned:
+                    self.store.unpin(each)
+                self._claims.give_up([recipe])
 
     def _compute(self, recipe: Recipe, region: Region | None = None) -> Any:
         self.tally.computed.add(recipe.key if region is None else (recipe.key, region))

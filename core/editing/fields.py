@@ -33,7 +33,7 @@ class SetParameter(Operation):
         """The network with the value."""
         old = network.node(self.node)
         if self.value is not ABSENT:
-            _check(self.value, f"{self.node}.{self.name}")
+            check_value(self.value, f"{self.node}.{self.name}")
             return network.with_parameter(self.node, self.name, self.value)
         params = {name: value for name, value in old.params.items() if name != self.name}
         return network.with_node(replace(old, params=params))
@@ -100,7 +100,7 @@ class SetNodeExtra(Operation):
 
     def apply(self, network: Network) -> Network:
         """The network with the field."""
-        _check(self.value, f"{self.node}.{self.name}")
+        check_value(self.value, f"{self.node}.{self.name}")
         old = network.node(self.node)
         return network.with_node(replace(old, extra=with_field(old.extra, self.name, self.value)))
 
@@ -132,7 +132,7 @@ class SetNetwork(Operation):
 
     def apply(self, network: Network) -> Network:
         """The network with it."""
-        _check(self.value, self.name)
+        check_value(self.value, self.name)
         if self.name != "seed" and not isinstance(self.value, str):
             raise NetworkError(f"the network's {self.name} must be a text, not {self.value!r:.80}")
         changes: dict[str, Any] = {self.name: self.value}
@@ -164,7 +164,7 @@ class SetExtra(Operation):
 
     def apply(self, network: Network) -> Network:
         """The network with the field."""
-        _check(self.value, self.name)
+        check_value(self.value, self.name)
         return replace(network, extra=with_field(network.extra, self.name, self.value))
 
     def inverse(self, network: Network) -> Operation:
@@ -178,6 +178,13 @@ class SetExtra(Operation):
         return replace(later, label=self.text)
 
 
-def _check(value: Any, what: str) -> None:
+def check_value(value: Any, what: str) -> None:
+    """Refuse a value that no network file can hold; ABSENT is none.
+
+    Raises
+    ------
+    NetworkError
+        Naming `what` it was meant for.
+    """
     if value is not ABSENT:
         check_plain(freeze(value), what)

@@ -27,13 +27,13 @@ class TestOnce:
     def test_a_change_computes_what_follows_it_and_no_more(self, bench):
         document = network(LINE)
         bench.get(document, "b.image")
-        assert bench.computed == ["b", "a", "make"]
+        assert bench.computed == ["make", "a", "b"]
         bench.computed.clear()
         bench.get(document.with_parameter("b", "factor", 4), "b.image")
         assert bench.computed == ["b"]
         bench.computed.clear()
         bench.get(document.with_parameter("a", "factor", 7), "b.image")
-        assert bench.computed == ["b", "a"]
+        assert bench.computed == ["a", "b"]
 
     def test_going_back_computes_nothing(self, bench):
         document = network(LINE)

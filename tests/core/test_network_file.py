@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import json
 import os
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -253,22 +252,3 @@ def test_a_killed_save_leaves_a_whole_file(small_library, tmp_path):
         kill_program(SAVER, str(path), says="ready", after_s=delay)
         network = load_network(path, library=small_library)
         assert network.extra["fill"][:9] == network.name
-
-
-def test_twenty_nodes_load_in_milliseconds(small_library, tmp_path):
-    nodes = {"scene": Node("scene", "scene_maker", {"width": 64})}
-    links = []
-    before = "scene"
-    for number in range(19):
-        name = f"noise {number}"
-        nodes[name] = Node(name, "noise", {"percent": number})
-        links.append(Link(before, "image", name, "image"))
-        before = name
-    path = tmp_path / "n.json"
-    save_network(Network(nodes=nodes, links=tuple(links)), path, library=small_library)
-    times = []
-    for _ in range(5):
-        start = time.perf_counter()
-        load_network(path, library=small_library)
-        times.append(time.perf_counter() - start)
-    assert min(times) < 0.01

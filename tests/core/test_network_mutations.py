@@ -183,6 +183,7 @@ def networks(draw):
             draw(st.sampled_from([None, True, False])),
             draw(st.booleans()),
             draw(extra),
+            draw(st.booleans()),
         )
         for name in ids
     }

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import pytest
 
+from child_process import PATIENCE_S
 from core.declaration import Module
 from core.errors import NetworkError
 from core.migrations import migrate
@@ -202,7 +203,7 @@ def test_reading_a_long_file_from_a_small_stack(small_library):
         thread.start()
     finally:
         threading.stack_size(0)
-    thread.join()
+    thread.join(PATIENCE_S)
     assert found == ["network: nested more than 64 deep"]
 
 

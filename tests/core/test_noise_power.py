@@ -5,6 +5,7 @@ import pytest
 
 from core.delivered import back_transform, combine_pixels
 from core.engine import Engine
+from core.factors import Law, Planar
 from core.grid import Grid
 from core.noise_power import NoisePower
 from core.physics.charge_transfer import charge_transfer_mtf, charge_transfer_ptf
@@ -95,6 +96,27 @@ def test_filtered_and_combined(work, edges, chain, factors):
     assert told(power) == pytest.approx(list(expected), rel=1e-11)
 
 
+def smear(*, xi, eta):
+    return np.sinc(2.1 * xi + 1.3 * eta) * np.exp(1j * (xi**2 * eta))
+
+
+@pytest.mark.parametrize("factors", [(1, 1), (3, 2)])
+def test_by_a_law_that_mixes_the_axes(work, factors):
+    """At the Nyquist row and column the mean of both signs acts, on all factors together."""
+    x, y = factors
+    law = Law.of(smear)
+    mixed = [Planar(law, symmetric=False, take=take) for take in ("modulus", "phase")]
+    chain = (*mixed, *ODD)
+    expected = by_impulses(
+        work,
+        lambda image: combine_pixels(through(image, chain, "periodic"), factor_x=x, factor_y=y),
+    )
+    power = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(
+        work, chain, GRID, "periodic", factor_x=x, factor_y=y
+    )
+    assert told(power) == pytest.approx(list(expected), rel=1e-11)
+
+
 @pytest.mark.parametrize("edges", ["reflect", "periodic"])
 def test_filtered_twice_by_odd_phases(work, edges):
     """Between the two the cosines are correlated."""
@@ -120,15 +142,19 @@ def test_samples_of_different_variances(work):
 
 @pytest.mark.parametrize("order", [0, 1, 3])
 @pytest.mark.parametrize("new", [(11, 9), (5, 12), (16, 30)])
-def test_resampled(work, order, new):
-    def chain(image):
-        blurred = through(image, BLUR, "reflect")
-        recipe = Step.of(resampled, blurred.recipe, old=(ROWS, COLUMNS), new=new, order=order)
-        return blurred.with_recipe(recipe)
+@pytest.mark.parametrize("edges", ["reflect", "periodic", None])
+def test_resampled(work, order, new, edges):
+    frame = "periodic" if edges == "periodic" else "reflect"
 
-    power = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(work, BLUR, GRID, "mirrored")
+    def chain(image):
+        blurred = through(image, BLUR, frame)
+        how = {"old": (ROWS, COLUMNS), "new": new, "order": order, "edges": edges}
+        return blurred.with_recipe(Step.of(resampled, blurred.recipe, **how))
+
+    axes = "periodic" if edges == "periodic" else "mirrored"
+    power = NoisePower.white(ROWS, COLUMNS, 1.0).filtered(work, BLUR, GRID, axes)
     found = power.resampled(
-        new, interpolator(ROWS, new[0], order), interpolator(COLUMNS, new[1], order)
+        new, interpolator(ROWS, new[0], order, edges), interpolator(COLUMNS, new[1], order, edges)
     )
     assert told(found) == pytest.approx(list(by_impulses(work, chain)), rel=1e-11)
 

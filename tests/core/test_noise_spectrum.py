@@ -59,3 +59,82 @@ def test_of_a_pattern_of_one_frequency():
 def test_of_no_noise():
     assert spectrum_of([]) is None
     assert spectrum_of([NoisePower.white(4, 4, 0.0)]) is None
+
+
+def amplitude_power(operator, axes):
+    """Variances of the waves' amplitudes behind an operator on white noise, by their definition."""
+    n = len(operator)
+    k, x = np.mgrid[:n, :n]
+    if axes == "periodic":
+        waves = np.exp(-2j * np.pi * k * x / n) / np.sqrt(n)
+    else:
+        waves = np.cos(np.pi * k * (x + 0.5) / n) * np.where(k > 0, np.sqrt(2 / n), np.sqrt(1 / n))
+    return np.sum(np.abs(waves @ operator) ** 2, axis=1)
+
+
+def in_cells(power, axes, cells):
+    """Means over cells, each frequency having the power of the wave nearest to it."""
+    n = len(power)
+    strips = 2 * n * cells  # of which every border between cells or waves is one
+    f = (np.arange(strips) + 0.5) / strips  # of Nyquist
+    if axes == "periodic":
+        of_wave = (power + power[-np.arange(n)]) / 2
+        nearest = np.minimum(np.rint(f * n / 2).astype(int), n // 2)
+    else:
+        of_wave, nearest = power, np.minimum(np.rint(f * n).astype(int), n - 1)
+    return of_wave[nearest].reshape(cells, -1).mean(axis=1)
+
+
+def blurring(size, sigma, interval, axes):
+    """Matrix of a Gaussian blur: what it makes of a unit in each sample, from sums of waves."""
+    x = np.arange(size)
+    period = size if axes == "periodic" else 2 * size
+    order = np.minimum(np.arange(period), period - np.arange(period))
+    mtf = np.exp(-2 * (np.pi * sigma * order / (period * interval)) ** 2)
+    spread = np.array([np.sum(mtf * np.cos(2 * np.pi * order * d / period)) for d in range(period)])
+    spread /= period
+    matrix = spread[(x[:, None] - x) % period]
+    if axes == "mirrored":  # and the mirror image of each sample, at −1 − x
+        matrix = matrix + spread[(x[:, None] + x + 1) % period]
+    return matrix
+
+
+SMALL = [(1, 1), (1, 7), (13, 1), (2, 3), (5, 8), (11, 47), (48, 49), (80, 80), (53, 94), (97, 64)]
+
+
+@pytest.mark.parametrize("axes", ["mirrored", "periodic"])
+@pytest.mark.parametrize(("rows", "columns"), SMALL)
+@pytest.mark.parametrize("cells", [48, 5])
+def test_noise_before_and_after_the_transform(work, axes, rows, columns, cells):
+    """The noise before is known on the frame's waves, the one after it on none."""
+    grid = Grid(rows, columns, 1.0, 1.25)
+    before = NoisePower.white(rows, columns, 3.0).filtered(work, BLUR, grid, axes)
+    after = NoisePower.white(rows, columns, 0.7)
+    found = spectrum_of([after, before, after], cells)
+    along = amplitude_power(blurring(rows, 0.4, 1.25, axes), axes)
+    across = amplitude_power(blurring(columns, 0.6, 1.0, axes), axes)
+    truth = 1.4 + 3.0 * np.outer(
+        in_cells(along, axes, min(cells, rows)), in_cells(across, axes, min(cells, columns))
+    )
+    np.testing.assert_allclose(np.broadcast_to(found, truth.shape), truth, rtol=1e-11)
+
+
+@pytest.mark.parametrize(("rows", "columns"), SMALL)
+def test_noises_on_waves_of_different_edges(work, rows, columns):
+    """A noise after the transform that differs from sample to sample is known on cosines."""
+    grid = Grid(rows, columns, 1.0, 1.25)
+    random = np.random.default_rng(rows * columns)
+    periodic = NoisePower.white(rows, columns, 3.0).filtered(work, BLUR, grid, "periodic")
+    # The known pattern of a read-out is an instance.
+    pattern = random.standard_normal((rows, columns))
+    found = spectrum_of([periodic, NoisePower.of_pattern(pattern)])
+    cosines = scipy.fft.dctn(pattern, type=2, norm="ortho") ** 2
+    for axis in (0, 1):
+        cells = min(48, pattern.shape[axis])
+        cosines = np.apply_along_axis(lambda p, c=cells: in_cells(p, "mirrored", c), axis, cosines)
+    along, across = (
+        in_cells(amplitude_power(blurring(n, s, d, "periodic"), "periodic"), "periodic", min(48, n))
+        for n, s, d in ((rows, 0.4, 1.25), (columns, 0.6, 1.0))
+    )
+    truth = cosines + 3.0 * np.outer(along, across)
+    np.testing.assert_allclose(np.broadcast_to(found, truth.shape), truth, rtol=1e-10)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from arithmetic_modules import LIBRARY, TwoOut, ramp
+from child_process import PATIENCE_S
 from core.declaration import Here, Module
 from core.engine import Engine
 from core.policy import Policy
@@ -243,7 +244,7 @@ class TestAccount:
         start = threading.Barrier(threads)
 
         def look(own):
-            start.wait(10)
+            start.wait(PATIENCE_S)
             for name in own:
                 engine.value(plan, f"{name}.image", work)
 
@@ -251,7 +252,7 @@ class TestAccount:
         for each in running:
             each.start()
         for each in running:
-            each.join(20)
+            each.join(PATIENCE_S)
         assert not any(each.is_alive() for each in running)
         keys = {plan.output(f"{name}.image").key for name in names} | {
             plan.output("make.image").key

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from child_process import PATIENCE_S
+from core import memory
 from core.errors import DataError
 from core.grid import Grid
 from core.keys import content_key
@@ -45,6 +47,45 @@ class TestStore:
         assert large.size == 100 * 128
         assert store.used_bytes <= 35 * 1024
         assert store.peek("small") is small
+
+    def test_what_is_pinned_stays_whatever_its_size(self):
+        store = Store(capacity_bytes=35 * 1024)
+        assert not store.pin("large")
+        large = store.get("large", lambda: block(100))
+        store.get("small", lambda: block(10))
+        assert store.peek("large") is large
+        assert store.pin("large")
+        store.unpin("large")
+        assert store.peek("large") is large
+        store.unpin("large")
+        assert store.peek("large") is None
+        assert (store.used_bytes, store.pinned) == (0, 0)
+
+    def test_what_was_pinned_stays_while_there_is_room(self):
+        store = Store(capacity_bytes=35 * 1024)
+        first = store.get("first", lambda: block(10))
+        assert store.pin("first")
+        for key in "abc":
+            store.get(key, lambda: block(10))
+        store.unpin("first")
+        assert [key for key in ("first", *"abc") if store.holds(key)] == ["first", "b", "c"]
+        assert store.peek("first") is first
+        assert len(store) == 3
+
+    def test_takes_what_the_memory_allows(self, monkeypatch):
+        assert 1 << 27 <= Store().capacity_bytes <= 1 << 50
+        for name, whole, limits, free, left, expected in (
+            ("a large machine", 64 << 30, [], 60 << 30, [], 16 << 30),
+            ("a busy one", 64 << 30, [], 8 << 30, [], 4 << 30),
+            ("a container", 64 << 30, [2 << 30], 60 << 30, [2 << 30], 1 << 29),
+            ("a full container", 64 << 30, [2 << 30], 60 << 30, [1 << 20], 1 << 27),
+            ("nothing known", None, [], None, [], memory.WITHOUT_KNOWLEDGE),
+        ):
+            monkeypatch.setattr(memory, "physical_bytes", lambda whole=whole: whole)
+            monkeypatch.setattr(memory, "_limits", lambda limits=limits: limits)
+            monkeypatch.setattr(memory, "_available", lambda free=free: free)
+            monkeypatch.setattr(memory, "_left_in_groups", lambda left=left: left)
+            assert Store().capacity_bytes == expected, name
 
     def test_counts_arrays_within_values(self):
         store = Store()
@@ -85,13 +126,13 @@ class TestStore:
         for thread in threads:
             thread.start()
         for thread in threads:
-            thread.join()
+            thread.join(PATIENCE_S)
         assert made == ["k"]
         assert most[0] == 1
         assert all(value is found[0] for value in found)
 
     def test_different_keys_do_not_wait_for_each_other(self):
-        store, meeting = Store(), threading.Barrier(2, timeout=5)
+        store, meeting = Store(), threading.Barrier(2, timeout=PATIENCE_S)
 
         def compute() -> int:
             meeting.wait()  # breaks unless both are here at once
@@ -101,7 +142,7 @@ class TestStore:
         for thread in threads:
             thread.start()
         for thread in threads:
-            thread.join()
+            thread.join(PATIENCE_S)
         assert store.peek("a") == store.peek("b") == 1
 
     def test_after_an_error_one_at_a_time_still_holds(self):
@@ -119,7 +160,7 @@ class TestStore:
             try:
                 if first:
                     failing.set()
-                    waiting.wait(5)
+                    waiting.wait(PATIENCE_S)
                     raise DataError("the first fails")
                 time.sleep(0.1)
                 return block(1)
@@ -136,13 +177,13 @@ class TestStore:
 
         threads = [threading.Thread(target=ask)]
         threads[0].start()
-        failing.wait(5)
+        failing.wait(PATIENCE_S)
         threads.append(threading.Thread(target=ask))
         threads[1].start()
         time.sleep(0.05)  # the second stands in the queue
         waiting.set()
         for thread in threads:
-            thread.join()
+            thread.join(PATIENCE_S)
         assert most[0] == 1
         assert store.used_bytes == size_in_bytes(block(1))
 
