@@ -16,6 +16,7 @@ from core.atomic import atomic_file, write_text
 from core.errors import DataError, FileError, ParameterError
 from nodes.files.paths import checked_band, first_bytes, readable_file
 from nodes.files.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.size_limits import refuse_oversized
 
 TEXT_SUFFIXES = (".txt", ".csv", ".prn")
 # numpy evaluates the header as a Python literal, and lets pass whatever that raises.
@@ -230,7 +231,7 @@ def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -
             f"{path}: holds an array of shape {shape}; allowed: (rows, columns) or "
             "(rows, columns, bands), none of them 0"
         )
-    return PictureInfo(
+    info = PictureInfo(
         path=path,
         rows=shape[0],
         columns=shape[1],
@@ -244,6 +245,8 @@ def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -
         dtype=dtype.newbyteorder("=").name,
         kind=kind,
     )
+    refuse_oversized(info)
+    return info
 
 
 def _text(path: Path) -> str:

@@ -8,17 +8,20 @@ import zlib
 from pathlib import Path
 
 from core.errors import FileError
+from nodes.files.fits_header import check_sums, read_fits_header
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _JPEG_START = b"\xff\xd8\xff"
 _JPEG_SCAN = b"\xff\xda"
 _JPEG_END = b"\xff\xd9"
+_FITS_START = b"SIMPLE  ="
 
 
 def refuse_damaged(path: Path) -> None:
-    """Raise `FileError` for a PNG with a broken chunk or a JPEG that was cut off.
+    """Raise `FileError` for what a checksum or an end marker of the format gives away.
 
-    A JPEG decoder fills what is missing with grey and says nothing.
+    That is a PNG with a broken chunk, a FITS whose sums do not fit, a JPEG that was cut off: its
+    decoder fills what is missing with grey and says nothing.
     """
     try:
         with (
@@ -27,6 +30,8 @@ def refuse_damaged(path: Path) -> None:
         ):
             if content[:8] == _PNG_SIGNATURE:
                 _check_png(content, path)
+            elif content[:9] == _FITS_START:
+                check_sums(read_fits_header(path))
             elif content[:3] == _JPEG_START and content.rfind(_JPEG_END) < content.rfind(
                 _JPEG_SCAN
             ):

@@ -2,8 +2,9 @@
 
 Interleave bsq, bil and bip, every real data type (1, 2, 3, 4, 5, 12, 13, 14, 15), both byte
 orders and a header offset. Samples are delivered as stored: gain and offset fields of the header
-are not applied. See `nodes.files.header_fields` for the header keys that are read besides ENVI's
-own ``wavelength``, ``wavelength units`` and ``fwhm``.
+are not applied. A sample equal to the header's ``data ignore value`` is missing: NaN. See
+`nodes.files.header_fields` for the header keys that are read besides ENVI's own ``wavelength``,
+``wavelength units`` and ``fwhm``.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from nodes.files.envi_header import EnviLayout, read_layout
 from nodes.files.header_fields import header_fields
 from nodes.files.paths import checked_band
 from nodes.files.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.size_limits import refuse_oversized
 
 _TO_UM = {
     "micrometers": 1.0,
@@ -40,6 +42,12 @@ _TO_UM = {
     "meters": 1e6,
     "m": 1e6,
 }
+# Fields that change what the samples mean, and their value that changes nothing.
+_SCALING = (
+    ("data gain values", 1.0),
+    ("data offset values", 0.0),
+    ("reflectance scale factor", 1.0),
+)
 _WAVENUMBERS = ("wavenumber", "wavenumbers", "cm-1", "1/cm", "cm^-1")
 
 
@@ -69,7 +77,7 @@ def info_of(layout: EnviLayout) -> PictureInfo:
         where=str(layout.header),
     )
     wavelengths_um, fwhm_um = _wavelengths(layout)
-    return PictureInfo(
+    info = PictureInfo(
         path=layout.data,
         rows=layout.rows,
         columns=layout.columns,
@@ -82,7 +90,10 @@ def info_of(layout: EnviLayout) -> PictureInfo:
         fov_y_deg=common.fov_y_deg,
         dtype=layout.dtype.newbyteorder("=").name,
         kind="envi",
+        not_applied=_not_applied(layout),
     )
+    refuse_oversized(info)
+    return info
 
 
 def map_cube(layout: EnviLayout) -> NDArray[np.generic]:
@@ -119,7 +130,7 @@ def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
     -------
     numpy.ndarray
         (rows, columns); float64 when the file holds doubles or integers of 32 or more bits,
-        else float32.
+        else float32. Missing samples are NaN.
 
     Raises
     ------
@@ -129,8 +140,29 @@ def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
     layout = read_layout(path)
     info = info_of(layout)  # a faulty header is refused even where its fault does not matter here
     band = checked_band(band, info.bands, info.path)
-    samples = map_cube(layout)[:, :, band]
-    return np.array(samples, dtype=delivered_dtype(layout.dtype), order="C")
+    stored = map_cube(layout)[:, :, band]
+    samples = np.array(stored, dtype=delivered_dtype(layout.dtype), order="C")
+    if layout.missing is not None:
+        samples[stored == layout.missing] = np.nan
+    return samples
+
+
+def _not_applied(layout: EnviLayout) -> tuple[str, ...]:
+    """Names of the fields by which the header would scale or shift the samples."""
+    found = []
+    for key, neutral in _SCALING:
+        texts = layout.fields.get(key, ())
+        texts = [texts] if isinstance(texts, str) else texts
+        if any(text and not _is_number(text, neutral) for text in texts):
+            found.append(key)
+    return tuple(found)
+
+
+def _is_number(text: str, number: float) -> bool:
+    try:
+        return float(text) == number
+    except ValueError:
+        return False
 
 
 def _wavelengths(

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import os
-import re
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import FileError, ParameterError
+from core.errors import DataError, FileError, ParameterError
+from core.physics.radiance_units import radiance_unit
 from nodes.files.envi import info_of, map_cube
 from nodes.files.envi_header import read_layout
 from nodes.files.picture_info import PictureInfo, Samples, delivered_dtype
@@ -67,7 +67,10 @@ def integrate_bands(
         rows = slice(start, start + step)
         block = np.zeros(total[rows].shape)
         for band in used:
-            block += weights[band] * cube[rows, :, band].astype(np.float64)
+            stored = cube[rows, :, band]
+            block += weights[band] * stored.astype(np.float64)
+            if layout.missing is not None:
+                block[stored == layout.missing] = np.nan
         total[rows] = block
     return total
 
@@ -162,14 +165,15 @@ def _check_coverage(
 
 def _per_um(info: PictureInfo) -> float:
     """Factor that makes the samples per µm."""
-    if info.unit is None or info.unit == "":
+    if not info.unit:
         return 1.0
-    unit = info.unit.lower()
-    if re.search(r"(?<![a-z])nm(?![a-z])|nanomet", unit):
-        return 1e3
-    if re.search(r"(?<![a-z])[uµμ]m(?![a-z])|micron|micromet", unit):
-        return 1.0
-    raise FileError(
-        f"{info.path}: its samples are in {info.unit}, which is not per wavelength; "
-        "read a band instead of integrating"
-    )
+    try:
+        unit = radiance_unit(info.unit)
+    except DataError as error:
+        raise FileError(f"{info.path}: {error.message}") from error
+    if unit is None or unit.spectral != "µm":
+        raise FileError(
+            f"{info.path}: its samples are in {info.unit}, which is not per wavelength; "
+            "read a band instead of integrating"
+        )
+    return unit.per_um

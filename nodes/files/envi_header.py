@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-import tempfile
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,6 +28,8 @@ REAL_TYPES: Mapping[str, str] = {
 COMPLEX_TYPES = ("6", "9")
 INTERLEAVES = ("bsq", "bil", "bip")
 DATA_SUFFIXES = (".img", "", ".dat", ".raw", ".bin", ".bsq", ".bil", ".bip")
+# What ENVI calls files of samples without a format of their own around them.
+_PLAIN_TYPES = ("", "envi", "standard", "envi standard", "envi classification")
 _LONGEST_HEADER = 64 << 20
 
 Fields = Mapping[str, str | list[str]]
@@ -38,7 +40,8 @@ class EnviLayout:
     """Where an ENVI file's samples lie: everything needed to map it, checked.
 
     `dtype` carries the file's byte order; `offset_bytes` is the length of what precedes the
-    samples; `fields` are all the header's fields, keys in lower case.
+    samples; `missing` is the sample that stands for none, of that type, or None; `fields` are all
+    the header's fields, keys in lower case.
     """
 
     data: Path
@@ -49,6 +52,7 @@ class EnviLayout:
     dtype: np.dtype[np.generic]
     interleave: str
     offset_bytes: int
+    missing: np.generic | None
     fields: Fields
 
 
@@ -84,15 +88,17 @@ def read_layout(path: str | os.PathLike[str]) -> EnviLayout:
     data, header = _pair(readable_file(path))
     fields = _fields(header)
     _refuse_unsupported(fields, header)
+    dtype = _dtype(fields, header)
     layout = EnviLayout(
         data=data,
         header=header,
         rows=_count(fields, "lines", header),
         columns=_count(fields, "samples", header),
         bands=_count(fields, "bands", header),
-        dtype=_dtype(fields, header),
+        dtype=dtype,
         interleave=_interleave(fields, header),
         offset_bytes=_count(fields, "header offset", header, low=0, default="0"),
+        missing=_missing(fields, header, dtype),
         fields=fields,
     )
     _check_size(layout)
@@ -123,67 +129,61 @@ def _data_of(header: Path) -> Path:
 
 
 def _fields(header: Path) -> Fields:
-    """Parse a header that has been checked to be a text with closed braces."""
-    # Imported when needed: 30 ms that a network without ENVI files need not pay.
-    from spectral.io import envi
+    """Fields by key in lower case: a text, or a list of texts where braces stand around it."""
+    found: dict[str, str] = {}
+    key, value, opened = "", "", False
+    for line in _text_of(header).lstrip().splitlines():
+        if line.startswith(";"):
+            continue
+        if opened:
+            value += "\n" + line.strip()
+        else:
+            name, equals, value = line.partition("=")
+            if not equals:
+                continue
+            key, value = " ".join(name.lower().split()), value.strip()
+        opened = value.startswith("{") and not value.endswith("}")
+        if not opened and found.setdefault(key, value) != value:
+            raise FileError(
+                f"{header}: {key} stands twice, as {found[key]:.60} and as {value:.60}; "
+                "allowed: once"
+            )
+    if opened:
+        raise FileError(f"{header}: the brace opened after {key!r} is never closed")
+    return {key: _parsed(key, value) for key, value in found.items()}
 
+
+def _text_of(header: Path) -> str:
     size = header.stat().st_size
     if size > _LONGEST_HEADER:
         raise FileError(f"{header}: {size} bytes are too many for an ENVI header")
     raw = first_bytes(header, size)
-    text = _checked_text(raw, header)
-    try:
-        if text.encode() == raw:
-            parsed = envi.read_envi_header(str(header))
-        else:
-            parsed = _parsed_copy(text, envi.read_envi_header)
-    except envi.EnviException as error:
-        raise FileError(f"{header}: this ENVI header cannot be parsed: {error}") from error
-    except OSError as error:
-        raise FileError(f"{header}: {error.strerror or error}") from error
-    return {" ".join(key.split()): value for key, value in parsed.items()}
-
-
-def _checked_text(raw: bytes, header: Path) -> str:
-    """Return the header as the parser takes it: line feeds and keys in lower case."""
     if not raw.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"ENVI") or b"\0" in raw:
         raise FileError(f"{header}: is not an ENVI header; its first line must be ENVI")
     try:
-        text = raw.decode("utf-8-sig")
+        return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
-        text = raw.decode("latin-1")
-    lines = text.lstrip().splitlines()
-    inside = ""
-    for number, line in enumerate(lines):
-        if line.startswith(";"):
-            continue
-        key, equals, value = line.partition("=")
-        if not inside and equals:
-            # The parser warns of capitals, and a warning may be an error.
-            lines[number] = key.lower() + equals + value
-            inside = key.strip() if value.strip().startswith("{") else ""
-        if inside and line.rstrip().endswith("}"):
-            inside = ""
-    if inside:
-        raise FileError(f"{header}: the brace opened after {inside!r} is never closed")
-    return "\n".join(lines) + "\n"
+        return raw.decode("latin-1")
 
 
-def _parsed_copy(text: str, parse: Callable[[str], Fields]) -> Fields:
-    """Parse a header whose encoding, line ends or capitals the parser does not take."""
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "header.hdr"
-        copy.write_text(text, errors="replace")
-        return parse(str(copy))
+def _parsed(key: str, value: str) -> str | list[str]:
+    if not value.startswith("{"):
+        return value
+    if key == "description":
+        return value.strip("{}").strip()
+    return [item.strip() for item in value[1:-1].split(",")]
 
 
 def _refuse_unsupported(fields: Fields, header: Path) -> None:
     compression = fields.get("file compression", "0")
     if compression != "0":
         raise FileError(f"{header}: file compression = {compression}; allowed: 0 (none)")
-    kind = str(fields.get("file type", ""))
-    if "library" in kind.lower():
-        raise FileError(f"{header}: file type = {kind}; allowed: a picture (ENVI Standard)")
+    kind = fields.get("file type", "")
+    if " ".join(str(kind).lower().split()) not in _PLAIN_TYPES:
+        raise FileError(
+            f"{header}: file type = {kind}; allowed: ENVI Standard or ENVI Classification, plain "
+            "samples; name a picture of another format itself instead of its header"
+        )
     for key in ("major frame offsets", "minor frame offsets"):
         offsets = fields.get(key, "0")
         if any(
@@ -227,6 +227,25 @@ def _dtype(fields: Fields, header: Path) -> np.dtype[np.generic]:
             f"{header}: byte order = {order}; allowed: 0 (little endian) or 1 (big endian)"
         )
     return dtype.newbyteorder("<" if order == "0" else ">")
+
+
+def _missing(fields: Fields, header: Path, dtype: np.dtype[np.generic]) -> np.generic | None:
+    """What ``data ignore value`` is as a sample; None without one, or where no sample can be it."""
+    if not fields.get("data ignore value"):
+        return None
+    text = _text(fields, "data ignore value", header, "a number")
+    try:
+        value: int | float = float(text)
+    except ValueError as error:
+        raise FileError(f"{header}: data ignore value = {text}; allowed: a number") from error
+    if dtype.kind == "f":
+        with np.errstate(over="ignore"):
+            return dtype.type(value)
+    # Exactly: a double has not every integer of 64 bits.
+    value = int(text) if re.fullmatch(r"[-+]?[0-9]{1,20}", text) else value
+    limits = np.iinfo(dtype.name)
+    held = math.isfinite(value) and value == int(value) and limits.min <= value <= limits.max
+    return dtype.type(int(value)) if held else None
 
 
 def _interleave(fields: Fields, header: Path) -> str:

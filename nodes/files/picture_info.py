@@ -36,6 +36,11 @@ class PictureInfo:
         numpy's name of the stored samples, such as ``uint16``.
     kind
         ``envi``, ``npy``, ``text`` or the picture format (``tiff``, ``openexr``, ``png``, …).
+    channels
+        Names of the channels of a colour picture, such as R, G and B; empty where there is one
+        channel or the bands are spectral.
+    not_applied
+        Fields of the header that would change the samples, which are delivered as stored.
     """
 
     path: Path
@@ -50,6 +55,8 @@ class PictureInfo:
     fov_y_deg: float | None
     dtype: str
     kind: str
+    channels: tuple[str, ...] = ()
+    not_applied: tuple[str, ...] = ()
 
 
 def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:

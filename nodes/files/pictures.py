@@ -12,6 +12,7 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,18 +21,23 @@ from numpy.typing import NDArray
 
 from core.errors import FileError
 from nodes.files.damage import png_bit_depth, refuse_damaged
+from nodes.files.fits_header import read_fits_header
 from nodes.files.header_fields import FieldValue, header_fields
 from nodes.files.paths import checked_band, first_bytes, readable_file
 from nodes.files.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.picture_writing import DTYPES as WRITABLE_DTYPES
 from nodes.files.picture_writing import write_picture
+from nodes.files.plain_tiff import read_plain_tiff
 from nodes.files.quiet import quiet_stderr
-from nodes.files.tiled_tiff import read_tiled_doubles
+from nodes.files.size_limits import refuse_impossible, refuse_oversized
+from nodes.files.tiff_deflate import check_deflate, is_deflated
 
 __all__ = ["SUFFIXES", "WRITABLE_DTYPES", "read_band", "read_info", "write_picture"]
 
 # Pictures by their suffix, whatever .hdr lies beside them; others are known by their content.
 SUFFIXES = (".exr", ".tif", ".tiff", ".png", ".jpg", ".jpeg", ".jp2", ".bmp", ".fits", ".fit")
+# Rows that a format packs together: 256 of DWAB, fewer of all others.
+_STRIP_ROWS, _STRIP_BYTES = 256, 1 << 25
 # These two invent a picture or draw on the terminal instead of reading the file.
 _NOT_FORMATS = ("null", "term")
 _NUMPY_NAMES = {
@@ -41,6 +47,8 @@ _NUMPY_NAMES = {
     "uint": "uint32",
     "int": "int32",
 }
+Array = NDArray[Any]
+
 _READABLE = {"uint8", "int8", "uint16", "int16", "uint64", "int64", *_NUMPY_NAMES.values()}
 
 
@@ -83,23 +91,64 @@ def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
     with _opened(file) as picture:
         info = _info(file, picture)
         band = checked_band(band, info.bands, file)
-        if _is_misread(picture, file):
-            return read_tiled_doubles(file, band)
-        try:
-            stored = picture.read_image(0, 0, band, band + 1, _channel_type(picture.spec(), band))
-        except (MemoryError, RuntimeError, ValueError) as error:
-            raise FileError(f"{file}: cannot be read: {error or 'out of memory'}") from error
-        if stored is None or picture.has_error:
-            raise FileError(f"{file}: is damaged: {_message(picture.geterror)}")
-        attributes = _attributes(picture.spec())
-        bits = picture.spec().get_int_attribute("oiio:BitsPerSample", 0)
-    if info.kind == "png":
-        bits = png_bit_depth(first_bytes(file, 32)) or 0
-    samples = _at_own_depth(stored.reshape(info.rows, info.columns), bits)
+        if info.kind == "tiff" and (_is_misread(picture, file) or is_deflated(file)):
+            plain = read_plain_tiff(info, band)
+            if plain is not None:
+                return plain
+            check_deflate(file)
+        values = _values(file, picture, info)
+        samples = np.full((info.rows, info.columns), np.nan, delivered_dtype(np.dtype(info.dtype)))
+        for rows, stored in _strips(file, picture, band):
+            samples[rows] = values(stored)
+    return samples
+
+
+def _values(path: Path, picture: Any, info: PictureInfo) -> Callable[[Array], Array]:
+    """What turns samples as the library gives them into those that the file means."""
     if info.kind == "fits":
-        samples = _scaled(samples, attributes, file)
-    dtype = delivered_dtype(np.dtype(info.dtype))
-    return np.ascontiguousarray(samples, dtype=dtype)
+        return read_fits_header(path).values
+    bits = picture.spec().get_int_attribute("oiio:BitsPerSample", 0)
+    if info.kind == "png":
+        bits = png_bit_depth(first_bytes(path, 32)) or 0
+    return partial(_at_own_depth, bits=bits)
+
+
+def _strips(path: Path, picture: Any, band: int) -> Iterator[tuple[slice, Array]]:
+    """The rows of a channel in turn, so that the memory beside the picture stays small.
+
+    Raises
+    ------
+    FileError
+        The library failed, said that it had, or gave other rows than asked for.
+    """
+    spec = picture.spec()
+    kind = _channel_type(spec, band)
+    step = max(1, _STRIP_BYTES // (_STRIP_ROWS * spec.width * 8)) * _STRIP_ROWS
+    if spec.tile_width:
+        step = -(-step // spec.tile_height) * spec.tile_height
+    for start in range(0, spec.height, step):
+        end = min(start + step, spec.height)
+        top, left = spec.y + start, spec.x
+        try:
+            if spec.tile_width:
+                tiles = (left, left + spec.width, top, top + end - start, 0, 1)
+                stored = picture.read_tiles(*tiles, band, band + 1, kind)
+            else:
+                stored = picture.read_scanlines(top, top + end - start, 0, band, band + 1, kind)
+        except (MemoryError, RuntimeError, ValueError) as error:
+            raise FileError(f"{path}: cannot be read: {error or 'out of memory'}") from error
+        if stored is None or picture.has_error:
+            raise _unread(path, _message(picture.geterror))
+        if stored.size != (end - start) * spec.width:
+            raise FileError(f"{path}: is damaged: rows {start} to {end} are not whole")
+        yield slice(start, end), stored.reshape(end - start, spec.width)
+
+
+def _unread(path: Path, message: str) -> FileError:
+    """A packing that this build of the library does not know is no damage."""
+    if "support is not configured" in message:
+        return FileError(f"{path}: cannot be read: {message}; allowed: none, deflate or LZW")
+    return FileError(f"{path}: is damaged: {message}")
 
 
 @contextlib.contextmanager
@@ -137,7 +186,7 @@ def _info(path: Path, picture: Any) -> PictureInfo:
     attributes = _attributes(spec)
     description = str(attributes.get("ImageDescription", ""))
     common = header_fields(attributes, description=description, where=str(path))
-    return PictureInfo(
+    info = PictureInfo(
         path=path,
         rows=spec.height,
         columns=spec.width,
@@ -150,16 +199,37 @@ def _info(path: Path, picture: Any) -> PictureInfo:
         fov_y_deg=common.fov_y_deg,
         dtype=max(stored, key=_precision),
         kind=kind,
+        channels=() if kind == "fits" else _channel_names(spec),  # planes of a cube are no colours
     )
+    bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
+    if kind == "png":
+        bits = png_bit_depth(first_bytes(path, 32)) or 0
+    bits = bits or 8 * np.dtype(info.dtype).itemsize
+    refuse_impossible(info, compression=str(attributes.get("compression", "")), bits=bits)
+    refuse_oversized(info)
+    if kind == "fits":
+        read_fits_header(path)  # refused where it cannot be used, before samples are asked for
+    return info
+
+
+def _channel_names(spec: Any) -> tuple[str, ...]:
+    try:
+        names = tuple(str(name) for name in spec.channelnames)
+    except UnicodeDecodeError:  # a damaged name
+        names = ()
+    if len(names) != spec.nchannels:
+        names = tuple(f"channel {band}" for band in range(spec.nchannels))
+    colours = spec.nchannels - (spec.alpha_channel >= 0)
+    return names if colours > 1 else ()
 
 
 def _is_misread(picture: Any, path: Path) -> bool:
-    """Whether the library would deliver uninitialised memory for these tiles of doubles.
+    """Whether the library would deliver uninitialised memory for these tiles of a TIFF.
 
     Other kinds of tile that it is known to misread are refused.
     """
     spec = picture.spec()
-    if picture.format_name() != "tiff" or spec.tile_width == 0:
+    if spec.tile_width == 0:
         return False
     bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
     cmyk = spec.get_int_attribute("tiff:PhotometricInterpretation", 0) == 5
@@ -201,22 +271,10 @@ def _message(geterror: Callable[[], str]) -> str:
     return lines[0].strip() if lines else "the file is damaged"
 
 
-def _at_own_depth(stored: NDArray[Any], bits: int) -> NDArray[Any]:
+def _at_own_depth(stored: Array, *, bits: int) -> Array:
     """Undo the stretching of packed integers (12 bits, say) to the full range of 8 or 16."""
     full = 8 * stored.dtype.itemsize
     if stored.dtype.kind != "u" or not 0 < bits < full:
         return stored
     own_range, full_range = 2**bits - 1, 2**full - 1
     return np.rint(stored * np.float64(own_range / full_range))
-
-
-def _scaled(stored: NDArray[Any], attributes: dict[str, FieldValue], path: Path) -> NDArray[Any]:
-    """Physical values of FITS: BZERO + BSCALE × stored."""
-    cards = {key.lower(): value for key, value in attributes.items()}
-    try:
-        zero, scale = (float(str(cards.get(key, of))) for key, of in (("bzero", 0), ("bscale", 1)))
-    except ValueError as error:
-        raise FileError(f"{path}: BZERO or BSCALE is no number: {error}") from error
-    if zero == 0 and scale == 1:
-        return stored
-    return stored * scale + zero

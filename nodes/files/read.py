@@ -55,8 +55,8 @@ def read_pixels(path: str | os.PathLike[str], band: int = 0) -> Samples:
     -------
     numpy.ndarray
         (rows, columns), C order, as the numbers the file stores; float64 when it holds doubles,
-        integers of 32 or more bits or text, else float32. Samples may be not finite: see
-        `check_finite`.
+        integers of 32 or more bits or text, else float32. Samples may be not finite, as those are
+        that the header says are missing: see `check_finite`.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def read_pixels(path: str | os.PathLike[str], band: int = 0) -> Samples:
             return pictures.read_band(file, band)
 
 
-def check_finite(array: NDArray[Any], name: str) -> None:
+def check_finite(array: NDArray[Any], name: str, *, advice: str = "") -> None:
     """Refuse samples that are NaN or infinite.
 
     Works in blocks of rows, so that the memory it takes does not grow with the picture.
@@ -88,6 +88,8 @@ def check_finite(array: NDArray[Any], name: str) -> None:
         (rows, columns).
     name
         What the samples are, for the message.
+    advice
+        What can be done about it, for the message's end.
 
     Raises
     ------
@@ -108,7 +110,7 @@ def check_finite(array: NDArray[Any], name: str) -> None:
         many = "1 sample is" if count == 1 else f"{count} samples are"
         raise DataError(
             f"{name}: {many} not finite (NaN or infinite), the first "
-            f"({array[first]}) at row {first[0]}, column {first[1]}"
+            f"({array[first]}) at row {first[0]}, column {first[1]}" + (advice and f"; {advice}")
         )
 
 

@@ -292,3 +292,73 @@ def test_wavenumbers(tmp_path):
 def test_band_out_of_range(tmp_path, band):
     with pytest.raises(FileError, match=f"there is no band {band}; allowed: 0 to 2"):
         envi.read_band(write(tmp_path), band)
+
+
+@pytest.mark.parametrize(
+    ("code", "value", "count"),
+    [(2, "3", 1), (1, "-9999", 0), (4, "-3", 1), (5, "1e400", 0), (15, "4", 1), (2, "3.5", 0)],
+)
+def test_samples_the_header_calls_missing(tmp_path, code, value, count):
+    data = write(tmp_path, code, data_ignore_value=value)
+    stored = cube(code)
+    is_missing = stored.astype(np.float64) == float(value)
+    assert is_missing.sum() == count
+    read = np.stack([envi.read_band(data, band) for band in range(3)], axis=2)
+    assert np.array_equal(np.isnan(read), is_missing)
+    assert np.array_equal(read[~is_missing], stored[~is_missing])
+
+
+def test_missing_value_that_single_precision_rounds(tmp_path):
+    samples = np.array([[1.0, -9999.9], [2.0, 3.0]], dtype="<f4")
+    (tmp_path / "x.img").write_bytes(samples.tobytes())
+    (tmp_path / "x.img.hdr").write_text(
+        "ENVI\nsamples = 2\nlines = 2\nbands = 1\ndata type = 4\ninterleave = bsq\n"
+        "byte order = 0\ndata ignore value = -9999.9\n"
+    )
+    assert np.isnan(envi.read_band(tmp_path / "x.img")).tolist() == [[False, True], [False, False]]
+
+
+@pytest.mark.parametrize(
+    ("extra", "message"),
+    [
+        ("samples = 8", "samples stands twice, as 7 and as 8; allowed: once"),
+        ("Samples=8", "samples stands twice"),
+        ("data  type = 4", "data type stands twice, as 5 and as 4"),
+        ("file type = TIFF", "file type stands twice"),
+    ],
+)
+def test_keys_that_stand_twice(tmp_path, extra, message):
+    data = write(tmp_path)
+    header = tmp_path / "x.img.hdr"
+    text = header.read_text()
+    header.write_text(text + "\nsamples = 7\nwavelength = {1,\n2, 3}\nwavelength = {1,\n2, 3}\n")
+    assert np.array_equal(envi.read_band(data, 1), cube(5)[:, :, 1])
+    header.write_text(f"{text}\nfile type = ENVI Standard\n{extra}\n")
+    with pytest.raises(FileError, match=message):
+        envi.read_info(data)
+
+
+@pytest.mark.parametrize("kind", ["TIFF", "ENVI Meta File", "JPEG2000", "NITF"])
+def test_data_in_a_format_of_their_own(tmp_path, kind):
+    data = write(tmp_path, file_type=kind)
+    with pytest.raises(FileError, match=rf"file type = {kind}; allowed: ENVI Standard"):
+        envi.read_info(data)
+
+
+@pytest.mark.parametrize(
+    ("extra", "named"),
+    [
+        ("data gain values = {2, 1, 1}", ("data gain values",)),
+        (
+            "data gain values = {1.0, 1, 1}\ndata offset values = {0, 0, -3}",
+            ("data offset values",),
+        ),
+        ("reflectance scale factor = 10000", ("reflectance scale factor",)),
+        ("data gain values = {1, 1, 1}\ndata offset values = {0, 0, 0}", ()),
+        ("", ()),
+    ],
+)
+def test_what_would_change_the_samples_is_named(tmp_path, extra, named):
+    data = write(tmp_path, extra=extra)
+    assert read_info(data).not_applied == named
+    np.testing.assert_array_equal(read_pixels(data, 1), cube(5)[:, :, 1])

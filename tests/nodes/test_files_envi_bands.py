@@ -134,3 +134,21 @@ def test_weights_sum_to_the_covered_width(tmp_path):
     info = envi.read_info(write(tmp_path, random_cube(3), [8.5, 9.5, 12], [1, 1.5, 0.5]))
     weights = band_weights_um(info, cut_on_um=7, cut_off_um=12)
     assert weights.sum() == pytest.approx(2.25 + 0.25, rel=1e-14)
+
+
+def test_a_sample_missing_in_a_used_band_is_missing_in_the_sum(tmp_path):
+    cube = random_cube(3)
+    cube[1, 2, 0] = cube[2, 1, 2] = -1.0
+    extra = "data ignore value = -1"
+    data = write(tmp_path, cube, [8.5, 9.5, 10.5], [1, 1, 1], extra=extra)
+    read = integrate_bands(data, 8, 10)
+    truth = cube[:, :, :2].sum(axis=2)
+    truth[1, 2] = np.nan
+    np.testing.assert_allclose(read, truth, rtol=1e-13)
+
+
+def test_a_unit_that_is_not_understood_is_refused(tmp_path):
+    unit = "data units = W/m^2/sr/furlong"
+    data = write(tmp_path, random_cube(2), [8.5, 9.5], [1, 1], extra=unit)
+    with pytest.raises(FileError, match=r"'W/m\^2/sr/furlong' is not understood"):
+        integrate_bands(data, 8, 10)

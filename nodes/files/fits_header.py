@@ -1,0 +1,179 @@
+"""The first header of a FITS file: what turns stored numbers into values, and the checksums.
+
+Source: Pence and others, Definition of the Flexible Image Transport System 3.0, A&A 524 (2010),
+sections 4.2 (values; D as the sign of an exponent), 4.4.2.5 (BSCALE, BZERO, BLANK) and appendix J
+(DATASUM, CHECKSUM).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import FileError
+
+_BLOCK, _CARD = 2880, 80
+_MOST_BLOCKS = 20_000
+_BLOCKS_SUMMED = 4096
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EDed][-+]?\d+)?")
+_TEXT = re.compile(r"'((?:[^']|'')*)'")
+
+# Those that say what the samples are.
+_USED = ("BITPIX", "NAXIS", "NAXIS1", "NAXIS2", "NAXIS3", "BSCALE", "BZERO", "BLANK", "DATASUM")
+
+
+@dataclass(frozen=True)
+class FitsHeader:
+    """The first header of a file and what it says of stored numbers.
+
+    Attributes
+    ----------
+    cards
+        Values by keyword, as text without comment.
+    length
+        Bytes up to the samples.
+    zero, scale
+        BZERO and BSCALE: the value of a stored 0 and of a step of 1.
+    blank
+        BLANK: the stored integer that stands for none; None where the samples are no integers.
+    """
+
+    path: Path
+    cards: dict[str, str]
+    length: int
+    zero: float
+    scale: float
+    blank: int | None
+
+    def values(self, stored: NDArray[Any]) -> NDArray[Any]:
+        """Physical values: BZERO + BSCALE × stored, NaN where a sample is BLANK."""
+        plain = self.zero == 0.0 and self.scale == 1.0
+        if plain and self.blank is None:
+            return stored
+        values = stored.astype(np.float64)
+        if not plain:
+            values *= self.scale
+            values += self.zero
+        if self.blank is not None:
+            values[stored == self.blank] = np.nan
+        return values
+
+
+def read_fits_header(path: Path) -> FitsHeader:
+    """Read the first header of a FITS file.
+
+    Raises
+    ------
+    FileError
+        The header has no end, says two things of its samples, or what is no number.
+    """
+    cards: dict[str, str] = {}
+    try:
+        with path.open("rb") as file:
+            for block in range(1, _MOST_BLOCKS + 1):
+                content = file.read(_BLOCK)
+                for place in range(0, len(content), _CARD):
+                    card = content[place : place + _CARD].decode("latin-1")
+                    if card.rstrip() == "END":
+                        return _header(path, cards, block * _BLOCK)
+                    _add(cards, card, path)
+                if len(content) < _BLOCK:
+                    break
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from error
+    raise FileError(f"{path}: this FITS file is damaged or truncated: its header has no END")
+
+
+def _header(path: Path, cards: dict[str, str], length: int) -> FitsHeader:
+    zero, scale = _number(path, cards, "BZERO", 0.0), _number(path, cards, "BSCALE", 1.0)
+    blank = cards.get("BLANK")
+    if blank is None or cards.get("BITPIX", "").startswith("-"):
+        return FitsHeader(path, cards, length, zero, scale, None)
+    if not re.fullmatch(r"[-+]?\d{1,20}", blank):
+        raise FileError(f"{path}: BLANK = {blank:.40}; allowed: a whole number")
+    return FitsHeader(path, cards, length, zero, scale, int(blank))
+
+
+def _number(path: Path, cards: dict[str, str], key: str, default: float) -> float:
+    text = cards.get(key)
+    if text is None:
+        return default
+    value = math.nan
+    if _NUMBER.fullmatch(text):
+        value = float(text.upper().replace("D", "E"))
+    if not math.isfinite(value) or (key == "BSCALE" and value == 0.0):
+        allowed = "a finite number" + (" other than 0" if key == "BSCALE" else "")
+        raise FileError(f"{path}: {key} = {text:.40}; allowed: {allowed}")
+    return value
+
+
+def _add(cards: dict[str, str], card: str, path: Path) -> None:
+    key = card[:8].rstrip()
+    if card[8:10] != "= " or not key:
+        return
+    text = card[10:].strip()
+    quoted = _TEXT.match(text)
+    value = quoted[1].replace("''", "'").rstrip() if quoted else text.partition("/")[0].strip()
+    if cards.setdefault(key, value) != value and key in _USED:
+        raise FileError(
+            f"{path}: {key} stands twice, as {cards[key]:.40} and as {value:.40}; allowed: once"
+        )
+
+
+def check_sums(header: FitsHeader) -> None:
+    """Refuse samples that are not those that DATASUM, or a whole unit that CHECKSUM, was made of.
+
+    Raises
+    ------
+    FileError
+        The file is damaged.
+    """
+    told = header.cards.get("DATASUM", "")
+    whole = bool(header.cards.get("CHECKSUM"))
+    if not told and not whole:
+        return
+    size = _data_bytes(header)
+    data = _ones_sum(header, header.length, size)
+    if told and (not re.fullmatch(r"\d{1,10}", told) or int(told) != data):
+        raise FileError(
+            f"{header.path}: this FITS file is damaged: its samples sum up to {data}, "
+            f"but DATASUM = {told:.20}"
+        )
+    if whole and _folded(data + _ones_sum(header, 0, header.length)) not in (0, 0xFFFFFFFF):
+        raise FileError(f"{header.path}: this FITS file is damaged: CHECKSUM does not fit")
+
+
+def _data_bytes(header: FitsHeader) -> int:
+    """Length of the samples, whole blocks."""
+    try:
+        axes = int(header.cards["NAXIS"])
+        sizes = [int(header.cards[f"NAXIS{axis + 1}"]) for axis in range(min(axes, 999))]
+        samples = math.prod(sizes) if axes else 0
+        size = abs(int(header.cards["BITPIX"])) // 8 * samples
+    except (KeyError, ValueError) as error:
+        raise FileError(f"{header.path}: this FITS header is damaged: {error}") from error
+    return -(-size // _BLOCK) * _BLOCK
+
+
+def _ones_sum(header: FitsHeader, start: int, size: int) -> int:
+    """Sum of words of 32 bits in ones' complement, what lacks at the end taken as zeros."""
+    total = 0
+    with header.path.open("rb") as file:
+        file.seek(start)
+        while size > 0 and (content := file.read(min(size, _BLOCKS_SUMMED * _BLOCK))):
+            size -= len(content)
+            words = np.frombuffer(content + bytes(-len(content) % 4), ">u4")
+            total = _folded(total + int(words.sum(dtype=np.uint64)))
+    return total
+
+
+def _folded(total: int) -> int:
+    while total >> 32:
+        total = (total & 0xFFFFFFFF) + (total >> 32)
+    return total
