@@ -196,12 +196,17 @@ def test_filtering_term_by_term(shape, edges):
 
 
 def test_weights_of_interpolation_by_hand():
-    assert weights(np.float64, 2, 4, 1).tolist() == [[1, 0], [0.75, 0.25], [0.25, 0.75], [0, 1]]
-    assert weights(np.float64, 3, 1, 0).tolist() == [[0, 1, 0]]
-    assert weights(np.float64, 2, 1, 0).tolist() == [[0, 1]]
-    cubic = weights(np.float64, 4, 2, 3)
+    assert weights(np.float64, 2, 4, 1, None).tolist() == [
+        [1, 0],
+        [0.75, 0.25],
+        [0.25, 0.75],
+        [0, 1],
+    ]
+    assert weights(np.float64, 3, 1, 0, None).tolist() == [[0, 1, 0]]
+    assert weights(np.float64, 2, 1, 0, None).tolist() == [[0, 1]]
+    cubic = weights(np.float64, 4, 2, 3, None)
     assert cubic[0].tolist() == [0.5625 - 0.0625, 0.5625, -0.0625, 0]
-    assert np.abs(weights(np.longdouble, 7, 12, 3).sum(axis=1) - 1).max() <= 8 * EPS
+    assert np.abs(weights(np.longdouble, 7, 12, 3, None).sum(axis=1) - 1).max() <= 8 * EPS
 
 
 def test_pi_is_extended():

@@ -94,7 +94,7 @@ def budget_table(
         TableRow("sigma", noise.sigma, unit, "all noise"),
         TableRow("sigma_temporal", noise.temporal, unit, "all temporal noise"),
         TableRow("sigma_fixed", noise.fixed, unit, "all fixed patterns"),
-        TableRow("mean", noise.mean, unit, "mean of the picture"),
+        TableRow("mean", noise.mean, unit, "mean of the picture without noise"),
     ]
     rows += _blur_rows(blur)
     return TableData(tuple(rows))

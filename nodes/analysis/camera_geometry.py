@@ -93,7 +93,7 @@ class CameraGeometry(
         )
         along = camera.step_y_mrad
         if camera.kind != "framing":
-            along = 1000.0 * camera.line_spacing_m / camera.altitude_m
+            along = 1000.0 * (camera.line_spacing_m / camera.altitude_m)
         seen = image.with_recipe(
             picture,
             rows=camera.rows,
@@ -101,6 +101,7 @@ class CameraGeometry(
             interval_x_mrad=camera.step_x_mrad,
             interval_y_mrad=along,
             header=Header(fov_x_deg=field_deg(camera=camera), focal_length_mm=self.focal_length_mm),
+            edges=None,
         )
         return CameraOutputs(
             seen,

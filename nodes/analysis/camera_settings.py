@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -173,7 +174,7 @@ class CameraSettings(Module):
         Raises
         ------
         ParameterError
-            If its sampling is not known.
+            If its sampling is not known, or its size is no number.
         """
         x, y = self.ground_interval_m, self.ground_interval_y_m or self.ground_interval_m
         if x is None and image.interval_x_mrad is not None:
@@ -187,4 +188,10 @@ class CameraSettings(Module):
                 "the scene does not say its angular interval: give how far its samples are apart",
                 unit="m",
             )
+        for name, interval, samples in (
+            ("ground_interval_m", x, image.columns),
+            ("ground_interval_y_m", y, image.rows),
+        ):
+            if not math.isfinite(interval * samples):
+                raise ParameterError(name, interval, "so small that the scene ends", unit="m")
         return Ground(image.rows, image.columns, x, y)

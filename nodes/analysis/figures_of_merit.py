@@ -7,7 +7,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Annotated, Literal, NamedTuple
 
-from core.declaration import Here, Module, readout
+from core.caution import Caution
+from core.declaration import Here, Module, readout, warning
 from core.grid import Grid
 from core.parameters import Param
 from core.physics.eye import frames_integrated
@@ -29,6 +30,7 @@ from nodes.analysis.threshold_curves import (
     sensitivity,
     thresholds,
 )
+from nodes.cautions import band_caution, unit_caution
 from nodes.given import given_band, with_interval
 from nodes.input_output.examine_image import figure
 
@@ -67,8 +69,10 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     """Tell SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor behind a picture.
 
     Transfer function and noise are read off the chain that made the picture; nothing is drawn or
-    measured. Connect the picture as the sensor samples it, before a frame grabber interpolates it:
-    its samples set Nyquist's frequency and the bandwidth of the noise.
+    measured, and the mean that SNR and background come from is that of the picture without noise
+    and without errors of gain and bias. Connect the picture as the sensor samples it, before a
+    frame grabber interpolates it: its samples set Nyquist's frequency and the bandwidth of the
+    noise.
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ left after the eye has averaged over
     a bar and over time. `ratches_1976` takes the temporal noise alone, and knows no limit by
@@ -246,6 +250,16 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             Table(table),
         )
 
+    @warning
+    def band(self, image: Image) -> Caution | None:
+        """A band that is not the picture's."""
+        return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
+
+    @warning
+    def unit(self, image: Image) -> Caution | None:
+        """A picture that is no radiance."""
+        return unit_caution(image.unit, meant="NETD, MRTD and MDTD")
+
     def _frames(self) -> float:
         """Frames averaged by the eye: one of a still frame."""
         if self.frame_rate_Hz is None:
@@ -284,7 +298,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             range_max_km=self.range_max_km,
         )
 
-    snr = _figure("snr", "", "Mean over temporal noise; none without noise.")
+    snr = _figure("snr", "", "Noise-free mean over temporal noise; none without noise.")
     netd_K = _figure("netd_K", "K", "Noise equivalent temperature difference, temporal.")
     ner = _figure("ner", "W/m²/sr", "Noise equivalent radiance: rms temporal noise.")
     mrtd_x_K = _figure("mrtd_x_K", "K", "MRTD of upright bars at half of Nyquist, if resolved.")

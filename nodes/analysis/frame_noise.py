@@ -51,13 +51,19 @@ class FrameNoise(Recipe):
         """The first frame, and what it is compared with."""
         return self.picture, self.clean
 
+    @property
+    def needs(self) -> tuple[Recipe, ...]:
+        """The next frame too, which shares with the first all that leads to the noise."""
+        return (*self.inputs, at_frame(self.picture, 1))
+
     def compute(self, work: Work) -> MeasuredNoise:
         """Take the frames one after the other; none is kept."""
         clean = np.asarray(work.value(self.clean), np.float64)
         cube = NoiseCube(*clean.shape)
-        for frame in range(self.frames):
+        frames = (at_frame(self.picture, frame) for frame in range(self.frames))
+        for picture in work.one_by_one(frames):
             work.check()
-            cube.add(work.value(at_frame(self.picture, frame)) - clean)
+            cube.add(picture - clean)
         return cube.measured()
 
 
@@ -87,7 +93,7 @@ def table_of(
             TableRow("temporal_measured", max(of_time, 0.0) ** 0.5, unit, "temporal noise"),
             TableRow("fixed_measured", max(fixed, 0.0) ** 0.5, unit, "fixed-pattern noise"),
         ]
-    rows.append(TableRow("mean", predicted.mean, unit, "mean of the picture"))
+    rows.append(TableRow("mean", predicted.mean, unit, "mean of the picture without noise"))
     return TableData(tuple(rows))
 
 

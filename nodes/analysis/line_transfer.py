@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
@@ -62,17 +63,16 @@ class Stage:
 
 def stages_of(factors: tuple[Factor, ...]) -> tuple[Stage, ...]:
     """Factors grouped by the module they came from, in order, under unique names."""
-    groups: dict[tuple[str | None, str], tuple[Factor, ...]] = {}
+    groups: dict[tuple[str | None, str], list[Factor]] = {}
     for factor in factors:
-        origin = (factor.node, factor.label)
-        groups[origin] = (*groups.get(origin, ()), factor)
-    labels = [label for _, label in groups]
+        groups.setdefault((factor.node, factor.label), []).append(factor)
+    labels = Counter(label for _, label in groups)
     stages: list[Stage] = []
     for number, ((node, label), members) in enumerate(groups.items(), 1):
         name = label or node or f"Stage {number}"
-        if labels.count(label) > 1 and label and node:
+        if labels[label] > 1 and label and node:
             name = f"{label} ({node})"
-        stages.append(Stage(name, members))
+        stages.append(Stage(name, tuple(members)))
     return tuple(stages)
 
 

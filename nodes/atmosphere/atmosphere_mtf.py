@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from core.declaration import Here, readout
+from core.caution import Caution
+from core.declaration import Here, readout, warning
 from core.errors import ParameterError
 from core.factors import Factor
 from core.parameters import Param
@@ -22,6 +23,7 @@ from core.realize import transfer_plane
 from core.recipes import Step
 from core.values import Context, Magnitude, Transfer
 from core.work import Work
+from nodes.cautions import F_NUMBER_NEAR, apart_caution, wavelength_caution
 from nodes.given import of_context
 from nodes.laws import radial, separable
 from nodes.ports import MtfModule, MtfOutputs
@@ -34,8 +36,10 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     Turbulence is a Gaussian blur of given width, or Fried's long or short exposure with r0 given
     or from a Cn² profile. Turbidity falls to a plateau: exp(−τ(ρ/ρc)²), beyond ρc exp(−τ), with
-    τ of a level (plateaus 0.99, 0.975, 0.955), typed in, or from the absorption and scattering
-    coefficients along the path (looking vertically, of an exponential profile).
+    τ of a level (plateaus 0.99, 0.975, 0.955), typed in, or from the scattering coefficient along
+    the path (looking down or up, of an exponential profile). Absorption dims all frequencies
+    alike: it does not blur, and belongs to the path's transmission, which is no part of this
+    module. Looking up blurs more than looking down, as turbulence is near the aperture.
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """
 
@@ -72,10 +76,16 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         Param("cutoff, particle radius over wavelength", unit="cyc/mrad", low=0, above=True),
     ] = 0.001
     view: Annotated[
-        Literal["horizontal", "vertical"], Param("direction of view, for coefficients and Cn²")
+        Literal["horizontal", "vertical", "up"],
+        Param("line of sight, for coefficients and Cn²; vertical: down from a height, up: to one"),
     ] = "horizontal"
     absorption_per_km: Annotated[
-        float, Param("absorption coefficient, for custom", unit="1/km", low=0)
+        float,
+        Param(
+            "of no effect: absorption dims and does not blur (path transmission)",
+            unit="1/km",
+            low=0,
+        ),
     ] = 0.0
     scattering_per_km: Annotated[
         float, Param("scattering coefficient, for custom", unit="1/km", low=0)
@@ -83,7 +93,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     scale_height_km: Annotated[
         float,
-        Param("scale height of the aerosol, for a vertical view", unit="km", low=0, above=True),
+        Param("scale height of the aerosol, looking down or up", unit="km", low=0, above=True),
     ] = 1.0
 
     def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
@@ -136,6 +146,30 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             )
         return sum(context.band_um) / 2
 
+    @warning
+    def wavelength(self, context: Context) -> Caution | None:
+        """Turbulence at a wavelength that the picture does not have."""
+        if self.turbulence in ("gaussian", "none"):
+            return None
+        return wavelength_caution(context.band_um, self.wavelength_um, name="wavelength_um")
+
+    @warning
+    def aperture(self, context: Context) -> Caution | None:
+        """An aperture that is not the one of the F number and focal length."""
+        if self.turbulence != "short_exposure" or not context.f_number:
+            return None
+        if context.focal_length_mm is None:
+            return None
+        return apart_caution(
+            "aperture_mm",
+            self.aperture_mm,
+            context.focal_length_mm / context.f_number,
+            unit="mm",
+            where="by focal_length_mm and f_number of Init & Trans",
+            near=F_NUMBER_NEAR,
+            remedy="make them agree",
+        )
+
     @readout("m")
     def r0_m(self, context: Context) -> float | None:
         """Fried's r0, given or from the Cn² profile; empty where turbulence does not use it."""
@@ -148,9 +182,10 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         path, wavelength = of_context("range_m", context, unit="m"), self._wavelength(context)
         if self.view == "horizontal":
             return fried_r0_uniform_m(cn2=self.cn2, path_m=path, wavelength_um=wavelength)
+        up = self.view == "up"
         return fried_r0_slant_m(
-            target_height_m=0.0,
-            sensor_height_m=path,
+            target_height_m=path if up else 0.0,
+            sensor_height_m=0.0 if up else path,
             path_m=path,
             wavelength_um=wavelength,
             ground_cn2=self.cn2,
@@ -158,22 +193,22 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @readout()
     def optical_depth(self, context: Context) -> float:
-        """Optical depth τ of the turbidity."""
+        """Optical depth τ of the turbidity: of scattering alone."""
         if self.turbidity == "none":
             return 0.0
         if self.turbidity != "custom":
             return turbidity_optical_depth(level=self.turbidity)
         if self.scatter_depth is not None:
             return self.scatter_depth
-        if self.absorption_per_km == 0 and self.scattering_per_km == 0:
+        if self.scattering_per_km == 0:
             return 0.0
         return path_optical_depth(
-            absorption_per_km=self.absorption_per_km,
+            absorption_per_km=0.0,
             scattering_per_km=self.scattering_per_km,
             path_m=of_context("range_m", context, unit="m"),
             view=self.view,
             scale_height_km=self.scale_height_km,
-        ).extinction
+        ).scattering
 
     @readout()
     def largest_change(self, outputs: MtfOutputs) -> Step | float:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from core.declaration import Here, readout
+from core.caution import Caution
+from core.declaration import Here, readout, warning
 from core.parameters import Param
 from core.physics.detector import aperture_mtf, first_zero_cyc_per_mrad
 from core.physics.sampling import ifov_mrad
 from core.values import Context, Magnitude
+from nodes.cautions import apart_caution, first
 from nodes.given import given
 from nodes.laws import separable
 from nodes.ports import MtfModule, MtfOutputs
@@ -43,6 +45,23 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
             node=here.node,
         )
         return self.mtf_outputs(magnitude, *factors)
+
+    @warning
+    def geometry(self, context: Context) -> Caution | None:
+        """A detector or focal length that is not the one of Init & Trans."""
+        units = {"detector_x_um": "µm", "detector_y_um": "µm", "focal_length_mm": "mm"}
+        return first(
+            *(
+                apart_caution(
+                    name,
+                    getattr(self, name),
+                    getattr(context, name),
+                    unit=units.get(name, ""),
+                    where="on Init & Trans, which the electronics go by",
+                )
+                for name in (*units, "fill_x", "fill_y")
+            )
+        )
 
     @readout("mrad")
     def ifov_x_mrad(self, context: Context) -> float:

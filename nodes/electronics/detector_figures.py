@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import hypot
 from typing import Any
 
 import numpy as np
@@ -102,25 +103,32 @@ def figures(
     detector: Detector,
     amplifier_snr: float | None,
     snr_reference: str,
+    variability_percent: float,
 ) -> TableData:
-    """All read-outs of noise, in the order of the panel."""
+    """All read-outs of noise, in the order of the panel.
+
+    NEP and NER are of a detector of mean noise; NETD and SNR are of the picture, with the rms over
+    all detectors: √(1 + v²) times as much where v is the spread of their noise.
+    """
+    rms_over_mean = hypot(1.0, variability_percent / 100.0)
     sigma = amplifier_sigma(seen, snr=amplifier_snr, reference=snr_reference)
     # NETD is noise over dL/dT: the detector's own gives the slope without Planck's integral.
     netd_amplifier = found.netd_K * sigma / found.ner
-    noise = float(np.hypot(found.ner, sigma))
+    netd_detector = found.netd_K * rms_over_mean
+    noise = float(np.hypot(found.ner * rms_over_mean, sigma))
     rows = (
         ("background_K", found.background_K, "K", "background that weights D* and gives dL/dT"),
         ("bandwidth_Hz", detector.bandwidth_Hz, "Hz", "noise bandwidth"),
         ("g_number", found.g_number, "1/sr", "optical throughput"),
         ("d_star", found.d_star, "cm √Hz/W", "specific detectivity of the band"),
-        ("nep_W", found.nep_W, "W", "noise equivalent power"),
-        ("ner", found.ner, "W/m²/sr", "noise equivalent radiance of the detector"),
+        ("nep_W", found.nep_W, "W", "noise equivalent power of a detector of mean noise"),
+        ("ner", found.ner, "W/m²/sr", "noise equivalent radiance of a detector of mean noise"),
         ("amplifier_noise", sigma, "W/m²/sr", "rms noise of the amplifier"),
-        ("netd_detector_K", found.netd_K, "K", "NETD of the detector"),
+        ("netd_detector_K", netd_detector, "K", "NETD of the detectors, rms of all"),
         ("netd_amplifier_K", netd_amplifier, "K", "NETD of the amplifier"),
         (
             "netd_system_K",
-            system_netd_K(amplifier_netd_K=netd_amplifier, detector_netd_K=found.netd_K),
+            system_netd_K(amplifier_netd_K=netd_amplifier, detector_netd_K=netd_detector),
             "K",
             "NETD of detector and amplifier together",
         ),

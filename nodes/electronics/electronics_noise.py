@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Literal, NamedTuple
 
-from core.declaration import Here, Module, readout
+from core.caution import Caution
+from core.declaration import Here, Module, readout, warning
 from core.errors import ParameterError
 from core.factors import Separable
 from core.parameters import Param
@@ -20,6 +21,7 @@ from core.physics.noise_equivalent import detector_area_cm2
 from core.physics.post_filter import corner_in_cyc_per_mrad, post_filter_mtf, post_filter_ptf
 from core.recipes import Step
 from core.values import Context, Image, Table, Transfer
+from nodes.cautions import apart_caution, band_caution, unit_caution
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import (
     Detector,
@@ -61,8 +63,10 @@ class ElectronicsNoise(
 
     In this order: gain and bias errors of each detector; detector noise of rms NER; the
     pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise of rms
-    reference/SNR; a post filter; quantization. Sources: Tantalo 1996, sections 4.6, 4.7, 4.9 and
-    4.10. Erratum: eq. 4.59 as printed scales the picture by the gain error (`literal`).
+    reference/SNR; a post filter; quantization. NEP and NER are of a detector of mean noise; NETD
+    and SNR are of all of them, √(1 + v²) times as noisy with a spread of v. Sources: Tantalo 1996,
+    sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the picture by the gain
+    error (`literal`).
     """
 
     cut_on_um: Annotated[
@@ -150,8 +154,16 @@ class ElectronicsNoise(
         seen = Step.of(statistics, image.recipe, node=node)
         detector = self._detector(context)
         known = Step.of(detector_figures, seen, node=node, detector=detector)
-        amplifier = {"amplifier_snr": self.amplifier_snr, "snr_reference": self.snr_reference}
-        table = Step.of(figures, seen, known, node=node, detector=detector, **amplifier)
+        table = Step.of(
+            figures,
+            seen,
+            known,
+            node=node,
+            detector=detector,
+            amplifier_snr=self.amplifier_snr,
+            snr_reference=self.snr_reference,
+            variability_percent=self.noise_variability_percent,
+        )
         image = with_interval(image, context)
         plan = steps.NoisePlan(
             image,
@@ -184,6 +196,30 @@ class ElectronicsNoise(
             mtf=Transfer(grid, "mtf", parts["mtf"], label=self.title),
             ptf=Transfer(grid, "ptf", parts["ptf"], label=self.title),
             table=Table(Step.of(steps.with_quantization, table, final, shaped, node=node)),
+        )
+
+    @warning
+    def band(self, image: Image) -> Caution | None:
+        """A band that is not the picture's."""
+        return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
+
+    @warning
+    def unit(self, image: Image) -> Caution | None:
+        """A picture that is no radiance."""
+        return unit_caution(image.unit, meant="NER, NETD and D*")
+
+    @warning
+    def scan(self, context: Context) -> Caution | None:
+        """A scan mirror that is not as fast as the scan of Init & Trans."""
+        if self.scan_mirror_rate_Hz is None:
+            return None
+        return apart_caution(
+            "the scan velocity of scan_mirror_rate_Hz",
+            self.scan_velocity(context),
+            context.scan_velocity_mrad_per_s,
+            unit="mrad/s",
+            where="on Init & Trans",
+            remedy="leave one of the two empty, or make them agree",
         )
 
     def scan_velocity(self, context: Context) -> float:
@@ -285,9 +321,11 @@ class ElectronicsNoise(
     bandwidth_figure = _figure("bandwidth_Hz", "Hz", "Noise bandwidth.")
     g_number = _figure("g_number", "1/sr", "Optical throughput number G#.")
     d_star_figure = _figure("d_star", "cm √Hz/W", "Specific detectivity of the band.")
-    nep_W = _figure("nep_W", "W", "Noise equivalent power of a detector.")
-    ner = _figure("ner", "W/m²/sr", "Noise equivalent radiance: rms of the detector noise.")
-    netd_detector_K = _figure("netd_detector_K", "K", "NETD of the detector.")
+    nep_W = _figure("nep_W", "W", "Noise equivalent power of a detector of mean noise.")
+    ner = _figure("ner", "W/m²/sr", "Noise equivalent radiance of a detector of mean noise.")
+    netd_detector_K = _figure(
+        "netd_detector_K", "K", "NETD of the detectors: rms of all, spread included."
+    )
     netd_amplifier_K = _figure("netd_amplifier_K", "K", "NETD of the amplifier.")
     netd_system_K = _figure("netd_system_K", "K", "NETD of detector and amplifier together.")
     snr = _figure("snr", "", "Mean over rms noise of detector and amplifier.")

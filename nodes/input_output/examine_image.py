@@ -11,29 +11,22 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from core.caution import Caution
 from core.data import CurveData, Series, TableData, TableRow
-from core.declaration import Here, Module, readout
+from core.declaration import Here, Module, readout, warning
 from core.errors import DataError, ParameterError
 from core.parameters import Param
 from core.physics.planck import brightness_temperature
-from core.realize import realize, spectrum
+from core.realize import asked_for, realize, spectrum
 from core.recipes import Recipe, Step
 from core.values import Curve, Image, Magnitude, Phase, Table, Transfer
 from core.work import Work
+from nodes.cautions import is_radiance, is_temperature
 from nodes.input_output.sample_statistics import histogram, statistics
 
 Array = NDArray[Any]
 Display = Literal["linear", "log", "centred_spectrum"]
 Band = tuple[float, float]
-RADIANCE_UNITS = (
-    "W/m²/sr",
-    "W/m2/sr",
-    "W/m^2/sr",
-    "W m⁻² sr⁻¹",
-    "W m-2 sr-1",
-    "W/(m²·sr)",
-    "W/(m2 sr)",
-)
 
 
 class ExamineOutputs(NamedTuple):
@@ -76,9 +69,9 @@ class ExamineImage(
         band, unit = None, ""
         if isinstance(image, Image):
             recipe, unit = image.recipe, image.unit
-            band = image.band_um if unit in RADIANCE_UNITS else None
+            band = image.band_um if is_radiance(unit) else None
         else:
-            recipe = Step.of(realized, node=here.node, value=image)
+            recipe = Step.of(realized, *asked_for(image), node=here.node, value=image)
         table = Step.of(
             figures,
             recipe,
@@ -105,6 +98,19 @@ class ExamineImage(
         """Nothing to write: examined in every run."""
         return []
 
+    @warning
+    def no_temperature(self, image: Image | Magnitude | Phase | Transfer) -> Caution | None:
+        """Apparent temperatures that are missing, as the picture's unit is not radiance's."""
+        if not isinstance(image, Image) or image.band_um is None:
+            return None
+        if is_radiance(image.unit) or is_temperature(image.unit):
+            return None
+        unit = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
+        return Caution(
+            f"no apparent temperatures are told of a picture {unit}",
+            "convert it to W/m²/sr by scale and unit on Read Image",
+        )
+
     @readout()
     def minimum(self, outputs: ExamineOutputs) -> Recipe:
         """Least sample."""
@@ -126,7 +132,7 @@ class ExamineImage(
         return Step.of(figure, outputs.table.recipe, name="sigma")
 
 
-def realized(work: Work, *, value: Any) -> Array:
+def realized(work: Work, *known: Any, value: Any) -> Array:
     """Samples of a magnitude, phase or transfer function; of a complex one the modulus."""
     samples: Array = realize(value, work)
     return np.abs(samples) if np.iscomplexobj(samples) else samples

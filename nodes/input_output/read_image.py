@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Annotated, Literal
 
-from core.declaration import Here, Module, readout
+import numpy as np
+
+from core.caution import Caution
+from core.declaration import Here, Module, readout, warning
 from core.errors import ParameterError
 from core.parameters import Param
 from core.physics.sampling import interval_mrad
 from core.recipes import Step
 from core.values import Header, Image
+from nodes.cautions import is_radiance
 from nodes.files.paths import checked_band
 from nodes.files.picture_info import PictureInfo
+from nodes.input_output.sample_unit import DEFAULT_UNIT, sample_unit
 from nodes.input_output.source_file import count_missing, picture_source, read_step
 from nodes.ports import ImageOutput
-
-_PER_CM2 = re.compile(r"/\s*cm\s*(\^?2|²)|cm\s*(\^?-2|⁻²)", re.IGNORECASE)
 
 
 class ReadImage(Module, key="read_image", title="Read Image", group="Input and output"):
@@ -25,10 +27,13 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
 
     Samples are the numbers the file stores times `scale`. Where an ENVI header gives wavelengths,
     its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for every other
-    file these two say which band the samples are of. Where the header says radiance per cm², as
-    DIRSIG's W cm⁻² sr⁻¹ µm⁻¹, a scale of 1 stands for the 10000 to W m⁻² sr⁻¹. An empty field of
-    view is taken from the header. FITS pictures come with their first row at the bottom. Samples
-    that are no numbers are refused unless `missing` says what stands for them.
+    file these two say which band the samples are of. Radiance comes out in W/m²/sr, one spectral
+    band in W/m²/sr/µm: where the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
+    `scale` is 1, from that one, else from `unit`. K, DN and the like stay what they are; photons
+    are not turned into watts; a unit of radiance not understood is refused. Of a colour picture
+    one channel is read, the first unless `band` says another. An empty field of view is taken from
+    the header. FITS pictures come with their first row at the bottom. Samples that are no numbers,
+    or the file's value for no data, are refused unless `missing` says what stands for them.
     """
 
     path: Annotated[Path | None, Param("picture file, relative to the network file's folder")] = (
@@ -36,19 +41,21 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     )
     band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0
     scale: Annotated[float, Param("factor on the samples", slider=(0, 10000))] = 1.0
-    unit: Annotated[str, Param("unit of the samples after scaling")] = "W/m²/sr"
+    unit: Annotated[str, Param("unit of the samples after scaling")] = DEFAULT_UNIT
     fov_x_deg: Annotated[
-        float | None, Param("field of view across", unit="deg", low=0, high=180, below=True)
+        float | None,
+        Param("field of view across", unit="deg", low=0, high=180, below=True),
     ] = None
     fov_y_deg: Annotated[
-        float | None, Param("field of view along", unit="deg", low=0, high=180, below=True)
+        float | None,
+        Param("field of view along", unit="deg", low=0, high=180, below=True),
     ] = None
     cut_on_um: Annotated[float | None, Param("shortest wavelength", unit="µm", low=0)] = None
     cut_off_um: Annotated[float | None, Param("longest wavelength", unit="µm", low=0)] = None
 
     missing: Annotated[
         Literal["refuse", "mean", "zero"],
-        Param("samples that are NaN or infinite: an error, or the others' mean or 0 for them"),
+        Param("samples that are NaN, infinite or missing: an error, or the others' mean or 0"),
     ] = "refuse"
 
     def check(self) -> None:
@@ -67,10 +74,11 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         info, stated = source.info, self._stated_band()
         spectral = stated is not None and info.wavelengths_um is not None
         band = 0 if spectral else checked_band(self.band, info.bands, info.path)
+        unit = sample_unit(info, typed=self.unit, scale=self.scale, integrated=spectral)
         recipe = read_step(
             source,
             band=band,
-            scale=self.scale * (_per_m2(info) if self.scale == 1.0 else 1.0),
+            scale=self.scale * unit.factor,
             node=here.node,
             interval_um=stated if spectral else None,
             missing=self.missing,
@@ -82,12 +90,53 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
                 recipe,
                 info.rows,
                 info.columns,
-                _interval(fov_x_deg, info.columns),
-                _interval(fov_y_deg, info.rows),
-                unit=self.unit,
+                _interval("fov_x_deg", fov_x_deg, info.columns),
+                _interval("fov_y_deg", fov_y_deg, info.rows),
+                unit=unit.name,
                 band_um=stated or _band_um(info, band),
-                header=Header(fov_x_deg, fov_y_deg, info.focal_length_mm),
+                header=Header(
+                    fov_x_deg,
+                    fov_y_deg,
+                    info.focal_length_mm,
+                    bare_integers=np.dtype(info.dtype).kind in "bui" and not info.unit,
+                    channels=info.channels,
+                    not_applied=info.not_applied,
+                ),
             )
+        )
+
+    @warning
+    def numbers_without_unit(self, outputs: ImageOutput) -> Caution | None:
+        """Whole numbers of a file that are taken for radiance as they are."""
+        bare = outputs.image.header.bare_integers
+        if not bare or self.scale != 1.0 or not is_radiance(self.unit):
+            return None
+        return Caution(
+            f"the file stores whole numbers, and unit says that they are {self.unit}",
+            "give the scale that makes radiance of them, or their unit, such as DN",
+        )
+
+    @warning
+    def as_stored(self, outputs: ImageOutput) -> Caution | None:
+        """A header with gains or offsets, which are not applied."""
+        fields = outputs.image.header.not_applied
+        if not fields or self.scale != 1.0:
+            return None
+        return Caution(
+            f"the header has {' and '.join(fields)}, and the samples are read as they are stored",
+            "give the gain as scale, and the unit that it makes; an offset needs a converted file",
+        )
+
+    @warning
+    def one_channel(self, outputs: ImageOutput) -> Caution | None:
+        """A colour picture, of which one channel is read."""
+        channels = outputs.image.header.channels
+        if len(channels) < 2:
+            return None
+        read = channels[self.band] if self.band < len(channels) else f"number {self.band}"
+        return Caution(
+            f"colour picture: channel {read} of {', '.join(channels)} is read",
+            f"band chooses another one, 0 to {len(channels) - 1}",
         )
 
     @readout("samples")
@@ -104,13 +153,8 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         return self.cut_on_um, self.cut_off_um
 
 
-def _per_m2(info: PictureInfo) -> float:
-    """What turns the header's radiance per cm² into radiance per m²."""
-    return 1e4 if info.unit and _PER_CM2.search(info.unit) else 1.0
-
-
-def _interval(fov_deg: float | None, samples: int) -> float | None:
-    return None if fov_deg is None else interval_mrad(fov_deg=fov_deg, samples=samples)
+def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
+    return None if fov_deg is None else interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
 
 
 def _band_um(info: PictureInfo, band: int) -> tuple[float, float] | None:

@@ -22,8 +22,12 @@ from nodes.files.read import check_finite, read_info, read_pixels
 
 Stamp = tuple[str, int, int]
 Missing = Literal["refuse", "mean", "zero"]
-"""What to do with samples that are NaN or infinite."""
+"""What to do with samples that are NaN, infinite, or missing by what the header says."""
 _BLOCK_SAMPLES = 1 << 20
+_ADVICE = (
+    "samples of the value that the header gives for no data count as NaN; missing = mean or zero "
+    "puts a number in their place"
+)
 
 
 @dataclass(frozen=True)
@@ -103,7 +107,7 @@ def read_scaled(
     """
     samples = _stored(file, stamps, band, interval_um)
     if missing == "refuse":
-        check_finite(samples, str(file))
+        check_finite(samples, str(file), advice=_ADVICE)
     else:
         samples = _filled(samples, missing, file)
     if scale == 1.0 and samples.dtype == work.policy.dtype:

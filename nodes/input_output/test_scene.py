@@ -88,8 +88,8 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
                 self._recipe(here),
                 self.height,
                 self.width,
-                None if x is None else interval_mrad(fov_deg=x, samples=self.width),
-                None if y is None else interval_mrad(fov_deg=y, samples=self.height),
+                _interval("fov_x_deg", x, self.width),
+                _interval("fov_y_deg", y, self.height),
                 band_um=(self.cut_on_um, self.cut_off_um),
                 header=Header(fov_x_deg=x, fov_y_deg=y),
             )
@@ -106,6 +106,10 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
             return Step.of(shown, shares, node=here.node, **sources)
         geometry = {"angle_deg": self.angle_deg, "frequency": self.frequency}
         return Step.of(drawn, node=here.node, **size, **sources, **geometry)
+
+
+def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
+    return None if fov_deg is None else interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
 
 
 def drawn(work: Work, **values: Any) -> NDArray[np.floating]:

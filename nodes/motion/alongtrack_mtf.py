@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from core.declaration import Here, readout
+from core.caution import Caution
+from core.declaration import Here, readout, warning
 from core.parameters import Param
 from core.physics.motion import blur_mrad, motion_mtf
 from core.values import Context, Magnitude
+from nodes.cautions import apart_caution
 from nodes.given import given
 from nodes.laws import separable
 from nodes.ports import MtfModule, MtfOutputs
@@ -34,6 +36,24 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
         y = {"blur_mrad": blur} if blur else None
         return self.mtf_outputs(
             magnitude, *separable(motion_mtf, y=y, label=self.title, node=here.node)
+        )
+
+    @warning
+    def distance(self, context: Context) -> Caution | None:
+        """A range that is not the one of Init & Trans."""
+        return apart_caution(
+            "range_m", self.range_m, context.range_m, unit="m", where="on Init & Trans"
+        )
+
+    @warning
+    def velocity(self, context: Context) -> Caution | None:
+        """A velocity that is not the one of Init & Trans."""
+        return apart_caution(
+            "velocity_m_per_s",
+            self.velocity_m_per_s,
+            context.velocity_m_per_s,
+            unit="m/s",
+            where="on Init & Trans",
         )
 
     @readout("mrad")

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from core.declaration import Here, readout
+from core.caution import Caution
+from core.declaration import Here, readout, warning
 from core.parameters import Param
 from core.physics.motion import motion_mtf, scan_blur_mrad
 from core.values import Context, Magnitude
+from nodes.cautions import apart_caution
 from nodes.laws import separable
 from nodes.ports import MtfModule, MtfOutputs
 
@@ -30,6 +32,17 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
         x = {"blur_mrad": blur} if blur else None
         return self.mtf_outputs(
             magnitude, *separable(motion_mtf, x=x, label=self.title, node=here.node)
+        )
+
+    @warning
+    def velocity(self, context: Context) -> Caution | None:
+        """A scan velocity that is not the one of Init & Trans."""
+        return apart_caution(
+            "scan_velocity_mrad_per_s",
+            self.scan_velocity_mrad_per_s,
+            context.scan_velocity_mrad_per_s,
+            unit="mrad/s",
+            where="on Init & Trans",
         )
 
     @readout("mrad")

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from core.declaration import Here, readout
+from core.caution import Caution
+from core.declaration import Here, readout, warning
 from core.factors import Factor, Law, Planar
 from core.parameters import Param
 from core.physics.motion import blur_mrad, line_motion_mtf, motion_mtf
 from core.values import Context, Magnitude
+from nodes.cautions import apart_caution
 from nodes.given import given
 from nodes.laws import separable
 from nodes.ports import MtfModule, MtfOutputs
@@ -54,6 +56,13 @@ class RelativeMotionMTF(
             y={"blur_mrad": y} if y else None,
             label=self.title,
             node=node,
+        )
+
+    @warning
+    def distance(self, context: Context) -> Caution | None:
+        """A range that is not the one of Init & Trans."""
+        return apart_caution(
+            "range_m", self.range_m, context.range_m, unit="m", where="on Init & Trans"
         )
 
     @readout("mrad")

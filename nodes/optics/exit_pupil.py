@@ -17,6 +17,7 @@ from core.values import Pupil
 from core.work import Work
 
 Array = NDArray[Any]
+USUAL_RADIUS = 75.0  # of the thesis' example, 150 samples of 512
 
 
 class PupilOutput(NamedTuple):
@@ -31,8 +32,11 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     Lengths are in samples and centred; their scale is set in Exit Pupil MTF. `clear` and
     `half_moon` (x ≥ 0) ignore the obscuration; `hinged` is a disc with an opaque bar over the full
     height, `cassegrain_slit` the same bar on an annulus, `spider` an annulus with vanes at
-    360°/n from +x. The wavefront error is in waves at the band's mean wavelength. Source: Tantalo
-    1996, section 4.3.2.
+    360°/n from +x. The wavefront error is in waves at the band's mean wavelength, on the disc of
+    the aperture's radius. Of a file this is the smallest circle round all samples above 1 % of the
+    largest, about the array's centre where that is at most a sample larger; a `radius` typed in is
+    centred on the array. Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of
+    the wavefront).
     """
 
     shape: Annotated[
@@ -42,8 +46,12 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     size_x: Annotated[int, Param("samples of the pupil array across", low=2, high=8192)] = 512
     size_y: Annotated[int, Param("samples of the pupil array along", low=2, high=8192)] = 512
     radius: Annotated[
-        float, Param("radius of the aperture", unit="samples", low=0, above=True, slider=(1, 256))
-    ] = 75.0
+        float | None,
+        Param(
+            "radius of the aperture; empty: 75, of a file the circle round it",
+            unit="samples", low=0, slider=(1, 256),
+        ),
+    ] = None  # fmt: skip
     obscuration_radius: Annotated[
         float, Param("radius of the central obscuration", unit="samples", low=0, slider=(0, 256))
     ] = 25.0
@@ -69,15 +77,16 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         """Plan the samples."""
         if self.shape == "file":
             return PupilOutput(self._from_file(here))
+        radius = USUAL_RADIUS if self.radius is None else self.radius
         shape = PupilShape(
             self.shape,
-            radius=self.radius,
+            radius=radius,
             obscuration_radius=self.obscuration_radius,
             slit_width=self.slit_width,
             vanes=self.vanes,
             vane_width=self.vane_width,
         )
-        extent = 2 * self.radius
+        extent = 2 * radius
         for name, size in (("size_x", self.size_x), ("size_y", self.size_y)):
             if extent > size:
                 raise ParameterError(
@@ -86,7 +95,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         samples = Step.of(
             _sampled, node=here.node, shape=shape, rows=self.size_y, columns=self.size_x
         )
-        return PupilOutput(self._pupil(samples, self.size_y, self.size_x, shape))
+        return PupilOutput(self._pupil(samples, self.size_y, self.size_x, shape, radius))
 
     def _from_file(self, here: Here) -> Pupil:
         from nodes.files.read import read_info
@@ -99,15 +108,22 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         samples = Step.of(
             _loaded, node=here.node, path=path, stamp=(found.st_size, found.st_mtime_ns)
         )
-        return self._pupil(samples, info.rows, info.columns, None)
+        return self._pupil(samples, info.rows, info.columns, None, self.radius)
 
-    def _pupil(self, samples: Step, rows: int, columns: int, shape: PupilShape | None) -> Pupil:
+    def _pupil(
+        self,
+        samples: Step,
+        rows: int,
+        columns: int,
+        shape: PupilShape | None,
+        radius: float | None,
+    ) -> Pupil:
         return Pupil(
             samples,
             rows,
             columns,
             shape,
-            self.radius,
+            radius,
             self.defocus_waves,
             self.zernike_waves if any(self.zernike_waves) else (),
         )

@@ -7,7 +7,8 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.declaration import Here, Module, readout
+from core.caution import Caution
+from core.declaration import Here, Module, readout, warning
 from core.factors import Factor
 from core.parameters import Param
 from core.physics.polychromatic import band_wavelengths
@@ -15,6 +16,7 @@ from core.probe import TransferAt
 from core.recipes import Step
 from core.values import Context, Magnitude, Phase, Pupil, Transfer
 from core.work import Work
+from nodes.cautions import F_NUMBER_NEAR, alike, wavelength_caution
 from nodes.given import given_band
 from nodes.optics.pupil_factor import (
     PupilScale,
@@ -107,6 +109,31 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
         if self.apply == "filter_only":
             return PupilOutputs(magnitude.only(blur), phase.only(*shifts), mtf, ptf)
         return PupilOutputs(magnitude.times(blur), phase.plus(*shifts), mtf, ptf)
+
+    @warning
+    def band(self, context: Context) -> Caution | None:
+        """Diffraction at wavelengths that the picture does not have."""
+        if context.band_um is None or (self.cut_on_um is None and self.cut_off_um is None):
+            return None
+        low, high = given_band(self.cut_on_um, self.cut_off_um, context)
+        return wavelength_caution(
+            context.band_um, (low + high) / 2, name="the middle of cut_on_um to cut_off_um"
+        )
+
+    @warning
+    def aperture(self, context: Context, pupil: Pupil) -> Caution | None:
+        """An aperture that is not the one of the F number and focal length."""
+        if context.f_number is None or context.focal_length_mm is None or pupil.shape is None:
+            return None
+        diameter_mm = 20 * pupil.shape.radius * self.size_x_cm / pupil.columns
+        focal_length_mm, told = context.focal_length_mm, context.f_number
+        if not diameter_mm or alike(focal_length_mm / diameter_mm, told, near=F_NUMBER_NEAR):
+            return None
+        return Caution(
+            f"the pupil is {diameter_mm:.4g} mm wide, which at {focal_length_mm:.4g} mm is F/"
+            f"{focal_length_mm / diameter_mm:.3g}, and Init & Trans says F/{told:.3g}",
+            "make size_x_cm and the pupil's radius agree with f_number and focal_length_mm",
+        )
 
     def _scale(self, context: Context, pupil: Pupil) -> PupilScale:
         cut_on, cut_off = given_band(self.cut_on_um, self.cut_off_um, context)

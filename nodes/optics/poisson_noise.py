@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.declaration import Here, readout
+from core.caution import Caution
+from core.declaration import Here, readout, warning
 from core.errors import ParameterError
 from core.local_mean import local_mean
 from core.parameters import Param
@@ -17,6 +18,7 @@ from core.recipes import Recipe, Step, pointwise
 from core.streams import Stream, poisson_field
 from core.values import Image
 from core.work import Work
+from nodes.cautions import is_temperature, unit_caution
 from nodes.input_output.sample_statistics import Statistics, statistics
 from nodes.noise_seed import SeededModule
 
@@ -80,6 +82,13 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
             )
             noise = Step.of(_difference, noisy, image.recipe, node=here.node)
         return NoiseOutputs(image.with_recipe(noisy), image.with_recipe(noise))
+
+    @warning
+    def unit(self, image: Image) -> Caution | None:
+        """Numbers of photons made of a temperature, which is not in proportion to them."""
+        if self.mode != "photon" or not is_temperature(image.unit):
+            return None
+        return unit_caution(image.unit, meant="photons_per_unit")
 
     @readout("W/m²/sr")
     def noise_mean(self, outputs: NoiseOutputs) -> Step:

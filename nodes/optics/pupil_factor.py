@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from core.data import SampledTransfer
 from core.factors import Law, Planar
+from core.physics.enclosing_circle import support_circle
 from core.physics.pupil_otf import (
     circular_pupil_otf,
     defocused_disc_otf,
@@ -59,7 +60,7 @@ def refined(pupil: Pupil, scale: PupilScale, node: str) -> tuple[Pupil, PupilSca
         samples=samples,
         rows=2 * pupil.rows,
         columns=2 * pupil.columns,
-        radius=2 * pupil.radius,
+        radius=2 * pupil.shape.radius,
     )
     return finer, replace(scale, pitch_x_mm=scale.pitch_x_mm / 2, pitch_y_mm=scale.pitch_y_mm / 2)
 
@@ -191,16 +192,20 @@ def sampled_error(pupil: Pupil, node: str) -> Step:
 def _complex_samples(
     samples: Array,
     ratio: float,
-    radius: float,
+    radius: float | None,
     defocus_waves: float,
     zernike_waves: tuple[float, ...],
 ) -> Array:
     if not (defocus_waves or zernike_waves):
         return samples
     rows, columns = samples.shape
+    if radius is None:
+        x, y, radius = support_circle(samples)
+    else:
+        x, y = (columns - 1) / 2, (rows - 1) / 2
     wavefront = ratio * wavefront_waves(
-        x=(np.arange(columns) - (columns - 1) / 2)[np.newaxis, :] / radius,
-        y=(np.arange(rows) - (rows - 1) / 2)[:, np.newaxis] / radius,
+        x=(np.arange(columns) - x)[np.newaxis, :] / radius,
+        y=(np.arange(rows) - y)[:, np.newaxis] / radius,
         coefficients_waves=zernike_waves,
         defocus_waves=defocus_waves,
     )

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, NamedTuple
 
-from core.declaration import Module, readout
+from core.caution import Caution
+from core.declaration import Module, readout, warning
 from core.errors import ParameterError
 from core.grid import Grid
 from core.parameters import Param
 from core.physics.sampling import ifov_mrad, interval_mrad, oversampling
 from core.values import Context, Edges, Image, Magnitude, Phase, Platform
+from nodes.cautions import apart_caution, first
 
 
 class InitOutputs(NamedTuple):
@@ -43,10 +46,12 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
     fill_x: Annotated[float | None, Param("fill factor across; empty: 1", low=0, high=1)] = 1.0
     fill_y: Annotated[float | None, Param("fill factor along; empty: 1", low=0, high=1)] = 1.0
     fov_x_deg: Annotated[
-        float | None, Param("field of view across", unit="deg", low=0, high=180, below=True)
+        float | None,
+        Param("field of view across", unit="deg", low=0, high=180, below=True),
     ] = None
     fov_y_deg: Annotated[
-        float | None, Param("field of view along", unit="deg", low=0, high=180, below=True)
+        float | None,
+        Param("field of view along", unit="deg", low=0, high=180, below=True),
     ] = None
     platform: Annotated[
         Platform, Param("line scanner, pushbroom line or staring array: how detectors collect")
@@ -91,7 +96,7 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
     def _interval(self, name: str, samples: int, of_image: float | None) -> float:
         fov_deg = getattr(self, name)
         if fov_deg is not None:
-            return interval_mrad(fov_deg=fov_deg, samples=samples)
+            return interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
         if of_image is None:
             raise ParameterError(
                 name,
@@ -100,6 +105,36 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
                 unit="deg",
             )
         return of_image
+
+    @warning
+    def focal_length(self, image: Image) -> Caution | None:
+        """A focal length that is not the one the picture's file tells."""
+        return apart_caution(
+            "focal_length_mm",
+            self.focal_length_mm,
+            image.header.focal_length_mm,
+            unit="mm",
+            where="in the picture's file",
+        )
+
+    @warning
+    def field_of_view(self, image: Image) -> Caution | None:
+        """A field of view that is not the picture's own."""
+        return first(
+            *(
+                apart_caution(
+                    name,
+                    getattr(self, name),
+                    None if interval is None else math.degrees(interval * samples / 1000.0),
+                    unit="deg",
+                    where="by the picture's own sampling",
+                )
+                for name, interval, samples in (
+                    ("fov_x_deg", image.interval_x_mrad, image.columns),
+                    ("fov_y_deg", image.interval_y_mrad, image.rows),
+                )
+            )
+        )
 
     @readout("mrad")
     def interval_x_mrad(self, outputs: InitOutputs) -> float:

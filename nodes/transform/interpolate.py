@@ -11,7 +11,7 @@ from core.declaration import Here, Module
 from core.parameters import Param
 from core.recipes import Recipe, Step, in_parts
 from core.region import Region
-from core.values import Image
+from core.values import Edges, Image
 from core.work import Work
 from nodes.ports import ImageOutput
 
@@ -23,9 +23,11 @@ _BLOCK_SAMPLES = 1 << 18  # 512² are done sooner in one block than by two threa
 class Interpolate(Module, key="interpolate", title="Interpolate", group="Transform"):
     """Resample the picture to another size over the same field of view.
 
-    Sample centres lie half an interval from the frame's edges, beyond which the outermost samples
-    go on. Nothing is filtered: making a picture smaller aliases, as in a frame grabber. Order 0
-    takes the nearest sample, 1 is bilinear, 3 cubic convolution. Equal sizes pass the picture on.
+    Sample centres lie half an interval from the frame's edges, beyond which a picture from Back
+    Transform goes on as Init & Trans has it, mirrored or periodic; of any other, or if cropped
+    since, the outermost samples go on. Nothing is filtered: making a picture smaller aliases, as in
+    a frame grabber. Order 0 takes the nearest sample, of two as near the later; 1 is bilinear, 3
+    cubic convolution. Equal sizes pass the picture on.
     Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
     """
 
@@ -49,6 +51,7 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
             old=image.shape,
             new=(height, width),
             order=self.order,
+            edges=image.edges,
         )
         x, y = image.interval_x_mrad, image.interval_y_mrad
         return ImageOutput(
@@ -70,21 +73,28 @@ def _resampled_part(
     old: tuple[int, int],
     new: tuple[int, int],
     order: int,
+    edges: Edges | None,
 ) -> Array:
     rows, columns = region.slices
-    top, height, along = _needed(taps(old[0], new[0], order), rows)
+    top, height, along = _needed(taps(old[0], new[0], order, edges), rows)
     left, width, across = columns.start, region.columns, None
     if old[1] != new[1]:
-        left, width, across = _needed(taps(old[1], new[1], order), columns)
+        left, width, across = _needed(taps(old[1], new[1], order, edges), columns)
     return _sampled(work, work.part(image, Region(top, left, height, width)), along, across)
 
 
 @in_parts(_resampled_part)
 def resampled(
-    work: Work, image: Array, *, old: tuple[int, int], new: tuple[int, int], order: int
+    work: Work,
+    image: Array,
+    *,
+    old: tuple[int, int],
+    new: tuple[int, int],
+    order: int,
+    edges: Edges | None,
 ) -> Array:
     """The image's `old` rows and columns as `new` ones."""
-    along, across = (taps(old[axis], new[axis], order) for axis in (0, 1))
+    along, across = (taps(old[axis], new[axis], order, edges) for axis in (0, 1))
     return _sampled(work, image, along, None if old[1] == new[1] else across)
 
 
@@ -130,7 +140,7 @@ def _combined(
     return total
 
 
-def taps(old: int, new: int, order: int) -> Taps:
+def taps(old: int, new: int, order: int, edges: Edges | None) -> Taps:
     """Where each new sample is taken from along one axis.
 
     Parameters
@@ -139,6 +149,8 @@ def taps(old: int, new: int, order: int) -> Taps:
         Samples before and after, which span the same field.
     order : 0, 1 or 3
         Nearest, linear or cubic.
+    edges : "reflect", "periodic" or None
+        What lies beyond the samples: they mirrored, or repeated, or the outermost one alone.
 
     Returns
     -------
@@ -156,13 +168,23 @@ def taps(old: int, new: int, order: int) -> Taps:
     whole, rest = np.divmod(doubled - new, 2 * new)
     t = rest / (2 * new)
 
-    def clamped(offset: int) -> NDArray[np.intp]:
-        return np.asarray(np.clip(whole + offset, 0, old - 1), np.intp)
+    def sample(offset: int) -> NDArray[np.intp]:
+        return _within(whole + offset, old, edges)
 
     if order == 1:
-        return clamped(0), [(clamped(1), t)]
-    return clamped(0), [
-        (clamped(-1), t * (-0.5 + t * (1.0 - 0.5 * t))),
-        (clamped(1), t * (0.5 + t * (2.0 - 1.5 * t))),
-        (clamped(2), t * t * (-0.5 + 0.5 * t)),
+        return sample(0), [(sample(1), t)]
+    return sample(0), [
+        (sample(-1), t * (-0.5 + t * (1.0 - 0.5 * t))),
+        (sample(1), t * (0.5 + t * (2.0 - 1.5 * t))),
+        (sample(2), t * t * (-0.5 + 0.5 * t)),
     ]
+
+
+def _within(index: NDArray[np.int64], size: int, edges: Edges | None) -> NDArray[np.intp]:
+    """The sample that stands for one beyond the frame's edges."""
+    if edges is None:
+        return np.asarray(np.clip(index, 0, size - 1), np.intp)
+    if edges == "periodic":
+        return np.asarray(index % size, np.intp)
+    turned = index % (2 * size)
+    return np.asarray(np.minimum(turned, 2 * size - 1 - turned), np.intp)

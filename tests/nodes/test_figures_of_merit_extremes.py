@@ -60,6 +60,8 @@ REFUSED = [
     ({"background_K": 2.0}, {}),  # emits nothing
     ({"background_K": 10.0}, {}),  # next to nothing
     ({}, {"scene": {"height": 1, "fov_y_deg": FOV / 80}}),  # no rows to compare
+    # A high pass leaves no mean to be the radiance of a background.
+    ({}, {"noise": {**BOOST, "post_filter": "highpass"}}),
 ]
 
 

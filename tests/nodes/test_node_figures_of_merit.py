@@ -61,6 +61,16 @@ class TestNoise:
         level = float(band_radiance(3.0, 5.0, 300.0))
         assert found["sigma_vh_K"] == pytest.approx(0.02 * level / slope(300.0), rel=0.01)
 
+    @pytest.mark.parametrize("platform", ["line", "push", "array"])
+    @pytest.mark.parametrize("seed", [1, 2])
+    def test_errors_of_gain_and_bias_move_no_mean(self, platform, seed):
+        """One detector's gain error of 20 % scales a whole picture, and says nothing of its SNR."""
+        wrong = {"gain_percent": 20.0, "bias_percent": 20.0}
+        found = table_of(noise=wrong, init={"platform": platform}, seed=seed)
+        level = float(band_radiance(3.0, 5.0, 300.0))
+        assert found["snr"] == pytest.approx(level / found["ner"], rel=1e-9)
+        assert found["netd_K"] == pytest.approx(found["ner"] / slope(300.0), rel=1e-6)
+
     def test_background_typed_in(self):
         """NETD is noise over the slope of the background, whatever the picture shows."""
         cold, usual = table_of({"background_K": 250.0}), table_of()

@@ -10,6 +10,7 @@ from core.library import library_of
 from core.policy import Policy
 from linked_network import linked_network
 from nodes.input_output.read_image import ReadImage
+from nodes.library import standard_library
 from nodes.transform.anti_alias import AntiAlias, box_mtf, lanczos_mtf
 from nodes.transform.interpolate import Interpolate
 from slow_reference.resampling import interpolated
@@ -52,6 +53,51 @@ def test_interpolate_is_the_direct_sum(tmp_path, size, new, order, precision):
     assert image.shape == value.shape == new
     assert image.interval_x_mrad == pytest.approx(source.interval_x_mrad * size[1] / new[1])
     assert image.interval_y_mrad == pytest.approx(source.interval_y_mrad * size[0] / new[0])
+
+
+PADS = {"periodic": "wrap", "reflect": "symmetric"}
+
+
+@pytest.mark.parametrize("edges", PADS)
+@pytest.mark.parametrize("order", [0, 1, 3])
+@pytest.mark.parametrize(
+    ("size", "new"), [((7, 10), (13, 24)), ((12, 9), (5, 4)), ((1, 6), (3, 11)), ((5, 1), (2, 1))]
+)
+def test_a_transformed_frame_goes_on_as_its_edges_say(tmp_path, size, new, order, edges):
+    """As the middle of nine frames, which are laid side by side before they are interpolated."""
+    array = picture(*size)
+    params = {"width": new[1], "height": new[0], "order": order}
+    value, cropped = transformed(tmp_path, array, params, edges)
+    frames = np.pad(array, [(size[0],) * 2, (size[1],) * 2], mode=PADS[edges])
+    expected = interpolated(frames, 3 * new[1], 3 * new[0], order)
+    middle = expected[new[0] : 2 * new[0], new[1] : 2 * new[1]]
+    np.testing.assert_allclose(value, middle, rtol=0, atol=1e-12)
+    if size == (12, 9):  # of a frame with its last column cut off nothing is known beyond it
+        pairs = array[:, :8].reshape(12, 4, 2).mean(axis=2)
+        clamped = interpolated(pairs, new[1], new[0], order)
+        np.testing.assert_allclose(cropped, clamped, rtol=0, atol=1e-12)
+
+
+def transformed(folder, array, params, edges):
+    """Interpolated straight from Back Transform, and after pairs of its pixels are combined."""
+    np.save(folder / "in.npy", array)
+    nodes = {
+        "in": ("read_image", {"path": "in.npy", "fov_x_deg": 2.0, "fov_y_deg": 1.5}),
+        "init": ("init_trans", {"edges": edges}),
+        "back": ("back_transform", {}),
+        "out": ("interpolate", params),
+        "pairs": ("combine_pixels", {"factor_x": min(2, array.shape[1]), "factor_y": 1}),
+        "cropped": ("interpolate", params),
+    }
+    links = [
+        ("in.image", "init.image"), ("init.magnitude", "back.magnitude"),
+        ("init.phase", "back.phase"), ("back.image", "out.image"), ("back.image", "pairs.image"),
+        ("pairs.image", "cropped.image"),
+    ]  # fmt: skip
+    engine = Engine(standard_library())
+    plan = engine.plan(linked_network(nodes, links), folder=folder)
+    work = engine.work(Policy(precision="double"))
+    return [engine.value(plan, f"{name}.image", work) for name in ("out", "cropped")]
 
 
 def test_bilinear_by_hand(tmp_path):

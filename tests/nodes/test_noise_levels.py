@@ -52,6 +52,22 @@ class TestDetectorAndAmplifier:
         assert found["netd_system_K"] == pytest.approx(np.hypot(detector, amplifier), rel=1e-12)
         assert found["snr"] == pytest.approx(40 / np.hypot(found["ner"], 2.0), rel=1e-12)
 
+    @pytest.mark.parametrize("percent", [20.0, 100.0])
+    def test_figures_are_of_all_detectors(self, bench, percent):
+        """Of deviates times NER·|1 + v·n| the variance is NER²·(1 + v²)."""
+        bench.picture(np.full((300, 400), 40.0))
+        varied = {**NOISY, "noise_variability_percent": percent}
+        plain, found = bench.readouts(network(NOISY)), bench.readouts(network(varied))
+        more = np.sqrt(1 + (percent / 100) ** 2)
+        assert (found["ner"], found["nep_W"]) == (plain["ner"], plain["nep_W"])
+        assert found["netd_detector_K"] == pytest.approx(more * plain["netd_detector_K"], rel=1e-12)
+        assert found["netd_system_K"] == pytest.approx(more * plain["netd_system_K"], rel=1e-12)
+        assert found["snr"] == pytest.approx(plain["snr"] / more, rel=1e-12)
+        # The kurtosis of the product is at most 3·15: standard error √(44/4/n) of the rms' share.
+        document = network(varied, sensor={"platform": "array"})
+        noise = bench.get(document, "noise.detector_noise")
+        assert 40 / rms(noise) == pytest.approx(found["snr"], rel=BOUND * np.sqrt(11 / noise.size))
+
     def test_spread_of_noise_among_detectors(self, bench):
         rows, columns, spread = 400, 250, 0.2
         bench.picture(np.full((rows, columns), 40.0))

@@ -109,10 +109,11 @@ def test_noise(tmp_path, platform, given_range, model, precision):
 @pytest.mark.parametrize(
     ("width", "height"), [(40, 31), (17, 60), (50, 90), (5, 4), (1, 1), (17, None), (None, 80)]
 )
-def test_interpolated(tmp_path, order, width, height):
+@pytest.mark.parametrize("edges", ["reflect", "periodic"])
+def test_interpolated(tmp_path, order, width, height, edges):
     np.save(tmp_path / "in.npy", scene(31, 17))
     resize = ("interpolate", {"width": width, "height": height, "order": order})
-    document, last = chain_network(("blur",), 31, 17, "reflect", [resize])
+    document, last = chain_network(("blur",), 31, 17, edges, [resize])
     for precision in PRECISIONS:
         assert_parts(document, [f"{last}.image"], tmp_path, precision=precision)
 

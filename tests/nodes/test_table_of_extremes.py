@@ -110,7 +110,8 @@ REFUSED = {
         (), {"fov_x_deg": -1.0}, "fov_x_deg = -1.0 deg is not allowed",
     ),
     "a field of view of 180 degrees": (
-        (), {"fov_x_deg": 180.0}, "fov_x_deg = 180.0 deg is not allowed: a number from 0 below 180",
+        (), {"fov_x_deg": 180.0},
+        "fov_x_deg = 180.0 deg is not allowed: a number from 0 below 180",
     ),
     "an obscuration of 1": (
         optics(2.56, shape="cassegrain", obscuration_radius=24.0), {},

@@ -60,7 +60,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "interpolate": [{}, {"width": 15, "height": 11, "order": 3}],
     "atmosphere_mtf": [
         {}, {"turbulence": "none"}, {"turbidity": "custom"},
-        {"turbidity": "custom"},
+        {"turbidity": "custom", "absorption_per_km": 3, "view": "vertical"},
     ],
     "exit_pupil_mtf": [{"interpolation": "none"}],
     "gaussian_mtf": [{}, {"sigma_x_mrad": 0, "sigma_y_mrad": 0.0}],
@@ -114,6 +114,7 @@ SETTINGS: dict[str, list[dict[str, Any]]] = {
         {"turbulence": "long_exposure", "fried_r0_m": 0.01},
         {"turbulence": "long_exposure", "cn2": 1e-13},
         {"turbulence": "long_exposure", "cn2": 1e-13, "view": "vertical"},
+        {"turbulence": "long_exposure", "cn2": 1e-13, "view": "up"},
         {"turbulence": "short_exposure", "fried_r0_m": 0.01, "aperture_mm": 5, "alpha": 1},
         {"turbulence": "short_exposure", "fried_r0_m": 1e-6, "aperture_mm": 5},
         {"turbulence": "none", "turbidity": "custom", "scatter_depth": 700},

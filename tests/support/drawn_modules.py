@@ -144,7 +144,7 @@ class Modules:
             lag_mm = params["wavelength_um"] * nyquist
             params["aperture_mm"] = short(lag_mm * self.log(-0.5, 1.5))
             params["alpha"] = choice((0.0, 0.5, 1.0, 0.3))
-            params["view"] = choice(("horizontal", "vertical"))
+            params["view"] = choice(("horizontal", "vertical", "up"))
             if self.random.random() < 0.3:
                 params["cn2"] = self.log(-16, -12)
             else:
@@ -153,7 +153,7 @@ class Modules:
         params["turbidity"] = level
         params["turbidity_cutoff_cyc_per_mrad"] = short(nyquist * self.log(-3, 1))
         if level == "custom":
-            params["view"] = choice(("horizontal", "vertical"))
+            params["view"] = choice(("horizontal", "vertical", "up"))
             if self.random.random() < 0.5:
                 params["scatter_depth"] = self.log(-3, 1)
             else:

@@ -80,7 +80,7 @@ class Builder(ValuesByHand):
 
     def settle(self):
         process_events(0.1)
-        wait_until(lambda: self.window.evaluator.idle, "all is computed", 60)
+        wait_until(lambda: self.window.evaluator.idle, "all is computed")
         process_events(0.2)
 
     def find(self, kind, name, inside=None):

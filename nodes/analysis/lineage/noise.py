@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,7 @@ from core.noise_spectrum import spectrum_of
 from core.physics.noise_components import NoiseVariances, components_of_moments
 from core.planes import Axes
 from core.recipes import Recipe, Step
-from core.values import Image
+from core.values import Edges, Image
 from core.work import Work
 from nodes.analysis.lineage import noise_sources as sources
 from nodes.analysis.lineage.noise_free import noise_free
@@ -61,7 +63,8 @@ class ImageNoise:
     terms : tuple of NoiseTerm
         In the order in which they arise.
     mean : float
-        Mean of the picture, noise and all.
+        Mean of the picture without any noise: an error of gain or bias, or a few samples' deviates,
+        do not move it. Where the gain scales the whole picture as printed, of the picture itself.
     unknown : tuple of str
         Nodes through which noise cannot be followed; what lies before them is not counted.
     spectrum : ndarray, optional
@@ -108,29 +111,56 @@ class NoiseOf(Recipe):
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """The picture, of which its mean is taken."""
-        return (self.image.recipe,)
+        """The picture without noise, of which its mean is taken."""
+        return (self._mean_of,)
+
+    @cached_property
+    def _mean_of(self) -> Recipe:
+        try:
+            return noise_free(self.image.recipe)
+        except DataError:  # with a gain error as printed, nothing is left without it
+            return self.image.recipe
+
+    @property
+    def needs(self) -> tuple[Recipe, ...]:
+        """What is looked at on the way to the picture too."""
+        return (self._mean_of, *_asked(self.image.recipe, self.uniform))
+
+    def first(self, work: Work) -> tuple[Recipe, ...]:
+        """The picture without noise, and the noises behind the transform it comes from."""
+        return (self._mean_of, *_behind(self.image.recipe, self.uniform))
 
     def compute(self, work: Work) -> ImageNoise:
         """Follow every noise to the picture."""
         known = _Follow(work, self.uniform)
         found = known.to(self.image.recipe, *self.image.shape)
         if any(each.pattern for each in found):
-            clean = work.value(noise_free(self.image.recipe))
-            found = [self._seen(work, each, clean) for each in found]
+            found = self._with_patterns(work, found)
         terms = tuple(
             NoiseTerm(each.node, each.name, each.temporal, _components(each)) for each in found
         )
-        mean = sources.mean_of(work, self.image.recipe)
+        mean = sources.mean_of(work, self._mean_of)
         spectrum = spectrum_of([each.power for each in found if each.temporal])
         return ImageNoise(terms, mean, tuple(dict.fromkeys(known.unknown)), spectrum)
 
-    def _seen(self, work: Work, noise: sources.Noise, clean: Array) -> sources.Noise:
-        """A known pattern as it shows in the picture."""
-        if noise.pattern is None:
-            return noise
-        alone = work.value(noise_free(self.image.recipe, but=noise.pattern.step))
-        return replace(noise, power=NoisePower.of_pattern(np.subtract(alone, clean, dtype=float)))
+    def _with_patterns(self, work: Work, noises: list[sources.Noise]) -> list[sources.Noise]:
+        """Known patterns as they show in the picture."""
+        picture = self.image.recipe
+        without = noise_free(picture)
+        alone = [
+            noise_free(picture, but=each.pattern.step) if each.pattern else None for each in noises
+        ]
+        with work.hold([without, *(each for each in alone if each is not None)]) as held:
+            clean = work.value(without)
+
+            def seen(noise: sources.Noise, recipe: Recipe | None) -> sources.Noise:
+                if recipe is None:
+                    return noise
+                pattern = np.subtract(work.value(recipe), clean, dtype=float)
+                held.release([recipe])
+                return replace(noise, power=NoisePower.of_pattern(pattern))
+
+            return [seen(*each) for each in zip(noises, alone, strict=True)]
 
 
 def _components(noise: sources.Noise) -> NoiseVariances:
@@ -138,6 +168,31 @@ def _components(noise: sources.Noise) -> NoiseVariances:
     return components_of_moments(
         moments=power.moments(), rows=power.rows, columns=power.columns, temporal=noise.temporal
     )
+
+
+# Steps through which noises are followed: to their first input.
+_FOLLOWED = (*PASSING, filtered_lines, blurred, block_combine, resampled)
+
+
+def _way_up(recipe: Recipe) -> Iterator[Recipe]:
+    """A picture and those it stems from, up to a filtered one or where nothing is known."""
+    yield recipe
+    while isinstance(recipe, Step) and recipe.inputs and recipe.function in _FOLLOWED:
+        recipe = recipe.inputs[0]
+        yield recipe
+
+
+def _behind(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
+    """The noises behind the transform that a picture comes from, if any."""
+    *_, last = _way_up(recipe)
+    return (_DeliveredNoise(last, uniform),) if isinstance(last, Delivered) else ()
+
+
+def _asked(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
+    """What `_Follow.to` asks for."""
+    steps = [each for each in _way_up(recipe) if isinstance(each, Step)]
+    looked_at = (one for each in steps for one in sources.asked_by(each))
+    return (*looked_at, *_behind(recipe, uniform))
 
 
 class _Follow:
@@ -150,38 +205,54 @@ class _Follow:
 
     def to(self, recipe: Recipe, rows: int, columns: int) -> list[sources.Noise]:
         """All noises in a picture of this size."""
-        self._work.check()
-        if isinstance(recipe, Delivered):
-            behind: _Behind = self._work.value(_DeliveredNoise(recipe, self._uniform))
-            self.unknown += behind.unknown
-            return list(behind.noises)
-        if not isinstance(recipe, Step) or not recipe.inputs:
-            return []
-        given, values = recipe.inputs[0], dict(recipe.parameters)
-        if recipe.function in PASSING:
-            before = self.to(given, rows, columns)
-            if recipe.function is read_out and values["model"] == "literal":
-                # The gain error as printed scales the whole picture.
-                mean = self._work.value(recipe.inputs[1]).mean
-                before = [_scaled(each, values["gain_percent"] / 100.0 * mean) for each in before]
-            uniform = self._uniform
-            return [*before, *sources.arising(self._work, recipe, rows, columns, before, uniform)]
-        if recipe.function is filtered_lines:
+        noises: list[sources.Noise] = []
+        way: list[tuple[Step, int, int]] = []
+        for each in _way_up(recipe):
+            self._work.check()
+            if isinstance(each, Delivered):
+                behind: _Behind = self._work.value(_DeliveredNoise(each, self._uniform))
+                self.unknown += behind.unknown
+                noises = list(behind.noises)
+            elif isinstance(each, Step) and each.inputs and each.function in _FOLLOWED:
+                way.append((each, rows, columns))
+                rows, columns = self._size_before(each, rows, columns)
+            elif isinstance(each, Step) and each.inputs:
+                noises = self._lost(each)
+        for step, rows, columns in reversed(way):
+            noises = self._after(step, noises, rows, columns)
+        return noises
+
+    def _size_before(self, step: Step, rows: int, columns: int) -> tuple[int, int]:
+        """Size of the picture that a step takes."""
+        if step.function is block_combine:
+            shape: tuple[int, int] = self._work.value(step.inputs[0]).shape
+            return shape  # some rows may have been cropped
+        if step.function is resampled:
+            old: tuple[int, int] = dict(step.parameters)["old"]
+            return old
+        return rows, columns
+
+    def _after(
+        self, step: Step, before: list[sources.Noise], rows: int, columns: int
+    ) -> list[sources.Noise]:
+        """All noises in the picture that a step makes."""
+        values = dict(step.parameters)
+        if step.function is filtered_lines or step.function is blurred:
+            settings = values
+            if step.function is blurred:
+                settings = dict(step.inputs[1].parameters)  # type: ignore[attr-defined]
             axes: Axes = "mirrored" if values["edges"] == "reflect" else "periodic"
-            return self._filtered(
-                self.to(given, rows, columns), values["factors"], values["grid"], axes
-            )
-        if recipe.function is blurred:
-            settings = dict(recipe.inputs[1].parameters)  # type: ignore[attr-defined]
-            axes = "mirrored" if values["edges"] == "reflect" else "periodic"
-            return self._filtered(
-                self.to(given, rows, columns), settings["factors"], settings["grid"], axes
-            )
-        if recipe.function is block_combine:
-            return self._combined(recipe, values)
-        if recipe.function is resampled:
-            return self._resampled(given, values)
-        return self._lost(recipe)
+            return self._filtered(before, settings["factors"], settings["grid"], axes)
+        if step.function is block_combine:
+            return _combined(before, values)
+        if step.function is resampled:
+            return _resampled(before, values)
+        if step.function is read_out and values["model"] == "literal":
+            # The gain error as printed scales the whole picture.
+            mean = self._work.value(step.inputs[1]).mean
+            before = [_scaled(each, values["gain_percent"] / 100.0 * mean) for each in before]
+        found = sources.arising(self._work, step, rows, columns, before, self._uniform)
+        return [*before, *found]
 
     def delivered(self, recipe: Delivered) -> list[sources.Noise]:
         """All noises in a filtered picture."""
@@ -216,28 +287,6 @@ class _Follow:
             for each in noises
         ]
 
-    def _combined(self, recipe: Step, values: dict[str, Any]) -> list[sources.Noise]:
-        x, y = values["factor_x"], values["factor_y"]
-        shape = self._work.value(recipe.inputs[0]).shape  # some rows may have been cropped
-        before = self.to(recipe.inputs[0], *shape)
-        behind = [replace(each, power=each.power.averaged(x, y)) for each in before]
-        return [_scaled(each, x * y) for each in behind] if values["mode"] == "sum" else behind
-
-    def _resampled(self, given: Recipe, values: dict[str, Any]) -> list[sources.Noise]:
-        old, new, order = values["old"], values["new"], values["order"]
-        before = self.to(given, *old)
-        return [
-            replace(
-                each,
-                power=each.power.resampled(
-                    new,
-                    interpolator(old[0], new[0], order),
-                    interpolator(old[1], new[1], order),
-                ),
-            )
-            for each in before
-        ]
-
     def _lost(self, recipe: Recipe) -> list[sources.Noise]:
         """Nothing is known to come through; said only where there was noise to be followed."""
         if any(sources.is_noisy(each) for each in recipe.inputs):
@@ -264,6 +313,25 @@ class _DeliveredNoise(Recipe):
     def _content(self) -> tuple[object, ...]:
         return self.recipe.key, self.uniform
 
+    @property
+    def made_of(self) -> tuple[Recipe, ...]:
+        """The filtered picture."""
+        return (self.recipe,)
+
+    @property
+    def needs(self) -> tuple[Recipe, ...]:
+        """What is looked at on the way to what is filtered, and what laws are bound to."""
+        source = self.recipe.magnitude.image
+        before = () if source is None else _asked(source.recipe, self.uniform)
+        return (*self.recipe.bound, *before)
+
+    def first(self, work: Work) -> tuple[Recipe, ...]:
+        """The noises behind the transform before."""
+        source = self.recipe.magnitude.image
+        if source is None or not self.recipe.one_source:
+            return ()
+        return _behind(source.recipe, self.uniform)
+
     def compute(self, work: Work) -> _Behind:
         """Follow the noises through its transfer functions."""
         known = _Follow(work, self.uniform)
@@ -271,13 +339,26 @@ class _DeliveredNoise(Recipe):
         return _Behind(noises, tuple(known.unknown))
 
 
+def _combined(noises: list[sources.Noise], values: dict[str, Any]) -> list[sources.Noise]:
+    x, y = values["factor_x"], values["factor_y"]
+    behind = [replace(each, power=each.power.averaged(x, y)) for each in noises]
+    return [_scaled(each, x * y) for each in behind] if values["mode"] == "sum" else behind
+
+
+def _resampled(noises: list[sources.Noise], values: dict[str, Any]) -> list[sources.Noise]:
+    old, new = values["old"], values["new"]
+    how = values["order"], values["edges"]
+    along, across = (interpolator(old[axis], new[axis], *how) for axis in (0, 1))
+    return [replace(each, power=each.power.resampled(new, along, across)) for each in noises]
+
+
 def _scaled(noise: sources.Noise, factor: float) -> sources.Noise:
     return replace(noise, power=noise.power.scaled(factor))
 
 
-def interpolator(old: int, new: int, order: int) -> Operator:
+def interpolator(old: int, new: int, order: int, edges: Edges | None) -> Operator:
     """Interpolation of columns of samples as a linear operator."""
-    base, further = taps(old, new, order)
+    base, further = taps(old, new, order, edges)
 
     def interpolated(waves: Array) -> Array:
         total = waves[base]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.fft
 
+from core.delivered import block_combine
 from core.local_mean import local_mean
 from core.noise_power import NoisePower
 from core.physics.rounding_noise import rounding_variances
@@ -66,9 +67,22 @@ def arising(
 
 def is_noisy(recipe: Recipe) -> bool:
     """Whether anything a recipe is made of is drawn at random."""
-    if isinstance(recipe, Step) and any(isinstance(v, Stream) for _, v in recipe.parameters):
-        return True
-    return any(is_noisy(each) for each in recipe.inputs)
+    seen, waiting = {recipe.key}, [recipe]
+    while waiting:
+        each = waiting.pop()
+        if isinstance(each, Step) and any(isinstance(v, Stream) for _, v in each.parameters):
+            return True
+        fresh = [one for one in each.inputs if one.key not in seen]
+        seen.update(one.key for one in fresh)
+        waiting += fresh
+    return False
+
+
+def asked_by(step: Step) -> list[Recipe]:
+    """What `arising` and its callers look at to know the noise that a step adds."""
+    return [
+        step.inputs[place] for place in _ASKED.get(step.function, ()) if place < len(step.inputs)
+    ]
 
 
 def mean_of(work: Work, recipe: Recipe) -> float:
@@ -186,6 +200,17 @@ def _known(step: Step, name: str, rows: int, columns: int) -> Noise:
 def _white(step: Step, name: str, rows: int, columns: int, variance: float | Array) -> Noise:
     return Noise(step.node or "", name, True, NoisePower.white(rows, columns, variance))
 
+
+# Places of the inputs that are looked at: the picture where noise depends on it, and figures.
+_ASKED: dict[Any, tuple[int, ...]] = {
+    added: (0,),
+    photon_counts: (0,),
+    with_detector_noise: (1,),
+    read_out: (0, 1, 4),
+    with_amplifier_noise: (1,),
+    quantized: (1,),
+    block_combine: (0,),
+}
 
 _ARISING: dict[Any, Arising] = {
     added: _photons_added,

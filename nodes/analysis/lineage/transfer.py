@@ -9,7 +9,12 @@ from typing import Any
 from core.delivered import Delivered, block_combine
 from core.factors import Factor, Separable
 from core.grid import Grid
-from core.physics.interpolation import block_mean_mtf, interpolation_mtf
+from core.physics.interpolation import (
+    block_mean_mtf,
+    interpolation_mtf,
+    interpolation_ptf,
+    takes_the_later,
+)
 from core.recipes import Recipe, Step
 from core.values import Image
 from nodes.analysis.line_transfer import Stage, stages_of
@@ -199,11 +204,19 @@ def _combined(grid: Grid, factor_x: int, factor_y: int, node: str | None) -> tup
 
 
 def _interpolated(before: Grid, after: Grid, order: int, node: str | None) -> tuple[Separable, ...]:
-    across, along = (
+    axes: list[dict[str, Any] | None] = [
         {"interval_mrad": interval, "order": order, "old": old, "new": new} if old != new else None
         for interval, old, new in (
             (before.interval_x_mrad, before.columns, after.columns),
             (before.interval_y_mrad, before.rows, after.rows),
         )
+    ]
+    moved = [
+        axis if axis and takes_the_later(order=order, old=axis["old"], new=axis["new"]) else None
+        for axis in axes
+    ]
+    named: dict[str, Any] = {"label": "Interpolation", "node": node}
+    return (
+        *separable(interpolation_mtf, x=axes[0], y=axes[1], **named),
+        *separable(interpolation_ptf, x=moved[0], y=moved[1], part="ptf", **named),
     )
-    return separable(interpolation_mtf, x=across, y=along, label="Interpolation", node=node)

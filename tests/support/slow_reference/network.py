@@ -37,7 +37,8 @@ class Decisions:
 class Picture:
     """Samples; `scale`, the largest number that has been added up on the way to them.
 
-    `decisions` are the quantizers on the way, `last` the one that made these very samples.
+    `decisions` are the quantizers on the way, `last` the one that made these very samples. `edges`
+    is how the last transform had the frame go on, if one did and nothing was cropped since.
     """
 
     samples: Any
@@ -47,6 +48,7 @@ class Picture:
     scale: float
     decisions: tuple = ()
     last: Decisions | None = None
+    edges: str | None = None
 
     def then(self, samples, gain=1.0, **changes):
         scale = max(self.scale * gain, float(np.abs(samples).max()))
@@ -173,9 +175,8 @@ def back_transform(magnitude, phase):
 
     one, other = magnitude.picture, phase.picture
     if one is not None and one is other and magnitude.edges == phase.edges:
-        return one.then(
-            filtered(one.samples, transfer, (ax, ay), magnitude.edges), interval_x=ax, interval_y=ay
-        )
+        made = filtered(one.samples, transfer, (ax, ay), magnitude.edges)
+        return one.then(made, interval_x=ax, interval_y=ay, edges=magnitude.edges)
     samples, doubt = crossed(
         None if one is None else one.samples,
         None if other is None else other.samples,
@@ -185,13 +186,14 @@ def back_transform(magnitude, phase):
     )
     like = one or other
     if like is None:
-        return Picture(samples, ax, ay, None, float(np.abs(samples).max()))
+        scale = float(np.abs(samples).max())
+        return Picture(samples, ax, ay, None, scale, edges="periodic")
     scale = one.scale if one else float(np.abs(samples).max())
     if other is not None and not doubt * other.scale <= LARGEST_DOUBT * scale:
         raise IllConditionedError
     decisions = sum((each.then(each.samples).decisions for each in (one, other) if each), ())
     made = replace(like, samples=samples, scale=scale, interval_x=ax, interval_y=ay)
-    return replace(made, decisions=decisions, last=None)
+    return replace(made, decisions=decisions, last=None, edges="periodic")
 
 
 def combine_pixels(reference, p, image, **_):
@@ -203,6 +205,7 @@ def combine_pixels(reference, p, image, **_):
         x * y if p["mode"] == "sum" else 1,
         interval_x=image.interval_x * x,
         interval_y=image.interval_y * y,
+        edges=None if image.samples.shape[0] % y or image.samples.shape[1] % x else image.edges,
     )
 
 
@@ -212,7 +215,7 @@ def interpolate(reference, p, image, **_):
     if (width, height) == (columns, rows):
         return image
     return image.then(
-        resampling.interpolated(image.samples, width, height, p["order"]),
+        resampling.interpolated(image.samples, width, height, p["order"], image.edges),
         interval_x=image.interval_x * columns / width,
         interval_y=image.interval_y * rows / height,
     )

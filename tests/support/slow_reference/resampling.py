@@ -21,15 +21,18 @@ def combined(samples, across, along, mode):
     return total / (along * across) if mode == "mean" else total
 
 
-def interpolated(samples, width, height, order):
-    up = weights(samples.dtype.type, samples.shape[0], height, order)
-    across = weights(samples.dtype.type, samples.shape[1], width, order)
+def interpolated(samples, width, height, order, edges=None):
+    up = weights(samples.dtype.type, samples.shape[0], height, order, edges)
+    across = weights(samples.dtype.type, samples.shape[1], width, order, edges)
     return up @ samples @ across.T
 
 
 @lru_cache(maxsize=256)
-def weights(kind, old, new, order):
-    """What each new sample takes of each old one; those at the ends are repeated beyond them."""
+def weights(kind, old, new, order, edges):
+    """What each new sample takes of each old one, beyond the ends of what stands there.
+
+    That is the frame mirrored, or repeated, or without edges its last sample.
+    """
     if old == new:
         return np.eye(old, dtype=kind)
     matrix = np.zeros((new, old), kind)
@@ -38,8 +41,18 @@ def weights(kind, old, new, order):
         place = Fraction(2 * row + 1, 2) * Fraction(old, new) - Fraction(1, 2)
         for index in range(int(place) - REACH, int(place) + REACH + 1):
             share = kernel(place - index, order)
-            matrix[row, min(max(index, 0), old - 1)] += kind(share.numerator) / share.denominator
+            matrix[row, beyond(index, old, edges)] += kind(share.numerator) / share.denominator
     return matrix
+
+
+def beyond(index, size, edges):
+    if edges is None:
+        return min(max(index, 0), size - 1)
+    if edges == "periodic":
+        return index % size
+    while not 0 <= index < size:
+        index = -1 - index if index < 0 else 2 * size - 1 - index
+    return index
 
 
 def kernel(distance, order):

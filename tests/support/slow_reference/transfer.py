@@ -196,16 +196,16 @@ def optical_depth(p, context):
     if p["scatter_depth"]:
         return p["scatter_depth"]
     path_km = np.longdouble(context["range_m"]) / 1000
-    if p["view"] == "vertical":
+    if p["view"] != "horizontal":
         height = p["scale_height_km"]
         path_km = height * (1 - np.exp(-path_km / height))
-    return (np.longdouble(p["absorption_per_km"]) + p["scattering_per_km"]) * path_km
+    return p["scattering_per_km"] * path_km
 
 
 def fried_r0_m(p, context, wavelength_um):
-    """(0.423·k²·∫Cn²(z)·(z/L)^(5/3) dz)^(−3/5), z from the target, on the ground, to the sensor.
+    """(0.423·k²·∫Cn²(z)·(z/L)^(5/3) dz)^(−3/5), z from the target to the sensor.
 
-    Cn² the same all along, or Hufnagel and Valley's at 21 m/s where the view is vertical.
+    Cn² the same all along, or Hufnagel and Valley's at 21 m/s above the one on the ground.
     """
     length = np.longdouble(context["range_m"])
     # Steps that grow from either end: the trapezoidal rule in t with z = L/(1 + exp(−π·sinh t)).
@@ -213,9 +213,10 @@ def fried_r0_m(p, context, wavelength_um):
     z = length / (1 + np.exp(-PI * np.sinh(t)))
     step = PI * np.cosh(t) * z * (1 - z / length) / 100
     cn2 = p["cn2"] + 0 * z
-    if p["view"] == "vertical":
-        high = 0.00594 * (np.longdouble(21) / 27) ** 2 * (z / 1e5) ** 10 * np.exp(-z / 1000)
-        cn2 = high + 2.7e-16 * np.exp(-z / 1500) + p["cn2"] * np.exp(-z / 100)
+    if p["view"] != "horizontal":
+        h = length - z if p["view"] == "up" else z
+        high = 0.00594 * (np.longdouble(21) / 27) ** 2 * (h / 1e5) ** 10 * np.exp(-h / 1000)
+        cn2 = high + 2.7e-16 * np.exp(-h / 1500) + p["cn2"] * np.exp(-h / 100)
     k = 2 * PI / (np.longdouble(wavelength_um) / 1000000)
     moment = np.sum(cn2 * (z / length) ** (np.longdouble(5) / 3) * step)
     return (np.longdouble("0.423") * k**2 * moment) ** (-np.longdouble(3) / 5)
