@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import textwrap
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NoReturn, cast
@@ -12,6 +13,7 @@ from app.command_words import (
     bench_words,
     edit_words,
     network_words,
+    place_words,
     run_words,
     tradeoff_words,
 )
@@ -29,6 +31,7 @@ from app.option_values import (
 )
 from core.errors import UsageError
 from core.parameters import LARGEST_INTEGER
+from core.plain import close, shown
 from core.policy import Precision
 
 _EPILOG = """\
@@ -41,7 +44,7 @@ exit codes:
   2  a fault of the input; one line on stderr says which
 
 imagechain COMMAND --help tells the options of a command; --set, --save, --report, --figure and
---output may be repeated, --vary once."""
+--output may be repeated, --vary be given twice."""
 Look = Literal["dark", "light"]
 
 
@@ -49,11 +52,13 @@ Look = Literal["dark", "light"]
 class Options:
     """What was asked for."""
 
-    command: Literal["edit", "run", "check", "tradeoff", "modules", "bench"]
+    command: Literal["edit", "run", "check", "tradeoff", "modules", "networks", "bench"]
     network: str = ""
     settings: tuple[Assignment, ...] = ()
+    final: str | None = None
     saves: tuple[Save, ...] = ()
     output_dir: Path | None = None
+    allowed: tuple[Path, ...] = ()
     reports: tuple[Path, ...] = ()
     frames: int | None = None
     vary: tuple[str, ...] = ()
@@ -80,7 +85,18 @@ class Options:
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
-        raise UsageError(f"{message} (imagechain --help)")
+        raise UsageError(f"{message} ({self.prog} --help)")
+
+    def option_names(self) -> list[str]:
+        """Each option, in every way it may be written."""
+        return list(self._option_string_actions)
+
+    def refuse(self, word: str) -> NoReturn:
+        """Say that there is no such option, or no room for another word."""
+        name = word.partition("=")[0]
+        if not name.startswith("-"):
+            self.error(f"{shown(name)} is one word too many")
+        self.error(f"there is no option {shown(name)}{close(name, self.option_names())}")
 
     def print_help(self, file: Any = None) -> None:
         # argparse's own says nothing where the disk is full.
@@ -104,7 +120,9 @@ def parse(argv: list[str]) -> Options:
     SystemExit
         After printing the help or version asked for.
     """
-    found = _parser().parse_args(argv)
+    found = _found(argv)
+    if found.command == "networks":
+        return Options("networks")
     if found.command == "modules":
         return Options("modules", as_json=found.json, module=found.key or "")
     if found.command == "bench":
@@ -132,9 +150,10 @@ def parse(argv: list[str]) -> Options:
         )
     settings = tuple(assignment("--set", text, "NODE.PARAM=VALUE") for text in found.set)
     if found.command == "check":
-        return Options("check", found.network, settings)
+        return Options("check", found.network, settings, final=found.final, **_places(found))
     common: dict[str, Any] = {
         "settings": settings,
+        "final": found.final,
         "precision": found.precision,
         "tolerance": tolerance(found.tolerance),
         "seed": whole_number("--seed", found.seed, largest=LARGEST_INTEGER),
@@ -153,11 +172,36 @@ def parse(argv: list[str]) -> Options:
         "run",
         found.network,
         saves=tuple(save_target(text) for text in found.save),
-        output_dir=file_path("--output-dir", found.output_dir),
         reports=tuple(report_path(text) for text in found.report),
         frames=whole_number("--frames", found.frames),
+        **_places(found),
         **common,
     )
+
+
+def _places(found: argparse.Namespace) -> dict[str, Any]:
+    """Where a run writes, and where its network may."""
+    allowed = (file_path("--allow-writes-to", text) for text in found.allow_writes_to)
+    return {
+        "output_dir": file_path("--output-dir", found.output_dir),
+        "allowed": tuple(folder for folder in allowed if folder is not None),
+    }
+
+
+def _found(argv: list[str]) -> argparse.Namespace:
+    """The words as argparse reads them; one it does not know is told with what is like it."""
+    parser, commands = _parser()
+    first = argv[0]
+    if not first.startswith("-") and first not in commands:
+        hint = close(first, commands) or f"; there are {', '.join(commands)}"
+        parser.error(f"there is no command {shown(first)}{hint}")
+    used = commands.get(first, parser)
+    if used is parser and first not in parser.option_names():
+        parser.refuse(first)
+    found, unknown = parser.parse_known_args(argv)
+    if unknown:
+        used.refuse(unknown[0])
+    return found
 
 
 def _shipped() -> str:
@@ -173,7 +217,8 @@ def _shipped() -> str:
     )
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser() -> tuple[_Parser, Mapping[str, _Parser]]:
+    """All the words, and those of each command."""
     parser = _Parser(
         prog="imagechain",
         description="Simulate electro-optical and infrared image chains.",
@@ -187,15 +232,17 @@ def _parser() -> argparse.ArgumentParser:
     run_words(commands.add_parser("run", help="evaluate a network", allow_abbrev=False))
     check = commands.add_parser("check", help="validate a network", allow_abbrev=False)
     network_words(check)
+    place_words(check)
     varying = commands.add_parser(
         "tradeoff", help="figures of merit as a parameter moves", allow_abbrev=False
     )
     tradeoff_words(varying)
+    commands.add_parser("networks", help="list the shipped networks", allow_abbrev=False)
     modules = commands.add_parser("modules", help="list the library", allow_abbrev=False)
     modules.add_argument("key", metavar="KEY", nargs="?", help="only this module")
     modules.add_argument("--json", action="store_true", help="for programs")
     bench_words(commands.add_parser("bench", help="time against error", allow_abbrev=False))
-    return parser
+    return parser, commands.choices
 
 
 def version() -> str:

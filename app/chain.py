@@ -1,21 +1,17 @@
-"""What a network amounts to: its final picture, and the transfer functions that lead to it."""
+"""The transfer functions that lead to the picture a network delivers."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
+from app.output import Output, ancestors, find_output, source_images
 from core.delivered import Delivered, block_combine
-from core.engine import Plan, PlannedNode
-from core.errors import NetworkError
+from core.engine import Plan
 from core.factors import Factor
 from core.grid import Grid
-from core.network import Network
 from core.recipes import Step
 from core.values import Image, Transfer
-
-ANALYSIS = "Analysis"  # the group whose modules compare and measure, so their pictures end nothing
 
 
 @dataclass(frozen=True)
@@ -48,8 +44,11 @@ class Chain:
         Transfer functions after that: the electronics.
     beside : tuple of Stage
         Transfer functions that do not lead to the final picture.
-    cascade : bool
-        Whether `stages` act one after the other, so that they have a product.
+    missing : str
+        Why `stages` have no product, in one line; empty where they act one after the other, so
+        that they have one.
+    choices : tuple of str
+        Pictures of which each could be the final one, where none is.
     """
 
     final: str | None
@@ -59,7 +58,13 @@ class Chain:
     stages: tuple[Stage, ...]
     later: tuple[Stage, ...]
     beside: tuple[Stage, ...]
-    cascade: bool
+    missing: str = ""
+    choices: tuple[str, ...] = ()
+
+    @property
+    def cascade(self) -> bool:
+        """Whether `stages` act one after the other."""
+        return not self.missing
 
 
 def find_chain(plan: Plan) -> Chain:
@@ -68,144 +73,39 @@ def find_chain(plan: Plan) -> Chain:
     Raises
     ------
     NetworkError
-        If the network's field `final` names no picture.
+        If what is marked as the output is no picture.
     """
-    final = final_image(plan)
+    output = find_output(plan)
+    final = output.port
     if final is None:
-        return _unconnected(plan, None, ())
+        return _unconnected(plan, output, ())
     node = final.rpartition(".")[0]
     upstream = ancestors(plan.network, node) | {node}
     sources = tuple(_sources(plan, upstream))
     found = _delivered(plan, upstream)
     if found is None:
-        return _unconnected(plan, final, sources)
+        return _unconnected(plan, output, sources)
     last, recipe = found
     factors = (*recipe.magnitude.factors, *recipe.phase.factors)
     before = ancestors(plan.network, last) | {last}
     stages = _stages(plan, factors, before)
-    later = [_transfers(plan, name) for name in plan.nodes if name in upstream - before]
+    behind = upstream - before
+    later = [_transfers(plan, name) for name in plan.nodes if name in behind]
     inside = {stage.node for stage in (*stages, *later)}
     beside = [_transfers(plan, name) for name in plan.nodes if name not in inside]
     return Chain(
         final,
         sources,
         recipe.magnitude.grid,
-        _combined(plan, [last, *(name for name in plan.nodes if name in upstream - before)]),
+        _combined(plan, [last, *(name for name in plan.nodes if name in behind)]),
         tuple(stages),
         tuple(stage for stage in later if stage.factors),
         tuple(stage for stage in beside if stage.factors),
-        cascade=True,
     )
-
-
-def final_image(plan: Plan) -> str | None:
-    """The picture furthest downstream.
-
-    It is the one the network's field `final` names; else, of the pictures that a node without
-    outputs takes or that no link leaves, one that none of the others stems from.
-    """
-    named = plan.network.extra.get("final")
-    if named is not None:
-        if not isinstance(named, str) or not _is_image(plan, named):
-            raise NetworkError(f"final = {named!r:.80} is not allowed: NODE.PORT of an image")
-        return named
-    ending = ending_images(plan)
-    looked_at = set(_sink_inputs(plan))
-    order = list(plan.nodes)
-    return max(
-        ending,
-        key=lambda port: (
-            port in looked_at,
-            port in _main_images(plan),
-            len(ancestors(plan.network, _node(port))),
-            order.index(_node(port)),
-        ),
-        default=None,
-    )
-
-
-def ending_images(plan: Plan) -> list[str]:
-    """Pictures looked at or left open, less those that another one of them stems from."""
-    candidates = _candidates(plan) or list(_image_ports(plan))
-    passed: set[str] = set()
-    for port in candidates:
-        passed |= ancestors(plan.network, _node(port))
-    return [port for port in candidates if _node(port) not in passed]
-
-
-def ancestors(network: Network, node: str) -> set[str]:
-    """Every node that `node` hangs on."""
-    found: set[str] = set()
-    waiting = [node]
-    while waiting:
-        for link in network.links_into(waiting.pop()):
-            if link.source not in found:
-                found.add(link.source)
-                waiting.append(link.source)
-    return found
-
-
-def source_images(plan: Plan) -> list[str]:
-    """Ports of pictures that hang on nothing: files and test scenes."""
-    return [port for port in _image_ports(plan) if not plan.nodes[_node(port)].inputs]
-
-
-def _candidates(plan: Plan) -> list[str]:
-    linked = {f"{link.source}.{link.output}" for link in plan.network.links}
-    open_ends = [port for port in _image_ports(plan) if port not in linked]
-    found = dict.fromkeys([*_sink_inputs(plan), *open_ends])
-    return [
-        port
-        for port in found
-        if plan.nodes[_node(port)].declaration.group != ANALYSIS
-        and (port not in open_ends or port in _main_images(plan))
-    ]
-
-
-def _main_images(plan: Plan) -> set[str]:
-    return {port for name in plan.nodes if (port := _first_image(plan.nodes[name], name))}
-
-
-def _sink_inputs(plan: Plan) -> list[str]:
-    return [
-        f"{link.source}.{link.output}"
-        for link in plan.network.links
-        if _is_sink(plan, link.target) and _is_image(plan, f"{link.source}.{link.output}")
-    ]
-
-
-def _is_sink(plan: Plan, name: str) -> bool:
-    """Not so a node that is not there, or whose module is unknown or cannot be built."""
-    planned = plan.nodes.get(name)
-    return planned is not None and planned.module is not None and planned.declaration.sink
-
-
-def _first_image(planned: PlannedNode, name: str) -> str | None:
-    """The node's first picture, which is what it makes; the others tell how (its noise)."""
-    ports = (f"{name}.{port}" for port, value in planned.outputs.items() if _image(value))
-    return next(ports, None)
-
-
-def _image_ports(plan: Plan) -> Iterable[str]:
-    for name, planned in plan.nodes.items():
-        yield from (f"{name}.{port}" for port, value in planned.outputs.items() if _image(value))
-
-
-def _is_image(plan: Plan, port: str) -> bool:
-    planned = plan.nodes.get(_node(port))
-    return planned is not None and _image(planned.outputs.get(port.rpartition(".")[2]))
-
-
-def _image(value: Any) -> bool:
-    return isinstance(value, Image)
-
-
-def _node(port: str) -> str:
-    return port.rpartition(".")[0]
 
 
 def _sources(plan: Plan, upstream: set[str]) -> list[str]:
-    return [port for port in source_images(plan) if _node(port) in upstream]
+    return [port for port in source_images(plan) if port.rpartition(".")[0] in upstream]
 
 
 def _delivered(plan: Plan, upstream: set[str]) -> tuple[str, Delivered] | None:
@@ -267,7 +167,7 @@ def _transfer_outputs(plan: Plan, name: str) -> list[Transfer]:
     return [value for value in plan.nodes[name].outputs.values() if isinstance(value, Transfer)]
 
 
-def _unconnected(plan: Plan, final: str | None, sources: tuple[str, ...]) -> Chain:
+def _unconnected(plan: Plan, output: Output, sources: tuple[str, ...]) -> Chain:
     """Without an inverse transform: every transfer function there is, side by side."""
     stages = [stage for name in plan.nodes if (stage := _transfers(plan, name)).factors]
     grids = [
@@ -277,4 +177,17 @@ def _unconnected(plan: Plan, final: str | None, sources: tuple[str, ...]) -> Cha
         if isinstance(value, Transfer)
     ]
     grid = grids[0] if grids else None
-    return Chain(final, sources, grid, None, tuple(stages), (), (), cascade=False)
+    missing = output.missing or f"no Back Transform leads to the output, {output.port}"
+    if grid is None:
+        missing = "the network has no transfer function"
+    return Chain(
+        output.port,
+        sources,
+        grid,
+        None,
+        tuple(stages),
+        (),
+        (),
+        missing,
+        output.choices,
+    )

@@ -2,34 +2,76 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
 from app.arguments import Options
 from app.evaluation import planned
-from app.run import open_network
-from app.shipped import find_network
-from core.engine import Engine
-from core.errors import InputError
+from app.output import find_output, how_to_choose
+from app.run import FINAL, MTF, READOUTS, open_network, sink_targets
+from app.shipped import Place, find_network
+from app.tables import warning_lines
+from app.write_rules import write_rules
+from core.engine import Engine, Plan
+from core.errors import ImagechainError, InputError
 from core.validate import NetworkProblems
 from nodes.library import standard_library
 
 
 def check(options: Options) -> None:
-    """Print each error, or that there is none.
+    """Print each error, or that there is none, what the nodes warn of, and what a run would write.
 
     Raises
     ------
     InputError
-        Again, once all are printed.
+        If there is no such network; else how many errors it has, once all are printed.
     """
     library = standard_library()
+    place = find_network(options.network)
     try:
-        place = find_network(options.network)
         network = open_network(place, options, library)
-        planned(Engine(library), network, place.folder)
+        plan = planned(Engine(library), network, place.folder)
+        written, refused = planned_writes(options, place, plan)
+        if refused:
+            print("\n".join(written))
+            raise NetworkProblems(refused)
     except NetworkProblems as found:
-        for problem in found.problems:
-            print(problem)
-        raise
+        raise _printed(place, found.problems) from None
     except InputError as error:
-        print(error)
-        raise
-    print(f"{place.name}: no errors ({len(network.nodes)} nodes, {len(network.links)} links)")
+        raise _printed(place, [error]) from None
+    warnings = warning_lines(plan)
+    if choose := how_to_choose(find_output(plan)):
+        warnings.append(f"warning: no {FINAL}: {choose}")
+    count = _count(len(warnings), "warning") if warnings else ""
+    size = f"{_count(len(network.nodes), 'node')}, {_count(len(network.links), 'link')}"
+    summary = f"{place.name}: no errors{', ' if count else ''}{count} ({size})"
+    print("\n".join([*warnings, summary, *written]))
+
+
+def planned_writes(
+    options: Options, place: Place, plan: Plan
+) -> tuple[list[str], tuple[ImagechainError, ...]]:
+    """Lines that say what a run would write, and why it would refuse to.
+
+    Raises
+    ------
+    InputError
+        If it would write nothing at all.
+    """
+    folder = options.output_dir or Path(f"{place.name}-output")
+    names = (FINAL, MTF, READOUTS) if find_output(plan).port is not None else (MTF, READOUTS)
+    own = [folder / name for name in names]
+    sinks = sink_targets(plan, place.folder)
+    lines = [f"run writes {', '.join(map(str, own))}"]
+    lines += [f"{node}: run writes {target}" for node, target in sinks.items()]
+    return lines, write_rules(options, place, folder).refused(sinks, own)
+
+
+def _printed(place: Place, problems: Sequence[ImagechainError]) -> InputError:
+    for problem in problems:
+        print(problem)
+    return InputError(f"{place.name}: {_count(len(problems), 'error')}, the first: {problems[0]}")
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.chain import Chain, find_chain, source_images
+from app.chain import Chain, find_chain
+from app.output import find_output, source_images
 from app.responses import Responses, responses
 from core.engine import Engine, Plan
 from core.errors import ImagechainError
 from core.network import Network
 from core.policy import Policy
-from core.realize import realize
+from core.realize import asked_for, realize
 from core.recipes import Recipe
 from core.region import Region
 from core.store import Store
 from core.validate import NetworkProblems
-from core.values import Image, Magnitude, Phase, Transfer
+from core.values import Curve, Image, Magnitude, Phase, Table, Transfer
 from core.work import Work
 from nodes.files.read import check_finite
 
@@ -94,28 +95,76 @@ def planned(engine: Engine, network: Network, folder: Path) -> Plan:
 def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evaluation:
     """Compute the input pictures, then every unlinked output and every read-out.
 
+    What each of them is made of is made once, and let go of after the last that needs it.
+
     Raises
     ------
     ImagechainError
         The first one met, with its node.
     """
     start = time.perf_counter()
-    for port in source_images(plan):
-        _check_source(plan, port, work)
-    sources = time.perf_counter()
-    for name, output in plan.network.unlinked_outputs(engine.library):
-        _evaluate_output(plan, name, output, work)
-    readouts = {
-        name: engine.readouts(plan, name, work)
+    chain = find_chain(plan)
+    sources = {port: asked_for(plan.output(port)) for port in source_images(plan)}
+    outputs = {
+        each: asked_for(plan.nodes[each[0]].outputs.get(each[1]))
+        for each in plan.network.unlinked_outputs(engine.library)
+    }
+    figures = {
+        name: _recipes(engine.planned_readouts(plan, name))
         for name, node in plan.nodes.items()
         if not node.node.disabled and node.declaration.readouts
     }
-    chain = find_chain(plan)
-    found = responses(chain, work)
-    if chain.final is not None:
-        engine.value(plan, chain.final, work)
-    seconds = {"sources": sources - start, "evaluation": time.perf_counter() - sources}
+    final = asked_for(plan.output(chain.final)) if chain.final is not None else ()
+    asks = [*sources.values(), *outputs.values(), *figures.values(), final]
+    with work.hold([recipe for ask in asks for recipe in ask]) as held:
+        for port, recipes in sources.items():
+            _check_source(plan, port, work)
+            held.release(recipes)
+        checked = time.perf_counter()
+        for (name, output), recipes in outputs.items():
+            _evaluate_output(plan, name, output, work)
+            held.release(recipes)
+        readouts = {}
+        for name, recipes in figures.items():
+            readouts[name] = engine.readouts(plan, name, work)
+            held.release(recipes)
+        found = responses(chain, work)
+        if chain.final is not None:
+            engine.value(plan, chain.final, work)
+    seconds = {"sources": checked - start, "evaluation": time.perf_counter() - checked}
     return Evaluation(plan, engine, work, chain, found, readouts, folder, seconds)
+
+
+def asked_later(plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recipe]:
+    """What is asked for once a network has been evaluated, to hold it until then.
+
+    Parameters
+    ----------
+    plan : Plan
+        The network.
+    ports : iterable of str
+        Those to be written.
+    report : bool
+        Whether a report is to show the pictures, curves and tables as well.
+    """
+    values = [plan.output(port) for port in ports]
+    if (final := find_output(plan).port) is not None:
+        values.append(plan.output(final))
+    for each in plan.nodes.values():
+        if hasattr(each.module, "target") and not each.node.disabled:
+            values += each.inputs.values()
+        shown = Transfer | Image | Curve | Table if report else Transfer
+        values += [value for value in each.outputs.values() if isinstance(value, shown)]
+    found = [recipe for value in values for recipe in asked_for(value)]
+    if report and final is not None:
+        from nodes.analysis.lineage import NoiseOf
+
+        found.append(NoiseOf(plan.output(final)))
+    return found
+
+
+def _recipes(readouts: dict[str, Any]) -> tuple[Recipe, ...]:
+    return tuple(value for value in readouts.values() if isinstance(value, Recipe))
 
 
 def _check_source(plan: Plan, port: str, work: Work) -> None:

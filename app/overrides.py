@@ -12,7 +12,7 @@ from app.option_values import Assignment
 from core.declaration import declaration
 from core.errors import ImagechainError, ParameterError, UsageError
 from core.library import Library
-from core.network import Network
+from core.network import Network, with_marks
 from core.parameters import Parameter, plain
 from core.plain import close, shown
 
@@ -38,6 +38,28 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
         value = _fitting(parameter, setting)
         network = network.with_parameter(setting.node, setting.name, plain(value))
     return network
+
+
+def with_final(network: Network, port: str, *, library: Library) -> Network:
+    """The network with a picture marked as its output, and no other.
+
+    Raises
+    ------
+    UsageError
+        If there is no such port, or it has no picture.
+    """
+    name, _, output = port.rpartition(".")
+    node = network.nodes.get(name)
+    if node is None:
+        known = close(name, network.nodes) or listed(network.nodes)
+        raise UsageError(f"--final {port:.120}: there is no node {shown(name)}{known}")
+    module = library.get(node.module)
+    if module is not None:
+        pictures = [each.name for each in declaration(module).outputs if "image" in each.types]
+        if output not in pictures:
+            known = close(output, pictures) or f"; its pictures: {', '.join(pictures) or 'none'}"
+            raise UsageError(f"--final {port:.120}: {name} has no picture {shown(output)}{known}")
+    return with_marks(network, (), {**network.extra, "final": port})
 
 
 def named_parameter(

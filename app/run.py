@@ -12,17 +12,21 @@ from pathlib import Path
 from typing import Any
 
 from app.arguments import Options
-from app.evaluation import Evaluation, TimedWork, evaluate, planned
+from app.evaluation import Evaluation, TimedWork, asked_later, evaluate, planned
 from app.option_values import Save
-from app.overrides import with_settings
+from app.output import find_output, how_to_choose
+from app.overrides import with_final, with_settings
 from app.png import encode_png, grey_levels, robust_limits
 from app.progress import Progress
 from app.responses import mtf_csv
 from app.saving import check_suffix, save_value
 from app.sequence import MOST_FRAMES, save_frames
+from app.shares import check_shares
 from app.shipped import Place, find_network
 from app.staging import Staging
-from app.tables import columns, jsonable, printable, readout_rows
+from app.stopping import too_late
+from app.tables import columns, jsonable, readout_rows, warning_lines
+from app.write_rules import OPTION, WriteRules, write_rules
 from core.atomic import write_bytes, write_text
 from core.declaration import Here
 from core.engine import Engine, Plan
@@ -30,17 +34,20 @@ from core.errors import FileError, ImagechainError, NetworkError, UsageError
 from core.library import Library
 from core.network import Network
 from core.network_file import read_network
-from core.plain import close, shown
+from core.plain import close, printable, shown
 from core.policy import Policy
 from core.realize import realize
 from core.region import Region
 from core.skips import Skip, skips
-from core.validate import check_network
+from core.store import Store
+from core.validate import NetworkProblems, check_network
 from core.values import Image
 from nodes.files.read import check_finite
 from nodes.library import standard_library
 
 FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
+KEPT_BYTES = 1 << 29
+WARNINGS = "imagechain.warnings"  # in the read-outs; no node's name has a dot
 
 
 def run(options: Options, cancel: threading.Event | None = None) -> None:
@@ -62,24 +69,32 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)
-    engine = Engine(library)
+    # All that a run asks for is known and held; reports may ask for more, and again.
+    engine = Engine(library, None if options.reports else Store(KEPT_BYTES))
     plan = planned(engine, network, place.folder)
     folder = options.output_dir or Path(f"{place.name}-output")
     _check_folder(folder)
+    rules = write_rules(options, place, folder)
     with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
-        sinks = _sink_targets(plan, place.folder)
-        writers = _claim(plan, options, folder, sinks, staging)
+        sinks = sink_targets(plan, place.folder)
+        writers = _claim(plan, options, staging)
+        _claim_guarded(folder, sinks, rules, staging)
         with Progress(len(plan.nodes)) as progress:
             work = TimedWork(_policy(options), engine.store, progress, cancel)
             work.check()
-            found = evaluate(engine, plan, work, place.folder)
-            found.seconds["total"] = time.perf_counter() - start
-            _write(found, writers, staging, folder, options.frames)
-            skipped = skips(plan, work)  # before the reports, whose pictures ask for more
-            _write_reports(found, skipped, options, staging)
+            ports = [port for _, port, _ in writers]
+            with work.hold(asked_later(plan, ports, report=bool(options.reports))):
+                found = evaluate(engine, plan, work, place.folder)
+                found.seconds["total"] = time.perf_counter() - start
+                _write(found, writers, staging, folder, options.frames, rules)
+                skipped = skips(plan, work)  # before the reports, whose pictures ask for more
+                _write_reports(found, skipped, options, staging)
         work.check()
-        staging.commit()
+        too_late(cancel)
+        forgotten = rules.commit(staging)
     _print(found, skipped, folder, options, sinks)
+    if forgotten:
+        print(f"not remembered for the next run, which needs {OPTION}: {forgotten}")
 
 
 def open_network(place: Place, options: Options, library: Library) -> Network:
@@ -94,6 +109,14 @@ def open_network(place: Place, options: Options, library: Library) -> Network:
     if not network.nodes:
         raise NetworkError(f"{shown(str(place.path))}: the network has no nodes")
     network = with_settings(network, options.settings, library=library)
+    if options.final is not None:
+        network = with_final(network, options.final, library=library)
+    check_shares(
+        network,
+        library,
+        given=[(each.node, each.name) for each in options.settings],
+        places=[place.path.absolute(), *options.allowed, *filter(None, [options.output_dir])],
+    )
     if options.seed is not None:
         network = network.with_seed(options.seed)
     check_network(network, library=library)
@@ -134,9 +157,7 @@ def input_files(plan: Plan, folder: Path) -> list[Path]:
     return found
 
 
-def _claim(
-    plan: Plan, options: Options, folder: Path, sinks: dict[str, Path], staging: Staging
-) -> list[tuple[Path, str, Region | None]]:
+def _claim(plan: Plan, options: Options, staging: Staging) -> list[tuple[Path, str, Region | None]]:
     """Say early what will be written; gives the ``--save`` files, each with port and region."""
     saves = []
     if options.frames is not None and not 1 <= options.frames <= MOST_FRAMES:
@@ -148,17 +169,29 @@ def _claim(
             raise UsageError(f"--save {save.port}={path}: --frames of an image need a .npy")
         saves.append((path, save.port, _region(save, value)))
         staging.claim(path)
-    for path in (*options.reports, *(folder / name for name in (FINAL, MTF, READOUTS))):
+    for path in options.reports:
         staging.claim(path)
-    for node, path in sinks.items():
-        try:
-            staging.claim(path)
-        except ImagechainError as error:
-            raise error.at(node) from error
     return saves
 
 
-def _sink_targets(plan: Plan, folder: Path) -> dict[str, Path]:
+def _claim_guarded(
+    folder: Path, sinks: dict[str, Path], rules: WriteRules, staging: Staging
+) -> None:
+    """Say early what the network writes, and refuse what it may not."""
+    own = [folder / name for name in (FINAL, MTF, READOUTS)]
+    refused = rules.refused(sinks, own)
+    if refused:
+        raise NetworkProblems(refused) from refused[0]
+    for path in own:
+        staging.claim(path, rules.check_own if path.is_symlink() else None)
+    for node, path in sinks.items():
+        try:
+            staging.claim(path, partial(rules.check, node))
+        except ImagechainError as error:
+            raise error.at(node) from error
+
+
+def sink_targets(plan: Plan, folder: Path) -> dict[str, Path]:
     """Files that nodes write, by node."""
     found = {}
     for name, each in plan.nodes.items():
@@ -193,16 +226,28 @@ def _write(
     staging: Staging,
     folder: Path,
     frames: int | None,
+    rules: WriteRules,
 ) -> None:
     for path, port, region in saves:
         staging.write(path, partial(_save, found, port, region, frames))
-    for path, writer in _sink_files(found):
-        staging.write(path, writer)
+    for node, path, writer in _sink_files(found):
+        staging.write(path, writer, partial(rules.check, node))
     if found.chain.final is not None:
         staging.write(folder / FINAL, partial(_final_png, found, found.chain.final))
     staging.write(folder / MTF, partial(write_text, content=mtf_csv(found.responses)))
-    text = json.dumps(jsonable(found.readouts), indent=2, ensure_ascii=False, allow_nan=False)
+    told = {**found.readouts, **_warnings(found.plan)}
+    text = json.dumps(jsonable(told), indent=2, ensure_ascii=False, allow_nan=False)
     staging.write(folder / READOUTS, partial(write_text, content=printable(text) + "\n"))
+
+
+def _warnings(plan: Plan) -> dict[str, dict[str, list[str]]]:
+    """What the nodes warn of, under a name that no node can have; nothing where all is well."""
+    nodes = {
+        name: [each.text for each in node.warnings]
+        for name, node in plan.nodes.items()
+        if node.warnings
+    }
+    return {WARNINGS: nodes} if nodes else {}
 
 
 def _write_reports(
@@ -227,15 +272,15 @@ def _save(
         raise error.at(port.rpartition(".")[0]) from error
 
 
-def _sink_files(found: Evaluation) -> list[tuple[Path, Callable[[Path], None]]]:
-    files: list[tuple[Path, Callable[[Path], None]]] = []
+def _sink_files(found: Evaluation) -> list[tuple[str, Path, Callable[[Path], None]]]:
+    files: list[tuple[str, Path, Callable[[Path], None]]] = []
     for name, each in found.plan.nodes.items():
         if not each.declaration.sink or each.node.disabled:
             continue
         here = Here(name, found.network.seed, found.folder)
         module: Any = each.module
         try:
-            files += module.files(each.inputs, here, found.work)
+            files += [(name, *file) for file in module.files(each.inputs, here, found.work)]
         except ImagechainError as error:
             raise error.at(name) from error
     return files
@@ -257,6 +302,9 @@ def _print(
     rows = readout_rows(found)
     if rows:
         print(columns(rows, right=(2,)), end="\n\n")
+    told = warning_lines(found.plan)
+    if told:
+        print("\n".join(told), end="\n\n")
     left_out = [
         f"{each.node} (at most {each.bound:.2g})" for each in skipped if each.kind == "below_budget"
     ]
@@ -266,7 +314,10 @@ def _print(
     names = [FINAL, MTF, READOUTS] if found.chain.final is not None else [MTF, READOUTS]
     print(f"{folder}: {', '.join(names)}")
     if found.chain.final is None:
-        print("no final.png: the network has no picture")
+        output = find_output(found.plan)
+        print(f"no {FINAL}: {how_to_choose(output) or output.missing}")
+    if found.chain.missing and found.chain.grid is not None:
+        print(f"no total in {MTF}: {found.chain.missing}")
     others = [
         *(save.text for save in options.saves),
         *map(str, options.reports),

@@ -32,10 +32,9 @@ def save_frames(
         file = np.lib.format.open_memmap(
             path, mode="w+", dtype=work.policy.dtype, shape=(frames, rows, columns)
         )
-        for number in range(frames):
+        recipes = (at_frame(image.recipe, number) for number in range(frames))
+        for number, made in enumerate(work.one_by_one(recipes, region)):
             work.check()
-            recipe = at_frame(image.recipe, number)
-            made = work.part(recipe, region) if region else work.value(recipe)
             frame = real_array(made, work)
             check_finite(frame, port)
             file[number] = frame

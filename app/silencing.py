@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from app.chain import ancestors
 from app.evaluation import Evaluation
+from app.output import ancestors
 from core.engine import PlannedNode
 from core.network import Network
 from core.skips import is_neutral

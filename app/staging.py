@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import os
-import secrets
 import shutil
 import stat
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from core.errors import FileError, ImagechainError
+from core.file_lock import FileLock, take
+from core.leftovers import FOLDER_PREFIX, LOCK, new_mark, sweep
 
 Writer = Callable[[Path], None]
+Guard = Callable[[Path], None]
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,8 @@ class _Staged:
 class Staging:
     """Collects files in hidden folders beside their targets; `commit` puts them in place.
 
-    Used as a context manager: whatever was not committed is gone at its end.
+    Used as a context manager: whatever was not committed is gone at its end. What a killed process
+    left behind is removed by the next one that writes beside it.
 
     Parameters
     ----------
@@ -39,11 +42,14 @@ class Staging:
     """
 
     def __init__(self, folder: Path | None, inputs: Iterable[Path] = ()) -> None:
-        self._folder = None if folder is None else _real_target(folder)
-        self._inputs = {_real_target(path) for path in inputs}
+        self._folder = None if folder is None else real_target(folder)
+        self._inputs = {real_target(path) for path in inputs}
         self._claimed: dict[Path, Path] = {}
         self._staged: list[_Staged] = []
+        self._guards: dict[Path, Guard] = {}
         self._places: dict[Path, Path] = {}
+        self._locks: list[FileLock] = []
+        self._swept: set[Path] = set()
 
     def __enter__(self) -> Self:
         return self
@@ -54,18 +60,23 @@ class Staging:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        for lock in self._locks:
+            lock.let_go()
         for place in self._places.values():
             shutil.rmtree(place, ignore_errors=True)
 
-    def claim(self, target: Path) -> None:
+    def claim(self, target: Path, guard: Guard | None = None) -> None:
         """Say that `target` will be written, so that a bad one is known before any work.
+
+        A `guard` raises if it may not be; it is called now, and again before any file is put in
+        place, for what has changed meanwhile.
 
         Raises
         ------
         FileError
             If it cannot be written, is asked for twice, or is one of the inputs.
         """
-        real = _real_target(target)
+        real = real_target(target)
         if real in self._claimed:
             raise FileError(f"cannot write: two outputs are to go to {target}")
         if real in self._inputs:
@@ -74,6 +85,10 @@ class Staging:
             self._check_place(real, target)
         except OSError as error:
             raise _cannot(target, error) from error
+        if guard is not None:
+            guard(target)
+            self._guards[real] = guard
+        self._sweep(real.parent)
         self._claimed[real] = target
 
     def _check_place(self, real: Path, target: Path) -> None:
@@ -88,8 +103,10 @@ class Staging:
         if not os.access(folder, os.W_OK | os.X_OK):
             raise FileError(f"cannot write {target}: no permission to write in {folder}")
 
-    def write(self, target: Path, writer: Writer) -> None:
+    def write(self, target: Path, writer: Writer, guard: Guard | None = None) -> None:
         """Let `writer` make the file under a temporary name of the same suffix.
+
+        The `guard` is for a file that was not claimed before.
 
         Raises
         ------
@@ -98,9 +115,9 @@ class Staging:
         ImagechainError
             From `writer`.
         """
-        real = _real_target(target)
+        real = real_target(target)
         if real not in self._claimed:
-            self.claim(target)
+            self.claim(target, guard)
         if any(each.target == real for each in self._staged):
             raise FileError(f"cannot write: two outputs are to go to {target}")
         file = self._place(real, target) / f"{len(self._staged)}{real.suffix}"
@@ -113,6 +130,10 @@ class Staging:
             raise
         self._staged.append(_Staged(file, real, target))
 
+    def guarded(self) -> list[tuple[Path, Path]]:
+        """Targets that have a guard, links resolved, each with the file prepared for it."""
+        return [(each.target, each.file) for each in self._staged if each.target in self._guards]
+
     def commit(self) -> None:
         """Put every file in its place; if one fails, the others are as before.
 
@@ -121,6 +142,8 @@ class Staging:
         FileError
             For the one that failed.
         """
+        for each in self._staged:
+            self._check_again(each)
         undo: list[Callable[[], object]] = []
         target = self._folder or Path()
         try:
@@ -135,23 +158,52 @@ class Staging:
             _undo(undo)
             raise
 
+    def _check_again(self, each: _Staged) -> None:
+        guard = self._guards.get(each.target)
+        if guard is None:
+            return
+        if real_target(each.given) != each.target:
+            raise FileError(f"cannot write {each.given}: it has become a link to another place")
+        guard(each.given)
+
     def _place(self, real: Path, target: Path) -> Path:
         # Beside the target, so that the final rename stays within one file system.
         folder = _existing(real.parent)
         if folder not in self._places:
-            place = folder / f".imagechain-{secrets.token_hex(6)}"
+            place = folder / f"{FOLDER_PREFIX}{new_mark()}"
             try:
                 place.mkdir()
+                self._places[folder] = place
+                lock = take(place / LOCK)
             except OSError as error:
                 raise FileError(f"cannot write {target}: {error.strerror or error}") from error
-            self._places[folder] = place
+            if lock is not None:
+                self._locks.append(lock)
         return self._places[folder]
 
+    def _sweep(self, parent: Path) -> None:
+        """Clear away what killed runs have left where files of this one are prepared."""
+        folders = [_existing(parent)]
+        if self._folder is not None and parent.is_relative_to(self._folder):
+            # A run that was killed while it made this folder had its own beside it, or above.
+            folders += _owned_above(self._folder)
+        for folder in folders:
+            if folder not in self._swept:
+                self._swept.add(folder)
+                sweep(folder)
 
-def _real_target(target: Path) -> Path:
+
+def real_target(target: Path) -> Path:
+    """Where a file or folder really lies, links followed.
+
+    Raises
+    ------
+    FileError
+        If its path begins in the current folder, and that has been removed.
+    """
     try:
         return Path(os.path.realpath(target))
-    except OSError as error:  # the current folder has been removed
+    except OSError as error:
         raise _cannot(target, error) from error
 
 
@@ -177,6 +229,15 @@ def _check_existing(real: Path, target: Path) -> None:
 def _existing(folder: Path) -> Path:
     """The folder, or the nearest one above it that exists."""
     return next(each for each in (folder, *folder.parents) if each.exists())
+
+
+def _owned_above(folder: Path) -> Iterator[Path]:
+    """The folders above, up to the first that is not this user's."""
+    for above in folder.parents:
+        yield above
+        with contextlib.suppress(OSError):
+            if hasattr(os, "geteuid") and above.stat().st_uid != os.geteuid():
+                return
 
 
 def _make_folders(folder: Path, undo: list[Callable[[], object]]) -> None:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import signal
+import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from types import FrameType
 from typing import Any
 
 _SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
@@ -19,20 +21,69 @@ class Stopped(KeyboardInterrupt):
     """
 
 
+class Stop(threading.Event):
+    """Set once the process is told to stop, and the handler of the signals that tell it.
+
+    `Stopped` is raised only inside `during`, whose caller catches it: anywhere else, such as in
+    the caller's own ``except``, it would end the process with a traceback.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.is_late = False
+        self._told = False
+
+    def during(self, function: Callable[..., object], *words: object) -> None:
+        """Call a function that a signal may stop."""
+        function(*words)
+
+    def too_late(self) -> None:
+        """From now on a stop is only noted: the files are being put in place."""
+        self.is_late = True
+
+    def __call__(self, _number: int, frame: FrameType | None) -> None:
+        """Note the signal; raise where it can be caught, and nothing is being cleared away."""
+        if not self._told:
+            # A signal within `set` would wait for its lock for ever.
+            self._told = True
+            self.set()
+        if self.is_late or isinstance(sys.exception(), Stopped):
+            return
+        while frame is not None and frame.f_code is not Stop.during.__code__:
+            frame = frame.f_back
+        if frame is not None:
+            raise Stopped
+
+
+def too_late(cancel: threading.Event | None) -> None:
+    """Let a stop that is tied to signals come too late from now on."""
+    if isinstance(cancel, Stop):
+        cancel.too_late()
+
+
 @contextlib.contextmanager
-def stoppable() -> Iterator[threading.Event]:
+def stoppable(*, to_the_end: bool = False) -> Iterator[Stop]:
     """Make Ctrl-C and the signals to end raise `Stopped`.
 
     Yields an event that is set then: code that swallows every exception (a module being imported,
     a callback) may hide the exception from the caller.
+
+    Parameters
+    ----------
+    to_the_end : bool
+        Whether the process ends after it: Ctrl-C then ends what is left of it without a word,
+        where Python would print a traceback.
     """
-    told = threading.Event()
-
-    def stop(_number: int, _frame: object) -> None:
-        told.set()
-        raise Stopped
-
+    stop = Stop()
     previous: dict[signal.Signals, Any] = {}
+    hook = sys.unraisablehook
+
+    def report(unraisable: Any) -> None:
+        # One that is raised while an object is being deleted goes no further; Python prints it.
+        if not isinstance(unraisable.exc_value, Stopped):
+            hook(unraisable)
+
+    sys.unraisablehook = report
     with contextlib.suppress(ValueError):  # not the main thread
         for name in _SIGNALS:
             number = getattr(signal, name, None)
@@ -40,7 +91,9 @@ def stoppable() -> Iterator[threading.Event]:
             if number is not None and signal.getsignal(number) != signal.SIG_IGN:
                 previous[number] = signal.signal(number, stop)
     try:
-        yield told
+        yield stop
     finally:
         for number, handler in previous.items():
-            signal.signal(number, handler)
+            signal.signal(number, signal.SIG_DFL if to_the_end else handler)
+        if not to_the_end:
+            sys.unraisablehook = hook

@@ -10,8 +10,11 @@ from typing import Any
 import numpy as np
 
 from app.evaluation import Evaluation
+from core.engine import Plan
+from core.plain import printable
 
 _ROUNDING = 1e-15
+_IN_LINE = str.maketrans("\t\n\r", "   ")
 
 
 def number_text(value: Any) -> str:
@@ -48,14 +51,6 @@ def jsonable(value: Any) -> Any:
     return value.as_posix() if isinstance(value, PurePath) else value
 
 
-def printable(text: str) -> str:
-    """The text as UTF-8 can hold it: bytes of file names that are none become escapes.
-
-    A JSON document stays one, and reads back the same.
-    """
-    return text.encode("utf-8", "backslashreplace").decode()
-
-
 def readout_rows(found: Evaluation) -> list[tuple[str, str, str, str]]:
     """Node, read-out, value and unit of all that have a value."""
     rows = []
@@ -68,9 +63,14 @@ def readout_rows(found: Evaluation) -> list[tuple[str, str, str, str]]:
     return rows
 
 
+def warning_lines(plan: Plan) -> list[str]:
+    """One line for each warning of the nodes."""
+    return [printable(f"warning: {each}") for each in plan.warnings()]
+
+
 def columns(rows: Iterable[Sequence[str]], *, right: Sequence[int] = ()) -> str:
     """Rows with their cells in line; the columns in `right` end together."""
-    rows = list(rows)
+    rows = [[printable(cell).translate(_IN_LINE) for cell in row] for row in rows]
     if not rows:
         return ""
     widths = [max(len(row[index]) for row in rows) for index in range(len(rows[0]))]

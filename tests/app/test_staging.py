@@ -8,6 +8,7 @@ from functools import partial
 import pytest
 
 from app.staging import Staging
+from child_process import kill_program
 from core.atomic import write_text
 from core.errors import FileError
 
@@ -83,3 +84,40 @@ def test_refuses_what_it_may_not_write(tmp_path, monkeypatch):
         staging.claim(tmp_path / "old.txt")
     with pytest.raises(FileError, match="permission"):
         staging.claim(tmp_path / "new.txt")
+
+
+KILLED = """
+import sys, time
+from functools import partial
+from pathlib import Path
+from app.staging import Staging
+from core.atomic import write_text
+folder = Path(sys.argv[1])
+with Staging(folder / "out/deep") as staging:
+    for target in (folder / "a.txt", folder / "out/deep/b.txt"):
+        staging.write(target, partial(write_text, content="new"))
+    if len(sys.argv) > 2:
+        (folder / "out").mkdir()  # killed while it put the files in place
+    print("prepared", flush=True)
+    time.sleep(600)
+"""
+
+
+@pytest.mark.parametrize("more", [(), ("in place",)])
+def test_the_next_run_clears_away_what_a_killed_one_left(more, tmp_path):
+    (tmp_path / "a.txt").write_text("old")
+    kill_program(KILLED, str(tmp_path), *more, says="prepared")
+    assert len(names(tmp_path)) > 2
+    with Staging(tmp_path / "out/deep") as staging:
+        staging.claim(tmp_path / "out/deep/b.txt")
+    assert set(names(tmp_path)) <= {"a.txt", "out"}
+    assert (tmp_path / "a.txt").read_text() == "old"
+
+
+def test_two_runs_beside_each_other(tmp_path):
+    with Staging(tmp_path) as one, Staging(tmp_path) as two:
+        one.write(tmp_path / "a.txt", partial(write_text, content="a"))
+        two.write(tmp_path / "b.txt", partial(write_text, content="b"))
+        one.commit()
+        two.commit()
+    assert names(tmp_path) == ["a.txt", "b.txt"]

@@ -1,0 +1,106 @@
+"""Which picture `run` and `check` take for the output, and what they say where several may be."""
+
+import pytest
+
+LINE = (
+    "2 pictures end this network (pixels.image, noisy.image) and none is marked final: give "
+    "--final NODE.PORT, or press O on its node in the editor"
+)
+
+
+@pytest.fixture
+def two(small, write):
+    small["nodes"] |= {
+        "other": {"module": "test_scene", "params": {"width": 16, "height": 16}},
+        "noisy": {"module": "poisson_noise"},
+    }
+    small["links"].append(["other.image", "noisy.image"])
+    write(small)
+    return small
+
+
+def test_run_does_not_choose_among_two(two, imagechain, tmp_path):
+    done = imagechain("run", "net.json", "--output-dir", "out", "--save", "noisy.image=noisy.npy")
+    assert done.returncode == 0, done.stderr
+    assert f"no final.png: {LINE}" in done.stdout.splitlines()
+    assert "no total in mtf.csv: 2 pictures end this network" in done.stdout
+    written = {path.name for path in (tmp_path / "out").iterdir()}
+    assert written == {"mtf.csv", "readouts.json"}
+    assert (tmp_path / "noisy.npy").is_file()
+
+
+def test_check_warns_of_the_same(two, imagechain):
+    done = imagechain("check", "net.json")
+    assert done.returncode == 0, done.stderr
+    assert f"warning: no final.png: {LINE}" in done.stdout.splitlines()
+    assert "no errors, 1 warning" in done.stdout
+    assert "final.png," not in done.stdout
+
+
+def test_final_on_the_command_line(two, imagechain, tmp_path):
+    done = imagechain("run", "net.json", "--final", "pixels.image", "--output-dir", "one")
+    assert done.returncode == 0, done.stderr
+    assert "total" not in done.stdout
+    assert "total.mtf_x" in (tmp_path / "one" / "mtf.csv").read_text()
+    done = imagechain("run", "net.json", "--final", "noisy.image", "--output-dir", "other")
+    assert done.returncode == 0, done.stderr
+    told = "no total in mtf.csv: no Back Transform leads to the output, noisy.image"
+    assert told in done.stdout.splitlines()
+    assert "total.mtf_x" not in (tmp_path / "other" / "mtf.csv").read_text()
+    shapes = [(tmp_path / name / "final.png").read_bytes()[16:24] for name in ("one", "other")]
+    assert [int.from_bytes(s[:4]) for s in shapes] == [24, 16]  # columns, from the PNG's header
+    assert imagechain("check", "net.json", "--final", "noisy.image").returncode == 0
+
+
+def test_final_goes_before_a_mark_in_the_file(two, write, imagechain, tmp_path):
+    two["nodes"]["pixels"]["final"] = True
+    write(two)
+    assert imagechain("run", "net.json", "--output-dir", "one").returncode == 0
+    assert int.from_bytes((tmp_path / "one" / "final.png").read_bytes()[16:20]) == 24
+    done = imagechain("run", "net.json", "--final", "noisy.image", "--output-dir", "other")
+    assert done.returncode == 0, done.stderr
+    assert int.from_bytes((tmp_path / "other" / "final.png").read_bytes()[16:20]) == 16
+
+
+@pytest.mark.parametrize(
+    ("port", "told"),
+    [
+        ("noisy.imag", "noisy has no picture imag; did you mean image?"),
+        ("init.context", "init has no picture context; its pictures: none"),
+        ("nosy.image", "there is no node nosy; did you mean noisy?"),
+        ("noisy", "there is no node"),
+    ],
+)
+def test_a_wrong_final_is_one_line(two, fails, port, told):
+    line = fails("run", "net.json", "--final", port)
+    assert line.startswith(f"imagechain: --final {port}: ")
+    assert told in line
+
+
+def test_two_marks_are_refused(two, write, fails):
+    for name in ("pixels", "noisy"):
+        two["nodes"][name]["final"] = True
+    write(two)
+    assert "2 nodes are marked final (pixels, noisy)" in fails("run", "net.json")
+
+
+def test_a_slip_in_the_mark_is_no_other_field(two, write, fails):
+    two["nodes"]["pixels"]["finall"] = True
+    write(two)
+    assert "did you mean final?" in fails("run", "net.json")
+
+
+def test_the_report_says_why_there_is_no_total(two, imagechain, tmp_path):
+    done = imagechain("run", "net.json", "--final", "noisy.image", "--report", "r.html")
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "r.html").read_text()
+    assert "no product (total): no Back Transform leads to the output, noisy.image" in page
+
+
+def test_the_trade_off_says_why_there_is_no_total(two, imagechain):
+    words = ("--vary", "jitter.sigma_mrad=0.1,0.2", "--figure", "total.mtf_nyquist_x")
+    done = imagechain("tradeoff", "net.json", *words)
+    assert done.returncode == 2
+    assert "2 pictures end this network (pixels.image, noisy.image)" in done.stderr
+    done = imagechain("tradeoff", "net.json", *words, "--final", "pixels.image")
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,108 @@
+"""Warnings on the terminal, in the read-outs and in reports: told, and never a failure."""
+
+import json
+import re
+from html import unescape
+
+import pytest
+
+WRITES = "run writes net-output/final.png, net-output/mtf.csv, net-output/readouts.json"
+BAND = (
+    "electronics: the picture's radiance is that of 8 to 14 µm and cut_on_um to cut_off_um are 3 "
+    "to 5 µm: the bands do not overlap: leave cut_on_um and cut_off_um empty for the picture's "
+    "band, or give the picture this one"
+)
+
+
+@pytest.fixture
+def lwir(small, write):
+    """An LWIR picture through electronics of 3 to 5 µm."""
+    small["nodes"]["scene"]["params"] |= {"cut_on_um": 8.0, "cut_off_um": 14.0}
+    small["nodes"]["init"]["params"] |= {
+        "f_number": 2.0,
+        "detector_x_um": 25.0,
+        "detector_y_um": 25.0,
+    }
+    small["nodes"]["electronics"] = {
+        "module": "electronics_noise",
+        "params": {"cut_on_um": 3.0, "cut_off_um": 5.0, "region": "MWIR", "bandwidth_Hz": 1e4},
+    }
+    small["links"] += [
+        ["pixels.image", "electronics.image"],
+        ["init.context", "electronics.context"],
+    ]
+    write(small)
+    return small
+
+
+def test_check_tells_and_succeeds(lwir, imagechain):
+    done = imagechain("check", "net.json")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert done.stdout.splitlines() == [
+        f"warning: {BAND}",
+        "net: no errors, 1 warning (7 nodes, 10 links)",
+        WRITES,
+    ]
+
+
+def test_check_counts_them(lwir, write, imagechain):
+    lwir["nodes"]["detector"] = {"module": "detector_mtf", "params": {"detector_x_um": 30.0}}
+    lwir["links"] += [
+        ["init.context", "detector.context"],
+        ["init.magnitude", "detector.magnitude"],
+    ]
+    write(lwir)
+    lines = imagechain("check", "net.json").stdout.splitlines()
+    assert len(lines) == 4
+    assert lines[-2:] == ["net: no errors, 2 warnings (8 nodes, 12 links)", WRITES]
+
+
+def test_check_of_what_agrees_says_nothing_of_warnings(lwir, imagechain):
+    words = ("--set", "electronics.cut_on_um=null", "--set", "electronics.cut_off_um=null")
+    done = imagechain("check", "net.json", *words)
+    assert done.stdout == f"net: no errors (7 nodes, 10 links)\n{WRITES}\n"
+
+
+def test_run_tells_on_the_terminal_in_the_readouts_and_in_reports(lwir, imagechain, tmp_path):
+    done = imagechain("run", "net.json", "--report", "r.html", "--report", "r.json")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert f"warning: {BAND}" in done.stdout.splitlines()
+    told = json.loads((tmp_path / "net-output/readouts.json").read_text())
+    assert told["imagechain.warnings"] == {"electronics": [BAND.partition(": ")[2]]}
+    (fact,) = json.loads((tmp_path / "r.json").read_text())["warnings"]
+    assert fact["node"] == "electronics"
+    assert fact["check"] == "band"
+    assert f"{fact['node']}: {fact['message']}: {fact['remedy']}" == BAND
+    page = unescape((tmp_path / "r.html").read_text())
+    box = re.search(r"<div class=warnings>.*?</div>", page, re.S)
+    assert box is not None
+    assert "the bands do not overlap" in box[0]
+    assert page.index("<div class=warnings>") < page.index("<h2>Input and output")
+
+
+def test_a_run_without_warnings_says_nothing_of_them(small, write, imagechain, tmp_path):
+    write(small)
+    done = imagechain("run", "net.json", "--report", "r.html")
+    assert done.returncode == 0, done.stderr
+    assert "warning" not in done.stdout
+    assert "imagechain.warnings" not in (tmp_path / "net-output/readouts.json").read_text()
+    assert "<div class=warnings>" not in (tmp_path / "r.html").read_text()
+
+
+def test_a_trade_off_tells_them_too(lwir, imagechain):
+    words = ("--vary", "jitter.sigma_mrad=0.1,0.2", "--figure", "total.mtf_nyquist_x")
+    done = imagechain("tradeoff", "net.json", *words)
+    assert done.returncode == 0, done.stderr
+    assert f"warning: {BAND}" in done.stdout.splitlines()
+
+
+def test_markup_in_a_nodes_name_is_plain_text(lwir, write, imagechain, tmp_path):
+    text = json.dumps(lwir).replace('"electronics"', '"<b>e</b>"')
+    text = text.replace('"electronics.', '"<b>e</b>.')
+    write(json.loads(text))
+    done = imagechain("run", "net.json", "--report", "r.html")
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "r.html").read_text()
+    assert "<b>&lt;b&gt;e&lt;/b&gt;</b>: the picture" in page
