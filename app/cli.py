@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import sys
-import threading
 import warnings
 from collections.abc import Sequence
 
-from app.stopping import Stopped, stoppable
+from app.stopping import Stop, Stopped, stoppable
 from app.streams import discard, tell, usable_streams
 from core.errors import Cancelled, ImagechainError
 
@@ -30,38 +29,48 @@ def main(argv: Sequence[str] | None = None) -> int:
     # The engine divides its work itself; BLAS threads beside its own only get in their way (the
     # whole process then takes 1.6 times the processor time). Read when numpy is first imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    with usable_streams(), warnings.catch_warnings(), stoppable() as told_to_stop:
+    with (
+        stoppable(to_the_end=argv is None) as told_to_stop,
+        usable_streams(),
+        warnings.catch_warnings(),
+    ):
         warnings.simplefilter("ignore")
         return _exit_code(words, told_to_stop)
 
 
-def _exit_code(words: list[str], told_to_stop: threading.Event) -> int:
+def _exit_code(words: list[str], told_to_stop: Stop) -> int:
     """Carry out the words; what goes wrong becomes a line on stderr."""
     try:
-        _carry_out(words, told_to_stop)
+        told_to_stop.during(_carry_out, words, told_to_stop)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         discard(sys.stdout)
-    except ImagechainError as error:
-        # A stop may have become anything, as numpy makes an ImportError of one.
-        if told_to_stop.is_set():
-            return _cancelled()
-        return _fail(_with_more(error), error.exit_code)
     except KeyboardInterrupt:
         return _cancelled()
-    except MemoryError:
-        return _fail("not enough memory; nothing was written", 1)
-    except OSError as error:
-        discard(sys.stdout)
-        return _fail(f"cannot write to the terminal or pipe: {error.strerror or error}", 2)
     except Exception as error:
-        if told_to_stop.is_set():
+        # A stop may have become anything, as numpy makes an ImportError of one.
+        if told_to_stop.is_set() and not told_to_stop.is_late:
             return _cancelled()
-        return _fail(f"internal error: {type(error).__name__}: {error}", 1)
+        return _failed(error, written=told_to_stop.is_late)
     return 0
 
 
-def _carry_out(words: list[str], told_to_stop: threading.Event) -> None:
+def _failed(error: Exception, *, written: bool) -> int:
+    """Say what went wrong; `written` when only the printing was left to do."""
+    if isinstance(error, ImagechainError):
+        return _fail(_with_more(error), error.exit_code)
+    if isinstance(error, MemoryError):
+        what = "the files are written" if written else "nothing was written"
+        return _fail(f"not enough memory; {what}", 1)
+    if isinstance(error, OSError):
+        discard(sys.stdout)
+        what = "; the files are written" if written else ""
+        # Not 2: nothing of the input could be mended.
+        return _fail(f"cannot write to standard output: {error.strerror or error}{what}", 1)
+    return _fail(f"internal error: {type(error).__name__}: {error}", 1)
+
+
+def _carry_out(words: list[str], told_to_stop: Stop) -> None:
     from app import arguments
 
     try:
@@ -91,13 +100,17 @@ def _carry_out(words: list[str], told_to_stop: threading.Event) -> None:
 
         _stop_if(told_to_stop)
         bench(options)
+    elif options.command == "networks":
+        from app.network_list import network_list
+
+        network_list()
     else:
         from app.modules import modules
 
         modules(as_json=options.as_json, key=options.module)
 
 
-def _stop_if(told_to_stop: threading.Event) -> None:
+def _stop_if(told_to_stop: Stop) -> None:
     """Stop after imports, which may have swallowed the exception."""
     if told_to_stop.is_set():
         raise Stopped

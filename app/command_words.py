@@ -40,6 +40,31 @@ def network_words(parser: argparse.ArgumentParser) -> None:
         metavar="NODE.PARAM=VALUE",
         help="change a parameter for this once; null empties it; may be repeated",
     )
+    parser.add_argument(
+        "--final",
+        action=Once,
+        metavar="NODE.PORT",
+        help="the picture that is the network's output, in place of the one marked in the file",
+    )
+
+
+def place_words(parser: argparse.ArgumentParser) -> None:
+    """Where a run writes, and where its network may."""
+    parser.add_argument(
+        "--output-dir",
+        action=Once,
+        metavar="DIR",
+        help="where final.png, mtf.csv and readouts.json go (default ./NAME-output)",
+    )
+    parser.add_argument(
+        "--allow-writes-to",
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="let nodes of the network write any file below DIR; without it, only in the network's "
+        "folder and the output folder, and over no file that this network has not written; may be "
+        "repeated",
+    )
 
 
 def edit_words(parser: argparse.ArgumentParser) -> None:
@@ -83,12 +108,7 @@ def run_words(parser: argparse.ArgumentParser) -> None:
         help="of each image saved (.npy: frames, rows, columns) N frames, each with temporal "
         "noise of its own; the first is the picture",
     )
-    add(
-        "--output-dir",
-        action=Once,
-        metavar="DIR",
-        help="where final.png, mtf.csv and readouts.json go (default ./NAME-output)",
-    )
+    place_words(parser)
     add(
         "--report",
         action="append",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import socket
 import sys
@@ -10,12 +9,12 @@ import threading
 from pathlib import Path
 
 from app.arguments import Options
+from app.qt_libraries import check_libraries
+from app.shipped import find_network
 from core.errors import UsageError
 
 OFFSCREEN = "offscreen"
 _X_SOCKETS = Path("/tmp/.X11-unix")
-# The part of Qt's window support that Debian does not bring along with a desktop.
-_WINDOW_LIBRARY = "libxcb-cursor.so.0"
 
 
 def edit(options: Options, told_to_stop: threading.Event) -> None:
@@ -31,15 +30,19 @@ def edit(options: Options, told_to_stop: threading.Event) -> None:
     Raises
     ------
     UsageError
-        If there is no display, or Qt cannot be loaded.
+        If there is no display, or Qt or what it needs of the system cannot be loaded.
     ImagechainError
-        If the network cannot be opened for a screenshot.
+        If there is no such network, or it cannot be opened for a screenshot.
     """
     os.environ.setdefault("QT_PREFERRED_BINDING", "PySide6")
+    if options.network:
+        find_network(options.network)  # a slip of the pen comes before what the machine lacks
     if options.screenshot is not None:
         os.environ.setdefault("QT_QPA_PLATFORM", OFFSCREEN)
     elif sys.platform.startswith("linux"):
         check_display(os.environ)
+    platform = os.environ.get("QT_QPA_PLATFORM", "").partition(":")[0]
+    check_libraries(window=platform in ("", "xcb"))
     try:
         import PySide6.QtWidgets  # noqa: F401
     except ImportError as error:
@@ -70,12 +73,6 @@ def check_display(environment: os._Environ[str] | dict[str, str]) -> None:
         )
     if not _answers(display):
         raise UsageError(f"the editor needs a display: DISPLAY = {display:.80} does not answer")
-    try:
-        ctypes.CDLL(_WINDOW_LIBRARY)
-    except OSError:
-        raise UsageError(
-            f"the editor needs {_WINDOW_LIBRARY}: install it (Debian: libxcb-cursor0)"
-        ) from None
 
 
 def _answers(display: str) -> bool:

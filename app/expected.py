@@ -69,7 +69,7 @@ def _interpolated(law: Law | None, frequency: Vector, seen: float) -> Vector:
         return np.ones(len(frequency))
     given = dict(law.parameters)
     old, new = given["old"], given["new"]
-    base, further = taps(old, new, given["order"])
+    base, further = taps(old, new, given["order"], None)
     places = (np.arange(new) + 0.5) * old / new - 0.5
     # How much of each new sample lies within what is seen of them.
     away = np.abs(np.arange(new) + 0.5 - 0.5 * new)

@@ -20,6 +20,7 @@ from core.errors import DataError
 from core.factors import Factor
 from core.grid import Grid
 from core.recipes import Recipe, Step
+from core.values import Edges
 from core.work import Work
 from nodes.analysis.line_transfer import factor_at
 from nodes.analysis.spatial_blur import blurred
@@ -58,7 +59,7 @@ def edge_row(work: Work, recipe: Recipe, source: Recipe, axis: Axis, samples: in
         return _combined(row, given["factor_x" if axis == "x" else "factor_y"])
     if recipe.function is resampled:
         new = given["new"][1 if axis == "x" else 0]
-        return row if new == len(row) else _resampled(row, new, given["order"])
+        return row if new == len(row) else _resampled(row, new, given["order"], given["edges"])
     raise DataError(f"what {recipe.node} does to the picture is not known")
 
 
@@ -82,8 +83,8 @@ def _combined(row: Vector, factor: int) -> Vector:
     return np.asarray(row[: whole * factor].reshape(whole, factor).mean(axis=1), np.float64)
 
 
-def _resampled(row: Vector, new: int, order: int) -> Vector:
-    base, further = taps(len(row), new, order)
+def _resampled(row: Vector, new: int, order: int, edges: Edges | None) -> Vector:
+    base, further = taps(len(row), new, order, edges)
     made = row[base]
     for index, weight in further:
         made = made + weight * (row[index] - row[base])

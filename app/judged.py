@@ -99,7 +99,7 @@ class Judged:
     intervals : (float, float)
         Of the measured picture, mrad.
     silenced : tuple of str
-        Nodes whose noise is left out.
+        Nodes whose noise is left out, in the network's order.
     attempts : tuple of Attempt
         Each way to measure.
     """
@@ -119,7 +119,7 @@ def judged(found: Evaluation) -> Judged | str:
     source, picture = found.chain.sources[0], str(found.chain.final)
     scene: Image = found.plan.output(source)
     image: Image = found.plan.output(picture)
-    silenced: dict[str, None] = {}
+    silenced: set[str] = set()
     try:
         chain = _Chain(scene, image, silenced)
     except ImagechainError as error:
@@ -132,7 +132,8 @@ def judged(found: Evaluation) -> Judged | str:
             attempts.append(_attempt(chain, work, direction, method))
     grid = image.grid()
     intervals = grid.interval_x_mrad, grid.interval_y_mrad
-    return Judged(source, picture, intervals, tuple(reversed(silenced)), tuple(attempts))
+    without = tuple(name for name in found.plan.nodes if name in silenced)
+    return Judged(source, picture, intervals, without, tuple(attempts))
 
 
 def _reason(found: Evaluation) -> str | None:
@@ -156,7 +157,7 @@ class _Chain:
         If it is not made of the scene by steps that are known as transfer functions.
     """
 
-    def __init__(self, scene: Image, image: Image, silenced: dict[str, None]) -> None:
+    def __init__(self, scene: Image, image: Image, silenced: set[str]) -> None:
         self.scene = scene
         self.final = image
         self._silenced = silenced
@@ -188,7 +189,7 @@ class _Chain:
                 return None
             if each.function is read_out and dict(each.parameters)["model"] == "literal":
                 raise DataError("gain_model literal: the gain error as printed scales the picture")
-            self._silenced[each.node or ""] = None
+            self._silenced.add(each.node or "")
             return made.of(each.inputs[0])
 
         made = Remaking(change)

@@ -13,6 +13,7 @@ from app.bench.isolation import isolate
 from app.bench.machine import machine_facts
 from app.bench.settings import PARTS, Settings
 from app.bench.tables import Table, terminal_text
+from app.qt_libraries import check_libraries
 
 
 def bench(options: Options) -> None:
@@ -21,10 +22,12 @@ def bench(options: Options) -> None:
     Raises
     ------
     ImagechainError
-        If a file cannot be written.
+        If a file cannot be written, or the window is to be measured and Qt cannot be loaded.
     """
     isolate(options)
     settings = Settings.of(options)
+    if "editor" in settings.parts:
+        check_libraries(window=False)
     start = time.perf_counter()
     facts: Facts = {
         "format": "imagechain-bench",

@@ -13,6 +13,7 @@ import scipy
 
 from app.arguments import version
 from core.fourier import backend
+from core.memory import physical_bytes
 
 
 def machine_facts() -> dict[str, Any]:
@@ -21,7 +22,7 @@ def machine_facts() -> dict[str, Any]:
         "processor": _processor(),
         "cores": os.cpu_count(),
         "usable_cores": len(os.sched_getaffinity(0)),
-        "memory_bytes": os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"),
+        "memory_bytes": physical_bytes() or 0,
         "load": os.getloadavg()[0],
         "system": platform.platform(),
         "fft": fft_backend(),

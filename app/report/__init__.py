@@ -7,8 +7,9 @@ from pathlib import Path
 
 from app.evaluation import Evaluation
 from app.report.facts import report_facts
-from app.tables import jsonable, printable
+from app.tables import jsonable
 from core.atomic import write_text
+from core.plain import printable
 from core.skips import Skip
 
 

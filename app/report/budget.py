@@ -5,9 +5,9 @@ from __future__ import annotations
 from html import escape
 from typing import Any
 
-from app.report.drawing import COLOURS, figure
+from app.report.drawing import COLOURS, figure, strongest
 from app.report.markup import figure as shown
-from app.report.markup import table
+from app.report.markup import of_many, table
 from app.report.numbers import number
 from nodes.analysis.budget_told import source_words
 
@@ -28,6 +28,8 @@ def budget(facts: Fact) -> str:
                 *(["Blur: share of −ln |MTF| at half the Nyquist frequency."] if blur else []),
             ]
         )
+        caption += of_many(len(noise["sources"]), "noises") if noise else ""
+        caption += of_many(len(blur["stages"])) if blur else ""
         text += shown(bars_png(noise, blur), caption, "shares of noise and blur")
     text += _noise(noise) if noise else _untold("Noise", found["noise_reason"])
     return text + (_blur(blur) if blur else _untold("Blur", found["blur_reason"]))
@@ -39,12 +41,16 @@ def _untold(what: str, reason: str) -> str:
 
 def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
     """A bar for each noise, and two for each stage's blur: across and along."""
-    counts = [len(noise["sources"]) if noise else 0, len(blur["stages"]) if blur else 0]
+    sources, stages = noise["sources"] if noise else [], blur["stages"] if blur else []
+    sources = [sources[at] for at in strongest([each["share"] for each in sources])]
+    sizes = [max(abs(each["share_x"]), abs(each["share_y"])) for each in stages]
+    stages = [stages[at] for at in strongest(sizes)]
+    counts = [len(sources), len(stages)]
     panels = sum(count > 0 for count in counts)
     with figure(10.0 if panels == 2 else 6.6, 1.3 + 0.42 * max(counts)) as (drawn, out):
         axes = list(drawn.subplots(1, panels, squeeze=False)[0])
         if noise:
-            axis, sources = axes.pop(0), noise["sources"]
+            axis = axes.pop(0)
             names = _distinct([_name(each) for each in sources], sources)
             _stacked(axis, names, sources)
             axis.set_title("Noise")
@@ -53,9 +59,9 @@ def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
         if blur:
             axis = axes.pop(0)
             across, along = (
-                [100.0 * each[f"share_{name}"] for each in blur["stages"]] for name in ("x", "y")
+                [100.0 * each[f"share_{name}"] for each in stages] for name in ("x", "y")
             )
-            names = _distinct([each["title"] for each in blur["stages"]], blur["stages"])
+            names = _distinct([each["title"] for each in stages], stages)
             _bars(axis, names, [(across, _ACROSS, "across"), (along, _ALONG, "along")])
             axis.set_title("Blur")
             axis.set_xlabel("share of −ln |MTF| (%)")

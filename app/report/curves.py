@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from app.chain import Chain
-from app.report.drawing import COLOURS, figure
+from app.report.drawing import COLOURS, figure, strongest
 from app.responses import Response, Responses, StageResponse
 
 _NEAR = 0.02  # curves so close are told apart by their dashes
@@ -18,11 +18,8 @@ _DASHES = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5, 1, 1.5)))
 
 
 def stages_png(found: Responses, chain: Chain, part: Part) -> bytes:
-    """MTF or PTF of every stage and of the products: a. across, b. along.
-
-    Stages that do nothing are left out.
-    """
-    stages = [s for s in found.stages if (s.has_phase if part == "ptf" else s.has_blur)]
+    """MTF or PTF of the stages in `drawn_stages` and of the products: a. across, b. along."""
+    stages = drawn_stages(found, part)
     with figure(10.0, 4.7) as (drawn, out):
         axes = drawn.subplots(1, 2, sharey=True)
         named: dict[str, Any] = {}
@@ -36,6 +33,17 @@ def stages_png(found: Responses, chain: Chain, part: Part) -> bytes:
             named.values(), named.keys(), loc="outside lower center", ncols=3, fontsize=8.5
         )
     return out.getvalue()
+
+
+def drawn_stages(found: Responses, part: Part) -> list[StageResponse]:
+    """Stages that do something; of very many those that do most."""
+    stages = [s for s in found.stages if (s.has_phase if part == "ptf" else s.has_blur)]
+    neutral = 1.0 if part == "mtf" else 0.0
+    strengths = [
+        max(float(np.abs(_values(s, part, along) - neutral).max(initial=0.0)) for along in "xy")
+        for s in stages
+    ]
+    return [stages[place] for place in strongest(strengths)]
 
 
 def product_png(found: Responses, chain: Chain) -> bytes:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.png import robust_limits
+from app.report.as_written import as_written
 from app.report.numbers import number
 from app.report.plain_matplotlib import load_matplotlib
 from app.report.pupils import Panel
@@ -20,6 +21,8 @@ from core.values import Image
 
 Array = NDArray[Any]
 DPI = 144
+MOST_DRAWN = 24
+"""Curves or bars of one figure; a reader could not tell more of them apart."""
 RADIANCE = "W/m²/sr"
 COLOURS = (
     "#1f77b4",
@@ -50,6 +53,12 @@ _STYLE: Any = {
 }
 
 
+def strongest(strengths: Sequence[float]) -> list[int]:
+    """Places of the `MOST_DRAWN` greatest, in order."""
+    ranked = sorted(range(len(strengths)), key=lambda place: -strengths[place])
+    return sorted(ranked[:MOST_DRAWN])
+
+
 @contextmanager
 def figure(width: float, height: float) -> Iterator[tuple[Any, io.BytesIO]]:
     """A matplotlib figure of that size in inches, written as PNG when the block ends."""
@@ -62,6 +71,7 @@ def figure(width: float, height: float) -> Iterator[tuple[Any, io.BytesIO]]:
         drawn = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(drawn)
         yield drawn, out
+        as_written(drawn)
         # Without a date and version in it, the same run gives the same picture.
         drawn.savefig(out, format="png", dpi=DPI, metadata={"Software": None})
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from app.arguments import version
-from app.chain import ending_images
 from app.evaluation import Evaluation
+from app.output import ending_images
 from app.report.budget_facts import budget_facts
 from app.report.drawn_as import drawn_as
 from app.report.judged_facts import judged_facts
@@ -43,6 +43,7 @@ def report_facts(found: Evaluation, skipped: tuple[Skip, ...]) -> dict[str, Any]
             "links": [link.text() for link in network.links],
         },
         "run": _run(found),
+        "warnings": [asdict(each) for each in found.plan.warnings()],
         "pictures": [
             *(picture_facts(found, port, "input") for port in chain.sources),
             *([picture_facts(found, chain.final, "output")] if chain.final else []),

@@ -6,7 +6,7 @@ import base64
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
-from app.report.drawing import DPI
+from app.report.drawing import DPI, MOST_DRAWN
 
 
 def figure(png: bytes, caption: str, alt: str) -> str:
@@ -17,6 +17,13 @@ def figure(png: bytes, caption: str, alt: str) -> str:
         f'<figure><img width="{width}" alt="{escape(alt)}" src="data:image/png;base64,{data}">'
         f"<figcaption>{escape(caption)}</figcaption></figure>"
     )
+
+
+def of_many(count: int, what: str = "stages") -> str:
+    """What a caption adds where not all is drawn; empty else."""
+    if count <= MOST_DRAWN:
+        return ""
+    return f" Drawn are the {MOST_DRAWN} of {count} {what} that do most; the table has all of them."
 
 
 def table(

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from app.evaluation import Evaluation
-from app.report.drawing import COLOURS, figure
+from app.report.drawing import COLOURS, MOST_DRAWN, figure, strongest
 from app.report.numbers import number
-from core.data import CurveData
+from core.data import CurveData, Series
 from core.realize import realize
 from core.values import Curve
 
@@ -83,14 +83,16 @@ def curves_png(curves: list[Named]) -> bytes:
 
 def _height(data: CurveData) -> float:
     """Inches: of bars as many as there are, and of a legend its rows."""
-    legend = -(-len(data.series) // 2) * _LINE if len(data.series) > 1 else 0.0
+    series = min(len(data.series), MOST_DRAWN + 1)
+    legend = -(-series // 2) * _LINE if series > 1 else 0.0
     bars = len(data.bars) * (max(1, len(data.series)) * _LINE + 0.06) + 1.1
     return (max(2.2, bars) if data.bars else 3.3) + legend
 
 
 def _draw_curves(axis: Any, data: CurveData) -> None:
     styles = ((colour, dash) for dash in cycle(_DASHES) for colour in COLOURS)
-    for series, (colour, dash) in zip(data.series, styles, strict=False):
+    shown = _drawn_series(data)
+    for series, (colour, dash) in zip(shown, styles, strict=False):
         total = series.label.startswith("Total")
         y = _drawn(series.y, data.log_y)
         axis.plot(
@@ -102,6 +104,8 @@ def _draw_curves(axis: Any, data: CurveData) -> None:
             marker="o" if len(y) == 1 else None,
             label=series.label or data.y_label,
         )
+    if len(shown) < len(data.series):
+        axis.plot([], [], " ", label=f"and {len(data.series) - len(shown)} more, not drawn")
     axis.set_xlabel(data.x_label)
     axis.set_ylabel(data.y_label)
     along = np.concatenate([series.x for series in data.series] or [np.zeros(0)])
@@ -113,6 +117,12 @@ def _draw_curves(axis: Any, data: CurveData) -> None:
     if data.log_y:
         axis.set_yscale("log")
         _limit_decades(axis, [series.y for series in data.series])
+
+
+def _drawn_series(data: CurveData) -> list[Series]:
+    """All of them; of very many the totals and the first."""
+    total = [series.label.startswith("Total") for series in data.series]
+    return [data.series[place] for place in strongest([float(each) for each in total])]
 
 
 def _draw_bars(axis: Any, data: CurveData) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 from typing import Any
 
@@ -21,6 +22,8 @@ from core.realize import realize
 
 _MOST_INPUTS = 2
 _MOST_OTHERS = 4
+_MOST_NOISES = 8
+_MOST_NAMES = 24
 
 
 def page(found: Evaluation, facts: dict[str, Any]) -> str:
@@ -31,6 +34,7 @@ def page(found: Evaluation, facts: dict[str, Any]) -> str:
         f"<h1>{escape(title)}</h1>",
         f"<p class=lead>{escape(network['description'])}</p>" if network["description"] else "",
         _run_line(facts),
+        _warnings(facts),
         _pictures(found, facts),
         _published(facts),
         transfer(found, facts),
@@ -66,6 +70,15 @@ def _run_line(facts: dict[str, Any]) -> str:
         run["date"],
     ]
     return f"<p class=run>{escape(' · '.join(words))}</p>"
+
+
+def _warnings(facts: dict[str, Any]) -> str:
+    items = "".join(
+        f"<li><b>{escape(each['node'])}</b>: {escape(each['message'])}. "
+        f"<span>{escape(each['remedy'][:1].upper() + each['remedy'][1:])}.</span></li>"
+        for each in facts["warnings"]
+    )
+    return f"<div class=warnings><h2>Warnings</h2><ul>{items}</ul></div>" if items else ""
 
 
 def _pictures(found: Evaluation, facts: dict[str, Any]) -> str:
@@ -119,8 +132,18 @@ def _other_pictures(found: Evaluation, others: list[dict[str, Any]], beside: int
         return ""
     shown, rest = others[:_MOST_OTHERS], others[_MOST_OTHERS:]
     drawn = pictures_png([_picture(found, each, each["port"]) for each in shown], beside)
-    more = f" Not shown: {', '.join(each['port'] for each in rest)}." if rest else ""
+    more = _not_shown([each["port"] for each in rest])
     return figure(drawn, "Other pictures the network ends in." + more, "other output pictures")
+
+
+def _not_shown(ports: Sequence[str]) -> str:
+    return f" Not shown: {_listed(ports)}." if ports else ""
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Names in a row; of very many how many more there are."""
+    more = len(names) - _MOST_NAMES
+    return ", ".join(names[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def _picture(found: Evaluation, each: dict[str, Any], title: str) -> tuple[str, Any, Any]:
@@ -174,7 +197,7 @@ def _pupils(found: Evaluation) -> str:
     }
     kinds = [text for unit, text in told.items() if any(each.unit == unit for each in panels)]
     caption = "; ".join(kinds).capitalize() + ". Grey is linear from the least to the greatest."
-    more = f" Not shown: {', '.join(left_out)}." if left_out else ""
+    more = _not_shown(left_out)
     drawn = panels_png(panels)
     return "<h2>Pupils</h2>" + figure(drawn, caption + more, "exit pupils and autocorrelations")
 
@@ -183,10 +206,8 @@ def _curves(found: Evaluation) -> str:
     curves = node_curves(found)
     if not curves:
         return ""
-    rest = ", ".join(port for port, _ in curves[MOST:])
-    caption = "What nodes plot; gaps where there is no value." + (
-        f" Not shown: {rest}." if rest else ""
-    )
+    caption = "What nodes plot; gaps where there is no value."
+    caption += _not_shown([port for port, _ in curves[MOST:]])
     return "<h2>Curves</h2>" + figure(curves_png(curves[:MOST]), caption, "curves of nodes")
 
 
@@ -197,11 +218,12 @@ def _noise(found: Evaluation, facts: dict[str, Any]) -> str:
         return ""
     text = "<h2>Noise</h2>"
     if alive:
-        drawn = noise_png([_picture(found, each, each["port"]) for each in alive])
+        drawn = noise_png([_picture(found, each, each["port"]) for each in alive[:_MOST_NOISES]])
         caption = "Noise pictures between their 0.1 % and 99.9 % quantiles, and their histograms."
+        caption += _not_shown([each["port"] for each in alive[_MOST_NOISES:]])
         text += figure(drawn, caption, "noise pictures and histograms")
     if still:
-        text += f"<p>The same everywhere: {escape(', '.join(still))}.</p>"
+        text += f"<p>The same everywhere: {escape(_listed(still))}.</p>"
     return text
 
 

@@ -13,6 +13,10 @@ h3 small { color: #777; font-weight: normal; margin-left: .35em; }
 p { margin: .5rem 0; }
 .lead { font-size: 1.05rem; max-width: 46rem; }
 .run { color: #666; font-size: .85rem; }
+.warnings { margin: 1.2rem 0; padding: .1rem 1rem .5rem; border-left: 4px solid #d98200;
+  background: #fff6e5; }
+.warnings h2 { margin: .6rem 0 .3rem; border: 0; padding: 0; font-size: 1.05rem; }
+.warnings span { color: #555; }
 figure { margin: .9rem 0; }
 img { display: block; max-width: 100%; height: auto; }
 figcaption { color: #555; font-size: .85rem; margin-top: .35rem; }

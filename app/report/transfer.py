@@ -8,7 +8,7 @@ from typing import Any
 from app.evaluation import Evaluation
 from app.report.curves import Part, product_png, stages_png
 from app.report.drawn_as import named
-from app.report.markup import figure, table
+from app.report.markup import figure, of_many, table
 from app.report.numbers import number
 from app.responses import Responses
 
@@ -31,7 +31,7 @@ def transfer(found: Evaluation, facts: Fact) -> str:
         caption += (
             "Total: the product before pixels are combined."
             if chain.cascade
-            else "The stages stand side by side and have no product."
+            else f"The stages stand side by side and have no product (total): {chain.missing}."
         )
         text += _stages(found, responses, named(caption, drawn_as.get("stages")), "every stage")
     if acting and responses.products:
@@ -52,9 +52,10 @@ def _stages(found: Evaluation, shown: Responses, caption: str, what: str) -> str
     text = ""
     captions: tuple[tuple[Part, str], ...] = (("mtf", caption), ("ptf", "Their PTFs in radians."))
     for part, told in captions:
-        if any(s.has_phase if part == "ptf" else s.has_blur for s in shown.stages):
+        acting = sum(s.has_phase if part == "ptf" else s.has_blur for s in shown.stages)
+        if acting:
             drawn = stages_png(shown, found.chain, part)
-            text += figure(drawn, told, f"{part.upper()} of {what}")
+            text += figure(drawn, told + of_many(acting), f"{part.upper()} of {what}")
     return text
 
 

@@ -16,7 +16,8 @@ from app.progress import Progress
 from app.run import input_files, open_network
 from app.shipped import find_network
 from app.staging import Staging
-from app.tables import printable
+from app.stopping import too_late
+from app.tables import warning_lines
 from app.tradeoff.figures import Figure, default_figures, figures_of
 from app.tradeoff.results import Curve, Results, shown_value, telling
 from app.tradeoff.sweep import Point, TradeOff, with_value
@@ -27,7 +28,7 @@ from core.engine import Engine, Plan
 from core.errors import Cancelled, ParameterError, UsageError
 from core.library import Library
 from core.network import Network
-from core.plain import close, shown
+from core.plain import close, printable, shown
 from core.policy import Policy
 from core.work import Work
 from nodes.library import standard_library
@@ -72,8 +73,11 @@ def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
             staging.write(path, partial(_write, found))
         if cancel is not None and cancel.is_set():
             raise Cancelled("stopped on request")
+        too_late(cancel)
         staging.commit()
     _print(found, options.outputs)
+    for line in warning_lines(plan):
+        print(line)
 
 
 def _variations(

@@ -150,7 +150,7 @@ def _total(figures: Iterable[Figure], plan: Plan, work: Work, varied: str) -> di
             raise error
     chain = find_chain(sound_part(plan))
     if chain.grid is None or not chain.cascade:
-        raise NetworkError("the network's stages do not follow one another: no total MTF")
+        raise NetworkError(f"no total MTF: {chain.missing}")
     found = {}
     for figure in figures:
         axis, share, _ = _PLACES[figure.name]

@@ -1,14 +1,12 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from command_line import run_here, run_process
 
 SMALL = {
     "format": "imagechain-network",
@@ -63,22 +61,14 @@ def write(tmp_path):
 
 @pytest.fixture
 def imagechain(tmp_path):
-    """Run the command as a user does, in `tmp_path`."""
+    """Run the command in `tmp_path`."""
+    return partial(run_here, folder=tmp_path)
 
-    def run(*words, env=(), **options):
-        environment = {**os.environ, "PYTHONPATH": str(ROOT), **dict(env)}
-        return subprocess.run(
-            [sys.executable, "-m", "app.cli", *map(str, words)],
-            cwd=tmp_path,
-            env=environment,
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-            **options,
-        )
 
-    return run
+@pytest.fixture
+def imagechain_process(tmp_path):
+    """Run the command in `tmp_path` as a user does, where the process itself matters."""
+    return partial(run_process, folder=tmp_path)
 
 
 @pytest.fixture

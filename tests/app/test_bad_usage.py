@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 from app.cli import main
+from child_process import ROOT, finished
 
 USAGE = {
     "unknown command": (["evaluate", "net.json"], "evaluate"),
-    "no network": (["run"], "NETWORK"),
+    "command like another": (["chekc", "net.json"], "chekc; did you mean check?"),
+    "option before the command": (["--vesrion"], "--vesrion; did you mean --version?"),
+    "no network": (["run"], "NETWORK (imagechain run --help)"),
+    "option like another": (["run", "net.json", "--reprot=a.html"], "--reprot; did you mean --re"),
+    "too many words": (["run", "net.json", "kodak"], "kodak is one word too many"),
+    "check no such network": (["check", "nosuch"], "nosuch is neither a file nor the name of"),
     "unknown option": (["run", "net.json", "--fast"], "--fast"),
     "abbreviated option": (["run", "net.json", "--prec", "double"], "--prec"),
     "precision": (["run", "net.json", "--precision", "half"], "half"),
@@ -124,6 +129,23 @@ def test_the_editor_with_a_display_that_does_not_answer(imagechain, display):
     )
 
 
+def test_a_slip_comes_before_a_display_that_is_not_there(imagechain):
+    for words, told in ((["kodak_kir31"], "mean kodak_kir310?"), (["--sice=1x1"], "mean --size?")):
+        done = imagechain("edit", *words, env=NO_DISPLAY)
+        assert done.returncode == 2
+        assert told in done.stderr
+        assert "display" not in done.stderr
+
+
+@pytest.mark.parametrize("words", [["run"], ["check", "nosuch"], ["edit", "nosuch"]])
+def test_a_process_ends_as_the_command_in_this_one(words, imagechain, imagechain_process):
+    """The other tests of this kind start none."""
+    here, process = imagechain(*words), imagechain_process(*words)
+    assert process.returncode == here.returncode == 2
+    assert (process.stdout, process.stderr) == (here.stdout, here.stderr)
+    assert here.stderr.count("\n") == 1
+
+
 @pytest.mark.parametrize("size", ["", "1600", "1600x", "x900", "16x9", "1e3x900", "٣٢٠x٣٢٠"])
 def test_the_size_of_a_window(fails, size):
     assert "whole numbers from 320 to 16384" in fails("edit", "--size", size)
@@ -141,29 +163,24 @@ def test_line_breaks_and_escapes_stay_out_of_the_line(fails):
 def shell(line, folder):
     """Run a line of shell in which ``imagechain`` is the command."""
     command = f'imagechain() {{ "{sys.executable}" -m app.cli "$@"; }}; {line}'
-    return subprocess.run(
-        ["bash", "-c", command],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return finished(["bash", "-c", command], folder=folder, env=environment)
 
 
 @pytest.mark.parametrize(
     ("line", "code", "out", "errors"),
     [
-        ("imagechain modules >/dev/full", 2, "", 1),
-        ("imagechain --help >/dev/full", 2, "", 1),
+        ("imagechain modules >/dev/full", 1, "", 1),
+        ("imagechain --help >/dev/full", 1, "", 1),
         ("imagechain --help >&-", 0, "", 0),
         ("imagechain run net.json >&-", 0, "", 0),
+        ("imagechain run net.json >/dev/full", 1, "", 1),
         ("imagechain run net.json 2>&-", 0, "net-output: ", 0),
         ("imagechain run nothing 2>&-", 2, "", 0),
         ("imagechain run nothing 2>/dev/full", 2, "", 0),
         ("imagechain run nothing >&- 2>&-", 2, "", 0),
-        ("imagechain check nothing >/dev/full", 2, "", 1),
+        ("imagechain check net.json >/dev/full", 1, "", 1),
+        ("imagechain check nothing >/dev/full", 2, "", 1),  # which prints nothing there
     ],
 )
 def test_streams_closed_or_full(line, code, out, errors, tmp_path):
@@ -173,6 +190,19 @@ def test_streams_closed_or_full(line, code, out, errors, tmp_path):
     assert out in done.stdout
     assert out or not done.stdout
     assert (tmp_path / "net-output/final.png").is_file() == ("run net.json" in line)
+
+
+def test_what_is_written_is_said_where_it_cannot_be_printed(tmp_path):
+    """As `cp -v` does: the files stand, and the exit code is no fault of the input's."""
+    done = shell("imagechain run net.json --report r.json >/dev/full", tmp_path)
+    assert done.returncode == 1
+    assert done.stderr == (
+        "imagechain: cannot write to standard output: No space left on device; "
+        "the files are written\n"
+    )
+    assert (tmp_path / "r.json").is_file()
+    done = shell("imagechain modules >/dev/full", tmp_path)
+    assert done.stderr == ("imagechain: cannot write to standard output: No space left on device\n")
 
 
 def test_current_folder_removed(tmp_path):

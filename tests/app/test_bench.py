@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 import sys
 import warnings
 
@@ -20,17 +19,26 @@ from app.bench.peer_imports import load
 from app.bench.peer_self import OURS
 from app.bench.settings import PARTS, TABLES, Settings
 from app.cli import main
+from child_process import finished
 from core.errors import FileError, UsageError
 
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
 UNDRAWN = {"fresh_process", "one_thread", "editor"}
 
 
+@pytest.fixture
+def steady(monkeypatch):
+    """The environment it wants, in which it does not start itself again."""
+    for name, value in STEADY.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(os, "execve", None)
+
+
 @pytest.mark.parametrize("part", PARTS)
-def test_part(part, imagechain, tmp_path):
+def test_part(part, imagechain_process, tmp_path):
     words = ["--quick", "--only", part, "--size", 32, "--json", "b.json", "--html", "b.html"]
     words += ["--markdown", "b.md", "--pictures", "drawn/here"]
-    done = imagechain("bench", *words)
+    done = imagechain_process("bench", *words)
     assert (done.returncode, done.stderr) == (0, "")
     facts = json.loads((tmp_path / "b.json").read_text())
     assert set(facts) == FACTS
@@ -72,15 +80,15 @@ def test_part(part, imagechain, tmp_path):
         (["kodak_kir310"], "kodak_kir310"),
     ],
 )
-def test_bad_words(words, told, fails):
+def test_bad_words(words, told, fails, steady):
     assert told in fails("bench", "--quick", *words)
 
 
-def test_same_file_twice(fails):
+def test_same_file_twice(fails, steady):
     assert "two outputs" in fails("bench", "--json", "b", "--html", "b")
 
 
-def test_a_text_without_the_marks_is_left_alone(imagechain, tmp_path):
+def test_a_text_without_the_marks_is_left_alone(imagechain, steady, tmp_path):
     """And known before anything is measured."""
     (tmp_path / "README.md").write_text("# Mine\n")
     done = imagechain("bench", "--quick", "--markdown", "README.md")
@@ -89,11 +97,8 @@ def test_a_text_without_the_marks_is_left_alone(imagechain, tmp_path):
     assert (tmp_path / "README.md").read_text() == "# Mine\n"
 
 
-def test_in_this_process(capsys, monkeypatch, tmp_path):
+def test_in_this_process(capsys, steady, monkeypatch, tmp_path):
     """With the environment it wants it does not start itself again."""
-    for name, value in STEADY.items():
-        monkeypatch.setenv(name, value)
-    monkeypatch.setattr(os, "execve", None)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("app.bench.precision.MEASURES", ())
     assert main(["bench", "--quick", "--only", "precision", "--size", "32"]) == 0
@@ -201,12 +206,5 @@ def test_modules_of_a_child_are_ours(tmp_path):
     (tmp_path / "core").mkdir()
     (tmp_path / "core/__init__.py").write_text("raise SystemExit(3)")
     words = ["bench", "--quick", "--only", "peers", "--size", 64]
-    done = subprocess.run(
-        command("app.cli", *map(str, words)),
-        cwd=tmp_path,
-        env=environment(),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = finished(command("app.cli", *map(str, words)), folder=tmp_path, env=environment())
     assert (done.returncode, done.stderr) == (0, "")

@@ -39,6 +39,19 @@ def test_it_is_in_both_reports(imagechain, tmp_path):
         assert words in page
 
 
+def test_of_a_small_periodic_frame(imagechain, tmp_path):
+    """Photon noise is known on the frame's own waves, what the electronics adds on none."""
+    small = [f"--set={node}={size}" for node, size in (
+        ("scene.width", 128), ("scene.height", 128), ("frame_grabber.width", 80),
+        ("frame_grabber.height", 80), ("init.edges", "periodic"),
+    )]  # fmt: skip
+    done = imagechain("run", "kodak_kir310", *small, "--report", "r.json")
+    assert (done.returncode, done.stderr) == (0, "")
+    noise = json.loads((tmp_path / "r.json").read_text())["budget"]["noise"]
+    assert sum(each["share"] for each in noise["sources"]) == pytest.approx(1)
+    assert noise["together"] == pytest.approx(noise["summed"], rel=0.1)  # of 6,400 samples
+
+
 def test_a_phase_does_not_blur(imagechain, tmp_path):
     done = imagechain("run", "spatial_blur", "--report", "r.json")
     assert (done.returncode, done.stderr) == (0, "")

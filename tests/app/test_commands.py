@@ -6,11 +6,11 @@ import contextlib
 import json
 import os
 import pty
+import select
 import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,12 +20,12 @@ import app.run
 from app.cli import main
 from app.png import encode_png, grey_levels, robust_limits
 from app.responses import response
+from child_process import PATIENCE_S, ROOT, catches, finished, wait_for
 from core.declaration import declaration
 from core.network_file import load_network
 from nodes.files.read import read_pixels
 from nodes.library import standard_library
 
-ROOT = Path(__file__).resolve().parents[2]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 
 
@@ -55,7 +55,10 @@ def test_modules_for_people(capsys):
 def test_check(capsys, write, small, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["check", write(small)]) == 0
-    assert capsys.readouterr().out == "net: no errors (6 nodes, 8 links)\n"
+    assert capsys.readouterr().out == (
+        "net: no errors (6 nodes, 8 links)\n"
+        "run writes net-output/final.png, net-output/mtf.csv, net-output/readouts.json\n"
+    )
     assert not (tmp_path / "net-output").exists()
 
 
@@ -89,28 +92,26 @@ def test_a_bug_is_one_line_and_exit_1(capsys, write, small, tmp_path, monkeypatc
     assert [path.name for path in tmp_path.iterdir()] == ["net.json"]
 
 
-def catches(pid: int, number: int) -> bool:
-    status = Path(f"/proc/{pid}/status").read_text()
-    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
-    return bool(int(caught.split()[1], 16) >> (number - 1) & 1)
+# Frames without number: nothing but a signal ends it, and its one file stays small.
+ENDLESS = ["run", "kodak_kir310", "--frames", "1000000", "--save"]
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_stopped(number, write, small, tmp_path):
-    small["nodes"]["scene"]["params"] |= {"width": 6000, "height": 6000, "kind": "dormitory"}
-    write(small)
-    words = [sys.executable, "-m", "app.cli", "run", "net.json"]
+@pytest.mark.parametrize("moment", ["starting", "writing"])
+def test_stopped(number, moment, tmp_path):
+    words = [sys.executable, "-m", "app.cli", *ENDLESS, "frame_grabber.image[:1,:1]=a.npy"]
     process = subprocess.Popen(
         words, cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
-    while not catches(process.pid, signal.SIGHUP):
-        time.sleep(0.02)
-    time.sleep(0.3)
+    last = signal.SIGHUP  # of those it listens to
+    wait_for(lambda: catches(process.pid, last), "it listens to signals", child=process)
+    if moment == "writing":
+        wait_for(lambda: [*tmp_path.rglob("*.npy")], "a file is begun", child=process)
     process.send_signal(number)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 1
     assert err == b"imagechain: cancelled; nothing was written\n"
-    assert [path.name for path in tmp_path.iterdir()] == ["net.json"]
+    assert not [*tmp_path.iterdir()]
 
 
 @pytest.mark.parametrize("place", ["standard_library", "source_images"])
@@ -123,7 +124,7 @@ def test_a_stop_that_was_swallowed(place, write, small, tmp_path, monkeypatch, c
     def deaf(*words):
         with contextlib.suppress(KeyboardInterrupt):
             os.kill(os.getpid(), signal.SIGTERM)
-            time.sleep(0.1)
+            time.sleep(PATIENCE_S)  # ended by the signal
         return real(*words)
 
     monkeypatch.setattr(module, place, deaf)
@@ -141,34 +142,50 @@ def test_one_module(capsys):
     assert [each["key"] for each in json.loads(capsys.readouterr().out)] == ["jitter_mtf"]
 
 
+def test_networks_are_listed(capsys):
+    assert main(["networks"]) == 0
+    text = capsys.readouterr().out
+    for path in (ROOT / "networks").glob("*.json"):
+        told = json.loads(path.read_text(encoding="utf-8"))
+        assert f"{path.stem} · {told['name']}\n" in text
+        assert told["description"] in " ".join(text.split())
+
+
 def test_help_says_what_there_is(capsys):
     main(["--help"])
     text = capsys.readouterr().out
     assert all(path.stem in text for path in (ROOT / "networks").glob("*.json"))
     assert "exit codes" in text
+    assert "--vary be given twice" in text
     main(["run", "--help"])
     text = " ".join(capsys.readouterr().out.split())
-    assert text.count("may be repeated") == 3
+    assert text.count("may be repeated") == 4
     assert "null" in text
 
 
 def test_reader_that_has_seen_enough():
     line = f"{sys.executable} -m app.cli modules | head -n 1; echo ${{PIPESTATUS[0]}}"
-    done = subprocess.run(
-        ["bash", "-c", line], env=ENVIRONMENT, capture_output=True, text=True, check=True
-    )
+    done = finished(["bash", "-c", line], env=ENVIRONMENT)
     assert done.stdout.endswith("\n0\n")
     assert done.stderr == ""
 
 
-def test_progress_on_a_terminal(write, small, tmp_path):
+PATIENT = """
+import sys
+import app.progress
+from app.cli import main
+app.progress.PATIENCE_S = float(sys.argv[1])
+sys.exit(main(["run", "net.json"]))
+"""
+
+
+@pytest.mark.parametrize(("patience_s", "shown"), [("0", True), ("inf", False)])
+def test_progress_on_a_terminal(patience_s, shown, write, small, tmp_path):
     """A terminal sees a bar once work takes long, and nothing of it stays."""
-    small["nodes"]["scene"]["params"] |= {"width": 6000, "height": 6000, "kind": "dormitory"}
     write(small)
     outer, inner = pty.openpty()
-    slowly = ("--threads", "1", "--precision", "double")  # long on any machine
     process = subprocess.Popen(
-        [sys.executable, "-m", "app.cli", "run", "net.json", *slowly],
+        [sys.executable, "-c", PATIENT, patience_s],
         cwd=tmp_path,
         env={**ENVIRONMENT, "TERM": "xterm"},
         stdout=subprocess.DEVNULL,
@@ -176,17 +193,13 @@ def test_progress_on_a_terminal(write, small, tmp_path):
     )
     os.close(inner)
     seen = b""
-    while True:
-        try:
-            part = os.read(outer, 4096)
-        except OSError:
-            break
-        if not part:
-            break
-        seen += part
+    with contextlib.suppress(OSError):  # the terminal's other end is closed
+        while select.select([outer], [], [], PATIENCE_S)[0] and (part := os.read(outer, 4096)):
+            seen += part
     os.close(outer)
-    assert process.wait(timeout=60) == 0
-    assert b"/6" in seen
+    assert process.wait(timeout=PATIENCE_S) == 0
+    assert (b"/6" in seen) is shown
+    assert seen.endswith(b"\x1b[2K") if shown else not seen  # the line is cleared
 
 
 def test_png_reads_back(tmp_path):

@@ -116,7 +116,7 @@ def test_bad_published_figures(published, told, fails, write, small):
     assert told in fails("run", "net.json", "--report", "r.json")
 
 
-def test_settings_of_others_do_not_matter(imagechain, write, small, tmp_path):
+def test_settings_of_others_do_not_matter(imagechain_process, write, small, tmp_path):
     (tmp_path / "matplotlibrc").write_bytes(b"\xff\xfe junk: : :")
     env = {
         "HOME": "/proc",
@@ -125,7 +125,7 @@ def test_settings_of_others_do_not_matter(imagechain, write, small, tmp_path):
         "MPLCONFIGDIR": "/proc/no",
         "MATPLOTLIBRC": str(tmp_path / "matplotlibrc"),
     }
-    done = imagechain("run", write(small), "--report", "r.html", env=env)
+    done = imagechain_process("run", write(small), "--report", "r.html", env=env)
     assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "r.html").is_file()
 
@@ -221,7 +221,7 @@ def test_a_total_over_its_only_stage_lets_it_through():
     stage = StageResponse("blur", "Blur", blur, blur)
     total = StageResponse("total", "Total", blur, blur, is_product=True)
     found = Responses(xi, xi, (stage,), (), (total,))
-    chain = Chain(None, (), None, None, (), (), (), cascade=True)
+    chain = Chain(None, (), None, None, (), (), ())
     with figure(5, 4) as (drawn, _):
         axis = drawn.subplots()
         panel(axis, found, chain, [stage], "mtf", "x")

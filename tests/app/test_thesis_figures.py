@@ -5,15 +5,15 @@ from __future__ import annotations
 import base64
 import json
 import re
-import subprocess
 import sys
 from html.parser import HTMLParser
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+from child_process import ROOT, finished
+from command_line import run_here
+
 FIGURES = {
     "inframetrics": ("fig. 5.26", "fig. 5.27", "figs. 5.56 and 5.57"),
     "inframetrics_1996": ("fig. 5.26", "fig. 5.27", "figs. 5.56 and 5.57"),
@@ -48,15 +48,7 @@ class Page(HTMLParser):
 def report(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     words = ["run", request.param, "--report", "r.json", "--report", "r.html"]
-    done = subprocess.run(
-        [sys.executable, "-m", "app.cli", *words],
-        cwd=folder,
-        env={"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=120,
-    )
+    done = run_here(*words, folder=folder)
     assert (done.returncode, done.stderr) == (0, "")
     facts = json.loads((folder / "r.json").read_text(encoding="utf-8"))
     return request.param, facts, Page((folder / "r.html").read_text(encoding="utf-8"))
@@ -143,15 +135,9 @@ def test_without_a_report_nothing_is_measured(tmp_path):
         "import sys\nfrom app.cli import main\ntry:\n    main()\nfinally:\n"
         "    print([name for name in ('app.judged', 'app.report') if name in sys.modules])"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code, "run", "first_steps"],
-        cwd=tmp_path,
-        env={"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
+    words = [sys.executable, "-c", code, "run", "first_steps"]
+    done = finished(words, folder=tmp_path, env=environment)
     assert done.stdout.splitlines()[-1] == "[]", done.stderr
 
 

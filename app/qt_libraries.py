@@ -1,0 +1,70 @@
+"""What Qt needs of the system, all of which is looked for before the first of it is missed.
+
+Qt's own loader names one library a time, and ends the process with a core dump for some of them.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+
+from core.errors import UsageError
+
+# By the name they are loaded by: the package of Debian and Ubuntu that has it.
+DRAWING = {
+    "libGL.so.1": "libgl1",
+    "libEGL.so.1": "libegl1",
+    "libglib-2.0.so.0": "libglib2.0-0",
+    "libdbus-1.so.3": "libdbus-1-3",
+    "libfontconfig.so.1": "libfontconfig1",
+    "libfreetype.so.6": "libfreetype6",
+    "libxkbcommon.so.0": "libxkbcommon0",
+    "libX11.so.6": "libx11-6",
+}
+WINDOW = {
+    "libX11-xcb.so.1": "libx11-xcb1",
+    "libxcb-cursor.so.0": "libxcb-cursor0",
+    "libxcb-icccm.so.4": "libxcb-icccm4",
+    "libxcb-image.so.0": "libxcb-image0",
+    "libxcb-keysyms.so.1": "libxcb-keysyms1",
+    "libxcb-randr.so.0": "libxcb-randr0",
+    "libxcb-render-util.so.0": "libxcb-render-util0",
+    "libxcb-shape.so.0": "libxcb-shape0",
+    "libxcb-sync.so.1": "libxcb-sync1",
+    "libxcb-xfixes.so.0": "libxcb-xfixes0",
+    "libxcb-xkb.so.1": "libxcb-xkb1",
+    "libxkbcommon-x11.so.0": "libxkbcommon-x11-0",
+}
+
+
+def check_libraries(*, window: bool) -> None:
+    """Refuse to load Qt where something of the system that it needs cannot be loaded.
+
+    Parameters
+    ----------
+    window : bool
+        Whether a window on an X server is wanted; else what draws to memory is enough.
+
+    Raises
+    ------
+    UsageError
+        Naming all of it, and the packages that have it.
+    """
+    if not sys.platform.startswith("linux"):
+        return
+    wanted = DRAWING | WINDOW if window else DRAWING
+    missing = [name for name in wanted if not _loads(name)]
+    if missing:
+        packages = " ".join(wanted[name] for name in missing)
+        raise UsageError(
+            f"the editor needs libraries of the system that are missing: {', '.join(missing)} "
+            f"(on Debian or Ubuntu, as root: apt-get install -y {packages})"
+        )
+
+
+def _loads(name: str) -> bool:
+    try:
+        ctypes.CDLL(name)
+    except OSError:
+        return False
+    return True
