@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
+from app.editor.chosen_outputs import ChosenOutputs
+from app.editor.shares import Shares
 from core.declaration import Declaration, declaration
 from core.editing.document import Document
 from core.editing.operation import Operation
@@ -28,6 +31,8 @@ class Session(QObject):
         Path, modified mark or what undo and redo would do may have changed.
     selection_changed(names)
         Other nodes are selected: a tuple of ids.
+    shares_answered
+        Another computer may be read from, or may not.
     told(kind, text)
         Something to say to the person; kind is "note" or "error".
     """
@@ -36,11 +41,14 @@ class Session(QObject):
     changed = Signal(object, object)
     state_changed = Signal()
     selection_changed = Signal(tuple)
+    shares_answered = Signal()
     told = Signal(str, str)
 
     def __init__(self, library: Library, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.library = library
+        self.shares = Shares()
+        self._outputs = ChosenOutputs()
         self._document = Document(Network(), library=library)
         self._document.listen(self._changed)
         self._selection: tuple[str, ...] = ()
@@ -74,6 +82,9 @@ class Session(QObject):
     def open(self, document: Document) -> None:
         """Put another document in the place of this one."""
         self._document = document
+        self._outputs.forget()
+        if document.path is not None:
+            self.shares.allow(document.path)
         document.listen(self._changed)
         self._selection = ()
         self.opened.emit()
@@ -104,15 +115,36 @@ class Session(QObject):
         """Do the step undone last again."""
         self._document.redo()
 
-    def save(self, path: Path | None = None) -> bool:
-        """Save the document; whether that worked. If not, the work is kept and the reason told."""
+    def save(self, path: Path | None = None, *, over: bool = False) -> bool:
+        """Save the document; whether that worked. If not, the work is kept and the reason told.
+
+        `over` says whether to write over what somebody else has made of its own file.
+        """
+        before = self._document.path
         try:
-            self._document.save(path)
+            self._document.save(path, over=over)
         except ImagechainError as error:
             self.told.emit("error", f"not saved: {error}")
             return False
         self.state_changed.emit()
+        if self._document.path is not None:
+            self._keep(partial(self._outputs.saved, before, self._document.path))
         return True
+
+    def choose_output(self, file: Path) -> None:
+        """The person has chosen a file to be written: a run of this network may write it."""
+        self._keep(partial(self._outputs.add, file.absolute(), self._document.path))
+
+    def answer_share(self, server: str, allowed: bool) -> None:
+        """Whether files on another computer may be read; holds for this session."""
+        self.shares.answer(server, allowed)
+        self.shares_answered.emit()
+
+    def _keep(self, remember: Callable[[], None]) -> None:
+        try:
+            remember()
+        except ImagechainError as error:
+            self.told.emit("note", f"not remembered as a file to be written: {error}")
 
     def select(self, names: Iterable[str]) -> None:
         """Select these nodes and no others."""

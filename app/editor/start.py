@@ -16,6 +16,7 @@ from app.editor.window.main_window import MainWindow
 from app.editor.window.screenshot import Shot, take
 from app.editor.window.settings import Settings, recovery_folder
 from app.streams import tell
+from core.errors import FileError, ImagechainError
 from nodes.library import standard_library
 
 _WAKE_MS = 200  # a signal is seen by Python only while Python runs
@@ -35,10 +36,12 @@ def application() -> QApplication:
 def start(options: Options, told_to_stop: threading.Event) -> None:
     """Open the window and stay until it is closed, or draw it to a file.
 
+    Told by a signal to end it asks nothing: unsaved work is kept to be recovered.
+
     Raises
     ------
     ImagechainError
-        If a screenshot cannot be made.
+        If a screenshot cannot be made, or unsaved work cannot be kept.
     """
     app = application()
     qInstallMessageHandler(_quiet)
@@ -47,6 +50,7 @@ def start(options: Options, told_to_stop: threading.Event) -> None:
         shot = Shot(options.screenshot, size, look, options.part)
         take(app, options.network, shot)
         return
+    _only_note(told_to_stop)
     window = MainWindow(library=standard_library(), settings=Settings(), recovery=recovery_folder())
     if options.look is not None:
         window.set_theme(THEMES[options.look])
@@ -55,25 +59,37 @@ def start(options: Options, told_to_stop: threading.Event) -> None:
     if options.network:
         window.files.open_now(options.network)
     sys.excepthook = _Reporter(window)
+    app.commitDataRequest.connect(lambda _manager: window.autosaver.write())
+    ending = _Ending(window, told_to_stop)
     wake = QTimer()
-    wake.timeout.connect(_Wake(window, told_to_stop))
+    wake.timeout.connect(ending)
     wake.start(_WAKE_MS)
-    for name in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(name, lambda *_: told_to_stop.set())
     window.show()
     app.exec()
+    if ending.problem is not None:
+        told_to_stop.clear()  # it was obeyed: what is to be said is this
+        raise FileError(f"unsaved work is lost: {ending.problem}") from ending.problem
 
 
-class _Wake:
+class _Ending:
     """Lets Python see signals, and closes the window when one asks to; work is kept."""
 
     def __init__(self, window: MainWindow, told_to_stop: threading.Event) -> None:
+        self.problem: ImagechainError | None = None
         self._window = window
         self._told = told_to_stop
 
     def __call__(self) -> None:
         if self._told.is_set():
-            self._window.stop()
+            self.problem = self._window.stop() or self.problem
+
+
+def _only_note(told_to_stop: threading.Event) -> None:
+    """Let a signal to end be no more than noted: an exception in a slot would reach nobody."""
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # Windows has no SIGHUP
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, lambda *_: told_to_stop.set())
 
 
 class _Reporter:

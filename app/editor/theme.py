@@ -112,6 +112,7 @@ DARK = Theme(
             "running": "#5fb4f0",
             "error": "#f2665e",
             "incomplete": "#8d949e",
+            "warning": "#f0a03c",
             "skipped": "#62cf9b",
             "disabled": "#8d949e",
         }
@@ -164,6 +165,7 @@ LIGHT = Theme(
             "running": "#1f6fb8",
             "error": "#c22f28",
             "incomplete": "#6c7480",
+            "warning": "#b65c00",
             "skipped": "#1d8455",
             "disabled": "#6c7480",
         }

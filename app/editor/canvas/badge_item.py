@@ -51,7 +51,10 @@ class BadgeItem(QGraphicsItem):
         ground = QColor(self.style.theme.node)
         painter.setPen(QPen(ground, 1.5))
         painter.setBrush(colour)
-        painter.drawEllipse(QPointF(), _RADIUS, _RADIUS)
+        if self.badge.kind == "warning":
+            painter.drawPolygon(_TRIANGLE)
+        else:
+            painter.drawEllipse(QPointF(), _RADIUS, _RADIUS)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.setPen(QPen(ground, 1.9, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
         _draw_sign(painter, self.badge.kind)
@@ -60,7 +63,7 @@ class BadgeItem(QGraphicsItem):
 
 def _draw_sign(painter: QPainter, kind: BadgeKind) -> None:
     point = QPointF
-    if kind == "error":
+    if kind in ("error", "warning"):  # a warning's stands in a triangle
         painter.drawLine(point(0, -4), point(0, 0.8))
         painter.drawPoint(point(0, 4))
     elif kind == "stale":  # a clock
@@ -78,4 +81,5 @@ def _draw_sign(painter: QPainter, kind: BadgeKind) -> None:
             painter.drawPoint(point(x, 0))
 
 
+_TRIANGLE = [QPointF(0, -10), QPointF(9.5, 7), QPointF(-9.5, 7)]
 _BOUNDS = QRectF(-20, -40, 60, 60)

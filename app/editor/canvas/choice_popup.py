@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QPainter, QPaintEvent, QPalette
+from PySide6.QtGui import (
+    QColor,
+    QFocusEvent,
+    QKeyEvent,
+    QKeySequence,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+)
 from PySide6.QtWidgets import (
     QFrame,
     QLabel,
@@ -99,6 +107,9 @@ class ChoicePopup(QFrame):
     chosen = Signal(object)
     abandoned = Signal()
 
+    passed_on = QKeySequence("Ctrl+Q")
+    """Keys that mean what they mean everywhere: whatever is searched, one can quit."""
+
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self._ground = parent
@@ -178,7 +189,9 @@ class ChoicePopup(QFrame):
         if watched is self.field and self._open:
             if isinstance(event, QKeyEvent) and event.type() in _KEYS:
                 if event.type() == QEvent.Type.ShortcutOverride:
-                    event.accept()  # the window's shortcuts do not reach in here
+                    if QKeySequence(event.keyCombination()) == self.passed_on:
+                        return False
+                    event.accept()  # the window's other shortcuts do not reach in here
                     return True
                 return self._key(event)
             if isinstance(event, QFocusEvent) and event.type() == QEvent.Type.FocusOut:

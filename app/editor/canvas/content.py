@@ -50,6 +50,7 @@ class Content:
         self._badges: Mapping[str, Badge] = {}
         self._at: dict[str, list[WireItem]] = {}
         self._selected: frozenset[str] = frozenset()
+        self._marked: frozenset[str] = frozenset()
 
     def clear(self) -> None:
         """Take everything out."""
@@ -69,8 +70,11 @@ class Content:
         touched = links_at(network) if links_differ else {}
         for name in [name for name in self.nodes if name not in network.nodes]:
             self._remove_node(name)
+        marked = frozenset(network.output_nodes)
+        remarked = marked ^ self._marked
+        self._marked = marked
         for name, node in network.nodes.items():
-            if links_differ or self._drawn.get(name) is not node:
+            if links_differ or name in remarked or self._drawn.get(name) is not node:
                 self._follow_node(node, touched.get(name, self._links_of(name)))
         points = points_of(network)
         moved = points != self._points
@@ -163,7 +167,8 @@ class Content:
 
     def _follow_node(self, node: Node, links: list[Link]) -> None:
         module = self._library.get(node.module)
-        face = face_of(node, declaration(module) if module is not None else None, links)
+        declared = declaration(module) if module is not None else None
+        face = face_of(node, declared, links, output=node.id in self._marked)
         old = self.nodes.get(node.id)
         was_disabled = old is not None and old.face.disabled
         self._drawn[node.id] = node

@@ -51,6 +51,8 @@ class NodeFace:
         Whether the library has the module.
     disabled : bool
         Whether the node only passes its input through.
+    output : bool
+        Whether its picture is marked as what the network delivers.
     """
 
     id: str
@@ -61,6 +63,7 @@ class NodeFace:
     outputs: tuple[PortFace, ...]
     known: bool = True
     disabled: bool = False
+    output: bool = False
 
     @property
     def subtitle(self) -> str:
@@ -71,7 +74,8 @@ class NodeFace:
     def tooltip(self) -> str:
         """What the pointer is told."""
         state = " (disabled: passes its input through)" if self.disabled else ""
-        return f"{self.title} · {self.id}{state}\n{self.summary}"
+        mark = "\nIts picture is marked as the network's output." if self.output else ""
+        return f"{self.title} · {self.id}{state}\n{self.summary}{mark}"
 
     def port(self, side: Side, name: str) -> PortFace | None:
         """The port of that name."""
@@ -79,7 +83,9 @@ class NodeFace:
         return next((port for port in ports if port.name == name), None)
 
 
-def face_of(node: Node, declared: Declaration | None, links: Sequence[Link]) -> NodeFace:
+def face_of(
+    node: Node, declared: Declaration | None, links: Sequence[Link], *, output: bool = False
+) -> NodeFace:
     """The face of a node with the links at it; ports only a link knows are shown as well."""
     inputs = _faces("input", declared.inputs if declared else ())
     outputs = _faces("output", declared.outputs if declared else ())
@@ -94,6 +100,7 @@ def face_of(node: Node, declared: Declaration | None, links: Sequence[Link]) -> 
         outputs=outputs + _missing("output", outputs, going),
         known=declared is not None,
         disabled=node.disabled,
+        output=output,
     )
 
 

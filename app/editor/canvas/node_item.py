@@ -123,7 +123,8 @@ class NodeItem(AbstractNodeItem):
 
     def take_face(self, face: NodeFace) -> bool:
         """Show another face, if it has the same texts and ports; whether it has."""
-        if replace(face, disabled=self.face.disabled) != self.face:
+        shown = self.face
+        if replace(face, disabled=shown.disabled, output=shown.output) != shown:
             return False
         if face != self.face:
             self.face = face

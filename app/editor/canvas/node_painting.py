@@ -20,6 +20,8 @@ _LEFT = 9.0
 _READABLE_PX = 10.0  # of the window's font at its usual 12
 _LEAST_PX = 6.0
 _PORTS_FROM = 0.2
+_PLATE = 14.0  # height of the output's mark, half of it below the node
+OUTPUT_MARK = "output"
 
 
 def paint_node(painter: QPainter, item: NodeItem) -> None:
@@ -36,6 +38,8 @@ def paint_node(painter: QPainter, item: NodeItem) -> None:
     else:
         _paint_full(painter, item)
     _paint_border(painter, item, zoom)
+    if item.face.output:
+        _paint_output_mark(painter, item, with_text=relative >= OVERVIEW)
     if relative >= _PORTS_FROM:
         for port in item.ports.values():
             _paint_port(painter, port, style)
@@ -91,11 +95,33 @@ def _paint_border(painter: QPainter, item: NodeItem, zoom: float) -> None:
         pen = QPen(style.accent, max(2.2, 2.0 / zoom))
     elif not item.face.known:
         pen = style.dashed
+    elif item.face.output:
+        pen = QPen(style.port(("image",)), max(2.2, 2.0 / zoom))
     else:
         pen = style.border
     painter.setPen(pen)
     painter.setBrush(_HATCHED if item.disabled else Qt.BrushStyle.NoBrush)
     painter.drawRoundedRect(item.geometry.frame, _ROUND, _ROUND)
+
+
+def _paint_output_mark(painter: QPainter, item: NodeItem, *, with_text: bool) -> None:
+    """A plate on the lower border, in the colour of pictures; where it is small, a corner."""
+    style, frame = item.style, item.geometry.frame
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(style.port(("image",)))
+    if not with_text:
+        side = min(frame.height() / 2, frame.width() / 4)
+        corner = frame.bottomRight()
+        painter.drawPolygon(
+            [corner, QPointF(corner.x() - side, corner.y()), QPointF(corner.x(), corner.y() - side)]
+        )
+        return
+    width = style.width("id", OUTPUT_MARK) + 2 * _ROUND
+    plate = QRectF(frame.right() - width - _LEFT, frame.bottom() - _PLATE / 2, width, _PLATE)
+    painter.drawRoundedRect(plate, _ROUND, _ROUND)
+    painter.setPen(style.node.color())
+    painter.setFont(style.font("id"))
+    painter.drawText(plate, _CENTRED, OUTPUT_MARK)
 
 
 def _paint_port(painter: QPainter, port: NodePort, style: CanvasStyle) -> None:

@@ -76,8 +76,12 @@ def skip_texts(skips: Sequence[Skip]) -> dict[str, str]:
 
 
 def _of_state(planned: PlannedNode, stale: bool, skipped: str | None) -> Badge | None:
+    told = "\n".join(each.text for each in planned.warnings)
     if stale:
-        return Badge("stale", STALE)
+        return Badge("stale", f"{STALE}\n{told}" if told else STALE)
+    if told:
+        skipped = IDENTITY if is_neutral(planned) else skipped
+        return Badge("warning", f"{told}\n{skipped}" if skipped else told)
     if planned.node.disabled:
         return Badge("disabled", DISABLED)
     if is_neutral(planned):

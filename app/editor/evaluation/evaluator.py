@@ -14,7 +14,6 @@ from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from app.editor.evaluation.collector import Collector
 from app.editor.evaluation.frames import Frames
 from app.editor.evaluation.mailbox import Asked, Inbox, Outbox, Snapshot
-from app.editor.evaluation.memory import store_bytes
 from app.editor.evaluation.pace import PAUSE_S
 from app.editor.evaluation.runner import Runner
 from app.editor.evaluation.tasks import computes_alike
@@ -93,7 +92,7 @@ class Evaluator(QObject):
         self._runner = Runner(
             session.library,
             policy or Policy(),
-            store or Store(store_bytes()),
+            Store() if store is None else store,
             self._inbox,
             self._outbox,
         )
@@ -117,6 +116,7 @@ class Evaluator(QObject):
         self._look.timeout.connect(self._look_at_worker)
         session.changed.connect(self._follow_change)
         session.opened.connect(self._follow_opening)
+        session.shares_answered.connect(self.generate)
         weakref.finalize(self, self._inbox.stop)
 
     @property
@@ -171,6 +171,7 @@ class Evaluator(QObject):
         self._closed = True
         self._session.changed.disconnect(self._follow_change)
         self._session.opened.disconnect(self._follow_opening)
+        self._session.shares_answered.disconnect(self.generate)
         self._soon.stop()
         self._frames.stop()
         self._outbox.closed = True
@@ -214,17 +215,20 @@ class Evaluator(QObject):
         self._generation += 1
         if self._thread is None:
             self._start()
+        session = self._session
+        network, barred = session.shares.without_barred(session.network, session.library)
         self._inbox.post(
             Snapshot(
                 self._generation,
                 self._document,
-                self._session.network,
+                network,
                 self._session.folder,
                 tuple(each for group in self._asked.values() for each in group),
                 self._edits,
                 self._generates,
                 self._gestures,
                 self._edited_at,
+                barred,
             )
         )
         if not self._look.isActive():

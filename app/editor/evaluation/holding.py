@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from core.engine import Engine, Plan, PlannedNode
+from core.errors import ImagechainError
 from core.network import Network
 
 
@@ -24,7 +26,13 @@ class Planned:
 
 
 def plan_held(
-    engine: Engine, network: Network, folder: Path, last: Planned | None, *, generate: bool
+    engine: Engine,
+    network: Network,
+    folder: Path,
+    last: Planned | None,
+    *,
+    generate: bool,
+    barred: Mapping[str, ImagechainError] = MappingProxyType({}),
 ) -> Planned:
     """Plan a network; unless all is generated, nodes held back stay as they were.
 
@@ -40,6 +48,8 @@ def plan_held(
         The same document before, None if it was opened just now: all is generated then.
     generate : bool
         Whether to generate what is held back too.
+    barred : mapping of str to ImagechainError
+        Nodes that are not planned at all, and why.
 
     Raises
     ------
@@ -47,7 +57,8 @@ def plan_held(
         If the network as a whole cannot be planned, as with a cycle.
     """
     before = last.fresh if last is not None else None
-    fresh = engine.plan(network, folder=folder, previous=before)
+    never = {name: PlannedNode(network.nodes[name], error=why) for name, why in barred.items()}
+    fresh = engine.plan(network, folder=folder, previous=before, held=never)
     if generate or last is None:
         return Planned(fresh, fresh)
     held = {
@@ -57,6 +68,7 @@ def plan_held(
     }
     if not held:
         return Planned(fresh, fresh)
+    held |= never
     shown = engine.plan(network, folder=folder, previous=last.shown, held=held)
     stale = frozenset(name for name in held if _content(held[name]) != _content(fresh.nodes[name]))
     return Planned(shown, fresh, stale)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from app.editor.evaluation.wants import Answer, Badge, PassDone, Want
 from core.engine import Plan
+from core.errors import ImagechainError
 from core.network import Network
 
 
@@ -43,6 +44,8 @@ class Snapshot:
         How many edits there have been with a pause before them.
     edited_at : float
         When the last edit was, on the clock of `time.perf_counter`.
+    barred : mapping of str to ImagechainError
+        Nodes that are not planned, and why.
     """
 
     generation: int
@@ -54,6 +57,7 @@ class Snapshot:
     generates: int
     gestures: int
     edited_at: float
+    barred: Mapping[str, ImagechainError] = field(default_factory=dict)
 
 
 class Inbox:

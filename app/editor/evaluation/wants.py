@@ -11,7 +11,7 @@ from core.engine import Engine, Plan
 from core.errors import ImagechainError
 from core.work import Work
 
-BadgeKind = Literal["stale", "running", "error", "incomplete", "skipped", "disabled"]
+BadgeKind = Literal["stale", "running", "error", "incomplete", "warning", "skipped", "disabled"]
 
 
 @dataclass(frozen=True)

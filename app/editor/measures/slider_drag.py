@@ -1,6 +1,7 @@
 """A slider dragged by the mouse in the window: pictures a second, and gaps of the event loop.
 
-Given the side of the pictures, and if wanted the seconds of a drag and how many drags.
+Given the side of the pictures, and if wanted the seconds of a drag, how many drags, the node and
+its parameter.
 """
 
 from __future__ import annotations
@@ -49,11 +50,13 @@ class Gaps:
         self._last = now
 
 
-def main(size: int, duration_s: float = 4.0, times: int = 1) -> None:
-    """Drag the blur of the Kodak chain on a picture of size², each time anew, and count."""
+def main(
+    size: int, duration_s: float, times: int, node: str = NODE, parameter: str = PARAMETER
+) -> None:
+    """Drag a slider of the Kodak chain on a picture of size², each time anew, and count."""
     with trial_window() as (_, window):
         for _ in range(times):
-            slider = open_slider(window, size)
+            slider = open_slider(window, size, node, parameter)
             print(json.dumps({"size": size, **measured(window, slider, duration_s)}))
 
 
@@ -91,20 +94,23 @@ def open_slider(
     settle(window)
     window.session.select([node])
     settle(window)
-    slider = window.panels.findChild(QSlider, f"slider.{parameter}")
+    # Of the panel that is there: one of the network before may wait to be deleted.
+    slider = window.panels.panels[node].findChild(QSlider, f"slider.{parameter}")
     assert isinstance(slider, QSlider)
     return slider
 
 
+def handle_of(slider: QSlider) -> QPoint:
+    """Where a hand takes hold of it."""
+    option = QStyleOptionSlider()
+    slider.initStyleOption(option)
+    control, part = QStyle.ComplexControl.CC_Slider, QStyle.SubControl.SC_SliderHandle
+    return slider.style().subControlRect(control, option, part, slider).center()
+
+
 def drag(slider: QSlider, duration_s: float) -> None:
     """Press on the handle and move it to and fro, as a hand does."""
-    style, option = slider.style(), QStyleOptionSlider()
-    slider.initStyleOption(option)
-    control = QStyle.ComplexControl.CC_Slider
-    handle = style.subControlRect(
-        control, option, QStyle.SubControl.SC_SliderHandle, slider
-    ).center()
-    left = Qt.MouseButton.LeftButton
+    handle, left = handle_of(slider), Qt.MouseButton.LeftButton
     QTest.mousePress(slider, left, pos=handle)
     span = slider.width() * 0.35
     middle = slider.width() / 2
@@ -118,5 +124,5 @@ def drag(slider: QSlider, duration_s: float) -> None:
 
 
 if __name__ == "__main__":
-    size, duration_s, times = (*sys.argv[1:], *("4", "1")[len(sys.argv) - 2 :])
-    main(int(size), float(duration_s), int(times))
+    size, duration_s, times, *dragged = (*sys.argv[1:], *("4", "1")[len(sys.argv) - 2 :])
+    main(int(size), float(duration_s), int(times), *dragged)

@@ -137,8 +137,10 @@ class PanelHead(QWidget):
         self.generate.setToolTip(tip("Compute everything now, also what is held back"))
         self.disable = self._button("disable", "Disable", checkable=True)
         self.disable.setToolTip(tip("Pass the input on unchanged"))
+        self.output = self._button("output", "Output", checkable=True)
+        self.output.setToolTip(tip("Mark its picture as what the network delivers (O)"))
         buttons = FlowLayout()
-        for button in (self.auto, self.generate, self.disable):
+        for button in (self.auto, self.generate, self.disable, self.output):
             buttons.addWidget(button)
         inside = QVBoxLayout(self.below)
         inside.setContentsMargins(8, 2, 8, 0)

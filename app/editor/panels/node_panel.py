@@ -16,6 +16,7 @@ from app.editor.theme import Theme
 from core.editing.fields import SetNode, SetNodeExtra
 from core.editing.nodes import Rename
 from core.editing.operation import ABSENT, Operation
+from core.editing.output import has_picture, output_toggled
 from core.errors import ImagechainError
 from core.network import Network
 
@@ -77,12 +78,13 @@ class NodePanel(QFrame):
         self.head = PanelHead(title, group, text, theme, self)
         self.body: ModuleBody | UnknownBody
         if declared is not None:
+            self.head.output.setVisible(has_picture(declared))
             self.body = ModuleBody(declared, node, session, evaluator, theme, self)
             self.body.view_requested.connect(self.view_requested)
             self.body.trade_off_requested.connect(self.trade_off_requested)
         else:
             self.body = UnknownBody(self.module, node, theme, self)
-            for button in (self.head.auto, self.head.disable, self.head.generate):
+            for button in (self.head.auto, self.head.disable, self.head.generate, self.head.output):
                 button.setEnabled(False)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -101,6 +103,7 @@ class NodePanel(QFrame):
         head.name.given_up.connect(self._show_name)
         head.auto.clicked.connect(self._set_auto)
         head.disable.clicked.connect(self._set_disabled)
+        head.output.clicked.connect(self._mark_output)
         head.generate.clicked.connect(self._generate)
 
     @property
@@ -116,6 +119,7 @@ class NodePanel(QFrame):
         """Show the node as it is now, where it was changed."""
         if before is None or before.nodes.get(self.node) is not after.nodes[self.node]:
             self.head.follow(after.nodes[self.node])
+        self.head.output.setChecked(self.node in after.output_nodes)
         self.body.follow(before, after)
 
     def set_badge(self, badge: Badge | None) -> None:
@@ -174,6 +178,11 @@ class NodePanel(QFrame):
 
     def _set_disabled(self) -> None:
         self._do(SetNode(self.node, "disabled", self.head.disable.isChecked()))
+
+    def _mark_output(self) -> None:
+        session = self._session
+        if self.node in session.network.nodes:
+            session.do(output_toggled(session.network, session.library, self.node))
 
     def _pin(self) -> None:
         value = True if self.head.pin.isChecked() else ABSENT

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from app.chain import ANALYSIS
 from app.editor.panels.wording import label_of
 from app.editor.session import Session
 from app.editor.tradeoff.ranges import Span
+from app.output import ANALYSIS
 from core.editing.fields import SetParameter
 from core.errors import ParameterError
 from core.parameters import Parameter, plain

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from app.chain import ancestors
 from app.editor.evaluation.wants import Passing, Want
 from app.editor.tradeoff.side_work import SideWork
+from app.output import ancestors
 from app.tradeoff.figures import Figure
 from app.tradeoff.sweep import Point, TradeOff, parameter_of
 from core.engine import Plan
@@ -61,7 +61,7 @@ class TradeOffWant(Want):
             told = repr(sorted(params.items()))
             nodes.append((name, node.module, node.disabled, told, _files(plan, name)))
         links = tuple(link for link in network.links if link.target in asked)
-        return tuple(nodes), links, network.seed, repr(network.extra.get("final"))
+        return tuple(nodes), links, network.seed, network.marked, repr(network.extra.get("final"))
 
     @property
     def _varied(self) -> tuple[str, str]:

@@ -9,6 +9,7 @@ from PySide6.QtGui import QIcon, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QListWidget, QListWidgetItem, QWidget
 
 from app.editor.panels.outlined import OutlinedItems
+from app.editor.panels.wording import tip
 from app.editor.viewers.drawing import Entry
 
 _NAME = Qt.ItemDataRole.UserRole
@@ -46,13 +47,22 @@ class CurveList(QListWidget):
         return hint
 
     def fill(
-        self, entries: Iterable[Entry], shown: Iterable[str], pen: Callable[[str], QPen]
+        self,
+        entries: Iterable[Entry],
+        shown: Iterable[str],
+        pen: Callable[[str], QPen],
+        note: str = "",
     ) -> None:
-        """Show these entries, ticked where they are among `shown`."""
+        """Show these entries, ticked where they are among `shown`; a note stands above them."""
         ticked = set(shown)
         self.blockSignals(True)
         row = self.currentRow()
         self.clear()
+        if note:
+            told = QListWidgetItem(note)
+            told.setToolTip(tip(note))
+            told.setFlags(Qt.ItemFlag.ItemIsEnabled)
+            self.addItem(told)
         for entry in entries:
             item = QListWidgetItem(self._icon(pen(entry.name)), entry.title)
             item.setData(_NAME, entry.name)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from app.chain import Chain, Stage, find_chain
 from app.editor.evaluation.wants import Passing, Want
+from app.editor.viewers.network_ports import HOW_TO_MARK
 from app.responses import LineStageResponse, responses_along
 from app.sound_plan import sound_part
 from core.data import CurveData, TableData
@@ -82,7 +83,9 @@ class TransferCurves:
     marks : tuple of Mark
         Nyquist frequencies, and the cutoff of the optics.
     trouble : str
-        What is missing, and why, in one line; empty where nothing is.
+        What cannot be planned or computed, and why, in one line; empty where all can.
+    missing : str
+        Why there is no total, in one line; empty where there is one.
     """
 
     angle_deg: float
@@ -90,6 +93,7 @@ class TransferCurves:
     curves: tuple[TransferCurve, ...]
     marks: tuple[Mark, ...]
     trouble: str = ""
+    missing: str = ""
 
 
 @dataclass(frozen=True)
@@ -116,7 +120,7 @@ class CurvesWant(Want):
             (stage.node, stage.title, tuple((f.key, f.node) for f in stage.factors))
             for stage in (*chain.stages, *chain.later, *chain.beside)
         )
-        parts = len(chain.stages), len(chain.later), chain.cascade
+        parts = len(chain.stages), len(chain.later), chain.missing
         return self, chain.grid, chain.combined, parts, stages, _trouble(plan, ())
 
     def answer(self, passing: Passing) -> TransferCurves:
@@ -125,7 +129,8 @@ class CurvesWant(Want):
         grid = chain.grid
         if grid is None:
             trouble = _trouble(passing.plan, ())
-            return TransferCurves(self.angle_deg, np.zeros(0), (), (), trouble)
+            missing = _missing(chain)
+            return TransferCurves(self.angle_deg, np.zeros(0), (), (), trouble, missing)
         samples = min(FINEST, max(grid.rows, grid.columns) // 2 + 1)
         found = responses_along(chain, passing.work, self.angle_deg, samples)
         groups: tuple[tuple[Kind, tuple[LineStageResponse, ...]], ...] = (
@@ -147,7 +152,9 @@ class CurvesWant(Want):
         )
         marks = _marks(chain, grid, Line.at(self.angle_deg))
         trouble = _trouble(passing.plan, tuple(str(error) for error in found.failed))
-        return TransferCurves(self.angle_deg, found.frequency, curves, marks, trouble)
+        return TransferCurves(
+            self.angle_deg, found.frequency, curves, marks, trouble, _missing(chain)
+        )
 
 
 @dataclass(frozen=True)
@@ -212,6 +219,10 @@ def _cutoff_along(line: Line) -> Any:
         return 1.0 / math.hypot(line.across / x, line.along / y) if factor.radial else None
 
     return cutoff
+
+
+def _missing(chain: Chain) -> str:
+    return f"{chain.missing}; {HOW_TO_MARK}" if chain.choices else chain.missing
 
 
 def _trouble(plan: Plan, further: tuple[str, ...]) -> str:

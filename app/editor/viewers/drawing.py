@@ -79,7 +79,8 @@ class Panel:
 class Drawing:
     """All that is plotted; with `bars`, their names, each line is a height for each of them.
 
-    With `log_x` abscissae are drawn by their logarithm.
+    With `log_x` abscissae are drawn by their logarithm. `note` stands in the legend: what is
+    missing there, and why.
     """
 
     x_label: str
@@ -88,6 +89,7 @@ class Drawing:
     marks: tuple[Mark, ...] = ()
     bars: tuple[str, ...] = ()
     log_x: bool = False
+    note: str = ""
 
     @property
     def x_range(self) -> tuple[float, float] | None:
@@ -135,7 +137,8 @@ def transfer_drawing(curves: TransferCurves, parts: Parts, *, log: bool = False)
         panels.append(Panel("PTF (rad)", tuple(lines), None if shifting else (-1.0, 1.0)))
     along = _AXES.get(curves.angle_deg % 180.0)
     label = along or f"frequency along {curves.angle_deg:g}°"
-    return Drawing(f"{label} (cyc/mrad)", entries, tuple(panels), curves.marks)
+    note = f"no Total: {curves.missing}" if curves.missing and entries else ""
+    return Drawing(f"{label} (cyc/mrad)", entries, tuple(panels), curves.marks, note=note)
 
 
 def curve_drawing(data: CurveData, *, log: bool = False) -> Drawing:

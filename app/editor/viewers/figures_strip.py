@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 NONE = "—"
 RUN_TIME = "run_time"
+OUTPUT = "output"
 _PREFIXED = ("Hz", "K", "s", "W/m²/sr")
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
@@ -62,7 +63,7 @@ class FiguresStrip(Viewer):
         self._layout = QHBoxLayout(self)
         self._layout.setContentsMargins(8, 2, 8, 3)
         self._layout.setSpacing(14)
-        for name, caption in (*SHOWN, (RUN_TIME, "Run time")):
+        for name, caption in ((OUTPUT, "Output"), *SHOWN, (RUN_TIME, "Run time")):
             self._add(name, caption)
         self._layout.addStretch(1)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
@@ -74,7 +75,7 @@ class FiguresStrip(Viewer):
         self.set_theme(theme)
 
     def text(self, name: str) -> str:
-        """What stands there for a read-out, such as ``snr``, or for ``run_time``."""
+        """What stands there for a read-out, such as ``snr``, for ``output`` or ``run_time``."""
         return self._values[name].text()
 
     def set_theme(self, theme: Theme) -> None:
@@ -123,7 +124,8 @@ class FiguresStrip(Viewer):
 
     def _show(self, found: Figures | None, why: str = "") -> None:
         figures = {} if found is None else {each.name: each for each in found.figures}
-        none = why or "no Electronics & Noise in the network tells it"
+        missing = self._show_output(found, why)
+        none = why or missing or "no Electronics & Noise in the network tells it"
         for name, _ in SHOWN:
             label = self._values[name]
             figure = figures.get(name)
@@ -134,6 +136,17 @@ class FiguresStrip(Viewer):
                 exact = "" if figure.value is None else f" {figure.value!r} {figure.unit}".rstrip()
                 text = figure_text(figure.value, figure.unit)
                 label.tell(text, f"{figure.meaning}{exact} ({node})")
+
+    def _show_output(self, found: Figures | None, why: str) -> str:
+        """Say which picture is the output; gives why none is."""
+        label = self._values[OUTPUT]
+        if found is None:
+            label.tell(NONE, why)
+        elif found.output is not None:
+            label.tell(found.output, "The picture that the network delivers")
+        else:
+            label.tell(f"{len(found.choices)} pictures" if found.choices else NONE, found.missing)
+        return "" if found is None else found.missing
 
     def _preferred(self) -> str | None:
         for name in reversed(self.session.selection):

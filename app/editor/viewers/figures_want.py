@@ -6,8 +6,9 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from app.chain import ancestors, final_image
 from app.editor.evaluation.wants import Passing, Want
+from app.editor.viewers.network_ports import HOW_TO_MARK
+from app.output import Output, ancestors, find_output
 from app.sound_plan import sound_part
 from core.engine import Plan
 from core.errors import ImagechainError
@@ -37,10 +38,27 @@ class Figure:
 
 @dataclass(frozen=True)
 class Figures:
-    """The read-outs of one node; `node` None where the network has no electronics."""
+    """The read-outs of one node.
+
+    Parameters
+    ----------
+    node : str or None
+        The electronics; None where there is none, or it is not clear which leads to the output.
+    figures : tuple of Figure
+        Its read-outs.
+    output : str or None
+        Port of the picture that the network delivers.
+    missing : str
+        Why there is none, in one line.
+    choices : tuple of str
+        Ports of the pictures that could be meant, where none is marked.
+    """
 
     node: str | None
     figures: tuple[Figure, ...] = ()
+    output: str | None = None
+    missing: str = ""
+    choices: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -59,21 +77,23 @@ class FiguresWant(Want):
 
     def key(self, plan: Plan) -> Hashable:
         """The node and what its figures are made of."""
+        told = _output_of(plan)
         name = self.node(plan)
         if name is None:
-            return self, None
+            return self, told
         planned = plan.node(name)
         if planned.error is not None:
             raise planned.error
         table = planned.outputs.get("table")
-        return self, name, planned.node.disabled, getattr(table, "key", None)
+        return self, told, name, planned.node.disabled, getattr(table, "key", None)
 
     def answer(self, passing: Passing) -> Figures:
         """The figures."""
         plan = passing.plan
+        told = _output_of(plan)
         name = self.node(plan)
         if name is None:
-            return Figures(None)
+            return Figures(None, (), *told)
         planned = plan.node(name)
         if planned.error is not None:
             raise planned.error
@@ -93,24 +113,37 @@ class FiguresWant(Want):
                 )
                 for readout, caption in SHOWN
             ),
+            *told,
         )
 
     def node(self, plan: Plan) -> str | None:
         """Id of the node whose figures are told; None without electronics.
 
-        Of several, the preferred one, else the last one that leads to the final picture, else the
-        last of all.
+        Of several, the preferred one, else the last one that leads to the output, else the last of
+        all; None where it is not said which of several pictures is the output.
         """
         named = [name for name, node in plan.network.nodes.items() if node.module == MODULE]
         if not named or self.preferred in named:
             return self.preferred if named else None
         leading = set(named)
         try:
-            final = final_image(sound_part(plan))
+            output = find_output(sound_part(plan))
         except ImagechainError:
-            final = None
-        if final is not None:
-            last = final.rpartition(".")[0]
+            output = Output(None)
+        if output.choices and len(named) > 1:
+            return None
+        if output.port is not None:
+            last = output.port.rpartition(".")[0]
             leading = ancestors(plan.network, last) | {last}
         order = [name for name in plan.nodes if name in named]
         return next((name for name in reversed(order) if name in leading), order[-1])
+
+
+def _output_of(plan: Plan) -> tuple[str | None, str, tuple[str, ...]]:
+    """The picture that the network delivers, or why there is none, and which could be meant."""
+    try:
+        output = find_output(sound_part(plan))
+    except ImagechainError as error:
+        return None, str(error), ()
+    missing = f"{output.missing}; {HOW_TO_MARK}" if output.choices else output.missing
+    return output.port, missing, output.choices

@@ -9,6 +9,8 @@ from core.declaration import declaration
 from core.library import Library
 from core.network import Network, passed_through
 
+HOW_TO_MARK = "select the node of the one that is the output and press O"
+
 
 @dataclass(frozen=True)
 class NodePorts:

@@ -259,18 +259,18 @@ class PlotViewer(Viewer):
             drawing = transfer_drawing(data, self.parts, log=log)
         elif isinstance(data, CurveData):
             drawing = curve_drawing(data, log=log)
-        listed = self.canvas.drawing.entries
+        before = self.canvas.drawing
         shown = self._shown(drawing)
         self.canvas.show_drawing(drawing, shown)
         self.bars.show_drawing(drawing, shown, self.canvas.pen)
         self.canvas.setVisible(not drawing.bars)
         self.bars.setVisible(bool(drawing.bars))
-        if drawing.entries != listed:
+        if (drawing.entries, drawing.note) != (before.entries, before.note):
             self._fill_list()
 
     def _fill_list(self) -> None:
         drawing = self.canvas.drawing
-        self.list.fill(drawing.entries, self._shown(drawing), self.canvas.pen)
+        self.list.fill(drawing.entries, self._shown(drawing), self.canvas.pen, drawing.note)
         self._fit_list()
 
     def _shown(self, drawing: Drawing) -> set[str]:
@@ -285,6 +285,9 @@ class PlotViewer(Viewer):
             return
         if not len(curves.frequency):
             self.status.tell("the network has no transfer function to plot")
+            return
+        if curves.missing:
+            self.status.tell(f"no Total: {curves.missing}")
             return
         end = curves.frequency[-1]
         beyond = [mark for mark in curves.marks if mark.frequency > end * (1 + 1e-9)]

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from app.editor.viewers.picture_facts import Facts
 from app.editor.viewers.picture_want import Picture
-from nodes.input_output.examine_image import RADIANCE_UNITS, apparent_temperature
+from nodes.cautions import is_radiance
+from nodes.input_output.examine_image import apparent_temperature
 
 Vector = NDArray[np.float64]
 Place = tuple[float, float]
@@ -44,7 +45,7 @@ def probe(picture: Picture, row: int, column: int) -> Probe | None:
         return None
     value = float(picture.samples[row, column])
     temperature = None
-    if facts.band_um is not None and facts.unit in RADIANCE_UNITS:
+    if facts.band_um is not None and is_radiance(facts.unit):
         temperature = apparent_temperature(value, facts.band_um)
     return Probe(row, column, value, temperature)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Scope = Literal["window", "canvas"]
+Scope = Literal["application", "window", "canvas"]
 
 
 @dataclass(frozen=True)
@@ -24,9 +24,10 @@ class ActionSpec:
         What it does, in one line.
     keys : tuple of str
         Its shortcuts, the first one shown.
-    scope : "window" or "canvas"
-        Whether the keys work everywhere, or only while the canvas has the focus: single letters
-        must not interfere with lists and fields elsewhere.
+    scope : "application", "window" or "canvas"
+        Whether the keys work everywhere, in dialogs and open menus too; in the window; or only
+        while the canvas has the focus: single letters must not interfere with lists and fields
+        elsewhere.
     checkable : bool
         Whether it is something that is on or off.
     needs_selection : bool
@@ -58,7 +59,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
     ),
     ActionSpec("export", "&File", "&Export…", "Write what the last used viewer shows", ("Ctrl+E",)),
     ActionSpec("welcome", "&File", "&Welcome Page", "Shipped networks, recent files, lost work"),
-    ActionSpec("quit", "&File", "&Quit", "Close the window", ("Ctrl+Q",)),
+    ActionSpec("quit", "&File", "&Quit", "Close the window", ("Ctrl+Q",), "application"),
     ActionSpec("undo", "&Edit", "&Undo", "Undo the last step", ("Ctrl+Z",)),
     ActionSpec("redo", "&Edit", "&Redo", "Do again what was undone", ("Ctrl+Shift+Z", "Ctrl+Y")),
     _edit("cut", "Cu&t", "Take the selected nodes to the clipboard", "Ctrl+X"),
@@ -76,6 +77,12 @@ ACTIONS: tuple[ActionSpec, ...] = (
     _edit("select_all", "Select &All", "Select every node", "Ctrl+A", selection=False),
     _edit("rename", "Re&name", "Give the selected node another name", "F2"),
     _edit("disable", "D&isable", "Let the selected nodes pass their input through", "D"),
+    _edit(
+        "mark_output",
+        "Mark as &Output",
+        "Make the selected node's picture what the network delivers; again: unmark it",
+        "O",
+    ),
     _edit("add_module", "Add &Module…", "Search a module and add it", "Tab", selection=False),
     _edit("connect", "Conn&ect…", "Wire the selected node by its ports' names", "C"),
     _edit("backdrop", "Add &Backdrop", "Put a titled backdrop behind the selected nodes", "B"),

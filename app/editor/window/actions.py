@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QMenu, QMenuBar, QWidget
 from app.editor.window.action_specs import ACTIONS, ActionSpec, starts_a_group, viewer_specs
 
 _SCOPES = {
+    "application": Qt.ShortcutContext.ApplicationShortcut,
     "window": Qt.ShortcutContext.WindowShortcut,
     "canvas": Qt.ShortcutContext.WidgetWithChildrenShortcut,
 }

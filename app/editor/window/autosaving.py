@@ -45,10 +45,17 @@ class Autosaver(QObject):
         session.state_changed.connect(self._saved)
         self._begin()
 
-    def keep(self) -> None:
-        """Write now, and leave it: the process is told to end."""
+    def keep(self) -> ImagechainError | None:
+        """Write now, and leave it: the process is told to end. Returns what went wrong."""
         self._kept = self._session.document.modified
-        self._thread.submit(self._autosave.write_if_changed)
+        return self.write()
+
+    def write(self) -> ImagechainError | None:
+        """Write now, and wait until it is on the disk. Returns what went wrong."""
+        error = self._thread.submit(self._autosave.write_if_changed).exception()
+        if error is not None and not isinstance(error, ImagechainError):
+            raise error
+        return error
 
     def write_now(self, following: Callable[[], None]) -> None:
         """Write at once, then call `following` in the writing thread unless that failed."""
@@ -57,6 +64,9 @@ class Autosaver(QObject):
     def close(self) -> None:
         """The window is closed: unless told to keep it, nothing is left to recover."""
         self._timer.stop()
+        self._session.changed.disconnect(self._begin)
+        self._session.opened.disconnect(self._opened)
+        self._session.state_changed.disconnect(self._saved)
         if not self._kept:
             self._thread.submit(self._autosave.finish)
         self._thread.shutdown(wait=True)

@@ -13,6 +13,7 @@ from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import SetNode
 from core.editing.nodes import Remove
 from core.editing.operation import Operation, together
+from core.editing.output import output_toggled
 from core.editing.wiring import Rewire
 from core.errors import ImagechainError
 
@@ -85,6 +86,15 @@ class EditCommands(QObject):
         ]
         if steps:
             self._session.do(steps[0] if len(steps) == 1 else together(steps))
+
+    def mark_output(self) -> None:
+        """Mark the selected node as the network's output; marked: take the mark away."""
+        session = self._session
+        for name in session.selection[-1:]:
+            try:
+                session.do(output_toggled(session.network, session.library, name))
+            except ImagechainError as error:
+                session.told.emit("error", str(error))
 
     def backdrop(self) -> None:
         """Put a backdrop behind the selected nodes."""

@@ -6,10 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
-from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QFileDialog, QWidget
 
 from app.editor.session import Session
 from app.editor.window.opening import Opened, open_named
+from app.editor.window.questions import Question, changed_file, save_changes
 from app.editor.window.settings import Settings
 from core.editing.document import Document
 from core.editing.moved_folder import rebased
@@ -17,7 +18,7 @@ from core.errors import ImagechainError
 from core.network import Network
 
 _FILTER = "Networks (*.json);;All files (*)"
-_BUTTON = QMessageBox.StandardButton
+_ACCEPT = QFileDialog.AcceptMode
 Next = Callable[[], object]
 
 
@@ -25,7 +26,8 @@ class Files(QObject):
     """The document's way from and to files.
 
     Dialogs open without stopping the window; what is to follow a question is a function that is
-    called once it is answered.
+    called once it is answered. Only questions block the window: Qt keeps a close that its manager
+    sends from a window that is blocked.
 
     Signals
     -------
@@ -44,6 +46,8 @@ class Files(QObject):
         self._settings = settings
         self._window = window
         self._next: Next | None = None
+        self._question: Question | None = None
+        self._dialog: QFileDialog | None = None
 
     def new(self) -> None:
         """Begin an empty network, after asking for unsaved work."""
@@ -51,10 +55,11 @@ class Files(QObject):
 
     def open_dialog(self) -> None:
         """Ask for a file and open it."""
-        dialog = self._dialog("Open a network", QFileDialog.AcceptMode.AcceptOpen)
+        dialog = self._ask_for_file("Open a network", _ACCEPT.AcceptOpen)
         dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
         dialog.fileSelected.connect(self.open)
-        dialog.open()
+        dialog.show()
+        dialog.activateWindow()
 
     def open(self, text: str) -> None:
         """Open a network by path or shipped name, after asking for unsaved work."""
@@ -72,6 +77,7 @@ class Files(QObject):
 
     def show(self, found: Opened) -> None:
         """Put an opened document in the window."""
+        self._drop_dialog()  # a name asked for is meant for the document that goes
         if found.document.path is not None:
             self._settings.add_recent(found.document.path)
         self._session.open(found.document)
@@ -86,56 +92,33 @@ class Files(QObject):
     def save(self, following: Next | None = None) -> None:
         """Save to the document's file, or ask for one; then go on, if it was saved."""
         self.about_to_save.emit()
-        if self._session.document.path is None:
+        path = self._session.document.path
+        if path is None:
             self.save_as(following)
-        elif self._save_to(self._session.document.path) and following is not None:
-            following()
+        else:
+            self.save_to(path, following)
 
     def save_as(self, following: Next | None = None) -> None:
         """Ask for a file and save to it; then go on, if it was saved."""
         self.about_to_save.emit()
-        dialog = self._dialog("Save the network", QFileDialog.AcceptMode.AcceptSave)
+        dialog = self._ask_for_file("Save the network", _ACCEPT.AcceptSave)
         dialog.setDefaultSuffix("json")
         dialog.selectFile(self._proposal())
-        self._next = following
-        dialog.fileSelected.connect(self._chosen)
-        dialog.open()
+        dialog.fileSelected.connect(lambda text: self.save_to(Path(text), following))
+        dialog.show()
+        dialog.activateWindow()
 
-    def after_asking(self, following: Next) -> None:
-        """Go on with `following`; where there is unsaved work, only once that is answered."""
-        self.about_to_save.emit()
-        if not self._session.document.modified:
-            following()
-            return
-        box = QMessageBox(self._window)
-        box.setObjectName("save_changes")
-        box.setIcon(QMessageBox.Icon.Question)
-        box.setWindowTitle("Save changes?")
-        box.setText(f"Save the changes of {self._session.network.name or 'this network'}?")
-        box.setInformativeText("Without saving they are lost.")
-        box.setStandardButtons(_BUTTON.Save | _BUTTON.Discard | _BUTTON.Cancel)
-        box.setDefaultButton(_BUTTON.Save)
-        self._next = following
-        box.finished.connect(self._answered)
-        box.open()
+    def save_to(self, path: Path, following: Next | None = None, *, over: bool = False) -> None:
+        """Save, then go on; file names in the network keep pointing at the same files.
 
-    def _answered(self, answer: int) -> None:
-        following, self._next = self._next, None
-        if following is None:
-            return
-        if answer == _BUTTON.Save.value:
-            self.save(following)
-        elif answer == _BUTTON.Discard.value:
-            following()
-
-    def _chosen(self, text: str) -> None:
-        following, self._next = self._next, None
-        if self._save_to(Path(text)) and following is not None:
-            following()
-
-    def _save_to(self, path: Path) -> bool:
-        """Save; file names in the network keep pointing at the same files."""
+        What somebody else has made of the document's own file is written over only if `over` says
+        so; else that is asked first.
+        """
         document = self._session.document
+        if not over and document.is_own(path) and (done := document.disagreement()):
+            self._next = following
+            self._ask(changed_file(self._window, path.name, done))
+            return
         moved = rebased(
             document.network,
             self._session.library,
@@ -144,13 +127,56 @@ class Files(QObject):
         )
         if moved is not None:
             self._session.do(moved)
-        if not self._session.save(path):
+        if not self._session.save(path, over=over):
             if moved is not None:
                 self._session.undo()
-            return False
+            return
         self._settings.add_recent(path)
         self._session.told.emit("note", f"saved {path}")
-        return True
+        if following is not None:
+            following()
+
+    def has_unsaved_work(self) -> bool:
+        """Whether there is work that no file holds, what is being typed included."""
+        self.about_to_save.emit()
+        return self._session.document.modified
+
+    def after_asking(self, following: Next) -> None:
+        """Go on with `following`; where there is unsaved work, only once that is answered."""
+        if self.has_unsaved_work():
+            self.ask_to_save(following)
+        else:
+            following()
+
+    def ask_to_save(self, following: Next) -> None:
+        """Ask what to do with unsaved work, then go on. Of two that ask, the later one goes on."""
+        self._next = following
+        if self._question is None:
+            self._ask(save_changes(self._window, self._session.network.name))
+        else:
+            self._question.raise_()
+            self._question.activateWindow()
+
+    def _ask(self, question: Question) -> None:
+        self._question = question
+        question.finished.connect(self._answered)
+        question.open()
+
+    def _answered(self) -> None:
+        question, self._question = self._question, None
+        following, self._next = self._next, None
+        answer = question.answer if question is not None else "cancel"
+        path = self._session.document.path
+        if answer == "save":
+            self.save(following)
+        elif answer == "save_as":
+            self.save_as(following)
+        elif answer == "discard" and following is not None:
+            following()
+        elif answer == "overwrite" and path is not None:
+            self.save_to(path, following, over=True)
+        elif answer == "reload" and path is not None:
+            self.open_now(str(path))
 
     def _new(self) -> None:
         library = self._session.library
@@ -164,11 +190,23 @@ class Files(QObject):
         kept = "".join(c if c.isalnum() or c in "-_" else "_" for c in name.lower())
         return f"{kept}.json"
 
-    def _dialog(self, title: str, mode: QFileDialog.AcceptMode) -> QFileDialog:
+    def _ask_for_file(self, title: str, mode: QFileDialog.AcceptMode) -> QFileDialog:
+        """A dialog to be filled and shown, in the place of the one that is open."""
+        self._drop_dialog()
         path = self._session.document.path
         dialog = QFileDialog(self._window, title, str(path.parent if path else Path.cwd()), _FILTER)
         dialog.setObjectName("file_dialog")
         dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
         dialog.setAcceptMode(mode)
+        dialog.finished.connect(lambda: self._forget(dialog))
         dialog.finished.connect(dialog.deleteLater)
+        self._dialog = dialog
         return dialog
+
+    def _drop_dialog(self) -> None:
+        if self._dialog is not None:
+            self._dialog.reject()
+
+    def _forget(self, dialog: QFileDialog) -> None:
+        if self._dialog is dialog:
+            self._dialog = None

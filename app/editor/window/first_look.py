@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.chain import ANALYSIS, final_image, source_images
+from app.output import ANALYSIS, find_output, source_images
 from core.engine import Plan
 from core.errors import ImagechainError
 from core.values import Curve, Image, Table
@@ -70,7 +70,7 @@ def telling_node(plan: Plan) -> str | None:
 def first_ports(plan: Plan) -> tuple[str, ...]:
     """The final picture and the input picture it is to be compared with; as many as there are."""
     try:
-        final = final_image(plan)
+        final = find_output(plan).port
     except ImagechainError:
         final = None
     sources = [port for port in source_images(plan) if port != final]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject
-from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
+from PySide6.QtCore import QObject, Qt
+from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox
 
 from app.arguments import version
 from app.editor.session import Session
@@ -37,7 +37,7 @@ class Help(QObject):
 
     def shortcuts(self) -> None:
         """List every shortcut."""
-        ShortcutList(self._window.actions_by_name, self._window).open()
+        self._show(ShortcutList(self._window.actions_by_name, self._window))
 
     def module(self) -> None:
         """Tell what the selected node's module does."""
@@ -46,7 +46,7 @@ class Help(QObject):
         if declared is None:
             self._session.told.emit("note", "select a node to read what its module does")
         else:
-            ModuleText(declared, self._window).open()
+            self._show(ModuleText(declared, self._window))
 
     def about(self) -> None:
         """Version and sources."""
@@ -66,13 +66,12 @@ class Help(QObject):
         self._exported = viewer
         kinds = _PICTURES if isinstance(viewer, ImageViewer) else _CURVES
         dialog = QFileDialog(self._window, "Export", str(Path.cwd()), kinds)
-        dialog.setObjectName("file_dialog")
+        dialog.setObjectName("export_dialog")
         dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
         dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
         dialog.setDefaultSuffix("png")
         dialog.fileSelected.connect(self._export_to)
-        dialog.finished.connect(dialog.deleteLater)
-        dialog.open()
+        self._show(dialog)
 
     def _export_trade_off(self) -> None:
         self.export_of(self._window.viewers.tradeoff)
@@ -104,4 +103,14 @@ class Help(QObject):
         box.setObjectName("message")
         box.setWindowTitle(title)
         box.setText(text)
-        box.open()
+        self._show(box)
+
+    def _show(self, dialog: QDialog) -> None:
+        """Show it beside the work, in the place of another of its kind."""
+        for other in self._window.findChildren(QDialog, dialog.objectName()):
+            if other is not dialog:
+                other.reject()
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.setModal(False)  # as a message box begins
+        dialog.show()
+        dialog.activateWindow()

@@ -27,10 +27,12 @@ from app.editor.window.focus import go_to_next
 from app.editor.window.help import Help
 from app.editor.window.recovery import Recovery
 from app.editor.window.settings import Settings
+from app.editor.window.share_question import ShareQuestion
 from app.editor.window.status import StatusBar
 from app.editor.window.targets import targets
 from app.editor.window.viewer_docks import ViewerDocks
 from app.editor.window.welcome import WelcomePage
+from core.errors import ImagechainError
 from core.library import Library
 
 _LEFT, _RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
@@ -61,12 +63,13 @@ class MainWindow(QMainWindow):
         self.theme: Theme = THEMES[settings.look]
         self.evaluator = Evaluator(self.session, parent=self)
         self._remembered = remembered
-        self._closing = self._docks_arranged = False
+        self._ended = self._docks_arranged = False
         self._first_look_due = False
         self._build(library)
         self.files = Files(self.session, settings, self)
         self.edits = EditCommands(self.session, self.canvas, self)
         self.help = Help(self.session, self)
+        self.share_question = ShareQuestion(self.session, self)
         self.drops = Drops(self.session, self.files, self.canvas, self)
         self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
         self.curtain = Curtain(self)
@@ -75,7 +78,10 @@ class MainWindow(QMainWindow):
         self.canvas.set_menus(
             [
                 self.actions_by_name[name]
-                for name in ("rename", "disable", "duplicate", "copy", "cut", "delete", "connect")
+                for name in (
+                    *("rename", "disable", "mark_output"),
+                    *("duplicate", "copy", "cut", "delete", "connect"),
+                )
             ],
             [
                 self.actions_by_name[name]
@@ -131,30 +137,44 @@ class MainWindow(QMainWindow):
         go_to_next([self.welcome, self.canvas, self.library_view, self.panels, *viewers], step)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask for unsaved work first."""
-        if self._closing:
+        """Close, unless work would be lost by it: then ask, and change nothing until answered."""
+        if not self._ended and self.files.has_unsaved_work():
+            event.ignore()
+            self.files.ask_to_save(self.close_for_good)
+        else:
+            self._end()
             event.accept()
-            return
-        event.ignore()
-        self.files.after_asking(self.close_for_good)
 
-    def stop(self) -> None:
-        """Close because the process is told to end: unsaved work stays to be recovered."""
-        if not self._closing:  # who asks may ask again before the process has ended
-            self.autosaver.keep()
-            self.close_for_good()
+    def stop(self) -> ImagechainError | None:
+        """Close because the process is told to end: unsaved work stays to be recovered.
+
+        Returns what went wrong where it could not be kept.
+        """
+        if self._ended:  # who asks may ask again before the process has ended
+            return None
+        self.panels.finish_typing()
+        problem = self.autosaver.keep()
+        self.close_for_good()
+        return problem
 
     def close_for_good(self) -> None:
         """Close without asking; what runs is stopped, nothing is left to recover."""
-        if self._closing:
+        self._end()
+        self.close()
+
+    def _end(self) -> None:
+        """Shut everything down, once it is certain that the window closes."""
+        if self._ended:
             return
+        self._ended = True
         self.curtain.open()
         if self._remembered:
             self.settings.remember_window(self)
+        for other in self.findChildren(QWidget):
+            if other.isWindow():  # dialogs, docks that float: the process lives while one is shown
+                other.hide()
         self.evaluator.close()
         self.autosaver.close()
-        self._closing = True
-        self.close()
 
     def _build(self, library: Library) -> None:
         self.canvas = Canvas(self.session, self.theme)

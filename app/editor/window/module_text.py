@@ -32,6 +32,5 @@ class ModuleText(QDialog):
         layout = QVBoxLayout(self)
         layout.addWidget(self.text)
         layout.addWidget(buttons)
-        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         metrics = self.fontMetrics()
         self.resize(metrics.averageCharWidth() * _WIDE, metrics.height() * _HIGH)

@@ -7,9 +7,10 @@ from pathlib import Path
 
 from app.shipped import find_network, shipped_networks
 from core.editing.document import Document
+from core.editing.stored import mark
 from core.errors import ParameterError
 from core.library import Library
-from core.network_file import read_network
+from core.network_file import parse_network, read_text
 from core.validate import NetworkProblems, problems
 
 NETWORK_SUFFIX = ".json"
@@ -34,12 +35,13 @@ def open_network_file(path: Path, *, library: Library) -> Opened:
     FileError, NetworkError
         With one line that says what is wrong.
     """
-    network = read_network(path, library=library)
+    text = read_text(path)
+    network = parse_network(text, library=library, name_of_source=str(path))
     found = problems(network, library=library, keep_unknown=True, unfinished=True)
     wiring = [problem for problem in found if not isinstance(problem, ParameterError)]
     if wiring:
         raise NetworkProblems(wiring)
-    document = Document(network, library=library, path=path)
+    document = Document(network, library=library, path=path, stored=mark(text.encode()))
     unknown = [node.module for node in network.nodes.values() if node.module not in library]
     remarks = []
     if unknown:

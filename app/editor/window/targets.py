@@ -35,6 +35,7 @@ def targets(window: MainWindow) -> dict[str, Target]:
         "select_all": edits.select_all,
         "rename": window.panels.edit_name,
         "disable": edits.disable,
+        "mark_output": edits.mark_output,
         "add_module": canvas.open_search,
         "connect": canvas.connect_selected,
         "backdrop": edits.backdrop,

@@ -7,6 +7,8 @@ import pytest
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 os.environ.setdefault("QT_PREFERRED_BINDING", "PySide6")
 
+from PySide6.QtCore import QCoreApplication, QEvent
+
 from app.editor.canvas.canvas import Canvas
 from app.editor.session import Session
 from app.editor.theme import DARK
@@ -17,6 +19,19 @@ from canvas_hands import CanvasHands
 from core.editing.document import Document
 from core.network_file import load_network
 from nodes.library import standard_library
+from patient_bot import PatientBot
+
+
+@pytest.fixture(autouse=True)
+def _what_was_closed_is_deleted():
+    """Qt deletes what was to be deleted only in a loop of its own, which the tests have not."""
+    yield
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+
+
+@pytest.fixture
+def qtbot(qapp, request):
+    return PatientBot(request)
 
 
 @pytest.fixture
@@ -101,7 +116,7 @@ def idle(qtbot):
 
     def wait(window):
         qtbot.wait(60)
-        qtbot.waitUntil(lambda: window.evaluator.idle, timeout=30_000)
+        qtbot.waitUntil(lambda: window.evaluator.idle)
         qtbot.wait(60)
 
     return wait

@@ -5,20 +5,19 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from app.shipped import shipped_networks
+from child_process import PATIENCE_S, ROOT, wait_for
+from command_line import run_here
 from core.network_file import load_network
 from nodes.library import standard_library
 from virtual_screen import screenshot_folder, virtual_screen
 
-ROOT = Path(__file__).resolve().parents[3]
 SCRIPT = ROOT / "tests" / "support" / "inframetrics_by_hand.py"
-PATIENCE_S = 600
+BUILDING_S = 1000  # two hundred gestures, each waited for
 
 
 @pytest.fixture(scope="module")
@@ -27,15 +26,11 @@ def built(tmp_path_factory):
     folder = tmp_path_factory.mktemp("by_hand")
     with virtual_screen(2560, 1440) as environment:
         run = start("build", folder, environment)
-        deadline = time.monotonic() + PATIENCE_S
-        while not (folder / "ready").exists() and run.poll() is None:
-            assert time.monotonic() < deadline, "the hands are too slow"
-            time.sleep(0.1)
-        assert run.poll() is None, run.communicate()[0]
+        wait_for((folder / "ready").exists, "all is built", child=run, seconds=BUILDING_S)
         run.send_signal(signal.SIGKILL)
-        run.communicate()
+        run.communicate(timeout=PATIENCE_S)
         again = start("recover", folder, environment)
-        told, _ = again.communicate(timeout=120)
+        told, _ = again.communicate(timeout=PATIENCE_S)
         assert again.returncode == 0, told
     return folder
 
@@ -53,16 +48,9 @@ def start(what, folder, environment):
 
 def evaluated(file, folder):
     """What the command line makes of it."""
-    subprocess.run(
-        [
-            *(sys.executable, "-m", "app.cli", "run", str(file)),
-            *("--save", f"frame_grabber.image={folder / 'run.npy'}"),
-            *("--output-dir", str(folder / "run")),
-        ],
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        check=True,
-        capture_output=True,
-    )
+    words = ["--save", "frame_grabber.image=run.npy", "--output-dir", "run"]
+    done = run_here("run", file, *words, folder=folder)
+    assert done.returncode == 0, done.stderr
     return np.load(folder / "run.npy"), json.loads((folder / "run" / "readouts.json").read_text())
 
 

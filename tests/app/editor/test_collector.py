@@ -7,6 +7,7 @@ import weakref
 import pytest
 
 from app.editor.evaluation.collector import Collector
+from child_process import PATIENCE_S
 
 
 class Ring:
@@ -60,9 +61,9 @@ def test_what_another_thread_leaves_is_freed_in_this_one(collector, qtbot):
 
     thread = threading.Thread(target=leave)
     thread.start()
-    thread.join()
+    thread.join(PATIENCE_S)
     assert not freed
-    qtbot.waitUntil(lambda: len(freed) == 1000, timeout=5000)
+    qtbot.waitUntil(lambda: len(freed) == 1000)
     assert set(freed) == {threading.current_thread()}
 
 
@@ -82,6 +83,6 @@ def test_all_is_looked_through_only_in_quiet_moments(collector, quiet, qtbot):
         qtbot.wait(500)
         assert 2 not in gone_through
         quiet[0] = True
-        qtbot.waitUntil(lambda: 2 in gone_through, timeout=5000)
+        qtbot.waitUntil(lambda: 2 in gone_through)
     finally:
         gc.callbacks.remove(note)

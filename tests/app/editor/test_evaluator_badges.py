@@ -68,7 +68,7 @@ def open_network(qtbot, slow_session, evaluator):
 
 
 def settle(qtbot, evaluator):
-    qtbot.waitUntil(lambda: evaluator.idle, timeout=20_000)
+    qtbot.waitUntil(lambda: evaluator.idle)
 
 
 def test_a_sound_chain_has_no_badges(evaluator, open_network):

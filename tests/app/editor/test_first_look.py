@@ -104,5 +104,6 @@ def test_f1_tells_what_the_module_does_in_a_window_that_fits(window, idle, qtbot
     assert len(paragraphs) > 2
     assert not any("\n" in each for each in paragraphs)
     assert "MRTD" in paragraphs[0]
+    qtbot.waitUntil(told.isActiveWindow)
     QTest.keyClick(told, Qt.Key.Key_Escape)
     qtbot.waitUntil(lambda: window.findChild(ModuleText) is None)

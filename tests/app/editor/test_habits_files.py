@@ -3,7 +3,6 @@
 import json
 import os
 import stat
-import subprocess
 import sys
 
 import numpy as np
@@ -13,6 +12,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
 
 from app.shipped import shipped_networks
+from child_process import finished
 from core.editing.autosave import recoverable
 from window_hands import CTRL, KEY, SHIFT, WindowHands, add, answer, give_focus
 
@@ -190,13 +190,17 @@ def test_a_file_that_may_only_be_read_is_not_written_over(window, hand, files):
     assert window.isWindowModified()
 
 
-def test_a_network_whose_file_was_removed_is_saved_again(window, hand, files):
+def test_a_network_whose_file_was_removed_is_saved_again(window, hand, files, qtbot):
     path = files / "mine.json"
     window.files.open_now(str(path))
     path.unlink()
     add(window, "test_scene")
     hand.focus()
     hand.key(KEY.Key_S, CTRL)
+    box = window.findChild(QMessageBox, "changed_file")
+    assert "has been removed" in box.text()
+    QTest.mouseClick(box.findChild(QPushButton, "overwrite"), Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: not window.isWindowModified())
     assert "test_scene" in json.loads(path.read_text())["nodes"]
 
 
@@ -210,6 +214,8 @@ def test_a_network_whose_folder_was_removed_is_kept_in_the_window(window, hand, 
     add(window, "test_scene")
     hand.focus()
     hand.key(KEY.Key_S, CTRL)
+    box = window.findChild(QMessageBox, "changed_file")
+    QTest.mouseClick(box.findChild(QPushButton, "overwrite"), Qt.MouseButton.LeftButton)
     assert "not saved" in window.status.error
     assert window.isWindowModified()
     hand.focus()
@@ -236,7 +242,7 @@ def test_two_windows_keep_their_work_apart(make_window, qtbot, tmp_path):
     add(one, "test_scene")
     add(two, "init_trans")
     folder = tmp_path / "recovery"
-    qtbot.waitUntil(lambda: len(list(folder.glob("*.recovery"))) == 2, timeout=5000)
+    qtbot.waitUntil(lambda: len(list(folder.glob("*.recovery"))) == 2)
     assert recoverable(folder) == (), "both are alive"
     one.close_for_good()
     (left,) = folder.glob("*.recovery")
@@ -246,14 +252,14 @@ def test_two_windows_keep_their_work_apart(make_window, qtbot, tmp_path):
 def test_another_process_sees_only_what_the_dead_have_left(window, hand, qtbot, tmp_path):
     add(window, "test_scene")
     folder = tmp_path / "recovery"
-    qtbot.waitUntil(lambda: any(folder.glob("*.recovery")), timeout=5000)
+    qtbot.waitUntil(lambda: any(folder.glob("*.recovery")))
     program = (
         "import sys; from pathlib import Path; from core.editing.autosave import recoverable;"
         "print(len(recoverable(Path(sys.argv[1]))))"
     )
     words = [sys.executable, "-c", program, str(folder)]
-    told = subprocess.run(words, capture_output=True, text=True, check=True)
-    assert told.stdout.strip() == "0"
+    told = finished(words)
+    assert told.stdout.strip() == "0", told.stderr
     assert list(folder.glob("*.recovery")), "it was left alone"
 
 
@@ -275,7 +281,7 @@ def test_recovered_work_is_offered_opened_and_modified(make_window, qtbot, tmp_p
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
     assert list(again.session.network.nodes) == ["test_scene"]
     assert again.isWindowModified()
-    qtbot.waitUntil(lambda: not kept.path.exists(), timeout=5000)
+    qtbot.waitUntil(lambda: not kept.path.exists())
 
 
 # --- the layout --------------------------------------------------------------------------------

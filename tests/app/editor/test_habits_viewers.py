@@ -210,7 +210,7 @@ def test_the_probe_tells_radiance_and_apparent_temperature(window, hand, idle, q
 
 def export(window, hand, path):
     hand.key(KEY.Key_E, CTRL)
-    dialog = window.findChild(QFileDialog, "file_dialog")
+    dialog = window.findChild(QFileDialog, "export_dialog")
     assert dialog.isVisible()
     edit = dialog.findChild(QLineEdit, "fileNameEdit")
     give_focus(edit)

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.readouts import ReadoutsWant
+from app.write_record import read_record
 from core.declaration import declaration
 from core.editing.document import Document
 from core.editing.fields import SetNode, SetParameter
@@ -105,7 +106,7 @@ def test_read_outs_appear_where_the_inputs_are_there(qtbot, session, evaluator, 
     assert set(texts(area)) == set(wanted)
     there = {name for name, value in wanted.items() if value is not None}
     assert there
-    qtbot.waitUntil(lambda: all(texts(area)[name] != "—" for name in there), timeout=20000)
+    qtbot.waitUntil(lambda: all(texts(area)[name] != "—" for name in there))
     for readout in declaration(LIBRARY[key]).readouts:
         text, value = texts(area)[readout.name], wanted[readout.name]
         if value is None:
@@ -291,3 +292,41 @@ def test_a_file_to_write_need_not_be_there_and_is_not_asked_about(qtbot, session
         choose(qtbot, field, tmp_path / name)
         assert session.network.nodes["node"].params["path"] == name
     assert (tmp_path / "there.png").read_bytes() == b"not touched"
+
+
+def test_a_file_chosen_to_be_written_is_allowed_to_later_runs(
+    qtbot, session, tmp_path, monkeypatch
+):
+    """Kept in the user's own record, under the file that the network is saved in."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    home, other = tmp_path / "nets" / "n.json", tmp_path / "copies" / "m.json"
+    for path in (home, other):
+        path.parent.mkdir()
+    target = tmp_path / "results.png"
+    area = panel_area(qtbot, session)
+    session.open(Document(linked_network({}), library=LIBRARY))
+    drop(session, "write_image")
+    field = field_of(area, session, "path")
+    choose(qtbot, field, target)
+    assert read_record(home).chosen == frozenset()
+    assert session.save(home)
+    assert read_record(home).chosen == {target}
+    choose(qtbot, field, tmp_path / "more.png")
+    assert read_record(home).chosen == {target, tmp_path / "more.png"}
+    session.open(Document(session.network, library=LIBRARY, path=home))
+    assert session.save(other)
+    assert read_record(other).chosen == {target, tmp_path / "more.png"}
+    session.open(Document(linked_network({}), library=LIBRARY))
+    assert session.save(tmp_path / "nets" / "new.json")
+    assert read_record(tmp_path / "nets" / "new.json").chosen == frozenset()
+
+
+def test_a_file_chosen_to_be_read_is_not_one_to_be_written(qtbot, session, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    np.save(tmp_path / "a.npy", np.ones((4, 4)))
+    area = panel_area(qtbot, session)
+    session.open(Document(linked_network({}), library=LIBRARY, path=tmp_path / "n.json"))
+    drop(session, "read_image")
+    choose(qtbot, field_of(area, session, "path"), tmp_path / "a.npy")
+    assert read_record(tmp_path / "n.json").chosen == frozenset()
+    assert not (tmp_path / "state").exists()

@@ -29,7 +29,7 @@ def told(evaluator, qtbot):
     evaluator.pass_done.connect(passes.append)
 
     def since_last():
-        qtbot.waitUntil(lambda: evaluator.idle, timeout=20_000)
+        qtbot.waitUntil(lambda: evaluator.idle)
         found = [done.after_edit for done in passes if not done.cancelled and done.reduced == 1]
         passes.clear()
         return found

@@ -1,9 +1,10 @@
 """Networks with smaller pictures: near the full picture, and its radiometry kept."""
 
+from itertools import count
+
 import numpy as np
 import pytest
 
-from app.editor.evaluation.drag_measure import measure_drag
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.preview import SMALLEST, reduced_network
 from app.editor.session import Session
@@ -16,6 +17,7 @@ from core.network_file import load_network
 from core.policy import Policy
 from editor_wants import Samples, SlowCopy
 from nodes.library import standard_library
+from scripted_drag import drag
 
 # Noise is per sample of what it is added to, so that it is no less in fewer samples.
 SILENT = {
@@ -257,31 +259,29 @@ def slow(qtbot):
         height=512,
     )
     session.open(Document(network, library=session.library))
-    qtbot.waitUntil(lambda: evaluator.idle, timeout=20_000)
+    qtbot.waitUntil(lambda: evaluator.idle)
     yield session, evaluator
     evaluator.close()
     session.deleteLater()
 
 
-def steps(count):
-    return (SetParameter("slow", "added", float(step)) for step in range(1, count + 1))
+def steps():
+    return (SetParameter("slow", "added", float(step)) for step in count(1))
 
 
 def test_a_slow_drag_shows_previews_and_then_the_full_picture(slow, qtbot):
     session, evaluator = slow
     answers = []
     evaluator.answered.connect(answers.append)
-    drag = measure_drag(session, evaluator, steps(100), seconds=20.0)
-    assert drag.edits == 100
-    assert len(drag.previews) >= 5
-    qtbot.waitUntil(lambda: evaluator.idle, timeout=20_000)
+    seen = drag(qtbot, session, evaluator, steps(), lambda so_far: len(so_far.previews) >= 5)
+    qtbot.waitUntil(lambda: evaluator.idle)
     last = answers[-1]
     assert last.reduced == 1
     assert last.value.shape == (512, 512)
     scene = Engine(session.library).plan(session.network)
     work = Engine(session.library).work(Policy())
     plain = Engine(session.library).value(scene, "scene.image", work)
-    assert np.array_equal(last.value, plain + np.float32(100.0))
+    assert np.array_equal(last.value, plain + np.float32(seen.edits))
     previews = [answer for answer in answers if answer.reduced > 1]
     assert {answer.value.shape for answer in previews} <= {(128, 128), (256, 256), (64, 64)}
     generations = [answer.generation for answer in answers]
@@ -298,7 +298,6 @@ def test_without_a_preview_a_slow_drag_shows_full_pictures(slow, qtbot):
     )
     session.open(Document(network, library=session.library))
     session.do(SetNode("held", "auto", False))
-    qtbot.waitUntil(lambda: evaluator.idle, timeout=20_000)
-    drag = measure_drag(session, evaluator, steps(130), seconds=20.0)
-    assert not drag.previews
-    assert len(drag.full) >= 2
+    qtbot.waitUntil(lambda: evaluator.idle)
+    seen = drag(qtbot, session, evaluator, steps(), lambda so_far: len(so_far.full) >= 2)
+    assert not seen.previews

@@ -58,6 +58,8 @@ class PathField(TypedField):
 
     def open_dialog(self) -> None:
         """Let a file be chosen; returns at once."""
+        for other in self.findChildren(QFileDialog, "field.dialog"):
+            other.reject()
         dialog = QFileDialog(self, self.parameter.param.text.capitalize())
         dialog.setObjectName("field.dialog")
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -69,14 +71,18 @@ class PathField(TypedField):
         else:
             dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
         folder = self._session.folder.absolute()
-        if self.value is not None:
+        if self.value is not None and not self._session.shares.bars(self.value):
             folder = (folder / self.value).parent
         dialog.setDirectory(str(folder))
         dialog.fileSelected.connect(self._chosen)
-        dialog.open()
+        dialog.show()  # what is modal would keep the window from closing
+        dialog.activateWindow()
 
     def _chosen(self, name: str) -> None:
         if name:
+            self._session.shares.allow(Path(name))
+            if self._writes:
+                self._session.choose_output(Path(name))
             self.offer(self.relative(Path(name)))
 
     def relative(self, path: Path) -> str:

@@ -130,7 +130,7 @@ class ExitPupilIllustration(Illustration):
     def _paint_pupil(self, painter: QPainter, frame: QRectF) -> None:
         if self._pupil is not None and self._pupil.shape is not None:
             light, dark = light_and_dark(self.theme)
-            brush = self._texture(self._pupil) or QBrush(QColor(light))
+            brush = self._texture(self._pupil.shape.radius) or QBrush(QColor(light))
             size = self.shown_samples()
             draw_pupil(painter, frame, self._pupil.shape, size, brush, QColor(dark))
         elif self._samples is not None:
@@ -176,7 +176,7 @@ class ExitPupilIllustration(Illustration):
     def _colours(self) -> tuple[str, str, str]:
         return self.theme.curves[0], light_and_dark(self.theme)[0], self.theme.curves[3]
 
-    def _texture(self, pupil: Pupil) -> QBrush | None:
+    def _texture(self, radius: float) -> QBrush | None:
         """The wavefront error in colour, in samples from the centre."""
         if self._wavefront is None:
             return None
@@ -185,7 +185,7 @@ class ExitPupilIllustration(Illustration):
         pixels = coloured(waves, self._colours())
         image = QImage(pixels.data, side, side, 4 * side, QImage.Format.Format_RGB32)
         brush = QBrush(image.copy())
-        scale, start = 2 * pupil.radius / side, -pupil.radius
+        scale, start = 2 * radius / side, -radius
         brush.setTransform(QTransform(scale, 0, 0, scale, start, start))
         return brush
 

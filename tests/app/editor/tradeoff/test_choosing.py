@@ -167,7 +167,7 @@ def test_figures_are_ticked_in_the_list(opened_window, dock, idle, graph):
 
 def test_numbers_and_pictures_are_written(opened_window, dock, tmp_path, graph):
     QTest.mouseClick(dock.bar.export, LEFT)
-    dialog = opened_window.findChild(QFileDialog, "file_dialog")
+    dialog = opened_window.findChild(QFileDialog, "export_dialog")
     dialog.fileSelected.emit(str(tmp_path / "a.csv"))
     dialog.reject()
     with (tmp_path / "a.csv").open(newline="") as file:
