@@ -1,9 +1,76 @@
-"""Assertions in shared helpers explain themselves as those of tests do."""
+"""What holds for every test: helpers that explain themselves, and an end to every wait."""
 
+import faulthandler
+import gc
+import resource
+import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 SUPPORT = Path(__file__).parent / "support"
+# No test takes a hundredth of it. Those of the helpers are shorter and say what was waited for.
+LONGEST_S = 1200
+# Between two collections of what refers to itself, such as windows with the pictures they show:
+# Python counts objects, not their size.
+GROWTH_BYTES = 200 * 2**20
+AFTER_COLLECTION = pytest.StashKey[int]()
+
+# No example fails for taking long.
+settings.register_profile(
+    "any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("any machine")
 
 pytest.register_assert_rewrite(*sorted(path.stem for path in SUPPORT.glob("*.py")))
+
+
+def pytest_configure():
+    from child_process import let_children_be_stopped
+
+    let_children_be_stopped()
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _own_state(tmp_path_factory):
+    """What runs remember goes into a folder of the tests', also of the processes they start."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item):
+    """End the process, saying where it stands, if a test waits for ever; give memory back."""
+    faulthandler.dump_traceback_later(LONGEST_S, exit=True, file=sys.__stderr__)
+    try:
+        return (yield)
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+        before = item.config.stash.get(AFTER_COLLECTION, 0)
+        if resident_bytes() > before + GROWTH_BYTES:
+            gc.collect()
+            item.config.stash[AFTER_COLLECTION] = resident_bytes()
+
+
+def pytest_ignore_collect(collection_path, config):
+    """Read only the files that are wanted: to read all of them takes longer than the quick ones."""
+    from quick_tests import is_quick
+
+    wanted = config.option.markexpr != "quick" or not collection_path.match("test_*.py")
+    return None if wanted or is_quick(collection_path) else True
+
+
+def pytest_collection_modifyitems(items):
+    from quick_tests import is_quick
+
+    for item in items:
+        if is_quick(item.path):
+            item.add_marker("quick")
+
+
+def resident_bytes():
+    """Memory that this process has in use."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * resource.getpagesize()

@@ -5,13 +5,13 @@ from __future__ import annotations
 import ast
 import json
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[1]
+from child_process import ROOT, finished
+
 QT = {"PySide6", "PyQt6", "PyQt5", "shiboken6", "qtpy", "Qt", "NodeGraphQt", "pyqtgraph"}
 LAYERS = {"core", "nodes", "app", "networks"}
 STANDARD = set(sys.stdlib_module_names)
@@ -100,14 +100,8 @@ def loaded_by(words: list[str], folder: Path) -> set[str]:
         "import json, sys; from app.cli import main; code = main(sys.argv[1:]); "
         "print('\\n' + json.dumps([code, sorted(sys.modules)]))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program, *words],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = finished([sys.executable, "-c", program, *words], folder=folder, env=environment)
     code, names = json.loads(done.stdout.splitlines()[-1])
     assert code == 0, done.stderr
     return set(names)

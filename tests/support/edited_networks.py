@@ -16,6 +16,7 @@ from core.editing.fitting import fitting, inserted, new_node, refusal, wired_to
 from core.editing.moved_folder import rebased
 from core.editing.nodes import Add, Move, Placed, Remove, Rename
 from core.editing.operation import ABSENT, Operation, Together, together
+from core.editing.output import SetOutput
 from core.editing.wiring import Rewire
 from core.network import Library, Link, Network, Node
 from core.network_file import format_network
@@ -210,6 +211,12 @@ def _switch(e: Editor) -> Operation | None:
     return SetNode(name, field, e.random.choice(values))
 
 
+def _output(e: Editor) -> Operation | None:
+    name = e.name()
+    value = e.random.choice([ABSENT, ABSENT, "jitter_mtf.image", None])
+    return SetOutput((name,) if name and e.random.random() < 0.7 else (), value)
+
+
 def _node_extra(e: Editor) -> Operation | None:
     name = e.name()
     value = e.random.choice([True, False, ABSENT, [1, {"b": 2}]])
@@ -287,8 +294,8 @@ def _several(e: Editor) -> Operation | None:
 
 MAKERS: tuple[Maker, ...] = (
     _add, _add_first, _remove, _move, _rename, _connect, _disconnect, _redraw, _wired, _inserted,
-    _parameter, _switch, _node_extra, _network_field, _extra_field, _backdrop, _paste, _duplicate,
-    _arrange, _picture, _rebase, _several,
+    _parameter, _switch, _output, _node_extra, _network_field, _extra_field, _backdrop, _paste,
+    _duplicate, _arrange, _picture, _rebase, _several,
 )  # fmt: skip
 
 # What a drag of the mouse or a slider does again and again.

@@ -9,6 +9,8 @@ import time
 
 from PySide6.QtCore import QCoreApplication, QEventLoop, QPoint
 
+from child_process import PATIENCE_S
+
 PAUSE = 0.012  # between two movements: a quick hand
 STEPS = 6
 
@@ -54,7 +56,7 @@ class Hands:
                 if words[0] == "sleep":
                     time.sleep(float(words[1]))
                 else:
-                    subprocess.run(["xdotool", *map(str, words)], check=True)
+                    subprocess.run(["xdotool", *map(str, words)], check=True, timeout=PATIENCE_S)
 
         thread = threading.Thread(target=work)
         thread.start()
@@ -73,11 +75,11 @@ def process_events(seconds):
         time.sleep(0.001)
 
 
-def wait_until(condition, what, seconds=20.0):
+def wait_until(condition, what, seconds=PATIENCE_S):
     """Let the window live until something is so."""
     end = time.monotonic() + seconds
     while not condition():
-        assert time.monotonic() < end, f"waited {seconds} s in vain: {what}"
+        assert time.monotonic() < end, f"waited {seconds:g} s in vain: {what}"
         process_events(0.01)
 
 

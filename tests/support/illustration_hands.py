@@ -98,7 +98,7 @@ class IllustrationBench:
     def settle(self):
         """Until all that is wanted has been answered."""
         if self.evaluator is not None:
-            self._qtbot.waitUntil(lambda: self.evaluator.idle, timeout=20000)
+            self._qtbot.waitUntil(lambda: self.evaluator.idle)
         QApplication.processEvents()
 
     def close(self):

@@ -39,7 +39,7 @@ class ViewerBench:
 
     def settle(self):
         """Until all that is wanted has been answered."""
-        self._qtbot.waitUntil(lambda: self.evaluator.idle, timeout=20000)
+        self._qtbot.waitUntil(lambda: self.evaluator.idle)
         QCoreApplication.processEvents()
 
     def do(self, operation):

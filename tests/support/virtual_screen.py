@@ -6,6 +6,8 @@ import shutil
 import subprocess
 from pathlib import Path
 
+from child_process import PATIENCE_S
+
 SCREENSHOTS = Path(__file__).resolve().parents[2] / "build" / "screenshots"
 
 
@@ -25,6 +27,8 @@ def virtual_screen(width=1600, height=1000):
             f"{width}x{height}x24",
             "-nolisten",
             "tcp",
+            # Else it starts anew when its last program ends, and refuses the next one meanwhile.
+            "-noreset",
         ],
         pass_fds=[write],
         stderr=subprocess.DEVNULL,
@@ -42,7 +46,7 @@ def virtual_screen(width=1600, height=1000):
         }
     finally:
         server.terminate()
-        server.wait(10)
+        server.wait(PATIENCE_S)
 
 
 def screenshot_folder():

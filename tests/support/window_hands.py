@@ -1,11 +1,14 @@
 """Hands on a whole window: keys go where the focus is, as a person's do."""
 
+import time
+
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 
 from canvas_hands import CanvasHands
+from child_process import PATIENCE_S
 from core.editing.fitting import new_node
 
 KEY = Qt.Key
@@ -77,11 +80,10 @@ def give_focus(widget):
     """As by a click: to a widget's window, then to it."""
     widget.window().activateWindow()
     widget.setFocus()
-    for _ in range(100):
-        if widget.hasFocus():
-            return
+    end = time.monotonic() + PATIENCE_S
+    while not widget.hasFocus():
+        assert time.monotonic() < end, f"{widget.objectName()} does not get the focus"
         QTest.qWait(20)
-    raise AssertionError(f"{widget.objectName()} does not get the focus")
 
 
 def add(window, key, at=(0.0, 0.0)):

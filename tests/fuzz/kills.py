@@ -1,0 +1,253 @@
+"""Ends `imagechain run` at random moments, and looks at what is left.
+
+    python tests/fuzz/kills.py --count 200 --seed 1
+
+Each trial starts a run of the Kodak KIR-310 over the files of another run of it, sends SIGKILL,
+SIGTERM or SIGINT, and then lets a run come to its end. It fails if a file is neither the whole old
+one nor the whole new one, if what the exit code and stderr say is not true, if a traceback is
+printed, or if the last run leaves anything hidden.
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import contextlib
+import io
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+from app.cli import main
+
+ROOT = Path(__file__).resolve().parents[2]
+CANCELLED = "imagechain: cancelled; nothing was written\n"
+SIZE = ("scene.width=128", "scene.height=128", "frame_grabber.width=80", "frame_grabber.height=80")
+VARIANTS = ("aberration.sigma_x_mrad=0.1", "aberration.sigma_x_mrad=0.3")
+SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
+FILES = ("out/final.png", "out/mtf.csv", "out/readouts.json", "saved.npy")
+REPORTS = ("report.json", "report.html")
+LONGEST_S = 600.0
+
+
+@dataclass(frozen=True)
+class Trial:
+    """How one run is ended: what it writes, by which signal, and when."""
+
+    number: int
+    variant: int
+    signal: signal.Signals
+    with_page: bool
+    in_writing: bool
+    after: float
+
+    def __str__(self) -> str:
+        when = "of writing" if self.in_writing else "of the start"
+        page = ", with a page" if self.with_page else ""
+        return f"trial {self.number}: {self.signal.name} {self.after:.3f} s {when}{page}"
+
+
+class Kills:
+    """Trials in a folder of their own.
+
+    Parameters
+    ----------
+    folder : Path
+        Empty; the files of all trials go there.
+    seed : int
+        Of the random moments.
+    pages : int
+        Every so many trials the run writes an .html report too, which takes long; 0 for never.
+    """
+
+    def __init__(self, folder: Path, seed: int, pages: int) -> None:
+        self.folder = folder
+        self.random = random.Random(seed)
+        self.pages = pages
+        self.found: collections.Counter[str] = collections.Counter()
+        self.environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        self.whole: list[dict[str, bytes]] = []
+        for variant in range(len(VARIANTS)):
+            self._finish(variant)
+            self.whole.append(self._files())
+        self.seconds = self._measured()
+        assert all(self.whole[0][name] != self.whole[1][name] for name in FILES)
+
+    def trial(self, number: int) -> list[str]:
+        """Carry out one trial; what is wrong afterwards."""
+        page = self.pages > 0 and number % self.pages == 0
+        in_writing = self.random.random() < 0.5
+        trial = Trial(
+            number,
+            1 - self.last,
+            self.random.choice(SIGNALS),
+            page,
+            in_writing,
+            self.random.uniform(0, 0.1 if in_writing else 1.1 * self.seconds * (4 if page else 1)),
+        )
+        before = self._reports()
+        code, line, started = self._disturbed(trial)
+        wrong = self._outcome(trial, code, line, started, self._reports() != before)
+        self._finish(trial.variant)
+        hidden = [path.name for path in self.folder.rglob(".*")]
+        if hidden:
+            wrong.append(f"the next run leaves {hidden}")
+        if self._files() != self.whole[trial.variant]:
+            wrong.append("the next run does not write what it should")
+        return [f"{trial}: {each}" for each in wrong]
+
+    def _words(self, variant: int, *, page: bool = False) -> list[str]:
+        sets = [word for text in (*SIZE, VARIANTS[variant]) for word in ("--set", text)]
+        reports = REPORTS if page else REPORTS[:1]
+        more = [word for name in reports for word in ("--report", name)]
+        save = ["--save", "electronics.image=saved.npy", "--output-dir", "out"]
+        return ["run", "kodak_kir310", *sets, *save, *more]
+
+    def _disturbed(self, trial: Trial) -> tuple[int, str, bool]:
+        """Exit code, stderr, and whether the command had begun when the signal was sent."""
+        process = subprocess.Popen(
+            [sys.executable, "-m", "app.cli", *self._words(trial.variant, page=trial.with_page)],
+            cwd=self.folder,
+            env=self.environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        if trial.in_writing:
+            last = time.monotonic() + LONGEST_S
+            while process.poll() is None and not self._writes() and time.monotonic() < last:
+                time.sleep(0.001)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(trial.after)
+        started = _has_begun(process.pid)
+        process.send_signal(trial.signal)
+        _, line = process.communicate(timeout=LONGEST_S)
+        return process.returncode, line, started
+
+    def _measured(self) -> float:
+        """How long a run takes in a process of its own."""
+        start = time.monotonic()
+        subprocess.run(
+            [sys.executable, "-m", "app.cli", *self._words(self.last)],
+            cwd=self.folder,
+            env=self.environment,
+            stdout=subprocess.DEVNULL,
+            timeout=LONGEST_S,
+            check=True,
+        )
+        return time.monotonic() - start
+
+    def _outcome(
+        self, trial: Trial, code: int, line: str, started: bool, reported: bool
+    ) -> list[str]:
+        """What is not as it should be of a run that was disturbed."""
+        files, old, new = self._files(), self.whole[1 - trial.variant], self.whole[trial.variant]
+        wrong = [f"{name} is torn" for name in FILES if files[name] not in (old[name], new[name])]
+        wrong += self._torn_reports()
+        if code == 0:
+            self.found["done"] += 1
+            if line or files != new or not reported:
+                wrong.append(f"it says that it is done, and {line!r}")
+        elif code == 1 and line == CANCELLED:
+            self.found["cancelled"] += 1
+            if files != old or reported:
+                wrong.append("it says that nothing was written")
+        elif code == -trial.signal and not line:
+            self.found[f"ended by {trial.signal.name}"] += 1
+        elif trial.signal == signal.SIGINT and not started:
+            self.found["ended by Python's own start"] += 1  # before any line of ours
+        else:
+            wrong.append(f"exit code {code}, {line!r}")
+        if files not in (old, new):
+            self.found["of these, with old and new files"] += 1
+            if trial.signal != signal.SIGKILL:
+                wrong.append("some files are old, some new")
+        return wrong
+
+    def _torn_reports(self) -> list[str]:
+        wrong = []
+        try:
+            json.loads((self.folder / REPORTS[0]).read_bytes())
+        except ValueError:
+            wrong.append("the report is torn")
+        page = self.folder / REPORTS[1]
+        if page.exists() and not page.read_bytes().rstrip().endswith(b"</html>"):
+            wrong.append("the page is torn")
+        return wrong
+
+    def _finish(self, variant: int) -> None:
+        """A run that nobody disturbs, in this process: that is quicker."""
+        told = io.StringIO()
+        with (
+            contextlib.chdir(self.folder),
+            contextlib.redirect_stdout(told),
+            contextlib.redirect_stderr(told),
+        ):
+            code = main(self._words(variant))
+        if code:
+            raise RuntimeError(f"a run that nobody disturbs fails: {told.getvalue()}")
+        self.last = variant
+
+    def _files(self) -> dict[str, bytes]:
+        return {name: (self.folder / name).read_bytes() for name in FILES}
+
+    def _reports(self) -> tuple[int, ...]:
+        """What tells the present reports from those written later."""
+        paths = [self.folder / name for name in REPORTS]
+        return tuple(path.stat().st_ino for path in paths if path.exists())
+
+    def _writes(self) -> bool:
+        places = (self.folder, self.folder / "out")
+        found = (path.name for place in places for path in place.iterdir())
+        return any(name.startswith(".imagechain-") for name in found)
+
+
+def _has_begun(pid: int) -> bool:
+    """Whether a process catches SIGTERM, as the command does from its first line on."""
+    with contextlib.suppress(OSError):
+        for text in Path(f"/proc/{pid}/status").read_text().splitlines():
+            if text.startswith("SigCgt:"):
+                return bool(int(text.split()[1], 16) >> (signal.SIGTERM - 1) & 1)
+    return True
+
+
+def kills(count: int, seed: int, *, pages: int = 0, out: TextIO | None = None) -> list[str]:
+    """Carry out so many trials; what went wrong in them."""
+    wrong: list[str] = []
+    with tempfile.TemporaryDirectory() as name:
+        trials = Kills(Path(name), seed, pages)
+        for number in range(1, count + 1):
+            wrong += trials.trial(number)
+            if out is not None and (number % 20 == 0 or number == count):
+                told = ", ".join(f"{what} {n}" for what, n in sorted(trials.found.items()))
+                print(f"{number} trials: {told}; faults {len(wrong)}", file=out, flush=True)
+    return wrong
+
+
+def command() -> int:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n", maxsplit=1)[0])
+    parser.add_argument("--count", type=int, default=200, help="trials (default: 200)")
+    parser.add_argument("--seed", type=int, default=1, help="of the random moments (default: 1)")
+    parser.add_argument(
+        "--pages",
+        type=int,
+        default=10,
+        help="every so many write a page too (default: 10; 0: none)",
+    )
+    words = parser.parse_args()
+    wrong = kills(words.count, words.seed, pages=words.pages, out=sys.stdout)
+    print("\n".join(wrong) or "no faults")
+    return bool(wrong)
+
+
+if __name__ == "__main__":
+    sys.exit(command())

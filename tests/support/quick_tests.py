@@ -1,0 +1,51 @@
+"""Which tests are quick: together they take about a minute on two cores.
+
+A rule of files, since time goes by what a file starts: Qt, processes, large pictures. Those that
+are left out test what others test as well, at more length or in the whole program.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+TESTS = Path(__file__).resolve().parents[1]
+
+_FOLDERS = ("core",)
+_SLOW = {
+    "core/editing/test_sessions.py",
+    "core/physics/test_eye.py",
+    "core/physics/test_pupil_geometric_otf.py",
+    "core/physics/test_pupil_sampled_otf.py",
+    "core/physics/test_rounding_noise.py",
+    "core/physics/test_slanted_edge.py",
+    "core/physics/test_transfer_blur.py",
+    "core/test_network_mutations.py",
+    "core/test_photon_events.py",
+    "core/test_planes.py",
+}
+_FILES = {
+    "app/editor/test_canvas_adding.py",
+    "app/editor/test_canvas_following.py",
+    "app/editor/test_canvas_moving.py",
+    "app/editor/test_canvas_wiring.py",
+    "app/editor/test_curves_want.py",
+    "app/editor/test_evaluator_badges.py",
+    "app/editor/test_library_view.py",
+    "app/editor/test_opening.py",
+    "app/editor/test_picture_want.py",
+    "app/test_bad_networks.py",
+    "app/test_chain.py",
+    "nodes/test_library_declarations.py",
+    "test_layers.py",
+}
+
+
+def is_quick(path: Path) -> bool:
+    """Whether the tests of a file are."""
+    name = path.relative_to(TESTS).as_posix()
+    return name in _FILES or (name.startswith(_FOLDERS) and name not in _SLOW)
+
+
+def named() -> list[Path]:
+    """The files that are named here."""
+    return [TESTS / name for name in sorted(_FILES | _SLOW)]
