@@ -9,6 +9,7 @@ from app.editor.theme import DARK
 from app.editor.viewers.colour_maps import NAMES, colour_table
 from app.editor.viewers.grey_levels import Spread, grey_levels
 from app.editor.viewers.image_viewer import ImageViewer
+from app.editor.viewers.picture_want import Picture
 from core.editing.fields import SetParameter
 from core.errors import ImagechainError
 from nodes.files.read import read_pixels
@@ -89,9 +90,12 @@ def test_a_picture_is_painted_once(bench, viewer, qtbot):
     viewer.canvas.viewport().installEventFilter(counting)
     for sigma in (1.0, 1.02, 1.04):
         counting.number = 0
+        bench.answers.clear()
         bench.do(SetParameter("blur", "sigma_x_mrad", sigma))
         qtbot.wait(50)
-        assert counting.number == 1
+        pictures = sum(isinstance(each.value, Picture) for each in bench.answers)
+        # On a slow machine a preview comes first; the two may be painted as one.
+        assert 1 <= counting.number <= pictures
 
 
 @pytest.mark.parametrize("name", NAMES)
