@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from functools import cache
 
-from core.declaration import Module
-from core.library import Library, library_of
-from nodes.analysis.camera_geometry import CameraGeometry
-from nodes.analysis.compare_images import CompareImages
-from nodes.analysis.figures_of_merit import FiguresOfMerit
-from nodes.analysis.line_by_line import LineByLine
-from nodes.analysis.measured_mtf import MeasuredMTF
-from nodes.analysis.mtf_slices import MtfSlices
-from nodes.analysis.noise_3d import Noise3D
-from nodes.analysis.noise_budget import NoiseBudget
-from nodes.analysis.spatial_blur import SpatialBlur
+from core.modules.declaration import Module
+from core.modules.library_type import Library, library_of
+from nodes.analysis.camera.camera_geometry import CameraGeometry
+from nodes.analysis.camera.line_by_line import LineByLine
+from nodes.analysis.merit.figures_of_merit import FiguresOfMerit
+from nodes.analysis.mtf.compare_images import CompareImages
+from nodes.analysis.mtf.measured_mtf import MeasuredMTF
+from nodes.analysis.mtf.mtf_slices import MtfSlices
+from nodes.analysis.noise.noise_3d import Noise3D
+from nodes.analysis.noise.noise_budget import NoiseBudget
+from nodes.analysis.space.spatial_blur import SpatialBlur
 from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
 from nodes.detector.charge_eff_mtf import ChargeEffMTF
 from nodes.detector.charge_eff_phase import ChargeEffPhase

@@ -56,7 +56,7 @@ def test_only_the_editor_knows_qt():
     wrong = {
         f"{path.relative_to(ROOT)}: {name}"
         for path in files("app")
-        if ROOT / "app" / "editor" not in path.parents and path != ROOT / "app" / "edit.py"
+        if ROOT / "app" / "editor" not in path.parents and path != ROOT / "app/command/edit.py"
         for name in imports(path)
         if name.split(".")[0] in QT
     }
@@ -97,7 +97,7 @@ def test_no_opened_file_nor_mutable_global_at_import(layer):
 def loaded_by(words: list[str], folder: Path) -> set[str]:
     """Names of the modules that a command loads, in a process of its own."""
     program = (
-        "import json, sys; from app.cli import main; code = main(sys.argv[1:]); "
+        "import json, sys; from app.command.cli import main; code = main(sys.argv[1:]); "
         "print('\\n' + json.dumps([code, sorted(sys.modules)]))"
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}

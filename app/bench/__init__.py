@@ -7,13 +7,13 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
-from app.arguments import Options
-from app.bench.files import Facts, Files
-from app.bench.isolation import isolate
-from app.bench.machine import machine_facts
-from app.bench.settings import PARTS, Settings
-from app.bench.tables import Table, terminal_text
-from app.qt_libraries import check_libraries
+from app.bench.measuring.bench_settings import PARTS, Settings
+from app.bench.measuring.bench_tables import Table, terminal_text
+from app.bench.measuring.isolation import isolate
+from app.bench.measuring.machine import machine_facts
+from app.bench.pages.bench_files import Facts, Files
+from app.editor.qt_libraries import check_libraries
+from app.options.command_options import Options
 
 
 def bench(options: Options) -> None:

@@ -9,13 +9,13 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
+from app.editor.allowed_shares import Shares
 from app.editor.chosen_outputs import ChosenOutputs
-from app.editor.shares import Shares
-from core.declaration import Declaration, declaration
 from core.editing.document import Document
 from core.editing.operation import Operation
 from core.errors import ImagechainError
-from core.network import Library, Network
+from core.modules.declaration import Declaration, declaration
+from core.network.network import Library, Network
 
 
 class Session(QObject):

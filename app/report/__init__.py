@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from app.evaluation import Evaluation
-from app.report.facts import report_facts
-from app.tables import jsonable
+from app.report.facts.report_facts import report_facts
+from app.run.evaluation import Evaluation
+from app.run.readout_tables import jsonable
 from core.atomic import write_text
-from core.plain import printable
-from core.skips import Skip
+from core.chain.skipped import Skip
+from core.names import printable
 
 
 def write_report(found: Evaluation, skipped: tuple[Skip, ...], path: Path) -> None:
@@ -34,7 +34,7 @@ def write_report(found: Evaluation, skipped: tuple[Skip, ...], path: Path) -> No
     if path.suffix.lower() == ".json":
         text = json.dumps(jsonable(facts), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     else:
-        from app.report.page import page
+        from app.report.report_page import page
 
         text = page(found, facts)
     write_text(path, printable(text))

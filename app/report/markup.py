@@ -6,7 +6,7 @@ import base64
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
-from app.report.drawing import DPI, MOST_DRAWN
+from app.report.drawing.picture_drawing import DPI, MOST_DRAWN
 
 
 def figure(png: bytes, caption: str, alt: str) -> str:

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from app.tradeoff.figures import Figure, computed
-from core.declaration import declaration
-from core.engine import Engine, Plan
+from app.tradeoff.tradeoff_figures import Figure, computed
+from core.chain.engine import Engine, Plan
 from core.errors import NetworkError, ParameterError
-from core.network import Network
-from core.parameters import Parameter, plain
-from core.work import Work
+from core.evaluation.work import Work
+from core.modules.declaration import declaration
+from core.modules.parameters import Parameter, plain
+from core.network.network import Network
 
 
 @dataclass(frozen=True)

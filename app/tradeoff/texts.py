@@ -8,8 +8,8 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from app.tables import columns, jsonable, number_text, without_rounding
-from app.tradeoff.results import Results, shown_value
+from app.run.readout_tables import columns, jsonable, number_text, without_rounding
+from app.tradeoff.tradeoff_results import Results, shown_value
 from app.tradeoff.values import Variation
 
 _GAP = 2  # between columns

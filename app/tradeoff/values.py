@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from app.option_values import Assignment, assignment
-from app.overrides import named_parameter, readings
+from app.options.option_values import Assignment, assignment
+from app.options.overrides import named_parameter, readings
 from core.errors import ParameterError, UsageError
-from core.library import Library
-from core.network import Network
-from core.parameters import Parameter, plain
+from core.modules.library_type import Library
+from core.modules.parameters import Parameter, plain
+from core.network.network import Network
 
 OPTION = "--vary"
 FORM = "NODE.PARAM=FROM:TO:COUNT, or :log after it, or a list a,b,c"

@@ -10,8 +10,8 @@ from typing import Any
 from core.editing.fields import SetExtra
 from core.editing.operation import ABSENT, Operation
 from core.errors import NetworkError
-from core.network import Network
-from core.plain import thaw
+from core.names import thaw
+from core.network.network import Network
 
 FIELD = "backdrops"
 NODE_SIZE = (180.0, 100.0)  # of a node whose size is not told

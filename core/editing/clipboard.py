@@ -6,17 +6,17 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from core.editing.arrange import arranged
+from core.editing.layout.arrange import arranged
 from core.editing.links import check_new_wires
-from core.editing.naming import fresh_name
+from core.editing.node_names import fresh_name
 from core.editing.nodes import Add, Placed, Point
 from core.editing.operation import Operation, named
 from core.errors import NetworkError
-from core.network import Library, Link, Network
-from core.network_file import format_network
-from core.network_parse import FORMAT, parse_network
-from core.plain import shown
-from core.strict_json import read_json
+from core.names import shown
+from core.network.file import format_network
+from core.network.json_reading import read_json
+from core.network.network import Library, Link, Network
+from core.network.parsing import FORMAT, parse_network
 
 NODES_FORMAT = "imagechain-nodes"
 SOURCE = "the clipboard"
@@ -126,7 +126,7 @@ def _points(part: Network) -> dict[str, Point]:
     points = {name: part.layout[name] for name in part.nodes if name in part.layout}
     if len(points) == len(part.nodes) and all(_near(point) for point in points.values()):
         return points
-    laid_out = arranged(replace(part, layout={}), {}).positions
+    laid_out = arranged(replace(part, layout={}), {})
     return {name: at for name, at in laid_out.items() if at is not None}
 
 

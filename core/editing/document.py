@@ -10,10 +10,10 @@ from pathlib import Path
 from core.editing.history import History
 from core.editing.links import check_new_wires
 from core.editing.operation import Operation
-from core.editing.stored import GONE, mark, mark_of
+from core.editing.stored_file import GONE, mark, mark_of
 from core.errors import ChangedFileError, NetworkError
-from core.network import Library, Network
-from core.network_file import format_network, save_network
+from core.network.file import format_network, save_network
+from core.network.network import Library, Network
 
 Listener = Callable[[Network, Network], None]
 
@@ -32,8 +32,8 @@ class Document:
     saved : bool
         Whether that file holds it as it is; not so for recovered work and copies.
     stored : str, optional
-        The mark (`core.editing.stored`) of what the file held when this was read from it; default
-        of what it holds now.
+        The mark (`core.editing.stored_file`) of what the file held when this was read from it;
+        default of what it holds now.
     """
 
     def __init__(

@@ -7,8 +7,8 @@ from typing import Any, ClassVar, Literal
 
 from core.editing.operation import ABSENT, Operation, check_plain, with_field
 from core.errors import NetworkError
-from core.network import Network
-from core.plain import freeze, thaw
+from core.names import freeze, thaw
+from core.network.network import Network
 
 NodeField = Literal["auto", "disabled"]
 NetworkField = Literal["name", "description", "seed"]

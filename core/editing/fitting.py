@@ -6,10 +6,9 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
-from core.declaration import Declaration, declaration
 from core.editing.inserting import inserted
 from core.editing.links import check_new_wires, declared, misfit, reached_from, refusal
-from core.editing.naming import fresh_name
+from core.editing.node_names import fresh_name
 from core.editing.nodes import Add, Placed, Point
 from core.editing.operation import Operation, together
 from core.editing.partners import (
@@ -23,8 +22,9 @@ from core.editing.partners import (
 )
 from core.editing.wiring import Rewire
 from core.errors import NetworkError
-from core.network import Library, Link, Network, Node
-from core.plain import close, shown
+from core.modules.declaration import Declaration, declaration
+from core.names import close, shown
+from core.network.network import Library, Link, Network, Node
 
 __all__ = ["Candidate", "End", "Side", "fitting", "inserted", "new_node", "refusal", "wired_to"]
 

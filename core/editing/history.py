@@ -6,7 +6,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 
 from core.editing.operation import Operation
-from core.network import Network
+from core.network.network import Network
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from core.declaration import Port
 from core.editing.links import check_new_wires, declared
 from core.editing.operation import Operation
 from core.editing.partners import MAGNITUDE, PARTNER, PHASE, port_of, side_links, wire_beside
 from core.editing.wiring import Rewire
 from core.errors import NetworkError
-from core.network import Library, Link, Network
-from core.plain import shown
+from core.modules.declaration import Port
+from core.names import shown
+from core.network.network import Library, Link, Network
 
 
 def inserted(network: Network, library: Library, link: Link, node: str) -> Operation | None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 
-from core.declaration import Declaration, Port, declaration
 from core.errors import NetworkError
-from core.graph import cycles
-from core.network import Library, Link, Network, cycle_error
-from core.plain import close, shown
+from core.modules.declaration import Declaration, Port, declaration
+from core.names import close, shown
+from core.network.graph import cycles
+from core.network.network import Library, Link, Network, cycle_error
 
 _MOST_NAMED = 8
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from core.declaration import declaration
 from core.editing.fields import SetParameter
 from core.editing.operation import Operation, together
-from core.network import Library, Network
+from core.modules.declaration import declaration
+from core.network.network import Library, Network
 
 
 def rebased(

@@ -12,8 +12,8 @@ from core.editing.operation import ABSENT, Operation, Together, named
 from core.editing.references import dropped, renamed
 from core.editing.wiring import Rewire, displaced
 from core.errors import NetworkError
-from core.network import Link, Network, Node
-from core.plain import shown, thaw
+from core.names import shown, thaw
+from core.network.network import Link, Network, Node
 
 Point = tuple[float, float]
 

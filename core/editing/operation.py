@@ -14,8 +14,8 @@ from enum import Enum
 from typing import Any, ClassVar
 
 from core.errors import NetworkError
-from core.network import Network
-from core.plain import shown
+from core.names import shown
+from core.network.network import Network
 
 
 class Absent(Enum):

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from core.declaration import Declaration, Port
 from core.editing.links import declared, reached_from
-from core.network import Library, Link, Network
+from core.modules.declaration import Declaration, Port
+from core.network.network import Library, Link, Network
 
 End = tuple[str, str]
 """Node and port."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from core.plain import thaw
+from core.names import thaw
 
 
 def renamed(extra: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:

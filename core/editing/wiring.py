@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from core.editing.operation import Operation
 from core.errors import NetworkError
-from core.network import Link, Network
+from core.network.network import Link, Network
 
 
 @dataclass(frozen=True)

@@ -6,27 +6,27 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from core.caution import Caution
-from core.declaration import Here, readout, warning
+from core.chain.realize import transfer_plane
+from core.chain.wires import Context, Magnitude, Transfer
 from core.errors import ParameterError
-from core.factors import Factor
-from core.parameters import Param
-from core.physics.atmosphere import (
+from core.evaluation.recipes import Step
+from core.evaluation.work import Work
+from core.modules.caution import Caution
+from core.modules.declaration import Here, readout, warning
+from core.modules.parameters import Param
+from core.physics.atmosphere.scattering_and_turbulence import (
     aerosol_mtf,
     fried_mtf,
     path_optical_depth,
     turbidity_optical_depth,
 )
-from core.physics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
-from core.physics.turbulence_profile import fried_r0_slant_m, fried_r0_uniform_m
-from core.realize import transfer_plane
-from core.recipes import Step
-from core.values import Context, Magnitude, Transfer
-from core.work import Work
-from nodes.cautions import F_NUMBER_NEAR, apart_caution, wavelength_caution
-from nodes.given import of_context
-from nodes.laws import radial, separable
-from nodes.ports import MtfModule, MtfOutputs
+from core.physics.atmosphere.turbulence_profile import fried_r0_slant_m, fried_r0_uniform_m
+from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
+from core.transfer.factors import Factor
+from nodes.shared.context_defaults import of_context
+from nodes.shared.factor_helpers import radial, separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
+from nodes.shared.shared_warnings import F_NUMBER_NEAR, apart_caution, wavelength_caution
 
 NEGLIGIBLE = 1 / 256  # a change that 8 bits cannot show
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from core.declaration import Here
-from core.physics.charge_transfer import charge_transfer_mtf
-from core.values import Context, Magnitude
-from nodes.detector.charge_transfer import ChargeTransfer
-from nodes.laws import separable
-from nodes.ports import MtfModule, MtfOutputs
+from core.chain.wires import Context, Magnitude
+from core.modules.declaration import Here
+from core.physics.detector.charge_transfer import charge_transfer_mtf
+from nodes.detector.charge_transfer_base import ChargeTransfer
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class ChargeEffMTF(

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from core.caution import Caution
-from core.declaration import Here, readout, warning
-from core.parameters import Param
-from core.physics.detector import aperture_mtf, first_zero_cyc_per_mrad
-from core.physics.sampling import ifov_mrad
-from core.values import Context, Magnitude
-from nodes.cautions import apart_caution, first
-from nodes.given import given
-from nodes.laws import separable
-from nodes.ports import MtfModule, MtfOutputs
+from core.chain.wires import Context, Magnitude
+from core.modules.caution import Caution
+from core.modules.declaration import Here, readout, warning
+from core.modules.parameters import Param
+from core.physics.detector.detector_aperture import aperture_mtf, first_zero_cyc_per_mrad
+from core.physics.sampling.detector_sampling import ifov_mrad
+from nodes.shared.context_defaults import given
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
+from nodes.shared.shared_warnings import apart_caution, first
 
 
 class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="Detector"):

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.data import TableData, TableRow
+from core.chain.results import TableData, TableRow
 from core.errors import DataError, ParameterError
-from core.physics.detectivity import band_d_star, cold_shield_half_angle_deg
-from core.physics.materials import find_material
-from core.physics.noise_equivalent import (
+from core.evaluation.work import Work
+from core.physics.detector.detectivity import band_d_star, cold_shield_half_angle_deg
+from core.physics.noise.noise_equivalent import (
     amplifier_noise_radiance,
     g_number,
     nep_W,
@@ -21,8 +21,8 @@ from core.physics.noise_equivalent import (
     netd_K,
     system_netd_K,
 )
-from core.physics.planck import brightness_temperature
-from core.work import Work
+from core.physics.radiometry.materials import find_material
+from core.physics.radiometry.planck import brightness_temperature
 
 Array = NDArray[Any]
 

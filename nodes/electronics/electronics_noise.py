@@ -5,23 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Literal, NamedTuple
 
-from core.caution import Caution
-from core.declaration import Here, Module, readout, warning
+from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
-from core.factors import Separable
-from core.parameters import Param
-from core.physics.electronics import (
+from core.evaluation.recipes import Step
+from core.modules.caution import Caution
+from core.modules.declaration import Here, Module, readout, warning
+from core.modules.parameters import Param
+from core.physics.electronics.filters import (
     dwell_time_s,
     lowpass_mtf,
     lowpass_ptf,
     mirror_scan_velocity_mrad_per_s,
     noise_bandwidth_hz,
 )
-from core.physics.noise_equivalent import detector_area_cm2
-from core.physics.post_filter import corner_in_cyc_per_mrad, post_filter_mtf, post_filter_ptf
-from core.recipes import Step
-from core.values import Context, Image, Table, Transfer
-from nodes.cautions import apart_caution, band_caution, unit_caution
+from core.physics.electronics.post_filter import (
+    corner_in_cyc_per_mrad,
+    post_filter_mtf,
+    post_filter_ptf,
+)
+from core.physics.noise.noise_equivalent import detector_area_cm2
+from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import (
     Detector,
@@ -29,9 +32,10 @@ from nodes.electronics.detector_figures import (
     figures,
     statistics,
 )
-from nodes.given import given_band, of_context, with_interval
-from nodes.laws import separable
-from nodes.noise_seed import SeededModule
+from nodes.shared.context_defaults import given_band, of_context, with_interval
+from nodes.shared.factor_helpers import separable
+from nodes.shared.noise_seed import SeededModule
+from nodes.shared.shared_warnings import apart_caution, band_caution, unit_caution
 
 
 class ElectronicsOutputs(NamedTuple):

@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from core.declaration import Here, Module
+from core.chain.wires import Image
 from core.errors import DataError
-from core.parameters import Param
-from core.recipes import Step
-from core.values import Image
+from core.evaluation.recipes import Step
+from core.modules.declaration import Here, Module
+from core.modules.parameters import Param
 from nodes.electronics.periodic_noise import NoiseOutputs, summed
-from nodes.files.paths import checked_band
+from nodes.files.common.paths import checked_band
 from nodes.input_output.source_file import picture_source, read_step
 
 

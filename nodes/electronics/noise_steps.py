@@ -9,18 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.data import TableData, TableRow
+from core.chain.results import TableData, TableRow
+from core.chain.wires import Image, Platform
 from core.errors import ParameterError
-from core.factors import Separable
-from core.grid import Grid
-from core.line_filter import filter_lines
-from core.physics.gain_bias import apply_gain_bias
-from core.physics.quantization import quantization_rms, quantize
-from core.recipes import Recipe, Step, in_parts, pointwise
-from core.region import Region
-from core.streams import BLOCK, Stream, normal_field, normal_part
-from core.values import Edges, Image, Platform
-from core.work import Work
+from core.evaluation.recipes import Recipe, Step, in_parts, pointwise
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from core.filtering.line_filter import filter_lines
+from core.noise.random_fields import BLOCK, Stream, normal_field, normal_part
+from core.physics.electronics.gain_bias import apply_gain_bias
+from core.physics.electronics.quantization import quantization_rms, quantize
+from core.transfer.factors import Separable
+from core.transfer.grid import Edges, Grid
 from nodes.electronics.detector_figures import DetectorFigures, Statistics
 
 Array = NDArray[Any]
@@ -253,7 +253,7 @@ def _filtered_part(work: Work, region: Region, picture: Recipe, *, grid: Grid, *
 
 @in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
 def filtered_lines(work: Work, picture: Array, **how: Any) -> Array:
-    """The picture filtered along its lines: see `core.line_filter`."""
+    """The picture filtered along its lines: see `core.filtering.line_filter`."""
     return filter_lines(work, picture, **how)
 
 

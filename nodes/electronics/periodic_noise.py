@@ -8,14 +8,14 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.declaration import Here, Module
-from core.grid import Grid
-from core.parameters import Param
-from core.physics.periodic_noise import periodic_pattern
-from core.recipes import Step, in_parts, pointwise
-from core.region import Region
-from core.values import Image
-from core.work import Work
+from core.chain.wires import Image
+from core.evaluation.recipes import Step, in_parts, pointwise
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from core.modules.declaration import Here, Module
+from core.modules.parameters import Param
+from core.physics.electronics.periodic_wave import periodic_pattern
+from core.transfer.grid import Grid
 
 Array = NDArray[Any]
 _BLOCK_SAMPLES = 1 << 16

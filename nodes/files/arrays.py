@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.atomic import atomic_file, write_text
 from core.errors import DataError, FileError, ParameterError
-from nodes.files.paths import checked_band, first_bytes, readable_file
-from nodes.files.picture_info import PictureInfo, Samples, delivered_dtype
-from nodes.files.size_limits import refuse_oversized
+from nodes.files.common.paths import checked_band, first_bytes, readable_file
+from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.common.size_limits import refuse_oversized
 
 TEXT_SUFFIXES = (".txt", ".csv", ".prn")
 # numpy evaluates the header as a Python literal, and lets pass whatever that raises.

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from core.data import CurveData
+from core.chain.results import CurveData
 
 
 def is_plain(curves: CurveData) -> bool:

@@ -8,7 +8,7 @@ import zlib
 from pathlib import Path
 
 from core.errors import FileError
-from nodes.files.fits_header import check_sums, read_fits_header
+from nodes.files.headers.fits_header import check_sums, read_fits_header
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _JPEG_START = b"\xff\xd8\xff"

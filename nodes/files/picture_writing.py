@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.atomic import atomic_file
 from core.errors import DataError, FileError, ParameterError
+from nodes.files.common.quiet import quiet_stderr
 from nodes.files.damage import refuse_damaged
-from nodes.files.quiet import quiet_stderr
 
 DTYPES: Mapping[str, tuple[str, ...]] = {
     ".exr": ("float", "half"),

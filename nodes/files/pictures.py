@@ -20,17 +20,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
+from nodes.files.common.paths import checked_band, first_bytes, readable_file
+from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.common.quiet import quiet_stderr
+from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
 from nodes.files.damage import png_bit_depth, refuse_damaged
-from nodes.files.fits_header import read_fits_header
-from nodes.files.header_fields import FieldValue, header_fields
-from nodes.files.paths import checked_band, first_bytes, readable_file
-from nodes.files.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.headers.fits_header import read_fits_header
+from nodes.files.headers.header_fields import FieldValue, header_fields
 from nodes.files.picture_writing import DTYPES as WRITABLE_DTYPES
 from nodes.files.picture_writing import write_picture
-from nodes.files.plain_tiff import read_plain_tiff
-from nodes.files.quiet import quiet_stderr
-from nodes.files.size_limits import refuse_impossible, refuse_oversized
-from nodes.files.tiff_deflate import check_deflate, is_deflated
+from nodes.files.tiff.plain_tiff import read_plain_tiff
+from nodes.files.tiff.tiff_deflate import check_deflate, is_deflated
 
 __all__ = ["SUFFIXES", "WRITABLE_DTYPES", "read_band", "read_info", "write_picture"]
 

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError, FileError
-from nodes.files import arrays, envi, envi_header, pictures
-from nodes.files.paths import checked_band, readable_file
-from nodes.files.picture_info import PictureInfo, Samples
+from nodes.files import arrays, pictures
+from nodes.files.common.paths import checked_band, readable_file
+from nodes.files.common.picture_info import PictureInfo, Samples
+from nodes.files.headers import envi, envi_header
 
 _BLOCK_SAMPLES = 1 << 20
 

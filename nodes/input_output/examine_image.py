@@ -11,18 +11,18 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from core.caution import Caution
-from core.data import CurveData, Series, TableData, TableRow
-from core.declaration import Here, Module, readout, warning
+from core.chain.realize import asked_for, realize, spectrum
+from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.wires import Curve, Image, Magnitude, Phase, Table, Transfer
 from core.errors import DataError, ParameterError
-from core.parameters import Param
-from core.physics.planck import brightness_temperature
-from core.realize import asked_for, realize, spectrum
-from core.recipes import Recipe, Step
-from core.values import Curve, Image, Magnitude, Phase, Table, Transfer
-from core.work import Work
-from nodes.cautions import is_radiance, is_temperature
+from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import Work
+from core.modules.caution import Caution
+from core.modules.declaration import Here, Module, readout, warning
+from core.modules.parameters import Param
+from core.physics.radiometry.planck import brightness_temperature
 from nodes.input_output.sample_statistics import histogram, statistics
+from nodes.shared.shared_warnings import is_radiance, is_temperature
 
 Array = NDArray[Any]
 Display = Literal["linear", "log", "centred_spectrum"]

@@ -7,19 +7,19 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from core.caution import Caution
-from core.declaration import Here, Module, readout, warning
+from core.chain.wires import Header, Image
 from core.errors import ParameterError
-from core.parameters import Param
-from core.physics.sampling import interval_mrad
-from core.recipes import Step
-from core.values import Header, Image
-from nodes.cautions import is_radiance
-from nodes.files.paths import checked_band
-from nodes.files.picture_info import PictureInfo
+from core.evaluation.recipes import Step
+from core.modules.caution import Caution
+from core.modules.declaration import Here, Module, readout, warning
+from core.modules.parameters import Param
+from core.physics.sampling.detector_sampling import interval_mrad
+from nodes.files.common.paths import checked_band
+from nodes.files.common.picture_info import PictureInfo
 from nodes.input_output.sample_unit import DEFAULT_UNIT, sample_unit
 from nodes.input_output.source_file import count_missing, picture_source, read_step
-from nodes.ports import ImageOutput
+from nodes.shared.module_ports import ImageOutput
+from nodes.shared.shared_warnings import is_radiance
 
 
 class ReadImage(Module, key="read_image", title="Read Image", group="Input and output"):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.workers import Each, in_turn
+from core.threads import Each, in_turn
 
 Array = NDArray[Any]
 BLOCK_SAMPLES = 1 << 18

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from core.errors import DataError, FileError, ParameterError
-from core.physics.radiance_units import RadianceUnit, radiance_unit
-from nodes.files.picture_info import PictureInfo
+from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
+from nodes.files.common.picture_info import PictureInfo
 
 DEFAULT_UNIT = "W/m²/sr"
 

@@ -10,14 +10,14 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.declaration import Here
 from core.errors import DataError, FileError, ParameterError
-from core.recipes import Step
-from core.work import Work
-from nodes.files.envi_bands import integrate_bands
-from nodes.files.envi_header import header_beside
-from nodes.files.paths import readable_file
-from nodes.files.picture_info import PictureInfo
+from core.evaluation.recipes import Step
+from core.evaluation.work import Work
+from core.modules.declaration import Here
+from nodes.files.common.paths import readable_file
+from nodes.files.common.picture_info import PictureInfo
+from nodes.files.headers.envi_bands import integrate_bands
+from nodes.files.headers.envi_header import header_beside
 from nodes.files.read import check_finite, read_info, read_pixels
 
 Stamp = tuple[str, int, int]

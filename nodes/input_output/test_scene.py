@@ -7,16 +7,16 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.declaration import Here, Module
+from core.chain.wires import Header, Image
 from core.errors import ParameterError
-from core.parameters import Param
-from core.physics.sampling import interval_mrad
-from core.recipes import Step
-from core.values import Header, Image
-from core.work import Work
-from nodes.ports import ImageOutput
+from core.evaluation.recipes import Step
+from core.evaluation.work import Work
+from core.modules.declaration import Here, Module
+from core.modules.parameters import Param
+from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.scenes import draw_scene, draw_shares, in_two_steps, with_radiance
 from nodes.scenes.two_steps import GEOMETRY, Shares
+from nodes.shared.module_ports import ImageOutput
 
 SOURCES = ("cut_on_um", "cut_off_um", "temperature_K", "delta_K")
 

@@ -11,12 +11,12 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.declaration import Here, Module
+from core.chain.realize import realize
+from core.chain.wires import Image
 from core.errors import ParameterError
-from core.parameters import Param
-from core.realize import realize
-from core.values import Image
-from core.work import Work
+from core.evaluation.work import Work
+from core.modules.declaration import Here, Module
+from core.modules.parameters import Param
 from nodes.files.arrays import write_npy
 from nodes.files.picture_writing import DTYPES, MetadataValue, write_picture
 from nodes.files.read import check_finite

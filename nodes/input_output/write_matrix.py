@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.atomic import write_text
-from core.data import CurveData
-from core.declaration import Here, Module
+from core.chain.realize import realize
+from core.chain.results import CurveData
+from core.chain.wires import Curve, Image, Transfer
 from core.errors import ParameterError
-from core.parameters import Param
-from core.realize import realize
-from core.values import Curve, Image, Transfer
-from core.work import Work
+from core.evaluation.work import Work
+from core.modules.declaration import Here, Module
+from core.modules.parameters import Param
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.curve_text import columns_text, is_plain
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from core.caution import Caution
-from core.declaration import Here, readout, warning
-from core.parameters import Param
-from core.physics.motion import blur_mrad, motion_mtf
-from core.values import Context, Magnitude
-from nodes.cautions import apart_caution
-from nodes.given import given
-from nodes.laws import separable
-from nodes.ports import MtfModule, MtfOutputs
+from core.chain.wires import Context, Magnitude
+from core.modules.caution import Caution
+from core.modules.declaration import Here, readout, warning
+from core.modules.parameters import Param
+from core.physics.motion.platform_motion import blur_mrad, motion_mtf
+from nodes.shared.context_defaults import given
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
+from nodes.shared.shared_warnings import apart_caution
 
 
 class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", group="Motion"):

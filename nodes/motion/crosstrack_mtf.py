@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from core.caution import Caution
-from core.declaration import Here, readout, warning
-from core.parameters import Param
-from core.physics.motion import motion_mtf, scan_blur_mrad
-from core.values import Context, Magnitude
-from nodes.cautions import apart_caution
-from nodes.laws import separable
-from nodes.ports import MtfModule, MtfOutputs
+from core.chain.wires import Context, Magnitude
+from core.modules.caution import Caution
+from core.modules.declaration import Here, readout, warning
+from core.modules.parameters import Param
+from core.physics.motion.platform_motion import motion_mtf, scan_blur_mrad
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
+from nodes.shared.shared_warnings import apart_caution
 
 
 class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", group="Motion"):

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
-from core.declaration import Here, readout
-from core.parameters import Param
-from core.physics.gaussian import gaussian_mtf
-from core.values import Context, Magnitude
-from nodes.laws import separable
-from nodes.ports import MtfModule, MtfOutputs
+from core.chain.wires import Context, Magnitude
+from core.modules.declaration import Here, readout
+from core.modules.parameters import Param
+from core.physics.optics.gaussian import gaussian_mtf
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion"):

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from core.caution import Caution
-from core.declaration import Here, readout, warning
-from core.factors import Factor, Law, Planar
-from core.parameters import Param
-from core.physics.motion import blur_mrad, line_motion_mtf, motion_mtf
-from core.values import Context, Magnitude
-from nodes.cautions import apart_caution
-from nodes.given import given
-from nodes.laws import separable
-from nodes.ports import MtfModule, MtfOutputs
+from core.chain.wires import Context, Magnitude
+from core.modules.caution import Caution
+from core.modules.declaration import Here, readout, warning
+from core.modules.parameters import Param
+from core.physics.motion.platform_motion import blur_mrad, line_motion_mtf, motion_mtf
+from core.transfer.factors import Factor, Law, Planar
+from nodes.shared.context_defaults import given
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
+from nodes.shared.shared_warnings import apart_caution
 
 
 class RelativeMotionMTF(

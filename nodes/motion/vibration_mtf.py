@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from core.declaration import Here, readout
-from core.parameters import Param
-from core.physics.vibration import vibration_mtf
-from core.values import Context, Magnitude
-from nodes.laws import separable
-from nodes.ports import MtfModule, MtfOutputs
+from core.chain.wires import Context, Magnitude
+from core.modules.declaration import Here, readout
+from core.modules.parameters import Param
+from core.physics.motion.vibration import vibration_mtf
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group="Motion"):

@@ -8,13 +8,13 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.declaration import Here, Module
+from core.chain.wires import Pupil
 from core.errors import DataError, ParameterError
-from core.parameters import Param
-from core.physics.pupil_shapes import PupilShape, sample_pupil
-from core.recipes import Step
-from core.values import Pupil
-from core.work import Work
+from core.evaluation.recipes import Step
+from core.evaluation.work import Work
+from core.modules.declaration import Here, Module
+from core.modules.parameters import Param
+from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
 
 Array = NDArray[Any]
 USUAL_RADIUS = 75.0  # of the thesis' example, 150 samples of 512

@@ -7,17 +7,15 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.caution import Caution
-from core.declaration import Here, Module, readout, warning
-from core.factors import Factor
-from core.parameters import Param
-from core.physics.polychromatic import band_wavelengths
-from core.probe import TransferAt
-from core.recipes import Step
-from core.values import Context, Magnitude, Phase, Pupil, Transfer
-from core.work import Work
-from nodes.cautions import F_NUMBER_NEAR, alike, wavelength_caution
-from nodes.given import given_band
+from core.chain.probe import TransferAt
+from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
+from core.evaluation.recipes import Step
+from core.evaluation.work import Work
+from core.modules.caution import Caution
+from core.modules.declaration import Here, Module, readout, warning
+from core.modules.parameters import Param
+from core.physics.optics.polychromatic import band_wavelengths
+from core.transfer.factors import Factor
 from nodes.optics.pupil_factor import (
     PupilScale,
     exact_factor,
@@ -27,7 +25,9 @@ from nodes.optics.pupil_factor import (
     sampled_error,
     sampled_factors,
 )
-from nodes.ports import Apply
+from nodes.shared.context_defaults import given_band
+from nodes.shared.module_ports import Apply
+from nodes.shared.shared_warnings import F_NUMBER_NEAR, alike, wavelength_caution
 
 EXACT_ERROR = 1e-12  # of the closed forms, as tested
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from core.declaration import Here
-from core.parameters import Param
-from core.physics.gaussian import gaussian_mtf
-from core.values import Context, Magnitude
-from nodes.laws import separable
-from nodes.ports import MtfModule, MtfOutputs
+from core.chain.wires import Context, Magnitude
+from core.modules.declaration import Here
+from core.modules.parameters import Param
+from core.physics.optics.gaussian import gaussian_mtf
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
 
 
 class GaussianMTF(MtfModule, key="gaussian_mtf", title="Gaussian MTF", group="Optics"):

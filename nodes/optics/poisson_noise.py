@@ -7,20 +7,20 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.caution import Caution
-from core.declaration import Here, readout, warning
+from core.chain.wires import Image
 from core.errors import ParameterError
-from core.local_mean import local_mean
-from core.parameters import Param
-from core.photon_events import displaced_events, events_are_few
-from core.physics.poisson_noise import photon_means, published_means, radiance_of_photons
-from core.recipes import Recipe, Step, pointwise
-from core.streams import Stream, poisson_field
-from core.values import Image
-from core.work import Work
-from nodes.cautions import is_temperature, unit_caution
+from core.evaluation.recipes import Recipe, Step, pointwise
+from core.evaluation.work import Work
+from core.filtering.local_mean import local_mean
+from core.modules.caution import Caution
+from core.modules.declaration import Here, readout, warning
+from core.modules.parameters import Param
+from core.noise.photon_events import displaced_events, events_are_few
+from core.noise.random_fields import Stream, poisson_field
+from core.physics.noise.poisson_deviates import photon_means, published_means, radiance_of_photons
 from nodes.input_output.sample_statistics import Statistics, statistics
-from nodes.noise_seed import SeededModule
+from nodes.shared.noise_seed import SeededModule
+from nodes.shared.shared_warnings import is_temperature, unit_caution
 
 Array = NDArray[Any]
 

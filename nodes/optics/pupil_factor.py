@@ -8,22 +8,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.data import SampledTransfer
-from core.factors import Law, Planar
-from core.physics.enclosing_circle import support_circle
-from core.physics.pupil_otf import (
+from core.chain.results import SampledTransfer
+from core.chain.wires import Pupil
+from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import Work
+from core.physics.optics.enclosing_circle import support_circle
+from core.physics.optics.pupil_otf import (
     circular_pupil_otf,
     defocused_disc_otf,
     geometric_pupil_otf,
     sampled_pupil_otf,
 )
-from core.physics.pupil_shapes import PupilShape, edge_offset_samples, sample_pupil
-from core.physics.sampled_otf import autocorrelation, complex_pupil
-from core.physics.sampling_error import error_estimate
-from core.physics.zernike import wavefront_waves
-from core.recipes import Recipe, Step
-from core.values import Pupil
-from core.work import Work
+from core.physics.optics.pupil_shapes import PupilShape, edge_offset_samples, sample_pupil
+from core.physics.optics.sampled_otf import autocorrelation, complex_pupil
+from core.physics.optics.zernike import wavefront_waves
+from core.physics.sampling.sampling_error import error_estimate
+from core.transfer.factors import Law, Planar
 
 Array = NDArray[Any]
 LARGEST_REFINED = 1024  # samples across beyond which finer ones cost more than they gain

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodes.scenes.canvas import Drawing
 from nodes.scenes.mixes import Mix, between, difference
+from nodes.scenes.scene_canvas import Drawing
 from nodes.scenes.texture import GOLDEN_STEPS, mottle, scatter
 
 Place = tuple[float, float]

@@ -7,7 +7,6 @@ coordinates, 0 to 1 in x and y, and so is the same building at every size of the
 from __future__ import annotations
 
 from nodes.scenes.building import draw_building
-from nodes.scenes.canvas import Drawing
 from nodes.scenes.grounds import (
     draw_car,
     draw_ground,
@@ -16,6 +15,7 @@ from nodes.scenes.grounds import (
     draw_sky,
     draw_tree,
 )
+from nodes.scenes.scene_canvas import Drawing
 
 CARS = (
     (0.055, "car_cool", False),

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from core.workers import Each, in_turn
-from nodes.scenes import targets
+from core.threads import Each, in_turn
+from nodes.scenes import scene_targets as targets
 from nodes.scenes.airfield import airfield
 from nodes.scenes.checks import check_frame, check_geometry, check_radiometry
 from nodes.scenes.dormitory import dormitory
-from nodes.scenes.materials import surface_radiance, target_radiance
+from nodes.scenes.scene_materials import surface_radiance, target_radiance
 
 
 def draw_scene(

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from nodes.scenes.building import BASE
-from nodes.scenes.canvas import Drawing
 from nodes.scenes.mixes import between, difference
 from nodes.scenes.profiles import band, bell, power, steps
+from nodes.scenes.scene_canvas import Drawing
 from nodes.scenes.texture import GOLDEN_STEPS, mottle, scatter
 
 DRIVE = (0.800, 0.858)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodes.scenes.canvas import Drawing
 from nodes.scenes.coverage import FloatArray
 from nodes.scenes.mixes import Mix, Texture
 from nodes.scenes.profiles import wave
+from nodes.scenes.scene_canvas import Drawing
 
 GOLDEN_STEPS = (0.7548776662466927, 0.5698402909980532)
 """The plastic number's powers: fill the unit square evenly (Roberts 2018, R2 sequence)."""

@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from core.workers import Each, in_turn
-from nodes.scenes import targets
+from core.threads import Each, in_turn
+from nodes.scenes import scene_targets as targets
 from nodes.scenes.airfield import airfield
 from nodes.scenes.checks import check_frame, check_radiometry
 from nodes.scenes.dormitory import dormitory
-from nodes.scenes.layers import Layers, layers_of
-from nodes.scenes.materials import surface_radiance, target_radiance
+from nodes.scenes.scene_layers import Layers, layers_of
+from nodes.scenes.scene_materials import surface_radiance, target_radiance
 
 MOST_SAMPLES = 1280 * 1024
 """Larger scenes are drawn at once."""

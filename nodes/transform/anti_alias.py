@@ -8,14 +8,14 @@ from typing import Annotated, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.declaration import Here, Module, readout
-from core.delivered import back_transform
-from core.grid import Grid
-from core.parameters import Param
-from core.physics.gaussian import gaussian_mtf
-from core.values import Image, Magnitude, Phase
-from nodes.laws import separable
-from nodes.ports import ImageOutput
+from core.chain.back_transformed import back_transform
+from core.chain.wires import Image, Magnitude, Phase
+from core.modules.declaration import Here, Module, readout
+from core.modules.parameters import Param
+from core.physics.optics.gaussian import gaussian_mtf
+from core.transfer.grid import Grid
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import ImageOutput
 
 Kernel = Literal["box", "gaussian", "lanczos"]
 _LOBES = 3

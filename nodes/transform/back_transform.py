@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from core.declaration import Here, Module
-from core.delivered import back_transform
-from core.values import Magnitude, Phase
-from nodes.ports import ImageOutput
+from core.chain.back_transformed import back_transform
+from core.chain.wires import Magnitude, Phase
+from core.modules.declaration import Here, Module
+from nodes.shared.module_ports import ImageOutput
 
 
 class BackTransform(Module, key="back_transform", title="Back Transform", group="Transform"):

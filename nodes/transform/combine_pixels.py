@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from core.declaration import Here, Module
-from core.delivered import BinMode, combine_pixels
-from core.parameters import Param
-from core.values import Image
-from nodes.ports import ImageOutput
+from core.chain.back_transformed import BinMode, combine_pixels
+from core.chain.wires import Image
+from core.modules.declaration import Here, Module
+from core.modules.parameters import Param
+from nodes.shared.module_ports import ImageOutput
 
 
 class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group="Transform"):

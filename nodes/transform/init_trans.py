@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from core.caution import Caution
-from core.declaration import Module, readout, warning
+from core.chain.wires import Context, Image, Magnitude, Phase, Platform
 from core.errors import ParameterError
-from core.grid import Grid
-from core.parameters import Param
-from core.physics.sampling import ifov_mrad, interval_mrad, oversampling
-from core.values import Context, Edges, Image, Magnitude, Phase, Platform
-from nodes.cautions import apart_caution, first
+from core.modules.caution import Caution
+from core.modules.declaration import Module, readout, warning
+from core.modules.parameters import Param
+from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad, oversampling
+from core.transfer.grid import Edges, Grid
+from nodes.shared.shared_warnings import apart_caution, first
 
 
 class InitOutputs(NamedTuple):

@@ -7,13 +7,14 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.declaration import Here, Module
-from core.parameters import Param
-from core.recipes import Recipe, Step, in_parts
-from core.region import Region
-from core.values import Edges, Image
-from core.work import Work
-from nodes.ports import ImageOutput
+from core.chain.wires import Image
+from core.evaluation.recipes import Recipe, Step, in_parts
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from core.modules.declaration import Here, Module
+from core.modules.parameters import Param
+from core.transfer.grid import Edges
+from nodes.shared.module_ports import ImageOutput
 
 Array = NDArray[Any]
 Taps = tuple[NDArray[np.intp], list[tuple[NDArray[np.intp], NDArray[np.float64]]]]

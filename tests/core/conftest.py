@@ -9,10 +9,10 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import pytest
 
-from core.declaration import Here, Module
+from core.chain.wires import Context, Image, Magnitude, Phase, Transfer
 from core.errors import ParameterError
-from core.parameters import Param
-from core.values import Context, Image, Magnitude, Phase, Transfer
+from core.modules.declaration import Here, Module
+from core.modules.parameters import Param
 from engine_bench import Bench
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from cases import Case
 
-import app.cli
+import app.command.cli
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Ended:
 
 
 # The command ignores warnings; here each is an error, and so a finding.
-app.cli.warnings = types.SimpleNamespace(  # type: ignore[attr-defined]
+app.command.cli.warnings = types.SimpleNamespace(  # type: ignore[attr-defined]
     catch_warnings=warnings.catch_warnings, simplefilter=lambda *_: warnings.simplefilter("error")
 )
 
@@ -33,7 +33,7 @@ def ended(case: Case, words: list[str]) -> Ended:
     """Run a command line; ends of other kinds than 0, or 2 with one line, are findings."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = app.cli.main(words)
+        code = app.command.cli.main(words)
     end = Ended(code, out.getvalue(), err.getvalue())
     said = f"imagechain {' '.join(words)}: exit code {code}: {end.err[:600]!r}"
     case.expect(code in (0, 2), said)

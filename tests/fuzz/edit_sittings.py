@@ -7,12 +7,12 @@ from pathlib import Path
 from cases import Case
 from commands import ended
 
-from app.editor.window.opening import open_network_file
-from app.shipped import shipped_networks
-from core.editing.autosave import Autosave
+from app.editor.recovery.recovery_files import Autosave
+from app.editor.window.documents.opening import open_network_file
+from app.run.shipped import shipped_networks
 from core.editing.document import Document
 from core.errors import ImagechainError
-from core.network_file import format_network, parse_network, read_network
+from core.network.file import format_network, parse_network, read_network
 from edited_networks import DRAGS, MAKERS, Editor, drawn_network
 from nodes.library import standard_library
 

@@ -23,9 +23,9 @@ from cases import default_signals
 from PySide6.QtCore import QObject, Qt, QTimer
 from PySide6.QtTest import QTest
 
-import app.cli
-from app.editor.start import application
+import app.command.cli
 from app.editor.window.main_window import MainWindow
+from app.editor.window.start import application
 from edited_networks import DRAGS, MAKERS, Editor
 
 CTRL = Qt.KeyboardModifier.ControlModifier
@@ -170,7 +170,7 @@ def main() -> int:
     journal.write("begins")
     application()
     person = Person(journal, Random(seed), mode)
-    code = app.cli.main(["edit", *([network] if network else [])])
+    code = app.command.cli.main(["edit", *([network] if network else [])])
     journal.write("ends", state=person.states)
     return code
 

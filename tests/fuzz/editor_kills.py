@@ -24,9 +24,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from cases import Case, FindingError, command
 
-from app.shipped import shipped_networks
+from app.run.shipped import shipped_networks
 from core.errors import ImagechainError
-from core.network_parse import parse_network
+from core.network.parsing import parse_network
 from nodes.library import standard_library
 
 Entry = dict[str, Any]

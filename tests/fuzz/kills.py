@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from app.cli import main
+from app.command.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
 CANCELLED = "imagechain: cancelled; nothing was written\n"
@@ -114,7 +114,12 @@ class Kills:
     def _disturbed(self, trial: Trial) -> tuple[int, str, bool]:
         """Exit code, stderr, and whether the command had begun when the signal was sent."""
         process = subprocess.Popen(
-            [sys.executable, "-m", "app.cli", *self._words(trial.variant, page=trial.with_page)],
+            [
+                sys.executable,
+                "-m",
+                "app.command.cli",
+                *self._words(trial.variant, page=trial.with_page),
+            ],
             cwd=self.folder,
             env=self.environment,
             stdout=subprocess.DEVNULL,
@@ -136,7 +141,7 @@ class Kills:
         """How long a run takes in a process of its own."""
         start = time.monotonic()
         subprocess.run(
-            [sys.executable, "-m", "app.cli", *self._words(self.last)],
+            [sys.executable, "-m", "app.command.cli", *self._words(self.last)],
             cwd=self.folder,
             env=self.environment,
             stdout=subprocess.DEVNULL,

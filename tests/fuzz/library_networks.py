@@ -11,8 +11,8 @@ import numpy as np
 from mending import mended
 
 from battery_settings import EXAMPLES, SENSOR, SETTINGS, SMALL_PUPIL
-from core.declaration import Declaration, Port, declaration
-from core.parameters import Parameter
+from core.modules.declaration import Declaration, Port, declaration
+from core.modules.parameters import Parameter
 from nodes.library import standard_library
 
 Document = dict[str, Any]

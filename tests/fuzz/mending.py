@@ -6,12 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-from app.evaluation import planned
+from app.run.evaluation import planned
 from battery_settings import SMALL_PUPIL
-from core.engine import Engine
+from core.chain.engine import Engine
 from core.errors import InputError, ParameterError
-from core.network_parse import parse_network
-from core.validate import NetworkProblems, check_network
+from core.network.parsing import parse_network
+from core.network.validation import NetworkProblems, check_network
 from nodes.library import standard_library
 
 Document = dict[str, Any]

@@ -14,7 +14,7 @@ from cases import Case
 from commands import contents, ended
 from library_networks import Document, Network
 
-from core.declaration import declaration
+from core.modules.declaration import declaration
 from nodes.library import standard_library
 
 NAME = "net.json"

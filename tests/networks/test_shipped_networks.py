@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.engine import Engine
-from core.network_file import format_network, load_network
-from core.policy import Policy
-from core.validate import problems
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
+from core.network.file import format_network, load_network
+from core.network.validation import problems
 from nodes.library import standard_library
 
 FOLDER = Path(__file__).parents[2] / "networks"

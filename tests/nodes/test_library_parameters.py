@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from battery_settings import EXAMPLES
 from core.errors import ParameterError
-from core.keys import content_key
-from core.parameters import plain
+from core.evaluation.content_key import content_key
+from core.modules.parameters import plain
 from library_battery import DECLARED, LIBRARY, assert_clear
 
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from battery_settings import EXAMPLES, NEUTRAL, NEVER_NEUTRAL
-from core.declaration import Here
-from core.engine import Engine
+from core.chain.engine import Engine
+from core.chain.realize import transfer_plane
 from core.errors import ImagechainError
-from core.network import Network, Node, passed_through
-from core.policy import Policy
-from core.realize import transfer_plane
+from core.evaluation.policy import Policy
+from core.modules.declaration import Here
+from core.network.network import Network, Node, passed_through
 from library_battery import (
     DECLARED,
     FREQUENCY_OUTPUTS,

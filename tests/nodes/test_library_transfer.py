@@ -10,12 +10,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from battery_settings import EXAMPLES, NOT_PASSIVE, PUPILS, SETTINGS
-from core.engine import Engine, Plan
+from core.chain.engine import Engine, Plan
+from core.chain.realize import transfer_plane
 from core.errors import ImagechainError
-from core.parameters import plain
-from core.policy import Policy
-from core.product import Product
-from core.realize import transfer_plane
+from core.evaluation.policy import Policy
+from core.modules.parameters import plain
+from core.transfer.product import Product
 from library_battery import (
     APPLIED,
     DECLARED,

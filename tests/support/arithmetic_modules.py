@@ -6,14 +6,14 @@ from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
-from core.declaration import Here, Module, readout
-from core.delivered import back_transform, combine_pixels
+from core.chain.back_transformed import back_transform, combine_pixels
+from core.chain.wires import Context, Image, Magnitude, Phase, Transfer
 from core.errors import DataError, ParameterError
-from core.factors import Law, Separable
-from core.parameters import Param
-from core.recipes import Step
-from core.values import Context, Image, Magnitude, Phase, Transfer
-from core.work import Work
+from core.evaluation.recipes import Step
+from core.evaluation.work import Work
+from core.modules.declaration import Here, Module, readout
+from core.modules.parameters import Param
+from core.transfer.factors import Law, Separable
 
 
 class ImageOut(NamedTuple):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from app.evaluation import TimedWork, evaluate, planned
-from core.engine import Engine
-from core.policy import Policy
+from app.run.evaluation import TimedWork, evaluate, planned
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
 from linked_network import linked_network
 from nodes.library import standard_library
 

@@ -1,6 +1,6 @@
 """Networks to be drawn and dragged about."""
 
-from core.network import Link, Network, Node
+from core.network.network import Link, Network, Node
 
 
 def chain_and_free_blur():

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from core.engine import Engine
+from core.chain.engine import Engine
 from core.errors import ImagechainError
-from core.policy import Policy
+from core.evaluation.policy import Policy
 from drawn_chains import LIBRARY, Chain
 
 MEAN_ERROR = {"double": 1e-12, "single": 1e-6}

@@ -5,7 +5,7 @@ import signal
 import subprocess
 from dataclasses import dataclass
 
-from app.shipped import shipped_networks
+from app.run.shipped import shipped_networks
 from editor_process import EditorProcess
 
 WAYS = ("keys", "menu", "window manager", "SIGTERM")

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from unittest.mock import patch
 
-from app.cli import main
+from app.command.cli import main
 from child_process import ROOT, finished
 
 NOTHING: Mapping[str, str] = {}
@@ -37,6 +37,6 @@ def run_here(*words: object, folder: Path, env: Mapping[str, str] = NOTHING) -> 
 
 def run_process(*words: object, folder: Path, env: Mapping[str, str] = NOTHING) -> Done:
     """The command as a user starts it."""
-    command = [sys.executable, "-m", "app.cli", *map(str, words)]
+    command = [sys.executable, "-m", "app.command.cli", *map(str, words)]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), **env}
     return finished(command, folder=folder, env=environment)

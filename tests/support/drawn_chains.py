@@ -8,9 +8,9 @@ from typing import Any
 from hypothesis import strategies as st
 
 from battery_settings import SENSOR
-from core.declaration import declaration
-from core.network import Network
-from core.parameters import Parameter, plain
+from core.modules.declaration import declaration
+from core.modules.parameters import Parameter, plain
+from core.network.network import Network
 from linked_network import linked_network
 from nodes.library import standard_library
 

@@ -7,19 +7,19 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from core.declaration import declaration
 from core.editing import backdrops
-from core.editing.arrange import arranged
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import SetExtra, SetNetwork, SetNode, SetNodeExtra, SetParameter
 from core.editing.fitting import fitting, inserted, new_node, refusal, wired_to
+from core.editing.layout.arrange import arranged
 from core.editing.moved_folder import rebased
 from core.editing.nodes import Add, Move, Placed, Remove, Rename
 from core.editing.operation import ABSENT, Operation, Together, together
-from core.editing.output import SetOutput
+from core.editing.output_mark import SetOutput
 from core.editing.wiring import Rewire
-from core.network import Library, Link, Network, Node
-from core.network_file import format_network
+from core.modules.declaration import declaration
+from core.network.file import format_network
+from core.network.network import Library, Link, Network, Node
 
 GONE = "module_of_another_version"
 Maker = Callable[["Editor"], Operation | None]
@@ -265,7 +265,7 @@ def _duplicate(e: Editor) -> Operation | None:
 
 def _arrange(e: Editor) -> Operation | None:
     only = e.random.choice([None, e.some()])
-    return arranged(e.network, dict.fromkeys(e.network.nodes, (150.0, 90.0)), only)
+    return Move(arranged(e.network, dict.fromkeys(e.network.nodes, (150.0, 90.0)), only), "Lay out")
 
 
 def _picture(e: Editor) -> Operation | None:

@@ -17,7 +17,7 @@ START = """
 import signal, sys
 for name in ("SIGHUP", "SIGINT", "SIGTERM"):
     signal.signal(getattr(signal, name), signal.SIG_DFL)
-from app.cli import main
+from app.command.cli import main
 sys.exit(main(sys.argv[1:]))
 """
 

@@ -7,12 +7,12 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from app.editor.evaluation.wants import Want
-from core.declaration import Here, Module
-from core.parameters import Param
-from core.recipes import Step
-from core.values import Image
-from nodes.ports import ImageOutput
+from app.editor.evaluation.queries import Want
+from core.chain.wires import Image
+from core.evaluation.recipes import Step
+from core.modules.declaration import Here, Module
+from core.modules.parameters import Param
+from nodes.shared.module_ports import ImageOutput
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ import itertools
 from typing import Any
 
 from arithmetic_modules import LIBRARY
-from core.engine import Engine
-from core.network import Network
-from core.policy import Policy
-from core.store import Store
-from core.work import Work
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
+from core.evaluation.store import Store
+from core.evaluation.work import Work
+from core.network.network import Network
 from linked_network import linked_network
 
 

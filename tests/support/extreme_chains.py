@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from core.declaration import declaration
-from core.parameters import Parameter
+from core.modules.declaration import declaration
+from core.modules.parameters import Parameter
 from drawn_chains import AFFORDABLE, BAND, GIVEN, LIBRARY, PICTURE, PUPIL, SENSOR, Chain
 from linked_network import linked_network
 

@@ -6,13 +6,13 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication
 
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.wants import Passing
+from app.editor.evaluation.queries import Passing
 from app.editor.panels.illustrations import illustration_for
 from app.editor.theme import DARK
+from core.chain.engine import Engine
 from core.editing.document import Document
-from core.engine import Engine
-from core.network import Link, Network, Node
-from core.policy import Policy
+from core.evaluation.policy import Policy
+from core.network.network import Link, Network, Node
 from nodes.library import standard_library
 
 LIBRARY = standard_library()

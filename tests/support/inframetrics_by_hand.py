@@ -20,12 +20,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.start import application
+from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.main_window import MainWindow
-from app.editor.window.settings import Settings
-from app.shipped import shipped_networks
-from core.declaration import declaration
-from core.network_file import load_network
+from app.editor.window.start import application
+from app.run.shipped import shipped_networks
+from core.modules.declaration import declaration
+from core.network.file import load_network
 from hands import Hands, centre, process_events, wait_until
 from nodes.library import standard_library
 from values_by_hand import ValuesByHand

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from battery_settings import SENSOR, SMALL_PUPIL
-from core.data import CurveData, TableData
-from core.declaration import declaration
-from core.engine import Engine, Plan
+from core.chain.engine import Engine, Plan
+from core.chain.results import CurveData, TableData
+from core.chain.wires import Context
 from core.errors import ImagechainError
-from core.network import Network
-from core.policy import Policy
-from core.values import Context
+from core.evaluation.policy import Policy
+from core.modules.declaration import declaration
+from core.network.network import Network
 from linked_network import linked_network
 from nodes.library import standard_library
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from core.network import Link, Network, Node
+from core.network.network import Link, Network, Node
 
 Nodes = Mapping[str, tuple[str, Mapping[str, Any]]]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from core.engine import Engine
-from core.policy import Policy
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
 from linked_network import linked_network
 from nodes.library import standard_library
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.declaration import declaration
-from core.parameters import plain
+from core.modules.declaration import declaration
+from core.modules.parameters import plain
 from nodes.library import standard_library
 
 DEFAULTS: dict[str, dict[str, Any]] = {

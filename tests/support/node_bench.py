@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from core.declaration import Here
-from core.engine import Engine
-from core.policy import Policy
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
+from core.modules.declaration import Here
 from linked_network import linked_network
 
 

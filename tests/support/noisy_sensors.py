@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from core.engine import Engine
-from core.policy import Policy
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
 from linked_network import linked_network
 from nodes.library import standard_library
 

@@ -8,12 +8,12 @@ from PySide6.QtWidgets import QApplication, QComboBox, QStyle, QStyleOptionSlide
 
 from app.editor.panels.panel_area import PanelArea
 from app.editor.theme import DARK
-from core.declaration import declaration
 from core.editing.fields import SetParameter
 from core.editing.nodes import Add, Placed
 from core.errors import ParameterError
-from core.network import Node
-from core.parameters import plain
+from core.modules.declaration import declaration
+from core.modules.parameters import plain
+from core.network.network import Node
 from nodes.library import standard_library
 
 LIBRARY = standard_library()

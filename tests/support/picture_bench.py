@@ -2,10 +2,10 @@
 
 import json
 
-from app.editor.evaluation.wants import Passing
-from core.engine import Engine
-from core.network_file import parse_network
-from core.policy import Policy
+from app.editor.evaluation.queries import Passing
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
+from core.network.file import parse_network
 from nodes.library import standard_library
 
 DOCUMENT = {

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.engine import Engine
+from core.chain.engine import Engine
 from core.errors import ImagechainError
-from core.fourier import backend
-from core.policy import Policy
-from core.region import Region
+from core.evaluation.policy import Policy
+from core.evaluation.region import Region
+from core.filtering.fft_backend import backend
 from nodes.library import standard_library
 
 LIBRARY = standard_library()

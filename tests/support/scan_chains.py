@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from core.engine import Engine
-from core.policy import Policy
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
 from delivered_chains import LIBRARY
 from linked_network import linked_network
 from scan_truth import ACROSS, ALONG, INIT, PUPILS, STAGES

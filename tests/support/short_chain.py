@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.declaration import declaration
+from core.modules.declaration import declaration
 from node_bench import NodeBench
 from nodes.library import standard_library
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from core.engine import Engine
-from core.network import Link, Network, Node
-from core.policy import Policy
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
+from core.network.network import Link, Network, Node
 from drawn_networks import Drawn, frames
 from module_defaults import DEFAULTS
 from nodes.library import standard_library

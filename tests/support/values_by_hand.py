@@ -3,7 +3,7 @@
 from PySide6.QtCore import QPoint
 from PySide6.QtWidgets import QAbstractButton, QComboBox, QLineEdit, QWidget
 
-from core.declaration import declaration
+from core.modules.declaration import declaration
 from hands import centre, wait_until
 
 

@@ -6,8 +6,8 @@ import weakref
 from PySide6.QtCore import QCoreApplication, QEvent
 
 from app.editor.evaluation.evaluator import Evaluator
-from core.engine import Engine
-from core.policy import Policy
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
 
 
 class ViewerBench:

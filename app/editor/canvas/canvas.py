@@ -10,28 +10,28 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
-from app.editor.canvas.adding import Adding
-from app.editor.canvas.choice_popup import ChoicePopup
-from app.editor.canvas.content import Content
-from app.editor.canvas.dropping import Dropping
-from app.editor.canvas.faces import Side
-from app.editor.canvas.geometry import HEAD_MIDDLE
-from app.editor.canvas.handling import Handling
-from app.editor.canvas.keys import Keys
-from app.editor.canvas.marks import Marks
-from app.editor.canvas.menus import Menus
-from app.editor.canvas.mouse import Mouse
+from app.editor.canvas.hands.adding import Adding
+from app.editor.canvas.hands.canvas_view import GraphView
+from app.editor.canvas.hands.choice_popup import ChoicePopup
+from app.editor.canvas.hands.dropping import Dropping
+from app.editor.canvas.hands.handling import Handling
+from app.editor.canvas.hands.keys import Keys
+from app.editor.canvas.hands.menus import Menus
+from app.editor.canvas.hands.mouse import Mouse
+from app.editor.canvas.hands.surface import Hint, Surface
+from app.editor.canvas.hands.title_editor import TitleEditor
+from app.editor.canvas.items.canvas_style import CanvasStyle
+from app.editor.canvas.items.content import Content
+from app.editor.canvas.items.faces import Side
+from app.editor.canvas.items.geometry import HEAD_MIDDLE
+from app.editor.canvas.items.marks import Marks
+from app.editor.canvas.items.points import free_point
+from app.editor.canvas.items.wire_item import LiveWire
 from app.editor.canvas.places import pixel_of_port, pixel_of_wire
-from app.editor.canvas.points import free_point
-from app.editor.canvas.style import CanvasStyle
-from app.editor.canvas.surface import Hint, Surface
-from app.editor.canvas.title_editor import TitleEditor
-from app.editor.canvas.view import GraphView
-from app.editor.canvas.wire_item import LiveWire
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.editing.backdrops import backdrops_of, change, remove
-from core.network import Link
+from core.network.network import Link
 
 
 class Canvas(QWidget):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from PySide6.QtCore import QPoint
 
-from app.editor.canvas.faces import Side
-from app.editor.canvas.surface import Surface
-from core.network import Link
+from app.editor.canvas.hands.surface import Surface
+from app.editor.canvas.items.faces import Side
+from core.network.network import Link
 
 
 def pixel_of_port(surface: Surface, name: str, port: str, side: Side) -> QPoint:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from app.editor.evaluation.wants import Badge
-from core.declaration import declaration
-from core.engine import Plan, PlannedNode
+from app.editor.evaluation.queries import Badge
+from core.chain.engine import Plan, PlannedNode
+from core.chain.skipped import Skip, is_neutral
 from core.errors import ImagechainError, UnconnectedError
-from core.library import Library
-from core.network import Network
-from core.skips import Skip, is_neutral
+from core.modules.declaration import declaration
+from core.modules.library_type import Library
+from core.network.network import Network
 
 DISABLED = "disabled: passes its input on, if it has one"
 STALE = "held back: shows what it had before the last changes, until all is generated"

@@ -15,13 +15,13 @@ from app.editor.evaluation.collector import Collector
 from app.editor.evaluation.frames import Frames
 from app.editor.evaluation.mailbox import Asked, Inbox, Outbox, Snapshot
 from app.editor.evaluation.pace import PAUSE_S
+from app.editor.evaluation.queries import Answer, Badge, Busy, Want
 from app.editor.evaluation.runner import Runner
 from app.editor.evaluation.tasks import computes_alike
-from app.editor.evaluation.wants import Answer, Badge, Busy, Want
 from app.editor.session import Session
-from core.engine import Plan
-from core.policy import Policy
-from core.store import Store
+from core.chain.engine import Plan
+from core.evaluation.policy import Policy
+from core.evaluation.store import Store
 
 PATIENCE_S = 0.33
 LOOK_MS = 100

@@ -8,9 +8,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from core.engine import Engine, Plan, PlannedNode
+from core.chain.engine import Engine, Plan, PlannedNode
 from core.errors import ImagechainError
-from core.network import Network
+from core.network.network import Network
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from app.editor.evaluation.wants import Answer, Badge, PassDone, Want
-from core.engine import Plan
+from app.editor.evaluation.queries import Answer, Badge, PassDone, Want
+from core.chain.engine import Plan
 from core.errors import ImagechainError
-from core.network import Network
+from core.network.network import Network
 
 
 @dataclass(frozen=True)

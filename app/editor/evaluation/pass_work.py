@@ -8,12 +8,12 @@ from collections.abc import Callable
 from typing import Any
 
 from core.errors import Cancelled
-from core.policy import Policy
-from core.recipes import Recipe
-from core.region import Region
-from core.store import Store
-from core.work import Work
-from core.workers import Workers
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Recipe
+from core.evaluation.region import Region
+from core.evaluation.store import Store
+from core.evaluation.work import Work
+from core.threads import Workers
 
 
 class Position:

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from app.editor.evaluation.sample_counts import IN_SAMPLES, Ratio
-from core.engine import Plan, PlannedNode
-from core.network import Link, Network, Node
-from core.values import Image, Magnitude, Phase
+from core.chain.engine import Plan, PlannedNode
+from core.chain.wires import Image, Magnitude, Phase
+from core.network.network import Link, Network, Node
 
 SMALLEST = 16
 """No side of a picture gets fewer samples."""

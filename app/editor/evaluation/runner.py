@@ -15,17 +15,17 @@ from app.editor.evaluation.mailbox import Inbox, Outbox, Snapshot
 from app.editor.evaluation.pace import PAUSE_S, REDUCTIONS, Pace
 from app.editor.evaluation.pass_work import PassWork, Position
 from app.editor.evaluation.preview import reduced_network, with_same_nodes
+from app.editor.evaluation.queries import Answer, Badge, PassDone, Passing
 from app.editor.evaluation.sent import Sent, SentAnswers
 from app.editor.evaluation.tasks import Change, Due, Task, due_wants, edited, overtaken
-from app.editor.evaluation.wants import Answer, Badge, PassDone, Passing
-from core.engine import Engine, Plan
+from core.chain.engine import Engine, Plan
+from core.chain.skipped import skips
 from core.errors import Cancelled, ImagechainError
-from core.library import Library
-from core.network import Network
-from core.policy import Policy
-from core.skips import skips
-from core.store import Store
-from core.workers import Workers
+from core.evaluation.policy import Policy
+from core.evaluation.store import Store
+from core.modules.library_type import Library
+from core.network.network import Network
+from core.threads import Workers
 
 
 class Runner:

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from core.engine import PlannedNode
-from core.physics.electronics import dwell_time_s
+from core.chain.engine import PlannedNode
+from core.physics.electronics.filters import dwell_time_s
 
 Ratio = tuple[int, int]
 """How many times fewer samples a picture has across and along."""

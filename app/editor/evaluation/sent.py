@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from app.editor.evaluation.mailbox import Asked
 from core.errors import ImagechainError
-from core.tally import Tally
+from core.evaluation.evaluation_log import Tally
 
 
 @dataclass(frozen=True)

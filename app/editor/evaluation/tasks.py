@@ -9,9 +9,9 @@ from app.editor.evaluation.failures import as_error
 from app.editor.evaluation.mailbox import Asked, Snapshot
 from app.editor.evaluation.pace import Pace
 from app.editor.evaluation.sent import SentAnswers
-from core.engine import Plan
+from core.chain.engine import Plan
 from core.errors import ImagechainError
-from core.network import Link, Network
+from core.network.network import Link, Network
 
 Change = frozenset[tuple[str, str] | str | Link] | None
 """Parameters by node, nodes, links and "seed"; the same edit again is equal to it."""

@@ -9,10 +9,10 @@ from statistics import median
 from PySide6.QtWidgets import QApplication
 
 from app.editor.measures.trial_window import live, settle, trial_window
-from app.editor.window.opening import Opened
+from app.editor.window.documents.opening import Opened
 from core.editing.document import Document
 from core.editing.nodes import Move
-from core.network import Link, Network, Node
+from core.network.network import Link, Network, Node
 
 NODES = 100
 COLUMNS = 10

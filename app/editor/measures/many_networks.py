@@ -13,7 +13,7 @@ from itertools import cycle, islice
 from pathlib import Path
 
 from app.editor.measures.trial_window import live, settle, trial_window
-from app.shipped import shipped_networks
+from app.run.shipped import shipped_networks
 
 WARM = 10  # networks: libraries, fonts and caches have been filled by then
 PAGE = 4096

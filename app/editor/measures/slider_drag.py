@@ -19,8 +19,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QSlider, QStyle, QStyleOptionSlider
 
 from app.editor.measures.trial_window import PaintedPictures, live, settle, trial_window
+from app.editor.window.documents.opening import Opened, open_named
 from app.editor.window.main_window import MainWindow
-from app.editor.window.opening import Opened, open_named
 from core.editing.document import Document
 from core.editing.fields import SetParameter
 

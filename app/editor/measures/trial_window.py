@@ -12,12 +12,12 @@ from typing import Any
 from PySide6.QtCore import QCoreApplication, QEvent, QEventLoop, QObject
 from PySide6.QtWidgets import QApplication, QGraphicsView
 
-from app.editor.evaluation.wants import Answer
-from app.editor.start import application
-from app.editor.viewers.image_viewer import ImageViewer
+from app.editor.evaluation.queries import Answer
+from app.editor.viewers.picture.image_viewer import ImageViewer
+from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.main_window import MainWindow
 from app.editor.window.screenshot import settle
-from app.editor.window.settings import Settings
+from app.editor.window.start import application
 from nodes.library import standard_library
 
 SIZE = 1600, 900

@@ -5,14 +5,14 @@ from __future__ import annotations
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
-from app.editor.evaluation.wants import Badge
-from app.editor.panels.colours import set_ground, set_ink
+from app.editor.declared_text import flowing, tip
+from app.editor.evaluation.queries import Badge
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.panels.flow_layout import FlowLayout
-from app.editor.panels.outlined import Toggle
-from app.editor.panels.wording import flowing, tip
 from app.editor.theme import Theme
-from core.network import Node
+from app.editor.widgets.colours import set_ground, set_ink
+from app.editor.widgets.flow_layout import FlowLayout
+from app.editor.widgets.outlined import Toggle
+from core.network.network import Node
 
 
 class TitleBar(QWidget):

@@ -7,8 +7,8 @@ from types import MappingProxyType
 
 from app.editor.panels.layouts_electronics import ELECTRONICS
 from app.editor.panels.sections import Section, complete, plain_layout
-from core.declaration import Declaration
-from core.physics.pupil_shapes import BARRED_SHAPES, OBSCURED_SHAPES, SHAPES
+from core.modules.declaration import Declaration
+from core.physics.optics.pupil_shapes import BARRED_SHAPES, OBSCURED_SHAPES, SHAPES
 
 Layout = tuple[Section, ...]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from app.editor.panels.sections import Offer, Section
-from core.physics.materials import MANUAL, MATERIALS_BY_REGION
+from core.physics.radiometry.materials import MANUAL, MATERIALS_BY_REGION
 
 _DETECTOR = "Detector"
 _GAIN = "Gain"

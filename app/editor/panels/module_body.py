@@ -6,18 +6,18 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QFrame, QLabel, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.panels.colours import set_ink
 from app.editor.panels.illustrations import illustration_for
 from app.editor.panels.layouts import layout_of
-from app.editor.panels.ports import PortsView
+from app.editor.panels.ports_section import PortsView
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
 from app.editor.session import Session
 from app.editor.theme import Theme
-from core.declaration import Declaration
+from app.editor.widgets.colours import set_ink
 from core.editing.fields import SetParameter
 from core.editing.operation import ABSENT
-from core.network import Network
+from core.modules.declaration import Declaration
+from core.network.network import Network
 
 
 class ModuleBody(QWidget):

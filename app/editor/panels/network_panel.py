@@ -6,15 +6,15 @@ from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QFormLayout, QFrame, QLabel, QPlainTextEdit, QVBoxLayout, QWidget
 
-from app.editor.panels.colours import set_ground, set_ink
+from app.editor.declared_text import tip
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.head import TitleBar
-from app.editor.panels.wording import tip
 from app.editor.session import Session
 from app.editor.theme import Theme
+from app.editor.widgets.colours import set_ground, set_ink
 from core.editing.fields import SetNetwork
 from core.errors import ParameterError
-from core.network import SEEDS, Network, check_seed
+from core.network.network import SEEDS, Network, check_seed
 
 
 class NetworkPanel(QFrame):

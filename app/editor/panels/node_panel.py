@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.wants import Badge
+from app.editor.evaluation.queries import Badge
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.head import PanelHead
 from app.editor.panels.module_body import ModuleBody
@@ -16,9 +16,9 @@ from app.editor.theme import Theme
 from core.editing.fields import SetNode, SetNodeExtra
 from core.editing.nodes import Rename
 from core.editing.operation import ABSENT, Operation
-from core.editing.output import has_picture, output_toggled
+from core.editing.output_mark import has_picture, output_toggled
 from core.errors import ImagechainError
-from core.network import Network
+from core.network.network import Network
 
 
 class NodePanel(QFrame):

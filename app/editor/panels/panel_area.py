@@ -9,7 +9,7 @@ from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.wants import Badge
+from app.editor.evaluation.queries import Badge
 from app.editor.panels.network_panel import NetworkPanel
 from app.editor.panels.node_panel import NodePanel
 from app.editor.session import Session, renamed_node

@@ -10,15 +10,15 @@ from PySide6.QtCore import QEvent, QSize, Qt
 from PySide6.QtGui import QHideEvent, QPalette, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit, QSizePolicy, QWidget
 
+from app.editor.declared_text import label_of, tip
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.wants import Answer, Passing, Want
-from app.editor.panels.colours import set_ink
-from app.editor.panels.number_text import shown_figure
-from app.editor.panels.wording import label_of, tip
-from app.editor.steady_width import steady_width
+from app.editor.evaluation.queries import Answer, Passing, Want
+from app.editor.number_text import shown_figure
 from app.editor.theme import Theme
-from core.declaration import Declaration
-from core.engine import Plan
+from app.editor.widgets.colours import set_ink
+from app.editor.widgets.steady_width import steady_width
+from core.chain.engine import Plan
+from core.modules.declaration import Declaration
 
 NONE = "—"
 _BESIDE = 3  # room that a line edit keeps at both ends, and for the cursor

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from core.declaration import Declaration
+from core.modules.declaration import Declaration
 
 
 @dataclass(frozen=True)

@@ -8,17 +8,17 @@ from typing import Any
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 
-from app.editor.panels.colours import set_ink
 from app.editor.panels.fields.choice import ButtonsField
 from app.editor.panels.fields.field import Field
 from app.editor.panels.fields.make import field_for
-from app.editor.panels.page_tabs import PageTabs
 from app.editor.panels.sections import Section
 from app.editor.session import Session
 from app.editor.theme import Theme
-from core.declaration import Declaration
+from app.editor.widgets.colours import set_ink
+from app.editor.widgets.page_tabs import PageTabs
 from core.editing.operation import ABSENT
-from core.network import Node
+from core.modules.declaration import Declaration
+from core.network.network import Node
 
 
 class SectionsView(QWidget):

@@ -7,10 +7,10 @@ import json
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from app.editor.panels.colours import set_ink
 from app.editor.theme import Theme
-from core.network import Network
-from core.plain import shown, thaw
+from app.editor.widgets.colours import set_ink
+from core.names import shown, thaw
+from core.network.network import Network
 
 
 class UnknownBody(QWidget):

@@ -7,15 +7,15 @@ import math
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QLabel, QSpinBox, QWidget
 
+from app.editor.number_text import shown_number
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.panels.flow_layout import FlowLayout
-from app.editor.panels.number_text import shown_number
-from app.editor.panels.outlined import Check
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.tradeoff.parameter_choice import ParameterChoice
 from app.editor.tradeoff.ranges import LEAST_COUNT, MOST_COUNT, Span
-from app.editor.viewers.buttons import toggle_button, tool_button
+from app.editor.widgets.buttons import toggle_button, tool_button
+from app.editor.widgets.flow_layout import FlowLayout
+from app.editor.widgets.outlined import Check
 
 
 class TradeOffBar(QWidget):

@@ -9,10 +9,10 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QStandardItem, QStandardItemModel
 from PySide6.QtWidgets import QComboBox, QWidget
 
-from app.editor.panels.wording import label_of, tip
+from app.editor.declared_text import label_of, tip
 from app.editor.session import Session
 from app.editor.viewers.network_ports import ports_depend_on
-from core.parameters import Parameter
+from core.modules.parameters import Parameter
 
 NUMERIC = ("number", "integer")
 _NOTHING = "Choose a parameter"

@@ -12,8 +12,8 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QWidget
 
-from app.editor.panels.illustrations.axes import Axis
-from app.editor.panels.illustrations.chart import Chart
+from app.editor.panels.illustrations.painting.axes import Axis
+from app.editor.panels.illustrations.painting.chart import Chart
 from app.editor.theme import Theme
 from app.editor.tradeoff.ranges import Span
 

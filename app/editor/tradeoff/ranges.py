@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from app.editor.panels.slider_scale import LARGEST_WHOLE_RANGE, scale_of
+from app.editor.panels.fields.slider_scale import LARGEST_WHOLE_RANGE, scale_of
 from app.tradeoff.values import is_number, spaced
-from core.parameters import Parameter
+from core.modules.parameters import Parameter
 
 COARSE = 5
 PART = 8  # values in one question: it is begun anew if an edit comes

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from core.store import Store
-from core.work import Work
+from core.evaluation.store import Store
+from core.evaluation.work import Work
 
 SIDE_BYTES = 1 << 28
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from app.editor.panels.wording import label_of
+from app.editor.declared_text import label_of
 from app.editor.session import Session
 from app.editor.tradeoff.ranges import Span
-from app.output import ANALYSIS
+from app.run.output import ANALYSIS
 from core.editing.fields import SetParameter
 from core.errors import ParameterError
-from core.parameters import Parameter, plain
-from core.plain import thaw
+from core.modules.parameters import Parameter, plain
+from core.names import thaw
 
 _STEP = 0.01  # of the range, for an arrow key
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
-from app.editor.panels.wording import label_of
-from app.responses import SYSTEM, TOTAL
-from app.tradeoff.figures import ELECTRONICS, Figure
-from core.network import Network
+from app.editor.declared_text import label_of
+from app.run.responses import SYSTEM, TOTAL
+from app.tradeoff.tradeoff_figures import ELECTRONICS, Figure
+from core.network.network import Network
 
 _PLACES: Mapping[str, str] = MappingProxyType(
     {

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Hashable
 from dataclasses import dataclass, replace
 
-from core.declaration import declaration
-from core.library import Library
-from core.network import Network, passed_through
+from core.modules.declaration import declaration
+from core.modules.library_type import Library
+from core.network.network import Network, passed_through
 
 HOW_TO_MARK = "select the node of the one that is the output and press O"
 

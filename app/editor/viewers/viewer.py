@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtGui import QCloseEvent, QHideEvent, QShowEvent
 from PySide6.QtWidgets import QWidget
 
-from app.editor.evaluation.wants import Answer, Want
+from app.editor.evaluation.queries import Answer, Want
 from app.editor.session import Session
 from app.editor.theme import Theme
-from core.network import Network
+from core.network.network import Network
 
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator

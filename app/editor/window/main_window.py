@@ -11,29 +11,29 @@ from PySide6.QtWidgets import QApplication, QMainWindow, QStackedWidget, QVBoxLa
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.library_view import LibraryView
+from app.editor.library.library_view import LibraryView
 from app.editor.panels.panel_area import PanelArea
+from app.editor.recovery.autosaving import Autosaver
 from app.editor.session import Session
 from app.editor.theme import THEMES, Look, Theme
-from app.editor.viewers.figures_strip import FiguresStrip
-from app.editor.window.actions import Actions
-from app.editor.window.autosaving import Autosaver
-from app.editor.window.docks import Curtain, add_dock, arrange
-from app.editor.window.drops import Drops
-from app.editor.window.edit_commands import EditCommands
-from app.editor.window.files import Files
-from app.editor.window.first_look import first_look
-from app.editor.window.focus import go_to_next
-from app.editor.window.help import Help
-from app.editor.window.recovery import Recovery
-from app.editor.window.settings import Settings
-from app.editor.window.share_question import ShareQuestion
+from app.editor.viewers.figures.figures_strip import FiguresStrip
+from app.editor.window.actions.action_targets import targets
+from app.editor.window.actions.edit_commands import EditCommands
+from app.editor.window.actions.focus import go_to_next
+from app.editor.window.actions.help import Help
+from app.editor.window.actions.menu_actions import Actions
+from app.editor.window.docks.dock_places import Curtain, add_dock, arrange
+from app.editor.window.docks.viewer_docks import ViewerDocks
+from app.editor.window.documents.drops import Drops
+from app.editor.window.documents.files import Files
+from app.editor.window.documents.first_look import first_look
+from app.editor.window.documents.recovery import Recovery
+from app.editor.window.documents.remembered_settings import Settings
+from app.editor.window.documents.share_question import ShareQuestion
+from app.editor.window.documents.welcome import WelcomePage
 from app.editor.window.status import StatusBar
-from app.editor.window.targets import targets
-from app.editor.window.viewer_docks import ViewerDocks
-from app.editor.window.welcome import WelcomePage
 from core.errors import ImagechainError
-from core.library import Library
+from core.modules.library_type import Library
 
 _LEFT, _RIGHT = Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea
 
@@ -68,7 +68,7 @@ class MainWindow(QMainWindow):
         self._build(library)
         self.files = Files(self.session, settings, self)
         self.edits = EditCommands(self.session, self.canvas, self)
-        self.help = Help(self.session, self)
+        self.help = Help(self.session, self.viewers, lambda: self.actions_by_name, self)
         self.share_question = ShareQuestion(self.session, self)
         self.drops = Drops(self.session, self.files, self.canvas, self)
         self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)

@@ -12,9 +12,9 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QWidget
 
 from app.editor.theme import THEMES, Look
+from app.editor.window.documents.opening import open_named
+from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.main_window import MainWindow
-from app.editor.window.opening import open_named
-from app.editor.window.settings import Settings
 from core.atomic import write_bytes
 from core.errors import FileError, UsageError
 from nodes.library import standard_library

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from core.chain.frame_sequence import Remaking
 from core.errors import DataError
-from core.frames import Remaking
-from core.local_mean import local_mean
-from core.physics.poisson_noise import published_means
-from core.recipes import Recipe, Step
-from core.work import Work
-from nodes.analysis.lineage.transfer import PASSING
+from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import Work
+from core.filtering.local_mean import local_mean
+from core.physics.noise.poisson_deviates import published_means
+from nodes.analysis.lineage.transfer_lineage import PASSING
 from nodes.electronics.noise_steps import Array, read_out
 from nodes.optics.poisson_noise import added, published_noise
 

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import scipy.fft
 
-from core.delivered import block_combine
-from core.local_mean import local_mean
-from core.noise_power import NoisePower
-from core.physics.rounding_noise import rounding_variances
-from core.recipes import Recipe, Step
-from core.streams import Stream
-from core.work import Work
+from core.chain.back_transformed import block_combine
+from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import Work
+from core.filtering.local_mean import local_mean
+from core.noise.noise_power import NoisePower
+from core.noise.random_fields import Stream
+from core.physics.electronics.rounding_noise import rounding_variances
 from nodes.electronics.noise_steps import (
     Array,
     quantized,

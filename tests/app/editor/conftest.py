@@ -12,12 +12,12 @@ from PySide6.QtCore import QCoreApplication, QEvent
 from app.editor.canvas.canvas import Canvas
 from app.editor.session import Session
 from app.editor.theme import DARK
+from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.main_window import MainWindow
-from app.editor.window.settings import Settings
-from app.shipped import shipped_networks
+from app.run.shipped import shipped_networks
 from canvas_hands import CanvasHands
 from core.editing.document import Document
-from core.network_file import load_network
+from core.network.file import load_network
 from nodes.library import standard_library
 from patient_bot import PatientBot
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from app.shipped import shipped_networks
-from core.network_file import read_network
+from app.run.shipped import shipped_networks
+from core.network.file import read_network
 from nodes.library import standard_library
 
 EVER_SHIPPED = Path(__file__).parents[2] / "networks" / "ever_shipped"

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.editing.arrange import arranged
-from core.editing.layers import columns_of, crossings, rows_of
-from core.network import Link, Network, Node
+from core.editing.layout.arrange import arranged
+from core.editing.layout.layers import columns_of, crossings, rows_of
+from core.editing.nodes import Move
+from core.network.network import Link, Network, Node
 
 SIZES = {"small": (150.0, 60.0), "large": (240.0, 190.0)}
 
@@ -58,22 +59,22 @@ def test_wires_lead_to_the_right_and_nothing_overlaps(seed, count, wires):
     random = Random(seed)
     network = drawn(random, count, wires)
     sizes = {name: random.choice(list(SIZES.values())) for name in network.nodes}
-    after = arranged(network, sizes).apply(network)
+    after = Move(arranged(network, sizes)).apply(network)
     assert_sound(after, sizes)
     assert after.links == network.links
-    again = arranged(after, sizes).apply(after)
+    again = Move(arranged(after, sizes)).apply(after)
     assert again == after
 
 
 def test_the_shipped_networks(shipped):
     for network in shipped.values():
         sizes = dict.fromkeys(network.nodes, (180.0, 130.0))
-        assert_sound(arranged(network, sizes).apply(network), sizes)
+        assert_sound(Move(arranged(network, sizes)).apply(network), sizes)
 
 
 def test_the_kodak_chain_stays_one_row(kodak):
     """All but what hangs on it, which no row has room for."""
-    after = arranged(kodak, {}).apply(kodak)
+    after = Move(arranged(kodak, {})).apply(kodak)
     beside = {"pupil", "charge_phase", "slices"}
     assert {after.layout[name][1] for name in kodak.nodes if name not in beside} == {0.0}
     assert after.layout["pupil"][0] == after.layout["init"][0]  # right before what it feeds
@@ -82,29 +83,29 @@ def test_the_kodak_chain_stays_one_row(kodak):
 def test_the_upper_left_corner_stays(kodak):
     far = {name: (x + 5000.0, y - 700.0) for name, (x, y) in kodak.layout.items()}
     network = Network(nodes=kodak.nodes, links=kodak.links, layout=far)
-    after = arranged(network, {}).apply(network)
+    after = Move(arranged(network, {})).apply(network)
     assert min(x for x, _ in after.layout.values()) == 5000.0
     assert min(y for _, y in after.layout.values()) == -700.0
 
 
 def test_only_the_chosen_nodes_move(kodak):
     chosen = {"aberration", "detector", "charge"}
-    operation = arranged(kodak, {}, chosen)
-    assert operation.positions.keys() == chosen
-    after = operation.apply(kodak)
+    places = arranged(kodak, {}, chosen)
+    assert places.keys() == chosen
+    after = Move(places).apply(kodak)
     assert after.layout["aberration"] == kodak.layout["aberration"]
     assert {after.layout[name][1] for name in chosen} == {kodak.layout["detector"][1]}
 
 
 def test_nodes_without_wires_stand_in_rows():
     network = Network(nodes={f"n{number}": Node(f"n{number}", "gone") for number in range(100)})
-    after = arranged(network, {}).apply(network)
+    after = Move(arranged(network, {})).apply(network)
     assert len({x for x, _ in after.layout.values()}) == 10
     assert len(set(after.layout.values())) == 100
 
 
 def test_nothing_is_laid_out_as_nothing():
-    assert arranged(Network(), {}).positions == {}
+    assert arranged(Network(), {}) == {}
 
 
 @pytest.mark.parametrize("count", [5000])
@@ -113,11 +114,11 @@ def test_long_chains_and_cycles_need_no_recursion(count):
     nodes = {name: Node(name, "gone") for name in names}
     links = [Link(one, "o", other, "i") for one, other in itertools.pairwise(names)]
     network = Network(nodes=nodes, links=tuple(links))
-    places = arranged(network, {}).positions
+    places = arranged(network, {})
     xs = [places[name][0] for name in names]
     assert xs == sorted(set(xs))
     looped = Network(nodes=nodes, links=(*links, Link(names[-1], "o", names[0], "i")))
-    assert len(set(arranged(looped, {}).positions.values())) == count
+    assert len(set(arranged(looped, {}).values())) == count
 
 
 def test_columns():

@@ -7,11 +7,19 @@ from dataclasses import replace
 
 import pytest
 
-from core.editing.backdrops import Backdrop, add, around, backdrops_of, change, nodes_on, remove
+from core.editing.backdrops import (
+    Backdrop,
+    add,
+    around,
+    backdrops_of,
+    change,
+    nodes_on,
+    remove,
+)
 from core.editing.document import Document
 from core.errors import NetworkError
-from core.network import Network, Node
-from core.network_file import read_network
+from core.network.file import read_network
+from core.network.network import Network, Node
 
 OPTICS = Backdrop("Optics", 700.0, -50.0, 420.0, 300.0)
 OF_A_FILE = [

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
 from core.errors import NetworkError
-from core.network import Link, Network, Node
-from core.network_file import format_network
+from core.network.file import format_network
+from core.network.network import Link, Network, Node
 
 NAMES = ("detector", "charge", "back")
 

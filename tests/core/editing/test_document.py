@@ -11,8 +11,8 @@ from core.editing.nodes import Add, Move, Placed, Remove
 from core.editing.operation import ABSENT, Together
 from core.editing.wiring import Rewire
 from core.errors import FileError, NetworkError
-from core.network import Link, Network, Node
-from core.network_file import read_network
+from core.network.file import read_network
+from core.network.network import Link, Network, Node
 
 
 @pytest.fixture
@@ -206,7 +206,7 @@ from pathlib import Path
 from core.editing.document import Document
 from core.editing.fields import SetNetwork
 from core.errors import FileError
-from core.network import Network
+from core.network.network import Network
 document = Document(Network("a"), library={})
 path = Path(sys.argv[1]) / "a.json"
 document.save(path)

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from core.declaration import declaration
 from core.editing.fitting import Candidate, fitting, new_node, wired_to
 from core.editing.nodes import Remove
 from core.editing.wiring import Rewire
 from core.errors import NetworkError
-from core.network import Link, Network, Node
+from core.modules.declaration import declaration
+from core.network.network import Link, Network, Node
 
 
 def links_of(*texts):

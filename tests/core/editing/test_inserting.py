@@ -8,9 +8,9 @@ from core.editing.fields import SetNode
 from core.editing.fitting import inserted, new_node
 from core.editing.nodes import Add, Placed
 from core.editing.wiring import Rewire
-from core.network import Link, Network, Node
-from core.network_file import format_network
-from core.validate import problems
+from core.network.file import format_network
+from core.network.network import Link, Network, Node
+from core.network.validation import problems
 
 
 def link_of(text):

@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from core.editing.fitting import refusal
-from core.network import Link, Network, Node
+from core.network.network import Link, Network, Node
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from core.editing.document import Document
 from core.editing.fields import SetNetwork, SetParameter
 from core.editing.nodes import Move, Remove
 from core.errors import ImagechainError
-from core.network import Network
+from core.network.network import Network
 from edited_networks import DRAGS, MAKERS, Editor, drawn_network
 
 LIMITS = settings(

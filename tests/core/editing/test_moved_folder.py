@@ -7,7 +7,7 @@ import pytest
 
 from core.editing.document import Document
 from core.editing.moved_folder import rebased
-from core.network import Network, Node
+from core.network.network import Network, Node
 
 
 def network_of(**paths):

@@ -9,10 +9,10 @@ import pytest
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
 from core.editing.nodes import Remove, Rename
-from core.editing.output import SetOutput, output_toggled
+from core.editing.output_mark import SetOutput, output_toggled
 from core.errors import NetworkError
-from core.network import Network
-from core.network_file import format_network, parse_network
+from core.network.file import format_network, parse_network
+from core.network.network import Network
 
 
 def marked(network):

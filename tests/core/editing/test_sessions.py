@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from core.editing.document import Document
 from core.editing.links import check_new_wires
 from core.errors import ImagechainError
-from core.network import Network
-from core.network_file import format_network, parse_network
+from core.network.file import format_network, parse_network
+from core.network.network import Network
 from edited_networks import DRAGS, MAKERS, Editor, drawn_network
 
 LIMITS = settings(

@@ -9,16 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.physics import (
-    atmosphere,
-    charge_transfer,
-    detector,
-    electronics,
-    gaussian,
-    motion,
-    sampling,
-    vibration,
-)
+from core.physics.atmosphere import scattering_and_turbulence as atmosphere
+from core.physics.detector import charge_transfer
+from core.physics.detector import detector_aperture as detector
+from core.physics.electronics import filters as electronics
+from core.physics.motion import platform_motion as motion
+from core.physics.motion import vibration
+from core.physics.optics import gaussian
+from core.physics.sampling import detector_sampling as sampling
 from reference_cases import reference_cases
 
 _QUANTITIES = {

@@ -8,11 +8,11 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QButtonGroup, QComboBox, QSizePolicy
 
+from app.editor.declared_text import choice_text
 from app.editor.panels.fields.field import Field
-from app.editor.panels.flow_layout import FlowLayout
-from app.editor.panels.outlined import Radio
-from app.editor.panels.wording import choice_text
-from core.parameters import Parameter
+from app.editor.widgets.flow_layout import FlowLayout
+from app.editor.widgets.outlined import Radio
+from core.modules.parameters import Parameter
 
 MOST_BUTTONS = 4
 MOST_LETTERS = 16

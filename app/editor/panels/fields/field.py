@@ -8,15 +8,15 @@ from PySide6.QtCore import QPoint, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
-from app.editor.panels.colours import set_ink
+from app.editor.declared_text import about, label_of, shown_value, tip
 from app.editor.panels.fields.type_in import TypeIn
-from app.editor.panels.left_open import require_defined
-from app.editor.panels.wording import about, label_of, shown_value, tip
 from app.editor.theme import Theme
+from app.editor.widgets.colours import set_ink
+from app.editor.widgets.left_open import require_defined
 from core.editing.operation import ABSENT
 from core.errors import ParameterError
-from core.parameters import Parameter, plain
-from core.plain import thaw
+from core.modules.parameters import Parameter, plain
+from core.names import thaw
 
 
 class Field(QWidget):

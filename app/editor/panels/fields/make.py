@@ -12,7 +12,7 @@ from app.editor.panels.fields.switch import SwitchField
 from app.editor.panels.fields.text import NumbersField, TextField
 from app.editor.session import Session
 from app.editor.theme import Theme
-from core.parameters import Parameter
+from core.modules.parameters import Parameter
 
 
 def field_for(

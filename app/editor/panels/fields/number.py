@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from app.editor.declared_text import placeholder_of
+from app.editor.number_text import number_of, shown_number
 from app.editor.panels.fields.field import TypedField
 from app.editor.panels.fields.slider import Slider
-from app.editor.panels.number_text import number_of, shown_number
-from app.editor.panels.slider_scale import scale_of
-from app.editor.panels.wording import placeholder_of
+from app.editor.panels.fields.slider_scale import scale_of
 from core.errors import ParameterError
 
 

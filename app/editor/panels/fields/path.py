@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QFileDialog, QToolButton, QWidget
 from app.editor.panels.fields.field import TypedField
 from app.editor.session import Session
 from app.editor.theme import Theme
-from core.parameters import Parameter
+from core.modules.parameters import Parameter
 
 
 class PathField(TypedField):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from app.editor.number_text import numbers_of, shown_numbers
 from app.editor.panels.fields.field import TypedField
-from app.editor.panels.number_text import numbers_of, shown_numbers
 from core.errors import ParameterError
 
 

@@ -9,12 +9,12 @@ from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFontInfo, QHideEvent, QPainter, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.wants import Answer, Want
-from app.editor.panels.left_open import require_defined
-from app.editor.panels.wording import tip
+from app.editor.evaluation.queries import Answer, Want
 from app.editor.session import Session
 from app.editor.theme import Theme
+from app.editor.widgets.left_open import require_defined
 from core.errors import ImagechainError, UnconnectedError
 
 NO_EVALUATION = "nothing is computed here"

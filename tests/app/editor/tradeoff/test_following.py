@@ -8,12 +8,12 @@ import pytest
 from app.editor.evaluation import runner
 from app.editor.theme import LIGHT
 from app.editor.tradeoff.ranges import Span
-from app.editor.tradeoff.view import TradeOffView
+from app.editor.tradeoff.tradeoff_view import TradeOffView
 from child_process import PATIENCE_S
+from core.chain.engine import Engine
 from core.editing.fields import SetNode, SetParameter
 from core.editing.nodes import Remove, Rename
-from core.engine import Engine
-from core.policy import Policy
+from core.evaluation.policy import Policy
 from tradeoff_network import mtf
 from viewer_bench import ViewerBench, is_freed
 

@@ -3,7 +3,7 @@
 import pytest
 
 from app.editor.tradeoff.ranges import COARSE, PART, Span, coarse_first, usual_span
-from core.declaration import declaration
+from core.modules.declaration import declaration
 from nodes.library import standard_library
 
 LIBRARY = standard_library()

@@ -5,9 +5,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from app.editor.tradeoff.wording import first_figures, listed_title
-from app.shipped import shipped_networks
-from app.tradeoff.figures import figures_of
-from core.network_file import load_network
+from app.run.shipped import shipped_networks
+from app.tradeoff.tradeoff_figures import figures_of
+from core.network.file import load_network
 
 
 @pytest.fixture

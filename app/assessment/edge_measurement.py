@@ -1,0 +1,290 @@
+"""The chain judged by measurement: an edge runs through it, and its final picture is measured.
+
+The source's picture is replaced by an edge of the same size, field and band, from its lowest to its
+highest value, and every noise is left out; all else is the network's own. An upright edge is
+measured as Tantalo did, by the mean of rows, one turned by 5° as ISO 12233 says.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.assessment.expected_edge_mtf import Waves, expected_mtf
+from app.assessment.expected_row_average import edge_row
+from app.run.evaluation import Evaluation
+from core.chain.frame_sequence import Remaking
+from core.chain.wires import Image
+from core.errors import Cancelled, DataError, ImagechainError
+from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import Work
+from core.physics.measurement.row_average import row_average
+from core.physics.measurement.slanted_edge import falls_to
+from nodes.analysis.lineage import transfer_of
+from nodes.analysis.lineage.transfer_lineage import PASSING
+from nodes.analysis.mtf.mtf_measuring import (
+    Figure,
+    Measured,
+    Rectangle,
+    measured_rows,
+    measured_slanted,
+)
+from nodes.electronics.noise_steps import read_out
+from nodes.scenes.scene_targets import slanted_edge
+
+Array = NDArray[Any]
+Vector = NDArray[np.float64]
+Direction = Literal["horizontal", "vertical"]
+Method = Literal["slanted_edge", "row_average"]
+
+SLANT_DEG = 5.0
+_SAMPLES = 257
+_SMALL = 64  # samples: a picture no wider is measured whole
+_DIRECTIONS: tuple[Direction, ...] = ("horizontal", "vertical")
+_METHODS: tuple[Method, ...] = ("slanted_edge", "row_average")
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """One measurement beside what was to be expected, from 0 to Nyquist in cycles per sample.
+
+    `error` is the standard error of `mtf`.
+    """
+
+    frequency: Vector
+    mtf: Vector
+    error: Vector
+    expected: Vector
+    angle_deg: float
+    per_mrad: float
+    mtf50: Figure
+    expected_mtf50: float | None
+    nyquist: Figure
+
+    @property
+    def expected_nyquist(self) -> float:
+        """What was to be expected at half a cycle per sample."""
+        return float(self.expected[-1])
+
+    @property
+    def largest(self) -> tuple[float, float]:
+        """Where they differ most, measured less expected, and at which frequency."""
+        away = self.mtf - self.expected
+        place = int(np.argmax(np.abs(away)))
+        return float(away[place]), float(self.frequency[place])
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A way to measure, and what came of it: a judgement, or the reason why there is none."""
+
+    direction: Direction
+    method: Method
+    found: Judgement | None
+    reason: str | None = None
+
+
+@dataclass(frozen=True)
+class Judged:
+    """All measurements of a chain's final picture.
+
+    Parameters
+    ----------
+    source, picture : str
+        Ports of the replaced picture and of the one measured.
+    intervals : (float, float)
+        Of the measured picture, mrad.
+    silenced : tuple of str
+        Nodes whose noise is left out, in the network's order.
+    attempts : tuple of Attempt
+        Each way to measure.
+    """
+
+    source: str
+    picture: str
+    intervals: tuple[float, float]
+    silenced: tuple[str, ...]
+    attempts: tuple[Attempt, ...]
+
+
+def judged(found: Evaluation) -> Judged | str:
+    """Measure the chain; or the reason why it cannot be."""
+    reason = _reason(found)
+    if reason is not None:
+        return reason
+    source, picture = found.chain.sources[0], str(found.chain.final)
+    scene: Image = found.plan.output(source)
+    image: Image = found.plan.output(picture)
+    silenced: set[str] = set()
+    try:
+        chain = _Chain(scene, image, silenced)
+    except ImagechainError as error:
+        return str(error)
+    work = found.engine.work(found.work.policy)
+    attempts = []
+    for direction in _DIRECTIONS:
+        for method in _METHODS:
+            found.work.check()
+            attempts.append(_attempt(chain, work, direction, method))
+    grid = image.grid()
+    intervals = grid.interval_x_mrad, grid.interval_y_mrad
+    without = tuple(name for name in found.plan.nodes if name in silenced)
+    return Judged(source, picture, intervals, without, tuple(attempts))
+
+
+def _reason(found: Evaluation) -> str | None:
+    chain = found.chain
+    if chain.final is None:
+        return "the network has no final picture"
+    if not chain.cascade:
+        return f"no chain of transfer functions leads to the final picture, {chain.final}"
+    if len(chain.sources) != 1:
+        sources = ", ".join(chain.sources)
+        return f"{chain.final} stems from more than one picture ({sources}): no edge replaces both"
+    return None
+
+
+class _Chain:
+    """The final picture with an edge for a scene.
+
+    Raises
+    ------
+    DataError
+        If it is not made of the scene by steps that are known as transfer functions.
+    """
+
+    def __init__(self, scene: Image, image: Image, silenced: set[str]) -> None:
+        self.scene = scene
+        self.final = image
+        self._silenced = silenced
+        passed = transfer_of(self.picture(0.0))
+        if passed.source.key != self.edge(0.0).key:
+            raise DataError(
+                f"what {passed.source.node or 'a node'} does to the picture is not known as a "
+                "transfer function"
+            )
+
+    def edge(self, angle_deg: float) -> Step:
+        """The edge, its normal turned by this from across towards along."""
+        scene = self.scene
+        return Step.of(
+            edge_drawn,
+            scene.recipe,
+            width=scene.columns,
+            height=scene.rows,
+            angle_deg=angle_deg,
+        )
+
+    def picture(self, angle_deg: float) -> Image:
+        """The final picture of that edge, without noise."""
+
+        def change(each: Recipe) -> Recipe | None:
+            if each.key == self.scene.recipe.key:
+                return self.edge(angle_deg)
+            if not isinstance(each, Step) or each.function not in PASSING:
+                return None
+            if each.function is read_out and dict(each.parameters)["model"] == "literal":
+                raise DataError("gain_model literal: the gain error as printed scales the picture")
+            self._silenced.add(each.node or "")
+            return made.of(each.inputs[0])
+
+        made = Remaking(change)
+        return self.final.with_recipe(made.of(self.final.recipe))
+
+
+def edge_drawn(work: Work, scene: Array, *, width: int, height: int, angle_deg: float) -> Array:
+    """An edge through the middle, from the scene's lowest to its highest value."""
+    low, high = float(scene.min()), float(scene.max())
+    if low == high:
+        high = low + (0.1 * abs(low) or 1.0)
+    return slanted_edge(
+        width=width,
+        height=height,
+        background=low,
+        signal=high,
+        angle_deg=angle_deg,
+        dtype=work.policy.dtype,
+        each=work.each,
+    )
+
+
+def _attempt(chain: _Chain, work: Work, direction: Direction, method: Method) -> Attempt:
+    measure = _slanted if method == "slanted_edge" else _rows
+    try:
+        measured, expected = measure(chain, work, direction)
+    except Cancelled:
+        raise
+    except ImagechainError as error:  # the run itself has not failed
+        return Attempt(direction, method, None, str(error))
+    inside = measured.frequency <= 0.5
+    assert measured.per_mrad is not None
+    return Attempt(
+        direction,
+        method,
+        Judgement(
+            measured.frequency[inside],
+            measured.mtf[inside],
+            measured.error[inside],
+            expected[inside],
+            measured.angle_deg,
+            measured.per_mrad,
+            measured.mtf50,
+            falls_to(frequency=measured.frequency, mtf=expected, level=0.5),
+            measured.nyquist,
+        ),
+    )
+
+
+def _slanted(chain: _Chain, work: Work, direction: Direction) -> tuple[Measured, Vector]:
+    image = chain.picture(SLANT_DEG if direction == "horizontal" else 90.0 - SLANT_DEG)
+    where = _middle(image, direction)
+    how = _settings(image, where, direction) | {"window": "tukey", "samples": _SAMPLES}
+    measured: Measured = work.value(Step.of(measured_slanted, image.recipe, **how))
+    turned = math.radians(measured.angle_deg)
+    # How much of the picture the edge runs through.
+    if direction == "horizontal":
+        seen_x = abs(math.tan(turned)) * where.height / image.columns
+        seen_y = where.height / image.rows
+    else:
+        seen_x = where.width / image.columns
+        seen_y = abs(math.tan(math.pi / 2 - turned)) * where.width / image.rows
+    f = measured.frequency
+    waves = Waves(f * math.cos(turned), f * math.sin(turned), seen_x, seen_y)
+    return measured, expected_mtf(transfer_of(image), work, waves)
+
+
+def _rows(chain: _Chain, work: Work, direction: Direction) -> tuple[Measured, Vector]:
+    across = direction == "horizontal"
+    angle_deg = 0.0 if across else 90.0
+    image = chain.picture(angle_deg)
+    where = _middle(image, direction)
+    samples = chain.scene.columns if across else chain.scene.rows
+    row = edge_row(work, image.recipe, chain.edge(angle_deg), "x" if across else "y", samples)
+    first, count = (where.left, where.width) if across else (where.top, where.height)
+    one = row_average(picture=np.tile(row[first : first + count], (2, 1)))
+    # Told, not found: where a tenth of the step is left, rounding can move them by a sample.
+    how = _settings(image, where, direction) | {"clip_left": one.left, "clip_right": one.right}
+    measured: Measured = work.value(Step.of(measured_rows, image.recipe, **how))
+    return measured, one.mtf
+
+
+def _settings(image: Image, where: Rectangle, direction: Direction) -> dict[str, Any]:
+    intervals = image.interval_x_mrad, image.interval_y_mrad
+    return {"where": where, "intervals": intervals, "direction": direction, "target": "edge"}
+
+
+def _middle(image: Image, direction: Direction) -> Rectangle:
+    """Half of the picture across the edge, three quarters along it: the more places it crosses.
+
+    Not all: beyond the frame the edge is mirrored.
+    """
+    shares = (2, 4 / 3) if direction == "horizontal" else (4 / 3, 2)
+    width, height = (
+        max(int(size / share), min(size, _SMALL))
+        for size, share in zip((image.columns, image.rows), shares, strict=True)
+    )
+    return Rectangle((image.columns - width) // 2, (image.rows - height) // 2, width, height)

@@ -1,0 +1,1 @@
+"""The files a benchmark writes: tables as pages and pictures."""

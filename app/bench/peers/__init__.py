@@ -1,0 +1,1 @@
+"""The same optical work done by other programs, where they are installed."""

@@ -1,0 +1,1 @@
+"""Time against error for every choice that trades one for the other."""

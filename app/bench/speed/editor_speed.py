@@ -1,0 +1,108 @@
+"""The speed of the window: first picture, dragging a slider, large networks, memory."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import time
+from typing import Any
+
+from app.bench.measuring.bench_settings import Settings
+from app.bench.measuring.bench_tables import Table, verdict
+from app.bench.measuring.isolation import command, environment
+
+FIRST_PICTURE_S = 2.5
+PICTURES_PER_S = {1024: 15.0, 512: 30.0}
+GAP_MS = 50.0
+# Sliders beside the blur's: the noise, and the pupil with its drawing.
+OTHER_SLIDERS = {"electronics": "amplifier_snr", "optics": "size_x_cm"}
+OTHER_SIZE = 512
+LOAD_S = 0.5
+GROWTH = 0.10
+NETWORKS, WARM = 50, 10
+
+
+def window(settings: Settings) -> list[Table]:
+    """Measure each in processes of their own, drawn without a display."""
+    rows = [_first_picture(1 if settings.quick else 3)]
+    for size in PICTURES_PER_S:
+        rows += _drag(size, 1.0 if settings.quick else 4.0)
+    for node, parameter in OTHER_SLIDERS.items():
+        rows.append(_other_gap(node, parameter, 1.0 if settings.quick else 4.0))
+    rows += _large_network()
+    rows.append(_memory(WARM + 2 if settings.quick else NETWORKS))
+    heads = {"what": "", "value": "measured", "unit": "", "target": "target", "verdict": ""}
+    text = (
+        "First picture: from the start of the process until the Kodak network's picture is "
+        "painted, the median. Drag: the aberration's slider of that network moved by the mouse 60 "
+        "times a second; a picture counts when it is painted; a gap is the longest time "
+        "in which the event loop did nothing else. Memory: the most in use in the last round "
+        "through the shipped networks against the first round after ten."
+    )
+    return [Table("editor", "The window", heads, tuple(rows), text, brief=tuple(heads))]
+
+
+def _first_picture(times: int) -> dict[str, Any]:
+    taken = []
+    for _ in range(times):
+        start = time.monotonic()
+        taken.append(_measured("first_picture", "kodak_kir310")["picture"] - start)
+    value = sorted(taken)[times // 2]
+    return _row("first picture of kodak_kir310", value, "s", FIRST_PICTURE_S)
+
+
+def _drag(size: int, seconds: float) -> list[dict[str, Any]]:
+    found = _measured("slider_drag", str(size), str(seconds))
+    wanted, shown = PICTURES_PER_S[size], found["pictures_per_s"]
+    return [
+        {
+            "what": f"slider drag at {size}²",
+            "value": shown,
+            "unit": "pictures/s",
+            "target": f"≥ {wanted:g}",
+            "verdict": "met" if shown >= wanted else f"missed: {shown / wanted:.2f} × target",
+            **found,
+        },
+        _row(f"largest gap of the event loop at {size}²", found["largest_gap_ms"], "ms", GAP_MS),
+    ]
+
+
+def _other_gap(node: str, parameter: str, seconds: float) -> dict[str, Any]:
+    found = _measured("slider_drag", str(OTHER_SIZE), str(seconds), "1", node, parameter)
+    what = f"largest gap, {node}.{parameter} dragged at {OTHER_SIZE}²"
+    return _row(what, found["largest_gap_ms"], "ms", GAP_MS)
+
+
+def _large_network() -> list[dict[str, Any]]:
+    found = _measured("hundred_nodes")
+    moving = _row("dragging one of 100 nodes, a step", found["move_ms"], "ms", GAP_MS)
+    return [_row("loading 100 nodes", found["load_s"], "s", LOAD_S), moving]
+
+
+def _memory(number: int) -> dict[str, Any]:
+    found = _measured("many_networks", str(number))
+    return _row(f"growth of memory by {number} networks", found["growth"], "", GROWTH) | found
+
+
+def _row(what: str, value: float, unit: str, target: float) -> dict[str, Any]:
+    return {
+        "what": what,
+        "value": value,
+        "unit": unit,
+        "target": f"≤ {target:g}",
+        "verdict": verdict(value, target, None),
+    }
+
+
+def _measured(what: str, *words: str) -> dict[str, Any]:
+    environ = {"QT_QPA_PLATFORM": "offscreen", **environment(), "OPENBLAS_NUM_THREADS": "1"}
+    run = command(f"app.editor.measures.{what}", *words)
+    done = subprocess.run(run, env=environ, capture_output=True, text=True, check=False)
+    if done.returncode:
+        lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
+        raise RuntimeError(f"{what} {' '.join(words)}: {lines[-1]}")
+    found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
+MEASURES = (window,)

@@ -1,0 +1,1 @@
+"""True values without the measured code, and the chain as a plain program has it."""

@@ -1,0 +1,77 @@
+"""``imagechain check``: every fault of a network, without computing anything."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from app.command.run import FINAL, MTF, READOUTS, open_network, sink_targets
+from app.options.command_options import Options
+from app.permission.write_rules import write_rules
+from app.run.evaluation import planned
+from app.run.output import find_output, how_to_choose
+from app.run.readout_tables import warning_lines
+from app.run.shipped import Place, find_network
+from core.chain.engine import Engine, Plan
+from core.errors import ImagechainError, InputError
+from core.network.validation import NetworkProblems
+from nodes.library import standard_library
+
+
+def check(options: Options) -> None:
+    """Print each error, or that there is none, what the nodes warn of, and what a run would write.
+
+    Raises
+    ------
+    InputError
+        If there is no such network; else how many errors it has, once all are printed.
+    """
+    library = standard_library()
+    place = find_network(options.network)
+    try:
+        network = open_network(place, options, library)
+        plan = planned(Engine(library), network, place.folder)
+        written, refused = planned_writes(options, place, plan)
+        if refused:
+            print("\n".join(written))
+            raise NetworkProblems(refused)
+    except NetworkProblems as found:
+        raise _printed(place, found.problems) from None
+    except InputError as error:
+        raise _printed(place, [error]) from None
+    warnings = warning_lines(plan)
+    if choose := how_to_choose(find_output(plan)):
+        warnings.append(f"warning: no {FINAL}: {choose}")
+    count = _count(len(warnings), "warning") if warnings else ""
+    size = f"{_count(len(network.nodes), 'node')}, {_count(len(network.links), 'link')}"
+    summary = f"{place.name}: no errors{', ' if count else ''}{count} ({size})"
+    print("\n".join([*warnings, summary, *written]))
+
+
+def planned_writes(
+    options: Options, place: Place, plan: Plan
+) -> tuple[list[str], tuple[ImagechainError, ...]]:
+    """Lines that say what a run would write, and why it would refuse to.
+
+    Raises
+    ------
+    InputError
+        If it would write nothing at all.
+    """
+    folder = options.output_dir or Path(f"{place.name}-output")
+    names = (FINAL, MTF, READOUTS) if find_output(plan).port is not None else (MTF, READOUTS)
+    own = [folder / name for name in names]
+    sinks = sink_targets(plan, place.folder)
+    lines = [f"run writes {', '.join(map(str, own))}"]
+    lines += [f"{node}: run writes {target}" for node, target in sinks.items()]
+    return lines, write_rules(options, place, folder).refused(sinks, own)
+
+
+def _printed(place: Place, problems: Sequence[ImagechainError]) -> InputError:
+    for problem in problems:
+        print(problem)
+    return InputError(f"{place.name}: {_count(len(problems), 'error')}, the first: {problems[0]}")
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

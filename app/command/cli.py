@@ -1,0 +1,135 @@
+"""The command ``imagechain``: exit codes 0 done, 2 a fault of the input, 1 a failure of ours."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Sequence
+
+from app.options.stopping import Stop, Stopped, stoppable
+from app.options.terminal_streams import discard, tell, usable_streams
+from core.errors import Cancelled, ImagechainError
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command line; stderr gets one line if it fails, else nothing.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The words after the command's name; default those of the process.
+
+    Returns
+    -------
+    int
+        The exit code.
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    # The engine divides its work itself; BLAS threads beside its own only get in their way (the
+    # whole process then takes 1.6 times the processor time). Read when numpy is first imported.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    with (
+        stoppable(to_the_end=argv is None) as told_to_stop,
+        usable_streams(),
+        warnings.catch_warnings(),
+    ):
+        warnings.simplefilter("ignore")
+        return _exit_code(words, told_to_stop)
+
+
+def _exit_code(words: list[str], told_to_stop: Stop) -> int:
+    """Carry out the words; what goes wrong becomes a line on stderr."""
+    try:
+        told_to_stop.during(_carry_out, words, told_to_stop)
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader, such as `head`, has seen enough
+        discard(sys.stdout)
+    except KeyboardInterrupt:
+        return _cancelled()
+    except Exception as error:
+        # A stop may have become anything, as numpy makes an ImportError of one.
+        if told_to_stop.is_set() and not told_to_stop.is_late:
+            return _cancelled()
+        return _failed(error, written=told_to_stop.is_late)
+    return 0
+
+
+def _failed(error: Exception, *, written: bool) -> int:
+    """Say what went wrong; `written` when only the printing was left to do."""
+    if isinstance(error, ImagechainError):
+        return _fail(_with_more(error), error.exit_code)
+    if isinstance(error, MemoryError):
+        what = "the files are written" if written else "nothing was written"
+        return _fail(f"not enough memory; {what}", 1)
+    if isinstance(error, OSError):
+        discard(sys.stdout)
+        what = "; the files are written" if written else ""
+        # Not 2: nothing of the input could be mended.
+        return _fail(f"cannot write to standard output: {error.strerror or error}{what}", 1)
+    return _fail(f"internal error: {type(error).__name__}: {error}", 1)
+
+
+def _carry_out(words: list[str], told_to_stop: Stop) -> None:
+    from app.options import command_options as arguments
+
+    try:
+        options = arguments.parse(words or ["edit"])
+    except SystemExit:  # help and version have been printed
+        return
+    if options.command == "run":
+        from app.command.run import run
+
+        _stop_if(told_to_stop)
+        run(options, told_to_stop)
+    elif options.command == "edit":
+        from app.command.edit import edit
+
+        edit(options, told_to_stop)
+    elif options.command == "check":
+        from app.command.check import check
+
+        check(options)
+    elif options.command == "tradeoff":
+        from app.command.tradeoff import trade_off
+
+        _stop_if(told_to_stop)
+        trade_off(options, told_to_stop)
+    elif options.command == "bench":
+        from app.bench import bench
+
+        _stop_if(told_to_stop)
+        bench(options)
+    elif options.command == "networks":
+        from app.command.networks import network_list
+
+        network_list()
+    else:
+        from app.command.modules import modules
+
+        modules(as_json=options.as_json, key=options.module)
+
+
+def _stop_if(told_to_stop: Stop) -> None:
+    """Stop after imports, which may have swallowed the exception."""
+    if told_to_stop.is_set():
+        raise Stopped
+
+
+def _with_more(error: ImagechainError) -> str:
+    more = getattr(error, "more", 0)
+    return f"{error} (and {more} more: imagechain check)" if more else str(error)
+
+
+def _cancelled() -> int:
+    return _fail("cancelled; nothing was written", Cancelled.exit_code)
+
+
+def _fail(message: str, code: int) -> int:
+    line = " ".join(message.split())
+    tell("imagechain: " + "".join(c if c.isprintable() else repr(c)[1:-1] for c in line))
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

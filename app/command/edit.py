@@ -1,0 +1,103 @@
+"""``imagechain edit``: open the editor, or draw its window to a file, if Qt can run here."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+import threading
+from pathlib import Path
+
+from app.editor.qt_libraries import check_libraries
+from app.options.command_options import Options
+from app.run.shipped import find_network
+from core.errors import UsageError
+
+OFFSCREEN = "offscreen"
+_X_SOCKETS = Path("/tmp/.X11-unix")
+
+
+def edit(options: Options, told_to_stop: threading.Event) -> None:
+    """Open the editor and stay until its window is closed.
+
+    Parameters
+    ----------
+    options : Options
+        What was asked for.
+    told_to_stop : threading.Event
+        Set when a signal asks the process to end.
+
+    Raises
+    ------
+    UsageError
+        If there is no display, or Qt or what it needs of the system cannot be loaded.
+    ImagechainError
+        If there is no such network, or it cannot be opened for a screenshot.
+    """
+    os.environ.setdefault("QT_PREFERRED_BINDING", "PySide6")
+    if options.network:
+        find_network(options.network)  # a slip of the pen comes before what the machine lacks
+    if options.screenshot is not None:
+        os.environ.setdefault("QT_QPA_PLATFORM", OFFSCREEN)
+    elif sys.platform.startswith("linux"):
+        check_display(os.environ)
+    platform = os.environ.get("QT_QPA_PLATFORM", "").partition(":")[0]
+    check_libraries(window=platform in ("", "xcb"))
+    try:
+        import PySide6.QtWidgets  # noqa: F401
+    except ImportError as error:
+        raise UsageError(f"the editor needs Qt, which cannot be loaded: {error}") from error
+    from app.editor.window.start import start
+
+    start(options, told_to_stop)
+
+
+def check_display(environment: os._Environ[str] | dict[str, str]) -> None:
+    """Refuse to start without a display: Qt itself would end the process with a core dump.
+
+    Raises
+    ------
+    UsageError
+        Saying what is missing.
+    """
+    platform = environment.get("QT_QPA_PLATFORM", "").partition(":")[0]
+    if platform and platform not in ("xcb", "wayland"):
+        return
+    if platform != "xcb" and environment.get("WAYLAND_DISPLAY"):
+        return
+    display = environment.get("DISPLAY", "")
+    if not display:
+        raise UsageError(
+            "the editor needs a display: DISPLAY and WAYLAND_DISPLAY are empty "
+            "(imagechain run works without one)"
+        )
+    if not _answers(display):
+        raise UsageError(f"the editor needs a display: DISPLAY = {display:.80} does not answer")
+
+
+def _answers(display: str) -> bool:
+    """Whether something listens where the display should be."""
+    host, _, number = display.rpartition(":")
+    number = number.partition(".")[0]
+    if not number.isdigit():
+        return False
+    try:
+        if host in ("", "unix"):
+            # Some servers listen on the abstract name alone.
+            return any(
+                _connects(socket.AF_UNIX, prefix + str(_X_SOCKETS / f"X{number}"))
+                for prefix in ("", "\0")
+            )
+        return _connects(socket.AF_INET, (host, 6000 + int(number)))
+    except (OSError, OverflowError, ValueError):
+        return False
+
+
+def _connects(family: socket.AddressFamily, address: object) -> bool:
+    with socket.socket(family, socket.SOCK_STREAM) as trial:
+        trial.settimeout(3)
+        try:
+            trial.connect(address)  # type: ignore[arg-type]
+        except OSError:
+            return False
+    return True

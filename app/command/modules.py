@@ -1,0 +1,115 @@
+"""``imagechain modules``: the library, for people or for programs."""
+
+from __future__ import annotations
+
+import json
+from itertools import groupby
+from typing import Any
+
+from app.run.readout_tables import columns
+from core.errors import UsageError
+from core.modules.declaration import Declaration, Port, declaration
+from core.modules.parameters import Parameter, plain
+from core.names import close, shown
+from nodes.library import standard_library
+
+
+def modules(*, as_json: bool, key: str = "") -> None:
+    """Print every module, or that one, with ports, parameters and read-outs.
+
+    Raises
+    ------
+    UsageError
+        If there is none of that key.
+    """
+    library = standard_library()
+    if key and key not in library:
+        hint = close(key, library) or "; imagechain modules lists them"
+        raise UsageError(f"there is no module {shown(key)}{hint}")
+    declared = [declaration(module) for name, module in library.items() if key in ("", name)]
+    if as_json:
+        described = [described_module(each) for each in declared]
+        print(json.dumps(described, indent=2, ensure_ascii=False, allow_nan=False))
+        return
+    groups = list(dict.fromkeys(each.group for each in declared))
+    declared.sort(key=lambda each: groups.index(each.group))
+    for group, members in groupby(declared, key=lambda each: each.group):
+        print(f"{group}\n{'=' * len(group)}\n")
+        for each in members:
+            print(module_text(each), end="\n\n")
+
+
+def described_module(declared: Declaration) -> dict[str, Any]:
+    """A declaration as plain data."""
+    return {
+        "key": declared.key,
+        "title": declared.title,
+        "group": declared.group,
+        "version": declared.version,
+        "summary": declared.summary,
+        "text": declared.text,
+        "sink": declared.sink,
+        "inputs": [
+            {"name": port.name, "types": list(port.types), "required": port.required}
+            for port in declared.inputs
+        ],
+        "outputs": [{"name": port.name, "types": list(port.types)} for port in declared.outputs],
+        "parameters": [_parameter(each) for each in declared.parameters],
+        "readouts": [
+            {"name": each.name, "unit": each.unit, "meaning": each.meaning}
+            for each in declared.readouts
+        ],
+    }
+
+
+def _parameter(parameter: Parameter) -> dict[str, Any]:
+    param = parameter.param
+    described: dict[str, Any] = {
+        "name": parameter.name,
+        "kind": parameter.kind,
+        "unit": param.unit,
+        "text": param.text,
+        "required": parameter.required,
+        "empty": parameter.empty,
+        "default": None if parameter.required else plain(parameter.default),
+    }
+    if parameter.choices:
+        described["choices"] = list(parameter.choices)
+    if param.low is not None:
+        described |= {"low": param.low, "low_exclusive": param.above}
+    if param.high is not None:
+        described |= {"high": param.high, "high_exclusive": param.below}
+    return described
+
+
+def module_text(declared: Declaration) -> str:
+    """A declaration as a few lines of text."""
+    lines = [f"{declared.key} · {declared.title}", f"  {declared.summary}"]
+    ways = [_ports(declared.inputs), _ports(declared.outputs)]
+    lines.append(f"  ports: {' → '.join(ways).strip()}")
+    rows = [
+        (f"    {each.name}", _default(each), each.param.unit, each.allowed(), each.param.text)
+        for each in declared.parameters
+    ]
+    if rows:
+        lines += ["  parameters:", columns(rows)]
+    told = [(f"    {each.name}", each.unit, each.meaning) for each in declared.readouts]
+    if told:
+        lines += ["  read-outs:", columns(told)]
+    return "\n".join(lines)
+
+
+def _ports(ports: tuple[Port, ...]) -> str:
+    return ", ".join(
+        f"{port.name} ({' or '.join(port.types)}{'' if port.required else ', optional'})"
+        for port in ports
+    )
+
+
+def _default(parameter: Parameter) -> str:
+    if parameter.required:
+        return "(required)"
+    value = plain(parameter.default)
+    if value is None:
+        return "empty"
+    return json.dumps(value, ensure_ascii=False) if not isinstance(value, str) else value or '""'

@@ -1,0 +1,327 @@
+"""``imagechain run``: evaluate a network and write its files, all of them or none."""
+
+from __future__ import annotations
+
+import json
+import stat
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from app.options.command_options import Options
+from app.options.option_values import Save
+from app.options.overrides import with_final, with_settings
+from app.options.progress import Progress
+from app.options.stopping import too_late
+from app.permission.shares import check_shares
+from app.permission.write_rules import OPTION, WriteRules, write_rules
+from app.run.evaluation import Evaluation, TimedWork, asked_later, evaluate, planned
+from app.run.output import find_output, how_to_choose
+from app.run.png import encode_png, grey_levels, robust_limits
+from app.run.readout_tables import columns, jsonable, readout_rows, warning_lines
+from app.run.responses import mtf_csv
+from app.run.saving import check_suffix, save_value
+from app.run.sequence import MOST_FRAMES, save_frames
+from app.run.shipped import Place, find_network
+from app.run.staging import Staging
+from core.atomic import write_bytes, write_text
+from core.chain.engine import Engine, Plan
+from core.chain.realize import realize
+from core.chain.skipped import Skip, skips
+from core.chain.wires import Image
+from core.errors import FileError, ImagechainError, NetworkError, UsageError
+from core.evaluation.policy import Policy
+from core.evaluation.region import Region
+from core.evaluation.store import Store
+from core.modules.declaration import Here
+from core.modules.library_type import Library
+from core.names import close, printable, shown
+from core.network.file import read_network
+from core.network.network import Network
+from core.network.validation import NetworkProblems, check_network
+from nodes.files.read import check_finite
+from nodes.library import standard_library
+
+FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
+KEPT_BYTES = 1 << 29
+WARNINGS = "imagechain.warnings"  # in the read-outs; no node's name has a dot
+
+
+def run(options: Options, cancel: threading.Event | None = None) -> None:
+    """Carry out the command; prints the read-outs when all is written.
+
+    Parameters
+    ----------
+    options : Options
+        What was asked for.
+    cancel : threading.Event, optional
+        Set to stop before the next node.
+
+    Raises
+    ------
+    ImagechainError
+        The first fault; nothing has been written then.
+    """
+    start = time.perf_counter()
+    library = standard_library()
+    place = find_network(options.network)
+    network = open_network(place, options, library)
+    # All that a run asks for is known and held; reports may ask for more, and again.
+    engine = Engine(library, None if options.reports else Store(KEPT_BYTES))
+    plan = planned(engine, network, place.folder)
+    folder = options.output_dir or Path(f"{place.name}-output")
+    _check_folder(folder)
+    rules = write_rules(options, place, folder)
+    with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
+        sinks = sink_targets(plan, place.folder)
+        writers = _claim(plan, options, staging)
+        _claim_guarded(folder, sinks, rules, staging)
+        with Progress(len(plan.nodes)) as progress:
+            work = TimedWork(_policy(options), engine.store, progress, cancel)
+            work.check()
+            ports = [port for _, port, _ in writers]
+            with work.hold(asked_later(plan, ports, report=bool(options.reports))):
+                found = evaluate(engine, plan, work, place.folder)
+                found.seconds["total"] = time.perf_counter() - start
+                _write(found, writers, staging, folder, options.frames, rules)
+                skipped = skips(plan, work)  # before the reports, whose pictures ask for more
+                _write_reports(found, skipped, options, staging)
+        work.check()
+        too_late(cancel)
+        forgotten = rules.commit(staging)
+    _print(found, skipped, folder, options, sinks)
+    if forgotten:
+        print(f"not remembered for the next run, which needs {OPTION}: {forgotten}")
+
+
+def open_network(place: Place, options: Options, library: Library) -> Network:
+    """The network with the command line's changes, valid.
+
+    Raises
+    ------
+    ImagechainError
+        If it is not.
+    """
+    network = read_network(place.path, library=library)
+    if not network.nodes:
+        raise NetworkError(f"{shown(str(place.path))}: the network has no nodes")
+    network = with_settings(network, options.settings, library=library)
+    if options.final is not None:
+        network = with_final(network, options.final, library=library)
+    check_shares(
+        network,
+        library,
+        given=[(each.node, each.name) for each in options.settings],
+        places=[place.path.absolute(), *options.allowed, *filter(None, [options.output_dir])],
+    )
+    if options.seed is not None:
+        network = network.with_seed(options.seed)
+    check_network(network, library=library)
+    return network
+
+
+def _policy(options: Options) -> Policy:
+    return Policy(options.precision, options.tolerance, options.threads)
+
+
+def _check_folder(folder: Path) -> None:
+    try:
+        status = folder.stat()
+    except FileNotFoundError:  # it will be made
+        return
+    except OSError as error:
+        raise FileError(f"cannot write to {folder}: {_not_a_folder(error)}") from error
+    if not stat.S_ISDIR(status.st_mode):
+        raise FileError(f"cannot write to {folder}: it is not a folder")
+
+
+def _not_a_folder(error: OSError) -> str:
+    if isinstance(error, NotADirectoryError):
+        return "a part of its path is not a folder"
+    return error.strerror or str(error)
+
+
+def input_files(plan: Plan, folder: Path) -> list[Path]:
+    """Files that the network reads: no output may take their place."""
+    found = []
+    for each in plan.nodes.values():
+        if each.module is None or each.declaration.sink:
+            continue
+        for parameter in each.declaration.parameters:
+            value = getattr(each.module, parameter.name)
+            if parameter.kind == "path" and value is not None:
+                found.append(folder / value)
+    return found
+
+
+def _claim(plan: Plan, options: Options, staging: Staging) -> list[tuple[Path, str, Region | None]]:
+    """Say early what will be written; gives the ``--save`` files, each with port and region."""
+    saves = []
+    if options.frames is not None and not 1 <= options.frames <= MOST_FRAMES:
+        raise UsageError(f"--frames {options.frames}: give a whole number from 1 to {MOST_FRAMES}")
+    for save in options.saves:
+        path, value = Path(save.text), _port_value(plan, save.node, save.name)
+        check_suffix(save.port, value, path)
+        if options.frames is not None and isinstance(value, Image) and path.suffix != ".npy":
+            raise UsageError(f"--save {save.port}={path}: --frames of an image need a .npy")
+        saves.append((path, save.port, _region(save, value)))
+        staging.claim(path)
+    for path in options.reports:
+        staging.claim(path)
+    return saves
+
+
+def _claim_guarded(
+    folder: Path, sinks: dict[str, Path], rules: WriteRules, staging: Staging
+) -> None:
+    """Say early what the network writes, and refuse what it may not."""
+    own = [folder / name for name in (FINAL, MTF, READOUTS)]
+    refused = rules.refused(sinks, own)
+    if refused:
+        raise NetworkProblems(refused) from refused[0]
+    for path in own:
+        staging.claim(path, rules.check_own if path.is_symlink() else None)
+    for node, path in sinks.items():
+        try:
+            staging.claim(path, partial(rules.check, node))
+        except ImagechainError as error:
+            raise error.at(node) from error
+
+
+def sink_targets(plan: Plan, folder: Path) -> dict[str, Path]:
+    """Files that nodes write, by node."""
+    found = {}
+    for name, each in plan.nodes.items():
+        target = getattr(each.module, "target", None)
+        if each.declaration.sink and not each.node.disabled and target is not None:
+            found[name] = target(Here(name, plan.network.seed, folder))
+    return found
+
+
+def _port_value(plan: Plan, node: str, port: str) -> Any:
+    known = plan.nodes.get(node)
+    if known is None:
+        hint = close(node, plan.nodes) or f"; it has {', '.join(plan.nodes)}"
+        raise UsageError(f"--save {node}.{port}: the network has no node {node!r:.80}{hint}")
+    if port not in known.outputs:
+        hint = close(port, known.outputs) or f"; it has {', '.join(known.outputs) or 'none'}"
+        raise UsageError(f"--save {node}.{port}: {node} has no output {port!r:.80}{hint}")
+    return known.outputs[port]
+
+
+def _region(save: Save, value: Any) -> Region | None:
+    if isinstance(value, Image):
+        return save.region(value.rows, value.columns)
+    if save.bounds:
+        raise UsageError(f"{save.shown}: only an image has a region, and no {value.port_type}")
+    return None
+
+
+def _write(
+    found: Evaluation,
+    saves: list[tuple[Path, str, Region | None]],
+    staging: Staging,
+    folder: Path,
+    frames: int | None,
+    rules: WriteRules,
+) -> None:
+    for path, port, region in saves:
+        staging.write(path, partial(_save, found, port, region, frames))
+    for node, path, writer in _sink_files(found):
+        staging.write(path, writer, partial(rules.check, node))
+    if found.chain.final is not None:
+        staging.write(folder / FINAL, partial(_final_png, found, found.chain.final))
+    staging.write(folder / MTF, partial(write_text, content=mtf_csv(found.responses)))
+    told = {**found.readouts, **_warnings(found.plan)}
+    text = json.dumps(jsonable(told), indent=2, ensure_ascii=False, allow_nan=False)
+    staging.write(folder / READOUTS, partial(write_text, content=printable(text) + "\n"))
+
+
+def _warnings(plan: Plan) -> dict[str, dict[str, list[str]]]:
+    """What the nodes warn of, under a name that no node can have; nothing where all is well."""
+    nodes = {
+        name: [each.text for each in node.warnings]
+        for name, node in plan.nodes.items()
+        if node.warnings
+    }
+    return {WARNINGS: nodes} if nodes else {}
+
+
+def _write_reports(
+    found: Evaluation, skipped: tuple[Skip, ...], options: Options, staging: Staging
+) -> None:
+    for path in options.reports:
+        from app.report import write_report
+
+        staging.write(path, partial(write_report, found, skipped))
+
+
+def _save(
+    found: Evaluation, port: str, region: Region | None, frames: int | None, path: Path
+) -> None:
+    value = found.plan.output(port)
+    try:
+        if frames is not None and isinstance(value, Image):
+            save_frames(value, path, found.work, port=port, frames=frames, region=region)
+        else:
+            save_value(value, path, found.work, port=port, region=region)
+    except ImagechainError as error:
+        raise error.at(port.rpartition(".")[0]) from error
+
+
+def _sink_files(found: Evaluation) -> list[tuple[str, Path, Callable[[Path], None]]]:
+    files: list[tuple[str, Path, Callable[[Path], None]]] = []
+    for name, each in found.plan.nodes.items():
+        if not each.declaration.sink or each.node.disabled:
+            continue
+        here = Here(name, found.network.seed, found.folder)
+        module: Any = each.module
+        try:
+            files += [(name, *file) for file in module.files(each.inputs, here, found.work)]
+        except ImagechainError as error:
+            raise error.at(name) from error
+    return files
+
+
+def _final_png(found: Evaluation, port: str, path: Path) -> None:
+    samples = realize(found.plan.output(port), found.work)
+    check_finite(samples, port)
+    write_bytes(path, encode_png(grey_levels(*robust_limits(samples), samples)))
+
+
+def _print(
+    found: Evaluation,
+    skipped: tuple[Skip, ...],
+    folder: Path,
+    options: Options,
+    sinks: dict[str, Path],
+) -> None:
+    rows = readout_rows(found)
+    if rows:
+        print(columns(rows, right=(2,)), end="\n\n")
+    told = warning_lines(found.plan)
+    if told:
+        print("\n".join(told), end="\n\n")
+    left_out = [
+        f"{each.node} (at most {each.bound:.2g})" for each in skipped if each.kind == "below_budget"
+    ]
+    if left_out:
+        budget = found.work.policy.budget
+        print(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}")
+    names = [FINAL, MTF, READOUTS] if found.chain.final is not None else [MTF, READOUTS]
+    print(f"{folder}: {', '.join(names)}")
+    if found.chain.final is None:
+        output = find_output(found.plan)
+        print(f"no {FINAL}: {how_to_choose(output) or output.missing}")
+    if found.chain.missing and found.chain.grid is not None:
+        print(f"no total in {MTF}: {found.chain.missing}")
+    others = [
+        *(save.text for save in options.saves),
+        *map(str, options.reports),
+        *map(str, sinks.values()),
+    ]
+    if others:
+        print(f"also {', '.join(others)}")

@@ -1,0 +1,194 @@
+"""``imagechain tradeoff``: figures of merit as a parameter moves, on the terminal and in files."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import threading
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from app.command.run import input_files, open_network
+from app.options.command_options import Options
+from app.options.overrides import listed
+from app.options.progress import Progress
+from app.options.stopping import too_late
+from app.run.readout_tables import warning_lines
+from app.run.shipped import find_network
+from app.run.staging import Staging
+from app.tradeoff.sweep import Point, TradeOff, with_value
+from app.tradeoff.texts import csv_text, failures, json_text, table
+from app.tradeoff.tradeoff_figures import Figure, default_figures, figures_of
+from app.tradeoff.tradeoff_results import Curve, Results, shown_value, telling
+from app.tradeoff.values import MOST, OPTION, Variation, variation
+from core.atomic import write_bytes, write_text
+from core.chain.engine import Engine, Plan
+from core.errors import Cancelled, ParameterError, UsageError
+from core.evaluation.policy import Policy
+from core.evaluation.work import Work
+from core.modules.library_type import Library
+from core.names import close, printable, shown
+from core.network.network import Network
+from nodes.library import standard_library
+
+_MOST_VARIED = 2
+
+
+def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
+    """Carry out the command; the table is printed once all files are written.
+
+    Parameters
+    ----------
+    options : Options
+        What was asked for.
+    cancel : threading.Event, optional
+        Set to stop before the next node.
+
+    Raises
+    ------
+    ImagechainError
+        The first fault; nothing has been written then. A value at which the network fails is none,
+        unless all do.
+    """
+    library = standard_library()
+    place = find_network(options.network)
+    network = open_network(place, options, library)
+    varied, second = _variations(options.vary, network, library)
+    figures = _chosen(options.figures, network, library)
+    engine = Engine(library)
+    plan = engine.plan(network, folder=place.folder)
+    with Staging(None, [place.path, *input_files(plan, place.folder)]) as staging:
+        for path in options.outputs:
+            staging.claim(path)
+        curves = _curves(options, engine, plan, (varied, second, figures), cancel)
+        if not options.figures:
+            figures = telling([f for f in figures if f.text != varied.text], curves)
+        found = Results(
+            network.name or place.name, varied, second, figures, curves, _present(plan, varied)
+        )
+        _check_told(found)
+        for path in options.outputs:
+            staging.write(path, partial(_write, found))
+        if cancel is not None and cancel.is_set():
+            raise Cancelled("stopped on request")
+        too_late(cancel)
+        staging.commit()
+    _print(found, options.outputs)
+    for line in warning_lines(plan):
+        print(line)
+
+
+def _variations(
+    texts: Sequence[str], network: Network, library: Library
+) -> tuple[Variation, Variation | None]:
+    if not 1 <= len(texts) <= _MOST_VARIED:
+        raise UsageError(f"{OPTION} is given {len(texts)} times: once, or twice for a family")
+    found = [variation(text, network, library=library) for text in texts]
+    if len(found) == 1:
+        return found[0], None
+    first, second = found
+    if first.text == second.text:
+        raise UsageError(f"{OPTION} {second.text} is given twice: vary another parameter")
+    if len(first.values) * len(second.values) > MOST:
+        raise UsageError(
+            f"{OPTION} {second.text}: {len(first.values)} × {len(second.values)} values, "
+            f"at most {MOST} are allowed"
+        )
+    return first, second
+
+
+def _chosen(texts: Sequence[str], network: Network, library: Library) -> tuple[Figure, ...]:
+    if not texts:
+        return default_figures(network, library)
+    known = figures_of(network, library)
+    for text in texts:
+        if text not in known:
+            node = text.rpartition(".")[0]
+            beside = [each for each, figure in known.items() if figure.node == node]
+            hint = listed(beside) if beside else close(text, known) or listed(known)
+            raise UsageError(f"--figure {shown(text)}: the network has no such read-out{hint}")
+    return tuple(known[text] for text in dict.fromkeys(texts))
+
+
+def _curves(
+    options: Options,
+    engine: Engine,
+    plan: Plan,
+    asked: tuple[Variation, Variation | None, tuple[Figure, ...]],
+    cancel: threading.Event | None,
+) -> tuple[Curve, ...]:
+    varied, second, figures = asked
+    sweep = TradeOff(varied.node, varied.parameter.name, varied.values, figures)
+    seconds = (None,) if second is None else second.values
+    policy = Policy(options.precision, options.tolerance, options.threads)
+    curves: list[Curve] = []
+    with Progress(len(seconds) * len(sweep.values)) as progress:
+        work = engine.work(policy, cancel=cancel)
+        for value in seconds:
+            points: list[Point] = []
+            for point in _points(sweep, engine, plan, work, second, value):
+                points.append(point)
+                label = shown_value(point.value, varied.unit)
+                # Each point counts once, also where values look alike.
+                progress(f"{len(curves) * len(sweep.values) + len(points)}: {varied.text} {label}")
+            curves.append(Curve(value, tuple(points)))
+    return tuple(curves)
+
+
+def _points(
+    sweep: TradeOff, engine: Engine, plan: Plan, work: Work, second: Variation | None, value: Any
+) -> Any:
+    """The points of one curve; all are gaps where the second value is not allowed."""
+    if second is None:
+        return sweep.points(engine, plan, work)
+    try:
+        network = with_value(plan.network, engine, second.node, second.parameter.name, value)
+    except ParameterError as error:
+        reason = str(error.at(second.node))
+        reasons = {figure.text: reason for figure in sweep.figures}
+        return (Point(each, {}, reasons) for each in sweep.values)
+    return sweep.points(engine, engine.plan(network, folder=plan.folder, previous=plan), work)
+
+
+def _present(plan: Plan, varied: Variation) -> Any:
+    default = None if varied.parameter.required else varied.parameter.default
+    return plan.network.node(varied.node).params.get(varied.parameter.name, default)
+
+
+def _check_told(found: Results) -> None:
+    """Refuse a trade-off that has nothing to show."""
+    if any(f.text in point.figures for f in found.figures for _, point in found.rows()):
+        return
+    told = found.failures()
+    if not told:  # the figures nobody chose had no value, so none is left
+        told = [("", r) for _, point in found.rows() for r in point.reasons.values()]
+    why = f": {told[0][1]}" if told else ""
+    raise UsageError(f"{OPTION} {found.varied.text}: no value of it gives a figure{why}")
+
+
+def _write(found: Results, path: Path) -> None:
+    suffix = path.suffix.lower()
+    if suffix == ".csv":
+        write_text(path, printable(csv_text(found)))
+    elif suffix == ".json":
+        write_text(path, printable(json_text(found)))
+    elif suffix == ".png":
+        from app.tradeoff.tradeoff_drawing import trade_off_png
+
+        write_bytes(path, trade_off_png(found))
+    else:
+        from app.tradeoff.tradeoff_page import page
+
+        write_text(path, printable(page(found)))
+
+
+def _print(found: Results, outputs: Sequence[Path]) -> None:
+    width = shutil.get_terminal_size().columns if sys.stdout and sys.stdout.isatty() else None
+    print(table(found, width))
+    reasons = failures(found)
+    if reasons:
+        print("\n" + "\n".join(reasons))
+    if outputs:
+        print(f"\n{', '.join(map(str, outputs))}")

@@ -1,0 +1,332 @@
+"""The view of the canvas: panning, zooming and the grid; what the mouse does is told to others."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from PySide6.QtCore import QEvent, QLineF, QPoint, QPointF, QRect, QRectF, Qt
+from PySide6.QtGui import (
+    QContextMenuEvent,
+    QDragEnterEvent,
+    QDragLeaveEvent,
+    QDragMoveEvent,
+    QDropEvent,
+    QFocusEvent,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPen,
+    QResizeEvent,
+    QTransform,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import QGraphicsView, QWidget
+
+from app.editor.canvas.items.canvas_style import CanvasStyle
+from app.editor.canvas.items.nodegraphqt import NodeViewer
+
+SMALLEST_ZOOM, LARGEST_ZOOM = 0.1, 4.0  # of the natural zoom
+_GRID = 24.0
+_GRID_LEAST_PX = 14.0
+_MARGIN = 24  # pixels around what is framed
+_STEP = 1.0015  # of zoom, for each eighth of a degree of the wheel
+
+
+class Handler(Protocol):
+    """What decides on the view's events; see `Handling`."""
+
+    def wants_key(self, event: QKeyEvent) -> bool:
+        """Whether a key is for a gesture under way, and no shortcut."""
+
+    def key(self, event: QKeyEvent) -> bool:
+        """Handle a key; whether it was for the canvas."""
+
+    def key_released(self, event: QKeyEvent) -> None:
+        """Handle a key that is let go."""
+
+    def press(self, event: QMouseEvent) -> None:
+        """Handle a button that goes down."""
+
+    def move(self, event: QMouseEvent) -> None:
+        """Handle the pointer."""
+
+    def release(self, event: QMouseEvent) -> None:
+        """Handle a button that goes up."""
+
+    def double_click(self, event: QMouseEvent) -> None:
+        """Handle a double click."""
+
+    def leave(self) -> None:
+        """Handle a pointer that has left."""
+
+    def menu(self, event: QContextMenuEvent) -> None:
+        """Open the menu that belongs there."""
+
+    def drag_over(self, event: QDragMoveEvent) -> bool:
+        """Whether what is dragged from elsewhere can be dropped there."""
+
+    def drag_left(self) -> None:
+        """Handle a drag that has left."""
+
+    def drop(self, event: QDropEvent) -> bool:
+        """Take what is dropped; whether it was taken."""
+
+
+class GraphView(NodeViewer):
+    """Shows a part of the scene. `handler` decides what the mouse and the keys do.
+
+    Of its base nothing acts by itself: neither menus nor search, nor its ways with wires.
+    """
+
+    def __init__(self, style: CanvasStyle, parent: QWidget | None = None) -> None:
+        self.style_of_canvas = style
+        self.handler: Handler | None = None
+        self._centre = QPointF()
+        self._zoom = style.natural_zoom
+        self._framed: QRectF | None = None  # what a resize is to frame again
+        self._ready = False
+        super().__init__(parent)
+        self._ready = True
+        self.setObjectName("canvas.view")
+        self.setAccessibleName("Canvas")
+        self.setMouseTracking(True)
+        self.setFrameShape(QGraphicsView.Shape.NoFrame)
+        self.setCacheMode(QGraphicsView.CacheModeFlag.CacheNone)
+        self.setViewportUpdateMode(QGraphicsView.ViewportUpdateMode.SmartViewportUpdate)
+        self.setTransformationAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
+        self.setResizeAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
+        self.setAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop)
+        self.resize(640, 420)
+        self._take_out_the_bases()
+        self._show()
+
+    @property
+    def zoom(self) -> float:
+        """Pixels for each unit of the scene."""
+        return self._zoom
+
+    @property
+    def relative_zoom(self) -> float:
+        """The zoom over the natural one, at which text is as large as the window's."""
+        return self._zoom / self.style_of_canvas.natural_zoom
+
+    @property
+    def rubber_band(self) -> QWidget:
+        """The frame that selects."""
+        return self._rubber_band
+
+    def visible_rect(self) -> QRectF:
+        """The part of the scene that is shown."""
+        size = self.viewport().size()
+        rect = QRectF(0, 0, size.width() / self._zoom, size.height() / self._zoom)
+        rect.moveCenter(self._centre)
+        return rect
+
+    def scene_point(self, pos: QPoint | QPointF) -> QPointF:
+        """The point of the scene under a pixel."""
+        return QPointF(self.mapToScene(QPointF(pos).toPoint()))
+
+    def pixel(self, point: QPointF) -> QPoint:
+        """The pixel a point of the scene is shown at."""
+        return QPoint(self.mapFromScene(point))
+
+    def pan(self, by: QPointF) -> None:
+        """Move the picture by so many pixels."""
+        self._framed = None
+        self._centre -= by / self._zoom
+        self._show()
+
+    def zoom_at(self, factor: float, pos: QPointF | None = None) -> None:
+        """Enlarge about a pixel, or the middle."""
+        self._framed = None
+        natural = self.style_of_canvas.natural_zoom
+        zoom = self._zoom * factor
+        zoom = min(max(zoom, SMALLEST_ZOOM * natural), LARGEST_ZOOM * natural)
+        where = pos if pos is not None else QRectF(self.viewport().rect()).center()
+        fixed = self.visible_rect().topLeft() + where / self._zoom
+        self._zoom = zoom
+        self._centre += fixed - (self.visible_rect().topLeft() + where / zoom)
+        self._show()
+
+    def frame(self, rect: QRectF) -> None:
+        """Show this part of the scene, no larger than natural; also once the view is resized."""
+        self._framed = QRectF(rect)
+        natural = self.style_of_canvas.natural_zoom
+        if rect.isEmpty():
+            self._centre, self._zoom = rect.center(), natural
+        else:
+            room = self.viewport().size()
+            wide = max(room.width() - 2 * _MARGIN, 20) / rect.width()
+            high = max(room.height() - 2 * _MARGIN, 20) / rect.height()
+            self._zoom = min(max(min(wide, high), SMALLEST_ZOOM * natural), natural)
+            self._centre = rect.center()
+        self._show()
+
+    def make_visible(self, rect: QRectF) -> None:
+        """Pan, as little as needed, so that this part of the scene is seen."""
+        shown = self.visible_rect()
+        margin = _MARGIN / self._zoom
+        shown.adjust(margin, margin, -margin, -margin)
+        right = max(rect.right() - shown.right(), 0.0)
+        below = max(rect.bottom() - shown.bottom(), 0.0)
+        dx = min(rect.left() - shown.left(), right) if rect.left() < shown.left() else right
+        dy = min(rect.top() - shown.top(), below) if rect.top() < shown.top() else below
+        if dx or dy:
+            self._framed = None
+            self._centre += QPointF(dx, dy)
+            self._show()
+
+    def set_style(self, style: CanvasStyle) -> None:
+        """Draw in other colours; what is natural may have changed with the font."""
+        self._zoom *= style.natural_zoom / self.style_of_canvas.natural_zoom
+        self.style_of_canvas = style
+        self._show()
+        self.viewport().update()
+
+    def _show(self) -> None:
+        # The scene's rectangle is what is seen of it: nothing is left to be scrolled.
+        self.setSceneRect(self.visible_rect())
+        self.setTransform(QTransform.fromScale(self._zoom, self._zoom))
+
+    def _take_out_the_bases(self) -> None:
+        for item in (self._cursor_text, self._LIVE_PIPE, self._SLICER_PIPE):
+            self.scene().removeItem(item)
+        for widget in (self._search_widget, self._ctx_graph_menu, self._ctx_node_menu):
+            widget.setParent(None)
+            widget.deleteLater()
+        self._ctx_menu_bar.setParent(None)
+        self._ctx_menu_bar.deleteLater()
+
+    # Qt's events
+
+    def drawBackground(self, painter: QPainter, rect: QRectF | QRect) -> None:
+        """Fill the ground and draw the grid, coarser where the picture is small."""
+        theme = self.style_of_canvas.theme
+        painter.fillRect(rect, theme.canvas)
+        step = _GRID
+        while step * self._zoom < _GRID_LEAST_PX:
+            step *= 4
+        area = QRectF(rect)
+        left = int(area.left() // step)
+        top = int(area.top() // step)
+        lines = [
+            QLineF(x * step, area.top(), x * step, area.bottom())
+            for x in range(left, int(area.right() // step) + 1)
+        ]
+        lines += [
+            QLineF(area.left(), y * step, area.right(), y * step)
+            for y in range(top, int(area.bottom() // step) + 1)
+        ]
+        pen = QPen(theme.grid)
+        pen.setCosmetic(True)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+        painter.setPen(pen)
+        painter.drawLines(lines)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, True)
+
+    def _update_scene(self) -> None:
+        if self._ready:
+            self._show()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Keep what was framed framed, else the middle in the middle."""
+        QGraphicsView.resizeEvent(self, event)
+        if self._ready and self._framed is not None:
+            self.frame(self._framed)
+        elif self._ready:
+            self._show()
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Only what every view does."""
+        QGraphicsView.focusInEvent(self, event)
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Only what every view does."""
+        QGraphicsView.focusOutEvent(self, event)
+
+    def focusNextPrevChild(self, onward: bool) -> bool:
+        """Tab is a key of the canvas; Shift+Tab leaves it."""
+        return False if onward else bool(QGraphicsView.focusNextPrevChild(self, onward))
+
+    def event(self, event: QEvent) -> bool:
+        """Claim the keys that a gesture needs before they become shortcuts."""
+        if (
+            event.type() == QEvent.Type.ShortcutOverride
+            and isinstance(event, QKeyEvent)
+            and self.handler is not None
+            and self.handler.wants_key(event)
+        ):
+            event.accept()
+            return True
+        return bool(QGraphicsView.event(self, event))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Tell the handler."""
+        if self.handler is not None:
+            self.handler.press(event)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Tell the handler."""
+        if self.handler is not None:
+            self.handler.move(event)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Tell the handler."""
+        if self.handler is not None:
+            self.handler.release(event)
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Tell the handler."""
+        if self.handler is not None:
+            self.handler.double_click(event)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Tell the handler."""
+        QGraphicsView.leaveEvent(self, event)
+        if self.handler is not None:
+            self.handler.leave()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Zoom at the pointer."""
+        turned = event.angleDelta().y() or event.angleDelta().x()
+        self.zoom_at(_STEP**turned, event.position())
+        event.accept()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Tell the handler; what it does not want goes on to the parents."""
+        if self.handler is None or not self.handler.key(event):
+            event.ignore()
+
+    def keyReleaseEvent(self, event: QKeyEvent) -> None:
+        """Tell the handler."""
+        if self.handler is not None:
+            self.handler.key_released(event)
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Tell the handler."""
+        if self.handler is not None:
+            self.handler.menu(event)
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        """Take what the handler takes."""
+        self.dragMoveEvent(event)
+
+    def dragMoveEvent(self, event: QDragMoveEvent) -> None:
+        """Take what the handler takes."""
+        if self.handler is not None and self.handler.drag_over(event):
+            event.acceptProposedAction()
+        else:
+            event.ignore()
+
+    def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
+        """Tell the handler."""
+        if self.handler is not None:
+            self.handler.drag_left()
+        event.accept()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        """Give it to the handler."""
+        if self.handler is not None and self.handler.drop(event):
+            event.acceptProposedAction()
+        else:
+            event.ignore()

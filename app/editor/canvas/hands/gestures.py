@@ -1,0 +1,140 @@
+"""What is done with a mouse button held down. None touches the document before it ends."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+
+from PySide6.QtCore import QPoint, QPointF, QRect, QRectF, Qt
+
+from app.editor.canvas.hands.surface import Surface
+from app.editor.canvas.items.hits import wires_crossed
+from core.editing.wiring import Rewire
+
+DRAG_PX = 4  # what is moved less is a click
+
+
+class Gesture(ABC):
+    """One drag, from the press to the release.
+
+    Parameters
+    ----------
+    surface : Surface
+        What it works with.
+    pos : QPoint
+        The pixel of the view that was pressed.
+    """
+
+    def __init__(self, surface: Surface, pos: QPoint) -> None:
+        self.surface = surface
+        self.pressed = pos
+        self.start = surface.view.scene_point(pos)
+        self.dragging = False
+
+    def to(self, pos: QPoint) -> None:
+        """The pointer is there now."""
+        if not self.dragging and (pos - self.pressed).manhattanLength() >= DRAG_PX:
+            self.dragging = True
+        if self.dragging:
+            self.drag(pos, self.surface.view.scene_point(pos))
+
+    def release(self, pos: QPoint) -> None:
+        """The button went up there."""
+        self.to(pos)
+        point = self.surface.view.scene_point(pos)
+        self.leave()
+        if self.dragging:
+            self.drop(pos, point)
+        else:
+            self.click()
+
+    def cancel(self) -> None:
+        """It is given up: nothing has happened."""
+        self.leave()
+
+    @abstractmethod
+    def drag(self, pos: QPoint, point: QPointF) -> None:
+        """Show where it has come to."""
+
+    @abstractmethod
+    def drop(self, pos: QPoint, point: QPointF) -> None:
+        """Do it."""
+
+    @abstractmethod
+    def leave(self) -> None:
+        """Take away what was only shown."""
+
+    def click(self) -> None:  # noqa: B027 - most gestures mean nothing by a click
+        """It was no drag."""
+
+
+class Pan(Gesture):
+    """Move the picture."""
+
+    def __init__(self, surface: Surface, pos: QPoint) -> None:
+        super().__init__(surface, pos)
+        self._last = pos
+        surface.view.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+
+    def drag(self, pos: QPoint, _point: QPointF) -> None:
+        """The picture follows the pointer."""
+        self.surface.view.pan(QPointF(pos - self._last))
+        self._last = pos
+
+    def drop(self, pos: QPoint, point: QPointF) -> None:
+        """Nothing: it is where it is."""
+
+    def leave(self) -> None:
+        """The pointer is an arrow again."""
+        self.surface.view.viewport().unsetCursor()
+
+
+class RubberBand(Gesture):
+    """Select what lies in a frame; `kept` stay selected."""
+
+    def __init__(self, surface: Surface, pos: QPoint, kept: Iterable[str] = ()) -> None:
+        super().__init__(surface, pos)
+        self._kept = tuple(kept)
+        self._inside: tuple[str, ...] = ()
+
+    def drag(self, pos: QPoint, point: QPointF) -> None:
+        """Show the frame, and mark what it would select."""
+        band = self.surface.view.rubber_band
+        band.setGeometry(QRect(self.pressed, pos).normalized())
+        band.show()
+        area = QRectF(self.start, point).normalized()
+        nodes = self.surface.content.nodes
+        self._inside = tuple(name for name, item in nodes.items() if item.frame().intersects(area))
+        self.surface.content.mark_selected((*self._kept, *self._inside))
+
+    def drop(self, _pos: QPoint, _point: QPointF) -> None:
+        """Select them."""
+        self.surface.session.select((*self._kept, *self._inside))
+
+    def click(self) -> None:
+        """Beside everything: select nothing."""
+        self.surface.session.select(self._kept)
+
+    def leave(self) -> None:
+        """No frame, and the marks as the session has them."""
+        self.surface.view.rubber_band.hide()
+        self.surface.content.mark_selected(self.surface.session.selection)
+
+
+class Cut(Gesture):
+    """Draw a line; the wires it crosses are taken away."""
+
+    def drag(self, _pos: QPoint, point: QPointF) -> None:
+        """Show the line."""
+        self.surface.live.show_cut(self.start, point, self.surface.content.style.error)
+
+    def drop(self, _pos: QPoint, point: QPointF) -> None:
+        """Take the wires away."""
+        links = tuple(wire.link for wire in wires_crossed(self.surface.content, self.start, point))
+        if links:
+            label = f"Cut {links[0]}" if len(links) == 1 else f"Cut {len(links)} wires"
+            self.surface.session.do(Rewire(remove=links, label=label))
+
+    def leave(self) -> None:
+        """No line."""
+        self.surface.live.setVisible(False)

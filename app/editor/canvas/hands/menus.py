@@ -1,0 +1,101 @@
+"""The menus of the right button: what can be done with a node, a wire, a backdrop, the canvas."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QObject, QPoint, Signal
+from PySide6.QtGui import QAction, QContextMenuEvent
+from PySide6.QtWidgets import QMenu, QWidget
+
+from app.editor.canvas.hands.surface import Surface
+from app.editor.canvas.items.hits import Hit
+from app.editor.canvas.items.marks import Marks
+from core.editing.wiring import Rewire
+
+
+class Menus(QObject):
+    """Pops menus up and goes on; none waits for an answer.
+
+    Signals
+    -------
+    title_wanted(index)
+        The backdrop's title is to be edited.
+    removal_wanted
+        The selected backdrop is to be taken away.
+    """
+
+    title_wanted = Signal(int)
+    removal_wanted = Signal()
+
+    def __init__(self, surface: Surface, marks: Marks, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._surface = surface
+        self._marks = marks
+        self.node_menu = _menu("canvas.menu.node", parent)
+        self.canvas_menu = _menu("canvas.menu.canvas", parent)
+        self.wire_menu = _menu("canvas.menu.wire", parent)
+        self.backdrop_menu = _menu("canvas.menu.backdrop", parent)
+        self.wire_menu.addAction("&Disconnect").triggered.connect(self._disconnect)
+        self.backdrop_menu.addAction("&Edit Title").triggered.connect(self._edit_title)
+        self.backdrop_menu.addAction("&Delete Backdrop").triggered.connect(self.removal_wanted)
+
+    def fill(self, node_actions: Sequence[QAction], canvas_actions: Sequence[QAction]) -> None:
+        """Give the menus of nodes and of empty ground their actions."""
+        for menu, actions in ((self.node_menu, node_actions), (self.canvas_menu, canvas_actions)):
+            menu.clear()
+            menu.addActions(list(actions))
+
+    def open(self, event: QContextMenuEvent) -> None:
+        """Pop up the menu of what is under the pointer or, by the keyboard, what is selected."""
+        if event.reason() == QContextMenuEvent.Reason.Keyboard:
+            found, pos = self._selected()
+        else:
+            pos = event.pos()
+            found = self._surface.hit(self._surface.view.scene_point(pos))
+        menu = self._menu_of(found)
+        if menu.actions():
+            menu.popup(self._surface.view.viewport().mapToGlobal(pos))
+
+    def _menu_of(self, found: Hit) -> QMenu:
+        session = self._surface.session
+        if found.node is not None:
+            if found.node.id not in session.selection:
+                self._marks.choose(None, None)
+                session.select([found.node.id])
+            return self.node_menu
+        if found.wire is not None or found.backdrop is not None:
+            session.select(())
+            self._marks.choose(found.wire.link if found.wire else None, found.backdrop)
+            return self.wire_menu if found.wire is not None else self.backdrop_menu
+        return self.canvas_menu
+
+    def _selected(self) -> tuple[Hit, QPoint]:
+        content, view = self._surface.content, self._surface.view
+        names = self._surface.session.selection
+        link, backdrop = self._marks.link, self._marks.backdrop
+        if names:
+            item = content.nodes[names[-1]]
+            return Hit(node=item), view.pixel(item.frame().center())
+        if link is not None:
+            wire = content.wires[link]
+            return Hit(wire=wire), view.pixel(wire.line()[len(wire.line()) // 2])
+        if backdrop is not None:
+            return Hit(backdrop=backdrop), view.pixel(backdrop.head(view.zoom).center())
+        return Hit(), view.viewport().rect().center()
+
+    def _disconnect(self) -> None:
+        link = self._marks.link
+        if link is not None:
+            self._surface.session.do(Rewire(remove=(link,)))
+
+    def _edit_title(self) -> None:
+        if self._marks.backdrop is not None:
+            self.title_wanted.emit(self._marks.backdrop.index)
+
+
+def _menu(name: str, parent: QWidget) -> QMenu:
+    menu = QMenu(parent)
+    menu.setObjectName(name)
+    menu.setToolTipsVisible(True)
+    return menu

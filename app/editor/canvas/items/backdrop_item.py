@@ -1,0 +1,96 @@
+"""A backdrop on the canvas: a titled ground behind nodes that belong together."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
+
+from app.editor.canvas.items.canvas_style import CanvasStyle
+from app.editor.canvas.items.nodegraphqt import AbstractNodeItem
+
+HEAD = 26.0
+HANDLE = 16.0
+SMALLEST = QSizeF(96, 64)
+_READABLE_PX = 11.0
+_HIGHEST = 190.0  # of a title, in units
+
+
+class BackdropItem(AbstractNodeItem):
+    """A backdrop. `index` is its place in the document's list."""
+
+    def __init__(self, index: int, title: str, rect: QRectF, style: CanvasStyle) -> None:
+        super().__init__(title)
+        self.index = index
+        self.title = title
+        self.style = style
+        self.setCacheMode(QGraphicsItem.CacheMode.NoCache)
+        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIsMovable, False)
+        self.setZValue(-2)
+        self.setToolTip("")
+        self.place(rect)
+
+    def place(self, rect: QRectF) -> None:
+        """Put it there."""
+        self.prepareGeometryChange()
+        self.setPos(rect.topLeft())
+        self._width, self._height = rect.width(), rect.height()
+        self.update()
+
+    def frame(self) -> QRectF:
+        """Where it is in the scene."""
+        return QRectF(self.pos(), QSizeF(self._width, self._height))
+
+    def head(self, zoom: float) -> QRectF:
+        """Where its title is, to be dragged by."""
+        return self._head(zoom).translated(self.pos())
+
+    def handle(self) -> QRectF:
+        """The corner that resizes it."""
+        corner = self.frame().bottomRight()
+        return QRectF(corner - QPointF(HANDLE, HANDLE), corner)
+
+    def boundingRect(self) -> QRectF:
+        """The ground with its border, and its title wherever it stands."""
+        return QRectF(-2, -_HIGHEST, self._width + 4, self._height + _HIGHEST + 2)
+
+    def set_style(self, style: CanvasStyle) -> None:
+        """Draw it in other colours."""
+        self.style = style
+        self.update()
+
+    def paint(
+        self,
+        painter: QPainter,
+        _option: QStyleOptionGraphicsItem,
+        _widget: QWidget | None = None,
+    ) -> None:
+        """Draw ground, title and handle."""
+        zoom = max(painter.worldTransform().m11(), 1e-3)
+        style = self.style
+        frame = QRectF(0, 0, self._width, self._height)
+        ground = QColor(style.theme.raised)
+        ground.setAlpha(130)
+        border = style.accent if self.selected else QColor(style.theme.line)
+        painter.setPen(QPen(border, max(1.4, (2.0 if self.selected else 1.0) / zoom)))
+        painter.setBrush(ground)
+        painter.drawRoundedRect(frame, 6, 6)
+        head = self._head(zoom)
+        painter.setFont(style.sized(round(head.height() * 0.58), bold=True))
+        painter.setPen(style.text)
+        room = head.adjusted(10, 0, -10, 0)
+        text = painter.fontMetrics().elidedText(
+            self.title, Qt.TextElideMode.ElideRight, int(room.width())
+        )
+        painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, text)
+        painter.setPen(QPen(style.faint, 1.4))
+        corner = frame.bottomRight()
+        for step in (5.0, 10.0):
+            painter.drawLine(corner - QPointF(step, 3), corner - QPointF(3, step))
+
+    def _head(self, zoom: float) -> QRectF:
+        """On the ground; or, where letters of that size are too small, larger and above it."""
+        height = min(1.7 * _READABLE_PX * self.style.natural_zoom / zoom, _HIGHEST)
+        if height <= HEAD:
+            return QRectF(0, 0, self._width, HEAD)
+        return QRectF(0, -height, self._width, height)

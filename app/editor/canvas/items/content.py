@@ -1,0 +1,257 @@
+"""The items on the canvas, made to follow a network: only what differs is touched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtWidgets import QGraphicsScene
+
+from app.editor.canvas.items.backdrop_item import BackdropItem
+from app.editor.canvas.items.canvas_style import CanvasStyle
+from app.editor.canvas.items.faces import face_of
+from app.editor.canvas.items.node_item import NodeItem
+from app.editor.canvas.items.points import points_of
+from app.editor.canvas.items.routing import Box
+from app.editor.canvas.items.wire_item import WireItem
+from app.editor.evaluation.queries import Badge
+from core.editing.backdrops import backdrops_of
+from core.editing.nodes import Point
+from core.modules.declaration import declaration
+from core.network.network import Library, Link, Network, Node
+
+
+class Content:
+    """Nodes by id, wires by link and backdrops in order.
+
+    Parameters
+    ----------
+    scene : QGraphicsScene
+        What holds the items.
+    library : mapping
+        Modules by key.
+    style : CanvasStyle
+        What the items are drawn with.
+    """
+
+    def __init__(self, scene: QGraphicsScene, library: Library, style: CanvasStyle) -> None:
+        self.nodes: dict[str, NodeItem] = {}
+        self.wires: dict[Link, WireItem] = {}
+        self.backdrops: list[BackdropItem] = []
+        self.style = style
+        self._scene = scene
+        self._library = library
+        self._drawn: dict[str, Node] = {}
+        self._links: tuple[Link, ...] = ()
+        self._points: dict[str, Point] = {}
+        self._frames: list[QRectF] = []
+        self._extra: Mapping[str, Any] | None = None
+        self._badges: Mapping[str, Badge] = {}
+        self._at: dict[str, list[WireItem]] = {}
+        self._selected: frozenset[str] = frozenset()
+        self._marked: frozenset[str] = frozenset()
+
+    def clear(self) -> None:
+        """Take everything out."""
+        for wire in list(self.wires.values()):
+            self._remove_wire(wire)
+        for name in list(self.nodes):
+            self._remove_node(name)
+        self._follow_backdrops([])
+        self._extra = None
+        self._links = ()
+        self._points = {}
+        self._badges = {}
+
+    def follow(self, network: Network) -> None:
+        """Show this network."""
+        links_differ = network.links != self._links
+        touched = links_at(network) if links_differ else {}
+        for name in [name for name in self.nodes if name not in network.nodes]:
+            self._remove_node(name)
+        marked = frozenset(network.output_nodes)
+        remarked = marked ^ self._marked
+        self._marked = marked
+        for name, node in network.nodes.items():
+            if links_differ or name in remarked or self._drawn.get(name) is not node:
+                self._follow_node(node, touched.get(name, self._links_of(name)))
+        points = points_of(network)
+        moved = points != self._points
+        if moved:
+            self._points = points
+            self.place({name: QPointF(*at) for name, at in points.items()})
+        if links_differ or len(self.wires) != len(network.links):
+            self._follow_links(network)
+            moved = True
+        if moved:
+            self.route()
+        if network.extra is not self._extra:
+            self._extra = network.extra
+            self._follow_backdrops(
+                [(each.title, QRectF(*_rect(each))) for each in backdrops_of(network)]
+            )
+
+    def wires_at(self, name: str) -> list[WireItem]:
+        """The wires that begin or end at a node."""
+        return self._at.get(name, [])
+
+    def place(self, places: Mapping[str, QPointF]) -> None:
+        """Put nodes' items somewhere; their wires follow."""
+        moved = {name for name, at in places.items() if self.nodes[name].pos() != at}
+        for name in moved:
+            self.nodes[name].setPos(places[name])
+        if moved:
+            boxes = self.boxes()
+            for wire in {wire for name in moved for wire in self.wires_at(name)}:
+                wire.redraw(boxes)
+
+    def restore(self) -> None:
+        """Put everything back where the network has it, after something was only shown."""
+        self.place({name: QPointF(*at) for name, at in self._points.items()})
+        for item, frame in zip(self.backdrops, self._frames, strict=True):
+            if item.frame() != frame:
+                item.place(frame)
+        self.route()
+
+    def sizes(self) -> dict[str, tuple[float, float]]:
+        """Width and height of every node."""
+        return {name: item.size for name, item in self.nodes.items()}
+
+    def route(self) -> None:
+        """Lead every wire anew past the nodes."""
+        boxes = self.boxes()
+        for wire in self.wires.values():
+            wire.redraw(boxes)
+
+    def boxes(self) -> list[Box]:
+        """Where the nodes are."""
+        return [item.box() for item in self.nodes.values()]
+
+    def bounds(self, names: Iterable[str] | None = None) -> QRectF:
+        """What the nodes take up; of all, the backdrops too. Null where there is nothing."""
+        whole = QRectF()
+        chosen = self.nodes if names is None else [n for n in names if n in self.nodes]
+        for name in chosen:
+            whole = whole.united(self.nodes[name].frame())
+        for backdrop in self.backdrops if names is None else ():
+            whole = whole.united(backdrop.frame())
+        return whole
+
+    def mark_selected(self, names: Iterable[str]) -> None:
+        """Show which nodes are selected, and light their wires."""
+        chosen = frozenset(name for name in names if name in self.nodes)
+        touched = chosen ^ self._selected
+        self._selected = chosen
+        for name in touched & self.nodes.keys():
+            self.nodes[name].setSelected(name in chosen)
+            self.nodes[name].setZValue(2.0 if name in chosen else 1.0)
+            for wire in self.wires_at(name):
+                wire.set_state(lit=bool({wire.link.source, wire.link.target} & chosen))
+
+    def set_badges(self, badges: Mapping[str, Badge]) -> None:
+        """Show these badges and no others."""
+        self._badges = badges
+        for name, item in self.nodes.items():
+            item.set_badge(badges.get(name))
+
+    def set_style(self, style: CanvasStyle) -> None:
+        """Draw everything in other colours."""
+        self.style = style
+        for node in self.nodes.values():
+            node.set_style(style)
+        for wire in self.wires.values():
+            wire.set_style(style)
+        for backdrop in self.backdrops:
+            backdrop.set_style(style)
+
+    def _follow_node(self, node: Node, links: list[Link]) -> None:
+        module = self._library.get(node.module)
+        declared = declaration(module) if module is not None else None
+        face = face_of(node, declared, links, output=node.id in self._marked)
+        old = self.nodes.get(node.id)
+        was_disabled = old is not None and old.face.disabled
+        self._drawn[node.id] = node
+        if old is not None and old.take_face(face):
+            if old.face.disabled != was_disabled:
+                for wire in self.wires_at(node.id):
+                    wire.update()
+            return
+        item = NodeItem(face, self.style)
+        if old is not None:
+            item.setPos(old.pos())
+            self._remove_node(node.id)
+            self._drawn[node.id] = node
+        item.set_badge(self._badges.get(node.id))
+        if node.id in self._selected:
+            item.setSelected(True)
+        self.nodes[node.id] = item
+        self._scene.addItem(item)
+
+    def _follow_links(self, network: Network) -> None:
+        wanted = set(network.links)
+        for wire in [wire for link, wire in self.wires.items() if link not in wanted]:
+            self._remove_wire(wire)
+        for link in network.links:
+            if link not in self.wires and {link.source, link.target} <= self.nodes.keys():
+                self._add_wire(link)
+        self._links = network.links
+
+    def _follow_backdrops(self, wanted: list[tuple[str, QRectF]]) -> None:
+        self._frames = [rect for _, rect in wanted]
+        while len(self.backdrops) > len(wanted):
+            self._scene.removeItem(self.backdrops.pop())
+        for index, (title, rect) in enumerate(wanted):
+            if index == len(self.backdrops):
+                item = BackdropItem(index, title, rect, self.style)
+                self.backdrops.append(item)
+                self._scene.addItem(item)
+            item = self.backdrops[index]
+            if item.title != title:
+                item.title = title
+                item.update()
+            if item.frame() != rect:
+                item.place(rect)
+
+    def _add_wire(self, link: Link) -> None:
+        source, target = self.nodes[link.source], self.nodes[link.target]
+        output, entry = source.ports["output", link.output], target.ports["input", link.input]
+        wire = WireItem(link, output, entry, self.style)
+        if {link.source, link.target} & self._selected:
+            wire.set_state(lit=True)
+        self.wires[link] = wire
+        for name in {link.source, link.target}:
+            self._at.setdefault(name, []).append(wire)
+            self.nodes[name].update()
+        self._scene.addItem(wire)
+
+    def _remove_wire(self, wire: WireItem) -> None:
+        del self.wires[wire.link]
+        for name in {wire.link.source, wire.link.target}:
+            self._at[name].remove(wire)
+        wire.forget()
+
+    def _remove_node(self, name: str) -> None:
+        for wire in list(self.wires_at(name)):
+            self._remove_wire(wire)
+        self._at.pop(name, None)
+        self._drawn.pop(name, None)
+        item = self.nodes.pop(name)
+        item.ports.clear()
+        self._scene.removeItem(item)
+
+    def _links_of(self, name: str) -> list[Link]:
+        return [wire.link for wire in self.wires_at(name)]
+
+
+def links_at(network: Network) -> dict[str, list[Link]]:
+    """The links at each node."""
+    found: dict[str, list[Link]] = {}
+    for link in network.links:
+        for name in {link.source, link.target}:
+            found.setdefault(name, []).append(link)
+    return found
+
+
+def _rect(backdrop: Any) -> tuple[float, float, float, float]:
+    return backdrop.x, backdrop.y, backdrop.width, backdrop.height

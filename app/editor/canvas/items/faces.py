@@ -1,0 +1,117 @@
+"""What a node shows of itself, from its module's declaration or, for lack of one, its links."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from core.modules.declaration import Declaration, Port
+from core.network.network import Link, Node
+
+Side = Literal["input", "output"]
+
+
+@dataclass(frozen=True)
+class PortFace:
+    """A port as it is drawn; without types where the module does not declare it."""
+
+    side: Side
+    name: str
+    types: tuple[str, ...] = ()
+    required: bool = True
+
+    @property
+    def tooltip(self) -> str:
+        """What the pointer is told."""
+        if not self.types:
+            return f"{self.name}: {self.side} of an unknown type"
+        kinds = " or ".join(self.types)
+        need = "" if self.side == "output" else ", required" if self.required else ", optional"
+        return f"{self.name}: {self.side}, {kinds}{need}"
+
+
+@dataclass(frozen=True)
+class NodeFace:
+    """A node as it is drawn.
+
+    Parameters
+    ----------
+    id : str
+        The node's id.
+    title : str
+        The module's title; its key where the module is not known.
+    group : str
+        The library's group; empty where the module is not known.
+    summary : str
+        What the module does, for the tooltip.
+    inputs, outputs : tuple of PortFace
+        The ports from top to bottom.
+    known : bool
+        Whether the library has the module.
+    disabled : bool
+        Whether the node only passes its input through.
+    output : bool
+        Whether its picture is marked as what the network delivers.
+    """
+
+    id: str
+    title: str
+    group: str
+    summary: str
+    inputs: tuple[PortFace, ...]
+    outputs: tuple[PortFace, ...]
+    known: bool = True
+    disabled: bool = False
+    output: bool = False
+
+    @property
+    def subtitle(self) -> str:
+        """The id, where it says more than the title."""
+        return "" if _plain(self.id) == _plain(self.title) else self.id
+
+    @property
+    def tooltip(self) -> str:
+        """What the pointer is told."""
+        state = " (disabled: passes its input through)" if self.disabled else ""
+        mark = "\nIts picture is marked as the network's output." if self.output else ""
+        return f"{self.title} · {self.id}{state}\n{self.summary}{mark}"
+
+    def port(self, side: Side, name: str) -> PortFace | None:
+        """The port of that name."""
+        ports = self.inputs if side == "input" else self.outputs
+        return next((port for port in ports if port.name == name), None)
+
+
+def face_of(
+    node: Node, declared: Declaration | None, links: Sequence[Link], *, output: bool = False
+) -> NodeFace:
+    """The face of a node with the links at it; ports only a link knows are shown as well."""
+    inputs = _faces("input", declared.inputs if declared else ())
+    outputs = _faces("output", declared.outputs if declared else ())
+    coming = (link.input for link in links if link.target == node.id)
+    going = (link.output for link in links if link.source == node.id)
+    return NodeFace(
+        id=node.id,
+        title=declared.title if declared else node.module,
+        group=declared.group if declared else "",
+        summary=declared.summary if declared else f"The library has no module {node.module}.",
+        inputs=inputs + _missing("input", inputs, coming),
+        outputs=outputs + _missing("output", outputs, going),
+        known=declared is not None,
+        disabled=node.disabled,
+        output=output,
+    )
+
+
+def _faces(side: Side, ports: Iterable[Port]) -> tuple[PortFace, ...]:
+    return tuple(PortFace(side, port.name, port.types, port.required) for port in ports)
+
+
+def _missing(side: Side, known: tuple[PortFace, ...], names: Iterable[str]) -> tuple[PortFace, ...]:
+    there = {port.name for port in known}
+    return tuple(PortFace(side, name) for name in dict.fromkeys(names) if name not in there)
+
+
+def _plain(text: str) -> str:
+    return "".join(letter for letter in text.casefold() if letter.isalnum())

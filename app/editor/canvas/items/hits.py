@@ -1,0 +1,127 @@
+"""What of the content lies under a point, by geometry alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from operator import itemgetter
+
+from PySide6.QtCore import QPointF, QRectF
+
+from app.editor.canvas.items.backdrop_item import BackdropItem
+from app.editor.canvas.items.content import Content
+from app.editor.canvas.items.node_item import NodeItem, NodePort
+from app.editor.canvas.items.wire_item import WireItem
+
+_PORT_PX, _PORT_LEAST, _PORT_MOST = 9.0, 9.0, 26.0
+_PORTS_FROM = 0.25  # below this zoom ports are too small to be meant
+_WIRE_PX = 6.0
+
+
+@dataclass(frozen=True)
+class Hit:
+    """The foremost thing under a point, or nothing. A port comes with its node."""
+
+    port: NodePort | None = None
+    node: NodeItem | None = None
+    wire: WireItem | None = None
+    backdrop: BackdropItem | None = None
+    handle: bool = False
+
+
+def hit(content: Content, point: QPointF, zoom: float) -> Hit:
+    """What lies at a point of the scene."""
+    node = node_at(content, point)
+    port = port_near(content, point, zoom)
+    if port is not None and (node is None or node is port.node):
+        return Hit(port=port, node=port.node)
+    if node is not None:
+        return Hit(node=node)
+    wire = wire_near(content, point, _WIRE_PX / zoom)
+    if wire is not None:
+        return Hit(wire=wire)
+    for backdrop in reversed(content.backdrops):
+        if backdrop.handle().contains(point):
+            return Hit(backdrop=backdrop, handle=True)
+        if backdrop.head(zoom).contains(point):
+            return Hit(backdrop=backdrop)
+    return Hit()
+
+
+def node_at(content: Content, point: QPointF) -> NodeItem | None:
+    """The foremost node whose frame holds the point."""
+    found = [item for item in content.nodes.values() if item.frame().contains(point)]
+    return max(reversed(found), key=NodeItem.zValue, default=None)
+
+
+def port_near(content: Content, point: QPointF, zoom: float) -> NodePort | None:
+    """The nearest port within reach."""
+    if zoom / content.style.natural_zoom < _PORTS_FROM:
+        return None
+    reach = min(max(_PORT_PX / zoom, _PORT_LEAST), _PORT_MOST)
+    best: tuple[float, NodePort] | None = None
+    for item in content.nodes.values():
+        if not item.frame().adjusted(-reach, -reach, reach, reach).contains(point):
+            continue
+        for port in item.ports.values():
+            away = _length(port.centre() - point)
+            if away <= reach and (best is None or away < best[0]):
+                best = (away, port)
+    return best[1] if best is not None else None
+
+
+def wire_near(content: Content, point: QPointF, reach: float) -> WireItem | None:
+    """The nearest wire that passes within reach."""
+    return next(iter(wires_near(content, point, reach)), None)
+
+
+def wires_near(content: Content, point: QPointF, reach: float) -> list[WireItem]:
+    """The wires that pass within reach, the nearest first."""
+    found = []
+    for wire in content.wires.values():
+        around = wire.boundingRect().adjusted(-reach, -reach, reach, reach)
+        if wire.isVisible() and around.contains(point):
+            away = distance(wire.line(), point)
+            if away <= reach:
+                found.append((away, wire))
+    return [wire for _, wire in sorted(found, key=itemgetter(0))]
+
+
+def wires_crossed(content: Content, start: QPointF, end: QPointF) -> list[WireItem]:
+    """The wires that a straight cut meets."""
+    area = QRectF(start, end).normalized().adjusted(-1, -1, 1, 1)
+    return [
+        wire
+        for wire in content.wires.values()
+        if wire.boundingRect().intersects(area) and _crossed(wire.line(), start, end)
+    ]
+
+
+def distance(line: list[QPointF], point: QPointF) -> float:
+    """From a point to the nearest place of a broken line."""
+    best = float("inf")
+    px, py = point.x(), point.y()
+    for a, b in pairwise(line):
+        ax, ay, dx, dy = a.x(), a.y(), b.x() - a.x(), b.y() - a.y()
+        length = dx * dx + dy * dy
+        t = 0.0 if not length else ((px - ax) * dx + (py - ay) * dy) / length
+        t = min(max(t, 0.0), 1.0)
+        away = (ax + t * dx - px) ** 2 + (ay + t * dy - py) ** 2
+        best = min(best, away)
+    return float(best**0.5)
+
+
+def _crossed(line: list[QPointF], start: QPointF, end: QPointF) -> bool:
+    return any(
+        _side(start, end, a) * _side(start, end, b) <= 0
+        and _side(a, b, start) * _side(a, b, end) <= 0
+        for a, b in pairwise(line)
+    )
+
+
+def _side(a: QPointF, b: QPointF, point: QPointF) -> float:
+    return (b.x() - a.x()) * (point.y() - a.y()) - (b.y() - a.y()) * (point.x() - a.x())
+
+
+def _length(vector: QPointF) -> float:
+    return float((vector.x() ** 2 + vector.y() ** 2) ** 0.5)

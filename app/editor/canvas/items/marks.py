@@ -1,0 +1,78 @@
+"""Which wire and which backdrop are selected, and what the pointer is over: the view's alone.
+
+Held by what the document calls them, never as items: those come and go.
+"""
+
+from __future__ import annotations
+
+from app.editor.canvas.items.backdrop_item import BackdropItem
+from app.editor.canvas.items.content import Content
+from app.editor.canvas.items.faces import Side
+from app.editor.canvas.items.hits import Hit
+from core.network.network import Link
+
+
+class Marks:
+    """At most one wire or one backdrop is selected; nodes are selected in the session."""
+
+    def __init__(self, content: Content) -> None:
+        self._content = content
+        self._link: Link | None = None
+        self._backdrop: int | None = None
+        self._over_port: tuple[str, Side, str] | None = None
+        self._over_wire: Link | None = None
+
+    @property
+    def link(self) -> Link | None:
+        """The selected wire's link, while it is there."""
+        return self._link if self._link in self._content.wires else None
+
+    @property
+    def backdrop(self) -> BackdropItem | None:
+        """The selected backdrop, while it is there."""
+        found = self._content.backdrops
+        index = self._backdrop
+        return found[index] if index is not None and index < len(found) else None
+
+    def choose(self, link: Link | None, backdrop: BackdropItem | None) -> None:
+        """Select a wire, a backdrop, or neither."""
+        self._show_chosen(False)
+        self._link = link
+        self._backdrop = backdrop.index if backdrop is not None else None
+        self._show_chosen(True)
+
+    def hover(self, hit: Hit) -> None:
+        """Mark the port or the wire under the pointer, and no other."""
+        port = hit.port
+        over = (port.node.id, port.face.side, port.name) if port is not None else None
+        if over != self._over_port:
+            self._show_port(False)
+            self._over_port = over
+            self._show_port(True)
+        link = hit.wire.link if hit.wire is not None else None
+        if link != self._over_wire:
+            self._show_wire(False)
+            self._over_wire = link
+            self._show_wire(True)
+
+    def _show_chosen(self, on: bool) -> None:
+        wire = self._content.wires.get(self._link) if self._link is not None else None
+        if wire is not None:
+            wire.set_state(chosen=on)
+        if self.backdrop is not None:
+            self.backdrop.setSelected(on)
+            self.backdrop.update()
+
+    def _show_port(self, on: bool) -> None:
+        if self._over_port is None:
+            return
+        name, side, port = self._over_port
+        item = self._content.nodes.get(name)
+        if item is not None and (side, port) in item.ports:
+            item.ports[side, port].hovered = on
+            item.update()
+
+    def _show_wire(self, on: bool) -> None:
+        wire = self._content.wires.get(self._over_wire) if self._over_wire is not None else None
+        if wire is not None:
+            wire.set_state(hovered=on)

@@ -1,0 +1,324 @@
+"""A node on the canvas: in full, or where it is small only its title, as large as fits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
+from PySide6.QtGui import QBrush, QColor, QFont, QFontMetricsF, QPainter, QPainterPath, QPen
+from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
+
+from app.editor.canvas.items.badge_item import INSET, BadgeItem
+from app.editor.canvas.items.canvas_style import CanvasStyle
+from app.editor.canvas.items.faces import NodeFace, PortFace, Side
+from app.editor.canvas.items.geometry import (
+    BADGE_ROOM,
+    PORT_RADIUS,
+    NodeGeometry,
+    geometry_of,
+    label_room,
+)
+from app.editor.canvas.items.nodegraphqt import AbstractNodeItem, PortItem
+from app.editor.canvas.items.routing import Box
+from app.editor.evaluation.queries import Badge
+
+OVERVIEW = 0.62  # of the natural zoom: below, port names cannot be read
+_ROUND = 5.0
+_LEFT = 9.0
+_READABLE_PX = 10.0  # of the window's font at its usual 12
+_LEAST_PX = 6.0
+_PORTS_FROM = 0.2
+_PLATE = 14.0  # height of the output's mark, half of it below the node
+OUTPUT_MARK = "output"
+_MARGIN = 8.0  # what is drawn around the frame: ports, the mark of the selection
+
+
+class NodePort(PortItem):
+    """Where wires end; drawn by its node, which saves a call for each port.
+
+    Its point is its centre. `fits` says whether a wire that is being drawn may end here, None
+    while there is none.
+    """
+
+    def __init__(self, face: PortFace, parent: NodeItem) -> None:
+        super().__init__(parent)
+        self.face = face
+        self.name = face.name
+        self.port_type = "in" if face.side == "input" else "out"
+        self.fits: bool | None = None
+        self.hovered = False
+        self.wires = 0
+        self.setCacheMode(QGraphicsItem.CacheMode.NoCache)
+        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents, True)
+        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemSendsScenePositionChanges, False)
+        self.setAcceptHoverEvents(False)
+        self.setToolTip(face.tooltip)
+
+    def boundingRect(self) -> QRectF:
+        """Where the pointer meets it."""
+        return _PORT_RECT
+
+    def centre(self) -> QPointF:
+        """Its point in the scene."""
+        return self.scenePos()
+
+
+class NodeItem(AbstractNodeItem):
+    """A node drawn from its face.
+
+    Parameters
+    ----------
+    face : NodeFace
+        What it shows.
+    style : CanvasStyle
+        What it is drawn with.
+    """
+
+    def __init__(self, face: NodeFace, style: CanvasStyle) -> None:
+        super().__init__(face.id)
+        self.id = face.id
+        self.face = face
+        self.style = style
+        self.disabled = face.disabled
+        self.setCacheMode(QGraphicsItem.CacheMode.NoCache)
+        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIsMovable, False)
+        self.geometry: NodeGeometry = geometry_of(face, style)
+        self._width, self._height = self.geometry.width, self.geometry.height
+        self._bounds = self.geometry.frame.adjusted(-_MARGIN, -_MARGIN, _MARGIN, _MARGIN)
+        self.ports: dict[tuple[Side, str], NodePort] = {}
+        for port in (*face.inputs, *face.outputs):
+            item = NodePort(port, self)
+            item.setPos(self.geometry.ports[port.side, port.name])
+            self.ports[port.side, port.name] = item
+        self._badge: BadgeItem | None = None
+        self.setToolTip(face.tooltip)
+
+    def boundingRect(self) -> QRectF:
+        """The frame with what stands out from it."""
+        return self._bounds
+
+    def frame(self) -> QRectF:
+        """The frame in the scene."""
+        return QRectF(self.pos(), QSizeF(self._width, self._height))
+
+    def box(self) -> Box:
+        """The frame in the scene, as plain numbers."""
+        x, y = self.x(), self.y()
+        return x, y, x + self._width, y + self._height
+
+    def paint(
+        self,
+        painter: QPainter,
+        _option: QStyleOptionGraphicsItem,
+        _widget: QWidget | None = None,
+    ) -> None:
+        """Draw the node with its ports."""
+        paint_node(painter, self)
+
+    @property
+    def badge(self) -> Badge | None:
+        """What the node's corner tells of its state."""
+        return self._badge.badge if self._badge is not None else None
+
+    def set_badge(self, badge: Badge | None) -> None:
+        """Show a badge in the corner, or none."""
+        if badge == self.badge:
+            return
+        if badge is None:
+            assert self._badge is not None
+            self._drop(self._badge)
+            self._badge = None
+        elif self._badge is None:
+            self._badge = BadgeItem(badge, self.style, self)
+            self._badge.setPos(self._width - INSET, INSET)
+        else:
+            self._badge.show_badge(badge)
+
+    def take_face(self, face: NodeFace) -> bool:
+        """Show another face, if it has the same texts and ports; whether it has."""
+        shown = self.face
+        if replace(face, disabled=shown.disabled, output=shown.output) != shown:
+            return False
+        if face != self.face:
+            self.face = face
+            self.disabled = face.disabled
+            self.setToolTip(face.tooltip)
+            self.update()
+        return True
+
+    def set_style(self, style: CanvasStyle) -> None:
+        """Draw it in other colours."""
+        self.style = style
+        if self._badge is not None:
+            self._badge.style = style
+        self.update()
+
+    def _drop(self, child: QGraphicsItem) -> None:
+        self.scene().removeItem(child)  # which takes it from this item, too
+
+
+_PORT_RECT = QRectF(-8, -7, 16, 14)
+
+
+def paint_node(painter: QPainter, item: NodeItem) -> None:
+    """Draw the node; the zoom is read off the painter."""
+    zoom = max(painter.worldTransform().m11(), 1e-3)
+    style = item.style
+    relative = zoom / style.natural_zoom
+    if not item.face.known:
+        painter.setOpacity(0.9)
+    elif item.disabled:
+        painter.setOpacity(0.55)
+    if relative < OVERVIEW:
+        _paint_overview(painter, item, zoom)
+    else:
+        _paint_full(painter, item)
+    _paint_border(painter, item, zoom)
+    if item.face.output:
+        _paint_output_mark(painter, item, with_text=relative >= OVERVIEW)
+    if relative >= _PORTS_FROM:
+        for port in item.ports.values():
+            _paint_port(painter, port, style)
+    painter.setOpacity(1.0)
+
+
+def _paint_full(painter: QPainter, item: NodeItem) -> None:
+    style, face, geometry = item.style, item.face, item.geometry
+    frame = geometry.frame
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(style.node)
+    painter.drawRoundedRect(frame, _ROUND, _ROUND)
+    painter.setBrush(style.head(face.group))
+    painter.drawPath(_head(frame.width(), geometry.head))
+    room = frame.width() - 2 * _LEFT - (BADGE_ROOM if item.badge else 0.0)
+    painter.setPen(style.text)
+    painter.setFont(style.font("title"))
+    painter.drawText(QPointF(_LEFT, 17), style.elided("title", face.title, room))
+    if face.subtitle:
+        painter.setOpacity(painter.opacity() * 0.8)
+        painter.setFont(style.font("id"))
+        painter.drawText(QPointF(_LEFT, 32), style.elided("id", face.subtitle, room))
+        painter.setOpacity(painter.opacity() / 0.8)
+    painter.setFont(style.font("port"))
+    for port in (*face.inputs, *face.outputs):
+        at = geometry.ports[port.side, port.name]
+        text = style.elided("port", port.name, label_room(geometry, port, face))
+        x = _LEFT if port.side == "input" else at.x() - _LEFT - style.width("port", text)
+        painter.setPen(style.text if port.required else style.faint)
+        painter.drawText(QPointF(x, at.y() + 4), text)
+
+
+def _paint_overview(painter: QPainter, item: NodeItem, zoom: float) -> None:
+    style, frame = item.style, item.geometry.frame
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(style.head(item.face.group))
+    painter.drawRoundedRect(frame, _ROUND, _ROUND)
+    wanted = round(_READABLE_PX * style.natural_zoom / zoom)
+    title = fitted(item.face.title, frame.width() - 10, frame.height() - 4, wanted, style)
+    if title.size * zoom < _LEAST_PX * style.natural_zoom:
+        return
+    painter.setPen(style.text)
+    painter.setFont(title.font)
+    top = (frame.height() - title.pitch * len(title.lines)) / 2
+    for number, line in enumerate(title.lines):
+        row = QRectF(0, top + number * title.pitch, frame.width(), title.pitch)
+        painter.drawText(row, _CENTRED, line)
+
+
+def _paint_border(painter: QPainter, item: NodeItem, zoom: float) -> None:
+    style = item.style
+    if item.selected:
+        pen = QPen(style.accent, max(2.2, 2.0 / zoom))
+    elif not item.face.known:
+        pen = style.dashed
+    elif item.face.output:
+        pen = QPen(style.port(("image",)), max(2.2, 2.0 / zoom))
+    else:
+        pen = style.border
+    painter.setPen(pen)
+    painter.setBrush(_HATCHED if item.disabled else Qt.BrushStyle.NoBrush)
+    painter.drawRoundedRect(item.geometry.frame, _ROUND, _ROUND)
+
+
+def _paint_output_mark(painter: QPainter, item: NodeItem, *, with_text: bool) -> None:
+    """A plate on the lower border, in the colour of pictures; where it is small, a corner."""
+    style, frame = item.style, item.geometry.frame
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(style.port(("image",)))
+    if not with_text:
+        side = min(frame.height() / 2, frame.width() / 4)
+        corner = frame.bottomRight()
+        painter.drawPolygon(
+            [corner, QPointF(corner.x() - side, corner.y()), QPointF(corner.x(), corner.y() - side)]
+        )
+        return
+    width = style.width("id", OUTPUT_MARK) + 2 * _ROUND
+    plate = QRectF(frame.right() - width - _LEFT, frame.bottom() - _PLATE / 2, width, _PLATE)
+    painter.drawRoundedRect(plate, _ROUND, _ROUND)
+    painter.setPen(style.node.color())
+    painter.setFont(style.font("id"))
+    painter.drawText(plate, _CENTRED, OUTPUT_MARK)
+
+
+def _paint_port(painter: QPainter, port: NodePort, style: CanvasStyle) -> None:
+    colour = style.port(port.face.types)
+    before = painter.opacity()
+    if port.fits is False:
+        painter.setOpacity(0.2)
+    painter.setPen(QPen(colour, 1.8))
+    painter.setBrush(colour if port.wires or port.hovered else style.node)
+    radius = PORT_RADIUS + (1.5 if port.hovered or port.fits else 0.0)
+    painter.drawEllipse(port.pos(), radius, radius)
+    if port.fits or port.hovered:
+        painter.setPen(QPen(style.accent, 1.4))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawEllipse(port.pos(), radius + 1.6, radius + 1.6)
+    painter.setOpacity(before)
+
+
+def _head(width: float, height: float) -> QPainterPath:
+    path = QPainterPath()
+    path.setFillRule(Qt.FillRule.WindingFill)
+    path.addRoundedRect(QRectF(0, 0, width, height), _ROUND, _ROUND)
+    path.addRect(QRectF(0, height - _ROUND, width, _ROUND))
+    return path
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A title broken into lines, with the font that fits it into its room."""
+
+    lines: tuple[str, ...]
+    font: QFont
+    size: int
+    pitch: float
+
+
+def fitted(text: str, width: float, height: float, wanted: int, style: CanvasStyle) -> Fitted:
+    """Break a title into lines in the largest font, at most `wanted`, that fits."""
+    size = wanted
+    while True:
+        font = style.sized(size)
+        metrics = QFontMetricsF(font)
+        pitch = metrics.height() * 0.92
+        lines = _broken(text, width, metrics)
+        wide = max(metrics.horizontalAdvance(line) for line in lines) > width
+        if size <= 4 or not (wide or pitch * len(lines) > height):
+            return Fitted(tuple(lines), font, size, pitch)
+        size -= max(1, size // 16)
+
+
+def _broken(text: str, width: float, metrics: QFontMetricsF) -> list[str]:
+    lines: list[str] = []
+    for word in text.replace("_", "_ ").replace("-", "- ").split():
+        joint = "" if lines and lines[-1].endswith(("_", "-")) else " "
+        longer = f"{lines[-1]}{joint}{word}" if lines else word
+        if lines and metrics.horizontalAdvance(longer) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines or [""]
+
+
+_CENTRED = Qt.AlignmentFlag.AlignCenter
+_HATCHED = QBrush(QColor(128, 128, 128, 110), Qt.BrushStyle.BDiagPattern)

@@ -1,0 +1,173 @@
+"""A wire on the canvas."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
+from PySide6.QtWidgets import (
+    QGraphicsItem,
+    QGraphicsPathItem,
+    QStyleOptionGraphicsItem,
+    QWidget,
+)
+
+from app.editor.canvas.items.canvas_style import CanvasStyle
+from app.editor.canvas.items.node_item import NodePort
+from app.editor.canvas.items.nodegraphqt import PipeItem
+from app.editor.canvas.items.routing import Box, lane_for, wire_path
+from core.network.network import Link
+
+Z_WIRE, Z_LIT, Z_LIVE = -1.0, -0.5, 5.0
+_WIDTH, _LIT, _STRONG = 1.7, 2.4, 3.2
+_LEAST_PX = 1.1  # on the screen, however small the picture
+_SAMPLES = 24
+
+
+class WireItem(PipeItem):
+    """A wire between two ports, in the colour of what it carries.
+
+    `lit` wires belong to a selected node, `chosen` is the selected wire, `target` the one a node
+    would be inserted in.
+    """
+
+    def __init__(self, link: Link, output: NodePort, entry: NodePort, style: CanvasStyle) -> None:
+        super().__init__()
+        self.link = link
+        self.style_of_canvas = style
+        self.lit = self.chosen = self.hovered = self.target = False
+        self._line: list[QPointF] = []
+        self.setCacheMode(QGraphicsItem.CacheMode.NoCache)
+        self.setAcceptHoverEvents(False)
+        self._dir_pointer.setVisible(False)
+        self.set_connections(output, entry)
+        for port in (output, entry):
+            port.wires += 1
+        self.redraw()
+        self.restyle()
+
+    def redraw(self, boxes: Sequence[Box] = ()) -> None:
+        """Follow the ports, past the nodes in these boxes."""
+        start, end = self.output_port.centre(), self.input_port.centre()
+        ends = (start.x(), start.y()), (end.x(), end.y())
+        lane = lane_for(*ends, boxes, self.style_of_canvas.lane(self.output_port.face.types))
+        self._line = []
+        self.setPath(wire_path(start, end, lane))
+
+    def restyle(self) -> None:
+        """Take the colour and width of the state."""
+        style = self.style_of_canvas
+        types = self.output_port.face.types or self.input_port.face.types
+        colour = style.port(types)
+        self.color = colour.getRgb()
+        marked = self.chosen or self.target
+        self._pen_colour = style.accent if marked else colour
+        self._pen_width = _STRONG if marked or self.hovered else _LIT if self.lit else _WIDTH
+        self.setZValue(Z_LIT if self.lit or marked or self.hovered else Z_WIRE)
+        carried = types[0] if types else "unknown type"
+        self.setToolTip(f"{self.link} ({carried})")
+        self.update()
+
+    def set_state(
+        self,
+        *,
+        lit: bool | None = None,
+        chosen: bool | None = None,
+        hovered: bool | None = None,
+        target: bool | None = None,
+    ) -> None:
+        """Change what is given of its state."""
+        new = (
+            self.lit if lit is None else lit,
+            self.chosen if chosen is None else chosen,
+            self.hovered if hovered is None else hovered,
+            self.target if target is None else target,
+        )
+        if new != (self.lit, self.chosen, self.hovered, self.target):
+            self.lit, self.chosen, self.hovered, self.target = new
+            self.restyle()
+
+    def set_style(self, style: CanvasStyle) -> None:
+        """Draw it in other colours."""
+        self.style_of_canvas = style
+        self.restyle()
+
+    def line(self) -> list[QPointF]:
+        """Points along the wire, from its output to its input."""
+        if not self._line:
+            path = self.path()
+            self._line = [path.pointAtPercent(n / _SAMPLES) for n in range(_SAMPLES + 1)]
+        return self._line
+
+    def boundingRect(self) -> QRectF:
+        """The curve with the widest pen."""
+        return self.path().controlPointRect().adjusted(-6, -6, 6, 6)
+
+    def shape(self) -> QPainterPath:
+        """The line itself, for the pointer: Qt's own would be the area under it."""
+        path = QPainterPath(self.line()[0])
+        for point in self.line()[1:]:
+            path.lineTo(point)
+        for point in reversed(self.line()):
+            path.lineTo(point + QPointF(0, 4))
+        return path
+
+    def paint(
+        self,
+        painter: QPainter,
+        _option: QStyleOptionGraphicsItem,
+        _widget: QWidget | None = None,
+    ) -> None:
+        """Draw the curve."""
+        zoom = max(painter.worldTransform().m11(), 1e-3)
+        pen = QPen(self._pen_colour, max(self._pen_width, _LEAST_PX / zoom))
+        if self.output_port.node.disabled or self.input_port.node.disabled:
+            pen.setStyle(Qt.PenStyle.DashLine)
+        painter.setPen(pen)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawPath(self.path())
+
+    # What the base calls of itself; its colours and its arrow are not ours.
+
+    def reset(self) -> None:
+        """Nothing: `restyle` does it."""
+
+    def draw_path(self, *_: object, **__: object) -> None:
+        """Nothing: `redraw` does it."""
+
+    def forget(self) -> None:
+        """Leave the ports and the scene."""
+        for port in (self.output_port, self.input_port):
+            port.wires -= 1
+            port.node.update()
+        self.delete()
+
+
+class LiveWire(QGraphicsPathItem):
+    """The wire that is being drawn, or the line that cuts wires."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setZValue(Z_LIVE)
+        self.setVisible(False)
+
+    def show_wire(self, start: QPointF, end: QPointF, colour: QColor) -> None:
+        """Show a wire from an output to an input."""
+        self.setPen(_cosmetic(colour, 2.2, Qt.PenStyle.DashLine))
+        self.setPath(wire_path(start, end))
+        self.setVisible(True)
+
+    def show_cut(self, start: QPointF, end: QPointF, colour: QColor) -> None:
+        """Show a straight line."""
+        self.setPen(_cosmetic(colour, 1.6, Qt.PenStyle.DashDotLine))
+        path = QPainterPath(start)
+        path.lineTo(end)
+        self.setPath(path)
+        self.setVisible(True)
+
+
+def _cosmetic(colour: QColor, width: float, line: Qt.PenStyle) -> QPen:
+    pen = QPen(colour, width, line)
+    pen.setCosmetic(True)
+    return pen

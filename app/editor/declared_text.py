@@ -1,0 +1,134 @@
+"""What a panel says of parameters, read-outs and choices, made from their declarations."""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Mapping
+from dataclasses import MISSING
+from types import MappingProxyType
+from typing import Any
+
+from app.editor.number_text import shown_number, shown_numbers
+from core.modules.parameters import Parameter
+
+# Ends of names that say the unit, which stands beside the value.
+_UNITS = re.compile(
+    r"_(um|mm|cm|m|km|s|K|Hz|W|deg|mrad|waves|dB|px|percent|per_km|m_per_s|mrad_per_s|cyc_per_mrad)$"
+)
+_WORDS: Mapping[str, str] = MappingProxyType(
+    {
+        "fov": "FOV",
+        "ifov": "IFOV",
+        "gsd": "GSD",
+        "mtf": "MTF",
+        "mtf10": "MTF10",
+        "mtf50": "MTF50",
+        "ptf": "PTF",
+        "snr": "SNR",
+        "nep": "NEP",
+        "ner": "NER",
+        "netd": "NETD",
+        "rms": "RMS",
+        "fwhm": "FWHM",
+        "cn2": "Cn²",
+        "r0": "r₀",
+        "xi": "ξ",
+        "eta": "η",
+        "nyquist": "Nyquist",
+        "rmse": "RMSE",
+        "psnr": "PSNR",
+        "mrtd": "MRTD",
+        "mdtd": "MDTD",
+        "ttp": "TTP",
+        "flir92": "FLIR92",
+        "ratches": "Ratches",
+        "alpha": "α",
+        "sigma": "σ",
+        "fried": "Fried's",
+        "tukey": "Tukey",
+        "hamming": "Hamming",
+        "lowpass": "low-pass",
+        "highpass": "high-pass",
+    }
+)
+_NAMES: Mapping[str, str] = MappingProxyType(
+    {
+        "d_star": "D*",
+        "g_number": "G#",
+        "f_number": "F number",
+        "dtype": "Sample type",
+        "xi": "Frequency ξ",
+        "eta": "Frequency η",
+        "r0_m": "r₀",
+        "delta_K": "Temperature difference",
+        "cut_on_um": "Cut-on",
+        "cut_off_um": "Cut-off",
+        "use_mtf": "Use pre-amplifier MTF",
+        "percent": "Share of the mean",
+        "target_delta_K": "Target difference",
+        "range_max_km": "Longest range",
+        "display_cd_m2": "Display luminance",
+        "display_deg": "Display size",
+        "scan": "Axis",
+    }
+)
+
+
+def label_of(name: str) -> str:
+    """A name in words, without the unit at its end."""
+    if name in _NAMES:
+        return _NAMES[name]
+    short = _UNITS.sub("", name)
+    text = " ".join(_WORDS.get(word, word) for word in short.split("_"))
+    return text[:1].upper() + text[1:] if text[:1].isascii() else text
+
+
+def choice_text(choice: Any) -> str:
+    """A choice in words."""
+    if choice is None:
+        return "empty"
+    if not isinstance(choice, str):
+        return str(choice)
+    return " ".join(_WORDS.get(word, word) for word in choice.split("_"))
+
+
+def placeholder_of(parameter: Parameter) -> str:
+    """What stands where a value is empty: what is taken then, if the declaration says so."""
+    _, found, meant = parameter.param.text.partition("empty: ")
+    return re.split(r"[;,.]", meant)[0].strip() if found else "empty"
+
+
+def shown_value(parameter: Parameter, value: Any) -> str:
+    """A value in words."""
+    if value is None or value == "":
+        return "empty"
+    if parameter.kind in ("number", "integer"):
+        return shown_number(value)
+    if parameter.kind == "numbers":
+        return shown_numbers(value) or "none"
+    if parameter.kind == "switch":
+        return "on" if value else "off"
+    return choice_text(value) if parameter.kind == "choice" else str(value)
+
+
+def about(parameter: Parameter) -> str:
+    """Meaning, range and default, in lines."""
+    unit = f" {parameter.param.unit}" if parameter.param.unit else ""
+    lines = [parameter.param.text[:1].upper() + parameter.param.text[1:]]
+    if parameter.kind not in ("switch", "choice"):
+        lines.append(f"Allowed: {parameter.allowed()}" + (f", in{unit}" if unit else ""))
+    if parameter.default is not MISSING:
+        lines.append(f"Default: {shown_value(parameter, parameter.default)}{unit}")
+    lines.append(f"In network files: {parameter.name}")
+    return "\n".join(lines)
+
+
+def tip(text: str) -> str:
+    """Plain text as a tooltip, broken into lines where it is long."""
+    return f"<p>{html.escape(text)}</p>".replace("\n", "<br>")
+
+
+def flowing(text: str) -> str:
+    """Paragraphs without the line breaks they have in the source."""
+    return "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))

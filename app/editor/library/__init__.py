@@ -1,0 +1,1 @@
+"""The library's modules, to be searched and chosen."""

@@ -1,0 +1,199 @@
+"""The library's modules by group, to be searched, dragged to the canvas or chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from PySide6.QtCore import QEvent, QMimeData, QModelIndex, QObject, QPoint, Qt, Signal
+from PySide6.QtGui import QColor, QIcon, QKeyEvent, QPixmap
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QLineEdit,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.editor.library.module_search import found_by, rank
+from app.editor.theme import DARK, Theme
+from core.modules.declaration import declaration
+from core.network.network import Library
+
+MIME_TYPE = "application/x-imagechain-module"
+_KEY = Qt.ItemDataRole.UserRole
+
+
+def module_data(key: str) -> QMimeData:
+    """What is dragged of a module."""
+    data = QMimeData()
+    data.setData(MIME_TYPE, key.encode())
+    return data
+
+
+def dragged_module(data: QMimeData) -> str:
+    """The key of the module that is dragged; empty if it is something else."""
+    if not data.hasFormat(MIME_TYPE):
+        return ""
+    return bytes(data.data(MIME_TYPE).data()).decode(errors="replace")
+
+
+class ModuleTree(QTreeWidget):
+    """Groups with their modules, which can be dragged."""
+
+    def __init__(self, library: Library, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setObjectName("library.tree")
+        self.setAccessibleName("Modules of the library")
+        self.setHeaderHidden(True)
+        self.setRootIsDecorated(True)
+        self.setUniformRowHeights(True)
+        self.setDragEnabled(True)
+        self.setDragDropMode(QAbstractItemView.DragDropMode.DragOnly)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setIndentation(self.fontMetrics().averageCharWidth() * 2)
+        self._texts: dict[str, tuple[str, str, str]] = {}
+        self.modules: dict[str, QTreeWidgetItem] = {}
+        self.groups: dict[str, QTreeWidgetItem] = {}
+        for key, module in library.items():
+            declared = declaration(module)
+            item = QTreeWidgetItem(self._group(declared.group), [declared.title])
+            item.setData(0, _KEY, key)
+            self._texts[key] = found_by(declared)
+            item.setToolTip(0, declared.text)
+            item.setFlags(_ENABLED | _SELECTABLE | Qt.ItemFlag.ItemIsDragEnabled)
+            self.modules[key] = item
+        self.expandAll()
+
+    def mimeTypes(self) -> list[str]:
+        """What it can give."""
+        return [MIME_TYPE]
+
+    def mimeData(self, items: Iterable[QTreeWidgetItem]) -> QMimeData:
+        """The module of what is dragged."""
+        keys = [item.data(0, _KEY) for item in items if item.data(0, _KEY)]
+        return module_data(keys[0]) if keys else QMimeData()
+
+    def current_key(self) -> str:
+        """The key of the marked module; empty on a group."""
+        item = self.currentItem()
+        return str(item.data(0, _KEY) or "") if item is not None else ""
+
+    def show_matching(self, typed: str) -> None:
+        """Show the modules in which every word occurs, and mark the one that fits best."""
+        ranks = {key: rank(texts, typed) for key, texts in self._texts.items()}
+        for key, item in self.modules.items():
+            item.setHidden(ranks[key] is None)
+        for group in self.groups.values():
+            there = [group.child(row) for row in range(group.childCount())]
+            group.setHidden(all(item.isHidden() for item in there))
+            if typed.strip():
+                group.setExpanded(True)
+        found = {key: place for key, place in ranks.items() if place}
+        if found:
+            self.setCurrentItem(self.modules[min(found, key=lambda key: found[key])])
+        else:
+            self.clearSelection()
+            self.setCurrentIndex(QModelIndex())
+
+    def _group(self, name: str) -> QTreeWidgetItem:
+        if name not in self.groups:
+            item = QTreeWidgetItem(self, [name])
+            item.setFlags(_ENABLED | _SELECTABLE)
+            font = self.font()
+            font.setBold(True)
+            item.setFont(0, font)
+            self.groups[name] = item
+        return self.groups[name]
+
+
+class LibraryView(QWidget):
+    """The library with a field that filters it.
+
+    Parameters
+    ----------
+    library : mapping
+        Modules by key.
+    parent : QWidget, optional
+        What it stands in.
+
+    Signals
+    -------
+    chosen(key)
+        A module was double-clicked, or Enter pressed on it.
+    """
+
+    chosen = Signal(str)
+
+    def __init__(self, library: Library, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("library")
+        self.setAccessibleName("Library")
+        self.filter = QLineEdit()
+        self.filter.setObjectName("library.filter")
+        self.filter.setAccessibleName("Filter the modules")
+        self.filter.setPlaceholderText("Filter")
+        self.filter.setClearButtonEnabled(True)
+        self.tree = ModuleTree(library, self)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(4, 4, 4, 4)
+        layout.setSpacing(4)
+        layout.addWidget(self.filter)
+        layout.addWidget(self.tree)
+        self.setFocusProxy(self.filter)
+        self.filter.textChanged.connect(self.tree.show_matching)
+        self.filter.returnPressed.connect(self._choose_current)
+        self.filter.installEventFilter(self)
+        self.tree.itemActivated.connect(self._choose_item)
+        self.set_theme(DARK)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Mark the groups in these colours."""
+        side = self.fontMetrics().height() // 2
+        for name, item in self.tree.groups.items():
+            mark = QPixmap(side, side)
+            mark.fill(QColor(theme.groups.get(name, theme.line)))
+            item.setIcon(0, QIcon(mark))
+
+    def module_on_screen(self, key: str) -> QPoint:
+        """The pixel of the screen in a module's middle, scrolled into view.
+
+        Raises
+        ------
+        KeyError
+            If there is no such module.
+        """
+        item = self.tree.modules[key]
+        self.tree.scrollToItem(item)
+        return self.tree.viewport().mapToGlobal(self.tree.visualItemRect(item).center())
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """From the field, the arrows lead to the modules."""
+        if (
+            watched is self.filter
+            and isinstance(event, QKeyEvent)
+            and event.type() == QEvent.Type.KeyPress
+            and event.key() in (Qt.Key.Key_Down, Qt.Key.Key_Up)
+        ):
+            if not self.tree.current_key():
+                shown = [item for item in self.tree.modules.values() if not item.isHidden()]
+                for item in shown[:1]:
+                    self.tree.setCurrentItem(item)
+            else:
+                self.tree.event(event)
+            self.tree.setFocus(Qt.FocusReason.OtherFocusReason)
+            return True
+        return bool(super().eventFilter(watched, event))
+
+    def _choose_current(self) -> None:
+        key = self.tree.current_key()
+        if key:
+            self.chosen.emit(key)
+
+    def _choose_item(self, item: QTreeWidgetItem, _column: int) -> None:
+        key = item.data(0, _KEY)
+        if key:
+            self.chosen.emit(key)
+
+
+_ENABLED, _SELECTABLE = Qt.ItemFlag.ItemIsEnabled, Qt.ItemFlag.ItemIsSelectable

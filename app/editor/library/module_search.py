@@ -1,0 +1,52 @@
+"""What modules are found by when a person types a word."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from core.modules.declaration import Declaration
+
+# What people call it who have not read its title or summary.
+_ALSO: Mapping[str, str] = MappingProxyType(
+    {
+        "test_scene": "target bars edge star chart",
+        "read_image": "load import DIRSIG ENVI TIFF FITS EXR",
+        "poisson_noise": "photon shot noise",
+        "periodic_noise": "banding striping coherent",
+        "electronics_noise": "banding striping fixed pattern FPN NUC ADC",
+        "mtf_slices": "OTF plot",
+        "measured_mtf": "ROI region of interest knife edge ESF LSF SFR ISO 12233",
+        "figures_of_merit": "Johnson TTP FLIR92 NVTherm target",
+        "noise_budget": "share contribution breakdown",
+        "noise_3d": "3D fixed pattern FPN banding striping",
+        "compare_images": "difference RMSE PSNR",
+        "spatial_blur": "PSF kernel",
+        "camera_geometry": "roll pitch yaw panoramic GSD resample",
+        "line_by_line": "panoramic mixed",
+    }
+)
+
+
+def found_by(declared: Declaration) -> tuple[str, str, str]:
+    """Texts in which a typed word is looked for, those that count most first."""
+    readouts = " ".join(readout.name.replace("_", " ") for readout in declared.readouts)
+    texts = (
+        f"{declared.title} {declared.key} {declared.group}",
+        declared.summary,
+        f"{_ALSO.get(declared.key, '')} {readouts}",
+    )
+    names, summary, further = (text.casefold() for text in texts)
+    return names, summary, further
+
+
+def rank(texts: tuple[str, str, str], typed: str) -> int | None:
+    """In how many of the texts every word is found, 0 where none is typed; None: in none."""
+    words = typed.casefold().split()
+    if not words:
+        return 0
+    for count in range(1, len(texts) + 1):
+        known = " ".join(texts[:count])
+        if all(word in known for word in words):
+            return count
+    return None

@@ -1,0 +1,73 @@
+"""Camera Geometry: how the ground sample grows with the view angle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QPainter
+
+from app.editor.evaluation.queries import Want
+from app.editor.panels.illustrations.illustration import DISABLED, Illustration
+from app.editor.panels.illustrations.painting.axes import Axis
+from app.editor.panels.illustrations.painting.chart import Chart
+from app.editor.panels.illustrations.painting.few_digits import brief, pair
+from app.editor.panels.illustrations.queries.camera_query import CameraWant
+from core.physics.sampling.ground_geometry import Camera, field_deg, ground_sample, view_angles
+
+_POINTS = 65
+_ENDS = ((Qt.PenStyle.SolidLine, "across"), (Qt.PenStyle.DashLine, "along"))
+
+
+class CameraIllustration(Illustration):
+    """Ground samples across and along, from one end of the middle line to the other."""
+
+    lines = 10.5
+
+    def wants(self) -> Sequence[Want]:
+        """The camera."""
+        return (CameraWant(self.node),)
+
+    def take(self, value: Any) -> str:
+        """Keep the camera's samples."""
+        self._camera: Camera | None = value
+        if self._camera is None:
+            return DISABLED
+        camera = self._camera
+        self._u = np.linspace(0.5, camera.columns - 0.5, _POINTS)
+        samples = [ground_sample(camera=camera, u=u, v=0.5 * camera.rows) for u in self._u.tolist()]
+        self._sizes = np.array(samples).T
+        middle, end = samples[_POINTS // 2], max(samples[0], samples[-1])
+        return (
+            f"field {brief(field_deg(camera=camera))}°, ground sample {pair(*middle)} m in the "
+            f"middle, {pair(*end)} m at the end"
+        )
+
+    def draw(self, painter: QPainter, area: QRectF) -> None:
+        """Paint both curves."""
+        if self._camera is None:
+            painter.drawText(area, Qt.AlignmentFlag.AlignCenter, DISABLED)
+            return
+        angles = np.degrees(view_angles(camera=self._camera, u=self._u))
+        framing = self._camera.kind == "framing"
+        end = max(float(angles[-1] - angles[0]) / 2, 1e-6)
+        middle = float(angles[-1] + angles[0]) / 2
+        chart = Chart(
+            painter,
+            area,
+            Axis(
+                middle - end,
+                middle + end,
+                "from the optical axis (deg)" if framing else "from nadir (deg)",
+            ),
+            Axis(0.0, 1.12 * float(self._sizes.max()), "m"),
+            self.theme,
+        )
+        colours = self.theme.curves[:2]
+        chart.legend(
+            [(name, colour, style) for colour, (style, name) in zip(colours, _ENDS, strict=True)]
+        )
+        for size, colour, (style, _) in zip(self._sizes, colours, _ENDS, strict=True):
+            chart.curve(angles, size, colour, style)

@@ -1,0 +1,1 @@
+"""Painting small charts, pupils and wavefronts."""

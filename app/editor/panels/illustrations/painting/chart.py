@@ -1,0 +1,206 @@
+"""Painting a small chart: frame, ticks, curves and marks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen, QPolygonF
+
+from app.editor.panels.illustrations.painting.axes import Axis, Tick
+from app.editor.theme import Theme
+
+_FURTHEST = 1e4  # shares of the frame; what lies further out is cut there
+
+
+class Chart:
+    """Axes in a rectangle, painted at once, and what is painted in them.
+
+    Parameters
+    ----------
+    painter : QPainter
+        Paints it.
+    area : QRectF
+        Everything, ticks and titles included.
+    x, y : Axis
+        The axes; the titles stand below and above.
+    theme : Theme
+        Colours.
+    square : bool
+        Whether a unit across is to be as long as one along.
+    """
+
+    def __init__(
+        self,
+        painter: QPainter,
+        area: QRectF,
+        x: Axis,
+        y: Axis,
+        theme: Theme,
+        *,
+        square: bool = False,
+    ) -> None:
+        self._painter, self._theme = painter, theme
+        self._x, self._y = x, y
+        self._metrics = QFontMetricsF(painter.font())
+        line = self._metrics.height()
+        rows = y.ticks(int(area.height() / line / 2))
+        left = max((self._width(tick.text) for tick in rows), default=0.0) + line * 0.4
+        top = line * (1.15 if y.title else 0.5)
+        bottom = line * (2.1 if x.title else 1.1)
+        self.frame = area.adjusted(left, top, -line * 0.5, -bottom)
+        if square:
+            self._make_square()
+        columns = x.ticks(int(self.frame.width() / line / 2.4))
+        self._paint_axes(columns, rows)
+
+    def at(self, x: float, y: float) -> QPointF:
+        """Where a point of the chart lies."""
+        frame = self.frame
+        across, along = float(self._x.share(x)), float(self._y.share(y))
+        return QPointF(
+            frame.left() + across * frame.width(), frame.bottom() - along * frame.height()
+        )
+
+    def curve(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        colour: str,
+        style: Qt.PenStyle = Qt.PenStyle.SolidLine,
+        width: float = 1.6,
+    ) -> None:
+        """A line through points; broken where a value is NaN."""
+        frame = self.frame
+        across = frame.left() + self._x.share(x) * frame.width()
+        shares = np.clip(self._y.share(y), -_FURTHEST, _FURTHEST)
+        along = frame.bottom() - shares * frame.height()
+        painter = self._painter
+        painter.save()
+        painter.setClipRect(frame.adjusted(0, -1, 1, 1))
+        painter.setPen(_pen(colour, width, style))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        for run in _runs(np.isfinite(along)):
+            points = map(QPointF, across[run].tolist(), along[run].tolist())
+            painter.drawPolyline(QPolygonF(list(points)))
+        painter.restore()
+
+    def upright(self, x: float, text: str, line: int = 0) -> None:
+        """A dashed line at a place across, with a text at its top, so many lines down."""
+        point = self.at(x, self._y.high)
+        self._painter.setPen(_pen(self._theme.faint_text, 1.0, Qt.PenStyle.DashLine))
+        self._painter.drawLine(point, QPointF(point.x(), self.frame.bottom()))
+        height = self._metrics.height()
+        self.text(QPointF(point.x(), point.y() + (line + 0.6) * height), text)
+
+    def level(self, y: float) -> None:
+        """A faint line at a height."""
+        self._painter.setPen(_pen(self._theme.line, 1.0, Qt.PenStyle.DotLine))
+        self._painter.drawLine(self.at(self._x.low, y), self.at(self._x.high, y))
+
+    def band(self, low: float, high: float, colour: str) -> None:
+        """Shade what lies between two places across."""
+        left, right = self.at(low, self._y.low).x(), self.at(high, self._y.low).x()
+        frame = self.frame
+        shaded = QRectF(left, frame.top(), right - left, frame.height()).intersected(frame)
+        tint = QColor(colour)
+        tint.setAlpha(48)
+        self._painter.fillRect(shaded, tint)
+
+    def point(self, x: float, y: float, colour: str) -> None:
+        """A dot."""
+        self._painter.setPen(_pen(self._theme.base, 1.0))
+        self._painter.setBrush(QColor(colour))
+        self._painter.drawEllipse(self.at(x, y), 3.5, 3.5)
+
+    def text(self, beside: QPointF, text: str, colour: str = "") -> None:
+        """Write right of a point, or left of it where there is no room, on a ground of its own."""
+        line = self._metrics.height()
+        width = self._width(text) + line * 0.3
+        left = beside.x() + line * 0.25
+        if left + width > self.frame.right():
+            left = max(self.frame.left(), beside.x() - line * 0.25 - width)
+        box = QRectF(left, beside.y() - line / 2, width, line)
+        ground = QColor(self._theme.base)
+        ground.setAlpha(200)
+        self._painter.fillRect(box, ground)
+        self._painter.setPen(QColor(colour or self._theme.text))
+        self._painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+
+    def legend(self, entries: Sequence[tuple[str, str, Qt.PenStyle]]) -> None:
+        """Names, colours and styles of curves, above the frame at the right."""
+        line = self._metrics.height()
+        right = self.frame.right()
+        middle = self.frame.top() - line * 0.62
+        for text, colour, style in reversed(entries):
+            width = self._width(text)
+            box = QRectF(right - width, middle - line / 2, width, line)
+            self._painter.setPen(QColor(self._theme.text))
+            self._painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+            self._painter.setPen(_pen(colour, 1.6, style))
+            start = box.left() - line * 1.9
+            self._painter.drawLine(QPointF(start, middle), QPointF(start + line * 1.6, middle))
+            right = start - line * 0.6
+
+    def _make_square(self) -> None:
+        frame = self.frame
+        wide, high = self._x.high - self._x.low, self._y.high - self._y.low
+        scale = min(frame.width() / abs(wide), frame.height() / abs(high))
+        self.frame = QRectF(frame.left(), frame.top(), abs(wide) * scale, abs(high) * scale)
+
+    def _paint_axes(self, columns: Sequence[Tick], rows: Sequence[Tick]) -> None:
+        painter, frame, theme = self._painter, self.frame, self._theme
+        line = self._metrics.height()
+        for tick in rows:
+            y = self.at(self._x.low, tick.value).y()
+            painter.setPen(_pen(theme.grid, 1.0))
+            painter.drawLine(QPointF(frame.left(), y), QPointF(frame.right(), y))
+            if self._y.title and y < frame.top() + line * 0.3:
+                continue  # the title stands there
+            painter.setPen(QColor(theme.faint_text))
+            width = self._width(tick.text)
+            box = QRectF(frame.left() - width - line * 0.3, y - line / 2, width, line)
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, tick.text)
+        free = -1e9
+        for tick in columns:
+            x = self.at(tick.value, self._y.low).x()
+            painter.setPen(_pen(theme.grid, 1.0))
+            painter.drawLine(QPointF(x, frame.top()), QPointF(x, frame.bottom()))
+            width = self._width(tick.text)
+            left = min(x - width / 2, frame.right() + line * 0.5 - width)
+            if left < free:
+                continue
+            free = left + width + line * 0.4
+            painter.setPen(QColor(theme.faint_text))
+            box = QRectF(left, frame.bottom() + line * 0.08, width, line)
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, tick.text)
+        painter.setPen(_pen(theme.line, 1.0))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawRect(frame)
+        painter.setPen(QColor(theme.text))
+        if self._y.title:
+            box = QRectF(0, frame.top() - line * 1.12, frame.right(), line)
+            painter.drawText(box.adjusted(line * 0.3, 0, 0, 0), _LEFT, self._y.title)
+        if self._x.title:
+            box = QRectF(frame.left(), frame.bottom() + line * 1.05, frame.width(), line)
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self._x.title)
+
+    def _width(self, text: str) -> float:
+        return self._metrics.horizontalAdvance(text)
+
+
+_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+
+
+def _pen(colour: str, width: float, style: Qt.PenStyle = Qt.PenStyle.SolidLine) -> QPen:
+    pen = QPen(QColor(colour), width, style)
+    pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
+    return pen
+
+
+def _runs(good: np.ndarray) -> list[slice]:
+    """Slices of what is True without a gap."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], good.astype(np.int8), [0]))))
+    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

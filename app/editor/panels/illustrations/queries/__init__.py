@@ -1,0 +1,1 @@
+"""What illustrations need computed, and the answers ready to be drawn."""

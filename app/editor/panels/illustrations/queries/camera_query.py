@@ -1,0 +1,39 @@
+"""The question how a Camera Geometry node looks at the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from app.editor.evaluation.queries import Passing, Want
+from core.chain.engine import Plan
+from core.physics.sampling.ground_geometry import Camera
+
+
+@dataclass(frozen=True)
+class CameraWant(Want):
+    """The camera, with what its panel leaves empty worked out; None of a disabled node."""
+
+    urgency: ClassVar[int] = 1
+
+    node: str
+
+    def key(self, plan: Plan) -> Hashable:
+        """The camera."""
+        return _camera(plan, self.node)
+
+    def answer(self, passing: Passing) -> Camera | None:
+        """The camera."""
+        return _camera(passing.plan, self.node)
+
+
+def _camera(plan: Plan, node: str) -> Camera | None:
+    planned = plan.node(node)
+    if planned.error is not None:
+        raise planned.error
+    if planned.node.disabled:
+        return None
+    module: Any = planned.module
+    found: Camera = module.camera(planned.inputs["image"])
+    return found

@@ -1,0 +1,174 @@
+"""The question for a node's MTF or PTF along both axes, answered by curves ready to be drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.editor.evaluation.queries import Passing, Want
+from app.run.responses import Axis, response
+from core.chain.engine import Plan, PlannedNode
+from core.chain.wires import Transfer
+from core.errors import DataError
+from core.evaluation.recipes import Recipe
+from core.evaluation.work import Work
+from core.transfer.factors import Part
+
+Vector = NDArray[np.float64]
+SAMPLES = 257
+LOWEST_SHARE = 1e-3  # of the highest frequency, on a logarithmic axis
+
+
+@dataclass(frozen=True, eq=False)
+class TransferLine:
+    """A transfer function along one axis.
+
+    Parameters
+    ----------
+    frequency, values : ndarray, shape (points,)
+        Cycles/mrad from 0 on; signed MTF, or PTF in radians.
+    nyquist : float
+        Of the image, cycles/mrad.
+    at_nyquist : float
+        The value there; NaN where the curve does not reach it.
+    half : float or None
+        Where the modulus of an MTF first falls to one half, cycles/mrad; None: nowhere here.
+    cutoff : float or None
+        From where on an aperture passes nothing, cycles/mrad, where there is one.
+    """
+
+    frequency: Vector
+    values: Vector
+    nyquist: float
+    at_nyquist: float
+    half: float | None
+    cutoff: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class TransferLines:
+    """A transfer function across (x) and along (y).
+
+    `turn` is a frequency, cycles/mrad, that a logarithmic axis is needed to see.
+    """
+
+    part: Part
+    x: TransferLine
+    y: TransferLine
+    turn: float | None = None
+
+    @cached_property
+    def alike(self) -> bool:
+        """Whether both axes have the same curve."""
+        return (
+            self.x.values.shape == self.y.values.shape
+            and np.allclose(self.x.frequency, self.y.frequency, rtol=1e-6, atol=0)
+            and np.allclose(self.x.values, self.y.values, rtol=0, atol=1e-6)
+        )
+
+
+@dataclass(frozen=True)
+class TransferWant(Want):
+    """The node's own MTF, or PTF, from 0 to the image's Nyquist frequency or a cutoff."""
+
+    urgency: ClassVar[int] = 1
+
+    node: str
+    part: Part = "mtf"
+
+    def key(self, plan: Plan) -> Hashable:
+        """The transfer function."""
+        transfer: Transfer = plan.output(f"{self.node}.{self.part}")
+        return transfer.key, plan.node(self.node).node.disabled
+
+    def answer(self, passing: Passing) -> TransferLines | None:
+        """The curves; None of a disabled node."""
+        planned, work = passing.plan.node(self.node), passing.work
+        transfer: Transfer = passing.plan.output(f"{self.node}.{self.part}")
+        if planned.node.disabled:
+            return None
+        cutoffs = tuple(_cutoff(planned, axis, work) for axis in ("x", "y"))
+        if transfer.own is not None:
+            return _sampled(transfer, cutoffs, work)
+        turn = _turn(planned)
+        grid = transfer.grid
+        lines = []
+        places: tuple[tuple[Axis, float], ...] = (("x", grid.nyquist_x), ("y", grid.nyquist_y))
+        for (axis, nyquist), cutoff in zip(places, cutoffs, strict=True):
+            frequency = _frequencies(max(nyquist, cutoff or 0.0), turn)
+            asked = np.append(frequency, nyquist)
+            found = response(work, transfer.factors, asked, axis)
+            values = found.mtf if self.part == "mtf" else found.ptf
+            lines.append(_line(frequency, values[:-1], nyquist, values[-1], cutoff, self.part))
+        return TransferLines(self.part, lines[0], lines[1], turn)
+
+
+def _frequencies(end: float, turn: float | None) -> Vector:
+    if turn is None:
+        return np.linspace(0.0, end, SAMPLES)
+    low = min(turn, end) * LOWEST_SHARE**0.5
+    return np.concatenate(([0.0], np.geomspace(low, end, SAMPLES - 1)))
+
+
+def _line(
+    frequency: Vector, values: Vector, nyquist: float, at: float, cutoff: float | None, part: Part
+) -> TransferLine:
+    if not np.all(np.isfinite(values)):
+        raise DataError("the transfer function has values that are not finite")
+    half = half_contrast(frequency, values) if part == "mtf" else None
+    return TransferLine(frequency, values, nyquist, float(at), half, cutoff)
+
+
+def half_contrast(frequency: Vector, values: Vector) -> float | None:
+    """Where the modulus first falls to one half, between two points on a straight line."""
+    modulus = np.abs(values)
+    below = np.flatnonzero(modulus <= 0.5)
+    if not below.size or below[0] == 0:
+        return None
+    last = int(below[0])
+    high, low = modulus[last - 1], modulus[last]
+    share = (high - 0.5) / (high - low)
+    return float(frequency[last - 1] + share * (frequency[last] - frequency[last - 1]))
+
+
+def _sampled(transfer: Transfer, cutoffs: tuple[float | None, ...], work: Work) -> TransferLines:
+    """Of a function with frequencies of its own: its first row and column, in FFT order."""
+    assert transfer.own is not None
+    own = work.value(transfer.own)
+    rows, columns = own.values.shape
+    grid = transfer.grid
+    sides = (
+        (own.values[0, : (columns + 1) // 2], own.interval_x, grid.nyquist_x, cutoffs[0]),
+        (own.values[: (rows + 1) // 2, 0], own.interval_y, grid.nyquist_y, cutoffs[1]),
+    )
+    lines = []
+    for values, interval, nyquist, cutoff in sides:
+        frequency = np.arange(len(values)) * interval
+        reach = frequency <= max(nyquist, cutoff or 0.0) + interval
+        frequency, shown = frequency[reach], np.asarray(values[reach], np.float64)
+        at = float(np.interp(nyquist, frequency, shown, right=np.nan))
+        lines.append(_line(frequency, shown, nyquist, at, cutoff, transfer.part))
+    return TransferLines(transfer.part, lines[0], lines[1])
+
+
+def _cutoff(planned: PlannedNode, axis: str, work: Work) -> float | None:
+    """What the node's module tells as its cutoff, as an exit pupil's does."""
+    module: Any = planned.module
+    tell = getattr(module, f"cutoff_{axis}", None)
+    if tell is None:
+        return None
+    found = tell(planned.inputs["context"], planned.inputs["pupil"])
+    return float(work.value(found) if isinstance(found, Recipe) else found)
+
+
+def _turn(planned: PlannedNode) -> float | None:
+    """The frequency from which on light is scattered aside, far below all others."""
+    module: Any = planned.module
+    if getattr(module, "turbidity", "none") == "none":
+        return None
+    return float(module.turbidity_cutoff_cyc_per_mrad)

@@ -1,0 +1,1 @@
+"""Recovery files: work that survives a crash."""

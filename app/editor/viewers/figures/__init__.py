@@ -1,0 +1,1 @@
+"""Figures of the sensor as a strip and as tables."""

@@ -1,0 +1,149 @@
+"""The question of the figures strip: what the electronics' read-outs say of the sensor."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from app.editor.evaluation.queries import Passing, Want
+from app.editor.viewers.network_ports import HOW_TO_MARK
+from app.run.output import Output, ancestors, find_output
+from app.run.sound_plan import sound_part
+from core.chain.engine import Plan
+from core.errors import ImagechainError
+
+MODULE = "electronics_noise"
+SHOWN = (
+    ("g_number", "G#"),
+    ("bandwidth_Hz", "Bandwidth"),
+    ("ner", "NER"),
+    ("netd_detector_K", "NETD detector"),
+    ("netd_system_K", "NETD system"),
+    ("snr", "SNR"),
+    ("quantization_rms", "Quantization"),
+)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One read-out; `value` None where there is none."""
+
+    name: str
+    caption: str
+    value: Any
+    unit: str
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Figures:
+    """The read-outs of one node.
+
+    Parameters
+    ----------
+    node : str or None
+        The electronics; None where there is none, or it is not clear which leads to the output.
+    figures : tuple of Figure
+        Its read-outs.
+    output : str or None
+        Port of the picture that the network delivers.
+    missing : str
+        Why there is none, in one line.
+    choices : tuple of str
+        Ports of the pictures that could be meant, where none is marked.
+    """
+
+    node: str | None
+    figures: tuple[Figure, ...] = ()
+    output: str | None = None
+    missing: str = ""
+    choices: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class FiguresWant(Want):
+    """Figures of the electronics that lead to the final picture.
+
+    Parameters
+    ----------
+    preferred : str or None
+        The node to tell of if there are several; else it is the last one.
+    """
+
+    urgency: ClassVar[int] = 1
+
+    preferred: str | None = None
+
+    def key(self, plan: Plan) -> Hashable:
+        """The node and what its figures are made of."""
+        told = _output_of(plan)
+        name = self.node(plan)
+        if name is None:
+            return self, told
+        planned = plan.node(name)
+        if planned.error is not None:
+            raise planned.error
+        table = planned.outputs.get("table")
+        return self, told, name, planned.node.disabled, getattr(table, "key", None)
+
+    def answer(self, passing: Passing) -> Figures:
+        """The figures."""
+        plan = passing.plan
+        told = _output_of(plan)
+        name = self.node(plan)
+        if name is None:
+            return Figures(None, (), *told)
+        planned = plan.node(name)
+        if planned.error is not None:
+            raise planned.error
+        values: Mapping[str, Any] = {}
+        if not planned.node.disabled:
+            values = passing.engine.readouts(plan, name, passing.work)
+        declared = {each.name: each for each in planned.declaration.readouts}
+        return Figures(
+            name,
+            tuple(
+                Figure(
+                    readout,
+                    caption,
+                    values.get(readout),
+                    declared[readout].unit,
+                    declared[readout].meaning,
+                )
+                for readout, caption in SHOWN
+            ),
+            *told,
+        )
+
+    def node(self, plan: Plan) -> str | None:
+        """Id of the node whose figures are told; None without electronics.
+
+        Of several, the preferred one, else the last one that leads to the output, else the last of
+        all; None where it is not said which of several pictures is the output.
+        """
+        named = [name for name, node in plan.network.nodes.items() if node.module == MODULE]
+        if not named or self.preferred in named:
+            return self.preferred if named else None
+        leading = set(named)
+        try:
+            output = find_output(sound_part(plan))
+        except ImagechainError:
+            output = Output(None)
+        if output.choices and len(named) > 1:
+            return None
+        if output.port is not None:
+            last = output.port.rpartition(".")[0]
+            leading = ancestors(plan.network, last) | {last}
+        order = [name for name in plan.nodes if name in named]
+        return next((name for name in reversed(order) if name in leading), order[-1])
+
+
+def _output_of(plan: Plan) -> tuple[str | None, str, tuple[str, ...]]:
+    """The picture that the network delivers, or why there is none, and which could be meant."""
+    try:
+        output = find_output(sound_part(plan))
+    except ImagechainError as error:
+        return None, str(error), ()
+    missing = f"{output.missing}; {HOW_TO_MARK}" if output.choices else output.missing
+    return output.port, missing, output.choices

@@ -1,0 +1,165 @@
+"""The figures of the sensor in one row: noise, temperature resolution, and the run time."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+
+from app.editor.evaluation.queries import Answer, PassDone, Want
+from app.editor.session import Session
+from app.editor.theme import Theme
+from app.editor.viewers.figures.figures_query import SHOWN, Figures, FiguresWant
+from app.editor.viewers.viewer import Viewer
+from app.editor.widgets.elided_label import ElidedLabel
+
+if TYPE_CHECKING:
+    from app.editor.evaluation.evaluator import Evaluator
+
+NONE = "—"
+RUN_TIME = "run_time"
+OUTPUT = "output"
+_PREFIXED = ("Hz", "K", "s", "W/m²/sr")
+_PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+
+
+def figure_text(value: Any, unit: str) -> str:
+    """A figure in four digits with its unit, which may get a prefix; a dash for none."""
+    if value is None:
+        return NONE
+    if not isinstance(value, int | float):
+        return str(value)
+    text = f"{value:.4g} {unit}"
+    if unit in _PREFIXED and value and math.isfinite(value):
+        power = min(9, max(-9, 3 * math.floor(math.log10(abs(float(f"{value:.4g}"))) / 3)))
+        text = f"{value / 10.0**power:.4g} {_PREFIXES[power]}{unit}"
+    return text.strip().replace("-", "\N{MINUS SIGN}")
+
+
+class FiguresStrip(Viewer):
+    """Read-outs of the electronics that lead to the final picture, and the run time.
+
+    That is how long all that is shown took after the last change.
+
+    Parameters
+    ----------
+    session, evaluator, theme, parent
+        As for `Viewer`.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        evaluator: Evaluator | None,
+        theme: Theme,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(session, evaluator, theme, "figures_strip", parent)
+        self.setAccessibleName("Figures of the sensor")
+        self._values: dict[str, ElidedLabel] = {}
+        self._captions: list[QLabel] = []
+        self._layout = QHBoxLayout(self)
+        self._layout.setContentsMargins(8, 2, 8, 3)
+        self._layout.setSpacing(14)
+        for name, caption in ((OUTPUT, "Output"), *SHOWN, (RUN_TIME, "Run time")):
+            self._add(name, caption)
+        self._layout.addStretch(1)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        session.selection_changed.connect(self._follow_selection)
+        if evaluator is not None:
+            evaluator.pass_done.connect(self._pass_done)
+        self._show(None)
+        self._values[RUN_TIME].tell(NONE)
+        self.set_theme(theme)
+
+    def text(self, name: str) -> str:
+        """What stands there for a read-out, such as ``snr``, for ``output`` or ``run_time``."""
+        return self._values[name].text()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Write in other colours."""
+        self.theme = theme
+        for label in self._captions:
+            palette = self.palette()
+            palette.setColor(label.foregroundRole(), QColor(theme.faint_text))
+            label.setPalette(palette)
+
+    def state(self) -> dict[str, Any]:
+        """Nothing is remembered."""
+        return {}
+
+    def restore(self, state: Any) -> None:
+        """Nothing is remembered."""
+
+    def wants(self) -> tuple[Want, ...]:
+        """The figures of the node selected, if it is an electronics, else of the last one."""
+        return (FiguresWant(self._preferred()),)
+
+    def take(self, answer: Answer) -> None:
+        """Show figures; dashes with the reason where there are none."""
+        figures = answer.value if isinstance(answer.value, Figures) else None
+        self._show(figures, "" if answer.error is None else str(answer.error))
+
+    def follow_opening(self) -> None:
+        """Show nothing of another document."""
+        self._show(None)
+        self._values[RUN_TIME].tell(NONE)
+
+    def _add(self, name: str, caption: str) -> None:
+        head = ElidedLabel(f"{self.owner}.{name}.caption", f"{caption}, what it is", self)
+        font = head.font()
+        font.setPointSizeF(font.pointSizeF() * 0.85)
+        head.setFont(font)
+        head.tell(caption)
+        value = ElidedLabel(f"{self.owner}.{name}", caption, self)
+        cell = QVBoxLayout()
+        cell.setSpacing(0)
+        cell.addWidget(head)
+        cell.addWidget(value)
+        self._layout.addLayout(cell)
+        self._captions.append(head)
+        self._values[name] = value
+
+    def _show(self, found: Figures | None, why: str = "") -> None:
+        figures = {} if found is None else {each.name: each for each in found.figures}
+        missing = self._show_output(found, why)
+        none = why or missing or "no Electronics & Noise in the network tells it"
+        for name, _ in SHOWN:
+            label = self._values[name]
+            figure = figures.get(name)
+            if figure is None:
+                label.tell(NONE, none)
+            else:
+                node = found.node if found is not None else ""
+                exact = "" if figure.value is None else f" {figure.value!r} {figure.unit}".rstrip()
+                text = figure_text(figure.value, figure.unit)
+                label.tell(text, f"{figure.meaning}{exact} ({node})")
+
+    def _show_output(self, found: Figures | None, why: str) -> str:
+        """Say which picture is the output; gives why none is."""
+        label = self._values[OUTPUT]
+        if found is None:
+            label.tell(NONE, why)
+        elif found.output is not None:
+            label.tell(found.output, "The picture that the network delivers")
+        else:
+            label.tell(f"{len(found.choices)} pictures" if found.choices else NONE, found.missing)
+        return "" if found is None else found.missing
+
+    def _preferred(self) -> str | None:
+        for name in reversed(self.session.selection):
+            declared = self.session.declared(name)
+            if declared is not None and declared.key == "electronics_noise":
+                return name
+        return None
+
+    def _follow_selection(self, _names: Any) -> None:
+        self.ask()
+
+    def _pass_done(self, done: Any) -> None:
+        if isinstance(done, PassDone) and done.after_edit and not done.cancelled:
+            kind = f"a preview of 1:{done.reduced}" if done.reduced > 1 else "all that is shown"
+            about = f"Time that {kind} took after the last change: {done.seconds:.4f} s"
+            self._values[RUN_TIME].tell(figure_text(done.seconds, "s"), about)

@@ -1,0 +1,295 @@
+"""The viewer of a wire's picture: which one, how it is drawn, and what it says under the cursor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtWidgets import QStackedWidget, QVBoxLayout, QWidget
+
+from app.editor.evaluation.queries import Answer, Want
+from app.editor.session import Session
+from app.editor.theme import Theme
+from app.editor.viewers.neighbours import neighbours
+from app.editor.viewers.network_ports import ports_by_node
+from app.editor.viewers.picture.picture_bar import PictureBar
+from app.editor.viewers.picture.picture_canvas import PictureCanvas
+from app.editor.viewers.picture.picture_probe import PictureProbe
+from app.editor.viewers.picture.picture_saving import save_picture
+from app.editor.viewers.picture.region_tool import RegionTool
+from app.editor.viewers.picture.zoom_links import ZoomLinks
+from app.editor.viewers.pixels.colour_maps import NAMES, colour_table
+from app.editor.viewers.pixels.picture_choices import Choices, numbers_of
+from app.editor.viewers.pixels.picture_facts import PICTURES, Facts, laid_over
+from app.editor.viewers.pixels.picture_query import Picture, PictureWant
+from app.editor.viewers.pixels.picture_text import facts_text
+from app.editor.viewers.status_line import StatusLine
+from app.editor.viewers.viewer import Viewer
+from app.editor.widgets.elided_label import centred_hint
+from core.errors import UsageError
+from core.network.network import Network
+
+if TYPE_CHECKING:
+    from app.editor.evaluation.evaluator import Evaluator
+
+
+class ImageViewer(Viewer):
+    """Shows one wire, or two compared.
+
+    Parameters
+    ----------
+    session, evaluator, theme, parent
+        As for `Viewer`.
+    number : int
+        Of this viewer among those of the window.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        evaluator: Evaluator | None,
+        theme: Theme,
+        number: int,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(session, evaluator, theme, f"image_viewer.{number}", parent)
+        self.number = number
+        self.choices = Choices()
+        self.picture: Picture | None = None
+        self._lost: Choices | None = None
+        self._colours = "grey"
+        self._full: tuple[Any, Facts] | None = None
+        self.setAccessibleName(f"Image viewer {number}")
+        self._build()
+        self._connect()
+        self._set_colours("grey")
+        self.set_theme(theme)
+        self._follow_choices()
+
+    def look_at(self, port: str | None) -> None:
+        """Show what is on ``node.port``; None shows nothing."""
+        self._lost = None
+        self._choose(port=port or None)
+
+    def compare_with(self, port: str | None, mode: str = "wipe") -> None:
+        """Compare with another wire: "wipe" or "difference"; None ends it."""
+        self._choose(other=port, mode="alone" if port is None else mode)
+
+    def link_to(self, other: ImageViewer, on: bool = True) -> None:
+        """Show the same part of the picture as another viewer does, and the other way round."""
+        self.links.link(other.links, on)
+
+    def fit(self) -> None:
+        """Show all of the picture."""
+        self.canvas.fit()
+        self.links.tell()
+
+    def one_to_one(self) -> None:
+        """Show each sample as one dot of the screen."""
+        self.canvas.one_to_one()
+        self.links.tell()
+
+    def save_as(self, path: Path) -> None:
+        """Write the picture as it looks (``.png``), or its samples (``.npy .csv .tif .exr``).
+
+        Raises
+        ------
+        ImagechainError
+            If nothing is shown, or it cannot be written.
+        """
+        if self.picture is None:
+            raise UsageError("the viewer shows no picture")
+        save_picture(self.picture, path, colour_table(self._colours), self.canvas.split)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self.theme = theme
+        self.bar.region.set_theme(theme)
+        self.canvas.set_theme(theme)
+        self.status.set_theme(theme)
+
+    def state(self) -> dict[str, Any]:
+        """How it shows what, as JSON has it."""
+        zoom = self.canvas.zoom
+        return {
+            **(self._lost or self.choices).plain(),
+            "colours": self._colours,
+            "histogram": self.bar.display.histogram.isChecked(),
+            "profile": self.bar.display.profile.isChecked(),
+            "line": list(self.canvas.profile.ends),
+            "split": self.canvas.split,
+            "zoom": None if zoom is None else list(zoom),
+        }
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Show as `state` told; what cannot be used is as it was."""
+        self._lost = None
+        self.choices = Choices.of(state)
+        colours = state.get("colours")
+        if colours in NAMES:
+            self._set_colours(str(colours))
+        self.bar.display.histogram.setChecked(state.get("histogram", True) is True)
+        self.bar.display.profile.setChecked(state.get("profile", False) is True)
+        if (ends := numbers_of(state.get("line"), 4)) is not None:
+            self.canvas.profile.show(self.bar.display.profile.isChecked(), ends)
+        if (split := numbers_of([state.get("split")], 1)) is not None:
+            self.canvas.set_split(split[0])
+        self.canvas.set_zoom(numbers_of(state.get("zoom"), 3))
+        self._follow_choices()
+
+    def wants(self) -> tuple[Want, ...]:
+        """The picture that is chosen."""
+        want = self.choices.want
+        return () if want is None else (want,)
+
+    def accepts(self, want: Want) -> bool:
+        """Whether it is what is chosen; while levels are dragged, also with those of before."""
+        chosen = self.choices.want
+        return (
+            isinstance(want, PictureWant)
+            and chosen is not None
+            and replace(want, levels=chosen.levels) == chosen
+        )
+
+    def take(self, answer: Answer) -> None:
+        """Show a picture, or keep the last one faintly and say why there is none."""
+        if isinstance(answer.value, Picture):
+            self.picture = picture = self._placed(answer.value)
+            self._pages.setCurrentWidget(self.canvas)
+            self.canvas.show_picture(picture)
+            self.status.tell(facts_text(picture, self.choices))
+            self.probe.show_picture(picture, self.choices)
+            self.region.show_picture(picture, self.choices.port)
+        else:
+            self.canvas.make_faint()
+            self.status.tell(str(answer.error), failed=True)
+
+    def follow(self, before: Network, after: Network) -> None:
+        """Go with nodes that get other names; a node that comes back is shown again."""
+        moved = (self._lost or self.choices).moved(before, after)
+        gone = moved.port is not None and moved.port.rpartition(".")[0] not in after.nodes
+        now = Choices() if gone else moved
+        self._lost = moved if gone else None
+        if now != self.choices:
+            self.choices = now
+            self._follow_choices()
+
+    def follow_opening(self) -> None:
+        """Show nothing of another document."""
+        self.look_at(None)
+
+    def _build(self) -> None:
+        self.bar = PictureBar(self.session, self.owner, self)
+        self.canvas = PictureCanvas(self.theme, self)
+        self.canvas.setObjectName(f"{self.owner}.canvas")
+        self.links = ZoomLinks(self.canvas)
+        self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
+        self.probe = PictureProbe(self.canvas, self.status)
+        self.region = RegionTool(self.session, self.evaluator, self.canvas, self.bar.region)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(1)
+        layout.addWidget(self.bar)
+        self._hint = centred_hint(
+            "Choose a wire above, or show a selected node by its number", self
+        )
+        self._pages = QStackedWidget(self)
+        for page in (self._hint, self.canvas):
+            self._pages.addWidget(page)
+        layout.addWidget(self._pages, 1)
+        layout.addWidget(self.status)
+
+    def _connect(self) -> None:
+        bar, canvas = self.bar, self.canvas
+        bar.ports.chosen.connect(self.look_at)
+        bar.fit.clicked.connect(self.fit)
+        bar.dots.clicked.connect(self.one_to_one)
+        bar.opening.connect(self._fill_menus)
+        bar.display.mapping.chosen.connect(self._choose_mapping)
+        bar.display.levels.chosen.connect(self._choose_levels)
+        bar.display.colours.chosen.connect(self._set_colours)
+        bar.display.histogram.toggled.connect(canvas.show_histogram)
+        bar.display.profile.toggled.connect(self._toggle_profile)
+        bar.compare.mode.chosen.connect(self._choose_mode)
+        bar.compare.other_chosen.connect(self._choose_other)
+        bar.compare.linked.connect(self._choose_link)
+        self.region.picture_wanted.connect(self._show_for_region)
+        canvas.zoomed.connect(self.links.tell)
+        canvas.levels.dragged.connect(self._drag_levels)
+
+    def _choose(self, **changes: Any) -> None:
+        before = self.choices
+        self.choices = before.with_(**changes)
+        if self.choices != before:
+            self._follow_choices()
+
+    def _show_for_region(self, port: str) -> None:
+        self._lost = None
+        self._choose(port=port, mapping="linear", mode="alone")
+
+    def _choose_mapping(self, name: str) -> None:
+        self._choose(mapping=name)
+
+    def _choose_mode(self, name: str) -> None:
+        self._choose(mode=name)
+
+    def _choose_levels(self, name: str) -> None:
+        manual = self.picture.levels if self.picture is not None else "extremes"
+        self._choose(levels=manual if name == "manual" else name)
+
+    def _choose_other(self, port: str) -> None:
+        self._choose(other=port, mode="wipe" if self.choices.mode == "alone" else self.choices.mode)
+
+    def _choose_link(self, number: int, on: bool) -> None:
+        for viewer in neighbours(self):
+            if viewer.number == number:
+                self.link_to(viewer, on)
+
+    def _drag_levels(self, low: float, high: float) -> None:
+        if high > low:
+            self._choose(levels=(low, high))
+
+    def _set_colours(self, name: str) -> None:
+        self._colours = name
+        self.bar.display.colours.choose(name)
+        self.canvas.set_colours(name)
+
+    def _toggle_profile(self, on: bool) -> None:
+        self.canvas.profile.show(on)
+
+    def _follow_choices(self) -> None:
+        """Show on the controls what is chosen, and ask for it."""
+        choices = self.choices
+        self.bar.ports.choose(choices.port)
+        self.bar.display.mapping.choose(choices.mapping)
+        automatic = choices.levels if isinstance(choices.levels, str) else "manual"
+        self.bar.display.levels.choose(automatic)
+        self.bar.compare.mode.choose(choices.mode)
+        if choices.port is None:
+            self.picture = None
+            self.canvas.clear_picture()
+            self._pages.setCurrentWidget(self._hint)
+            self.status.tell("")
+            self.probe.show_picture(None, choices)
+            self.region.show_picture(None, None)
+        elif choices.mode != "alone" and choices.other is None:
+            self.status.tell("choose the other wire under Compare")
+        self.ask()
+
+    def _placed(self, picture: Picture) -> Picture:
+        """A preview where the picture is at full size, if that has been shown."""
+        about = self.choices.port, self.choices.mapping
+        if picture.reduced == 1:
+            self._full = about, picture.facts
+        elif self._full is not None and self._full[0] == about:
+            return replace(picture, facts=laid_over(picture.facts, self._full[1]))
+        return picture
+
+    def _fill_menus(self) -> None:
+        compare = self.bar.compare
+        groups = ports_by_node(self.session.network, self.session.library, PICTURES)
+        compare.fill_others(groups, self.choices.other)
+        linked = {viewer.number: self.links.has(viewer.links) for viewer in neighbours(self)}
+        compare.fill_links(linked)

@@ -1,0 +1,109 @@
+"""The histogram beside a picture, with the levels of black and white to be dragged."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import Signal
+
+from app.editor.theme import Theme
+from app.editor.viewers.pixels.colour_maps import colour_map
+from app.editor.viewers.pixels.grey_levels import Range, Spread
+from app.editor.viewers.plot.plot_looks import paint_axis, see_through
+from app.editor.viewers.without_matplotlib import without_matplotlib
+
+_WIDTH = 60
+_ROOM = 0.06  # beside the histogram at both ends, of its length
+_FILLED = 0.8  # of the axis, by the histogram: else the axis is fitted anew
+
+
+class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
+    """Shows a histogram made elsewhere: it is tied to no picture, and computes nothing.
+
+    The length of its bars is the logarithm of the count, so that rare samples are seen beside a
+    uniform background.
+
+    Signals
+    -------
+    dragged(low, high)
+        The person drags the levels.
+    released
+        The person has let them go.
+    """
+
+    dragged = Signal(float, float)
+    released = Signal()
+
+    def __init__(self, theme: Theme) -> None:
+        with without_matplotlib():
+            super().__init__()
+        self._writing = False
+        self._spread: Range | None = None
+        self.vb.setMaximumWidth(_WIDTH)
+        self.vb.setMenuEnabled(False)
+        self.vb.setMouseEnabled(x=False, y=False)
+        self.gradient.setEnabled(False)
+        self.gradient.showTicks(False)
+        self.axis.enableAutoSIPrefix(False)
+        self.disableAutoHistogramRange()
+        # The curve is turned: its bars grow to the left of zero, up to 1.
+        self.vb.setXRange(-1.02, 0.0, padding=0.0)
+        self.sigLevelsChanged.connect(self._levels_changed)
+        self.sigLevelChangeFinished.connect(self._level_change_finished)
+        self.set_theme(theme)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        paint_axis(self.axis, theme)
+        self.plot.setPen(theme.faint_text)
+        self.fillHistogram(True, color=see_through(theme.faint_text, 110))
+        self.region.setBrush(see_through(theme.accent, 50))
+        self.region.setHoverBrush(see_through(theme.accent, 90))
+        for line in self.region.lines:
+            line.setPen(theme.accent)
+            line.setHoverPen(theme.text)
+
+    def set_colours(self, name: str) -> None:
+        """Show another colour map."""
+        self.gradient.setColorMap(colour_map(name))
+        self.gradient.showTicks(False)
+
+    def show_spread(self, spread: Spread, levels: Range) -> None:
+        """Show a histogram, and levels unless the person is dragging them."""
+        low, high = spread.low, spread.high
+        if not high > low:
+            reach = abs(low) * 1e-3 or 1.0
+            low, high = low - reach, high + reach
+        bars = np.log1p(spread.counts.astype(np.float64))
+        bars /= max(1.0, float(bars.max()))
+        centres = spread.centres if spread.high > spread.low else np.linspace(low, high, len(bars))
+        self.plot.setData(centres, bars)
+        self._see(low, high, levels)
+        if not any(line.moving for line in (*self.region.lines, self.region)):
+            self._writing = True
+            self.setLevels(*levels)
+            self._writing = False
+
+    def _see(self, low: float, high: float, levels: Range) -> None:
+        """Keep histogram and levels in view, without jumping while levels or sliders are dragged.
+
+        The axis stays as it is where that fits nearly as well: to draw it takes a millisecond.
+        """
+        if (low, high) == self._spread:
+            return
+        self._spread = low, high
+        bottom, top = min(low, levels[0]), max(high, levels[1])
+        first, last = self.vb.viewRange()[1]
+        least = _FILLED * (last - first)
+        if first <= bottom and top <= last and top - bottom >= least:
+            return
+        self.setHistogramRange(bottom, top, padding=_ROOM)
+
+    def _levels_changed(self) -> None:
+        if not self._writing:
+            low, high = self.getLevels()
+            self.dragged.emit(float(low), float(high))
+
+    def _level_change_finished(self) -> None:
+        if not self._writing:
+            self.released.emit()

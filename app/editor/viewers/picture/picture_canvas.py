@@ -1,0 +1,279 @@
+"""Where a picture is drawn: axes, zoom, wipe, the cursor, and the histogram beside it."""
+
+from __future__ import annotations
+
+import pyqtgraph as pg
+from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QWidget
+
+from app.editor.theme import Theme
+from app.editor.viewers.picture.levels_bar import LevelsBar
+from app.editor.viewers.picture.picture_item import PictureItem, extent
+from app.editor.viewers.picture.profile_line import ProfileLine
+from app.editor.viewers.pixels.colour_maps import colour_table
+from app.editor.viewers.pixels.picture_query import Picture
+from app.editor.viewers.plot.plot_looks import bare, paint_axes
+from app.editor.viewers.region.region_overlay import RegionOverlay
+
+Zoom = tuple[float, ...]
+_STEPS = {
+    Qt.Key.Key_Left: (-1, 0),
+    Qt.Key.Key_Right: (1, 0),
+    Qt.Key.Key_Up: (0, -1),
+    Qt.Key.Key_Down: (0, 1),
+}
+_FAINT = 0.35
+
+
+class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
+    """Draws the picture it is given; what lies where it asks nobody.
+
+    Signals
+    -------
+    pointed(place)
+        The cursor is at a place of the axes, a tuple; None where it is on no picture.
+    stepped(columns, rows)
+        An arrow key wants the probe moved.
+    zoomed
+        The person sees another part of the picture.
+    """
+
+    pointed = Signal(object)
+    stepped = Signal(int, int)
+    zoomed = Signal()
+
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAccessibleName("Picture")
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.ci.layout.setContentsMargins(2, 4, 4, 2)
+        self.ci.layout.setSpacing(4)
+        self.plot = self.addPlot(row=0, col=0)
+        bare(self.plot)
+        self.view: pg.ViewBox = self.plot.getViewBox()
+        self.view.invertY(True)
+        self.view.setAspectLocked(True)
+        self.view.disableAutoRange()
+        self.first, self.second = PictureItem(), PictureItem()
+        self.wipe = pg.InfiniteLine(angle=90, movable=True)
+        self.cross = pg.ScatterPlotItem(symbol="crosshair", size=17)
+        for item in (self.first, self.second, self.wipe, self.cross):
+            self.plot.addItem(item)
+        self.levels = LevelsBar(theme)
+        self.addItem(self.levels, row=0, col=1)
+        self.profile = ProfileLine(self.plot, self.ci, self)
+        self.region = RegionOverlay(self.view, self, theme)
+        self.fitted = True
+        self._picture: Picture | None = None
+        self._place = QRectF()
+        self._split = 0.5
+        self._wanted: Zoom | None = None
+        self._colours = "grey"
+        self._moving = False
+        self.wipe.sigPositionChanged.connect(self._wiped)
+        self.view.sigRangeChangedManually.connect(self._seen_otherwise)
+        self.scene().sigMouseMoved.connect(self._mouse_moved)
+        self.set_theme(theme)
+        self.clear_picture()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self.setBackground(theme.base)
+        paint_axes(self.plot, theme)
+        self.levels.set_theme(theme)
+        self.profile.set_theme(theme)
+        self.region.set_theme(theme)
+        self.wipe.setPen(theme.accent, width=2)
+        self.wipe.setHoverPen(theme.changed, width=3)
+        self.cross.setPen(theme.accent, width=2)
+        self.cross.setBrush(None)
+
+    def show_picture(self, picture: Picture) -> None:
+        """Show a picture; the part that is seen stays, but of one that lies elsewhere."""
+        place = extent(picture.facts)
+        moved = place != self._place
+        if moved:
+            self._wanted = self._zoom_for(picture)
+        self._picture, self._place = picture, place
+        table = colour_table(self._colours)
+        self.first.show_picture(picture, table, place)
+        if picture.other is not None:
+            self.second.show_picture(picture.other, table, place)
+            self.second.show_from(self._split)
+        self.second.setVisible(picture.other is not None)
+        self.wipe.setVisible(picture.other is not None)
+        for item in (self.first, self.second):
+            item.setOpacity(1.0)
+        self.levels.show_spread(picture.spread, picture.levels)
+        self.profile.show_picture(picture)
+        if moved:
+            self.mark(None)
+            self._place_elsewhere(picture)
+
+    def clear_picture(self) -> None:
+        """Show nothing."""
+        self._picture = self._wanted = None
+        self._place = QRectF()
+        self.fitted = True
+        for item in (self.first, self.second):
+            item.clear()
+        self.wipe.setVisible(False)
+        self.mark(None)
+        self.profile.clear()
+
+    def show_histogram(self, shown: bool) -> None:
+        """Show the histogram or not."""
+        self.levels.setVisible(shown)
+
+    def make_faint(self) -> None:
+        """Show that the picture is not that of the network as it stands."""
+        for item in (self.first, self.second):
+            item.setOpacity(_FAINT)
+
+    def set_colours(self, name: str) -> None:
+        """Draw with another colour map."""
+        self._colours = name
+        self.levels.set_colours(name)
+        for item in (self.first, self.second):
+            item.set_table(colour_table(name))
+
+    def mark(self, place: tuple[float, float] | None) -> None:
+        """Put the cross there."""
+        self.cross.setData(*([], []) if place is None else ([place[0]], [place[1]]))
+
+    def fit(self) -> None:
+        """Show all of the picture."""
+        self.fitted = True
+        self._see(self._place)
+
+    def one_to_one(self) -> None:
+        """Show each sample as one dot of the screen, around the middle of what is seen."""
+        if self._picture is None:
+            return
+        dots = self.view.width() * self.devicePixelRatioF()
+        step = self._place.width() / self._picture.facts.columns
+        self._widen(dots * step)
+
+    def zoom_by(self, factor: float) -> None:
+        """Enlarge what is seen."""
+        if self._picture is not None:
+            self._widen(self.view.viewRect().width() / factor)
+
+    @property
+    def zoom(self) -> Zoom | None:
+        """Middle and width of what is seen, as shares of the picture; None where all is."""
+        if self.fitted or self._place.isEmpty():
+            return self._wanted if self._place.isEmpty() else None
+        seen, place = self.view.viewRect(), self._place
+        middle = seen.center()
+        return (
+            (middle.x() - place.left()) / place.width(),
+            (middle.y() - place.top()) / place.height(),
+            seen.width() / place.width(),
+        )
+
+    def set_zoom(self, zoom: Zoom | None) -> None:
+        """Show that part."""
+        if self._place.isEmpty():
+            self._wanted = zoom  # until there is a picture
+            return
+        if zoom is None or not zoom[2] > 0:
+            self.fit()
+            return
+        x, y, width = zoom
+        place = self._place
+        self.fitted = False
+        self._widen_at(
+            QPointF(place.left() + x * place.width(), place.top() + y * place.height()),
+            width * place.width(),
+        )
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """The cursor is on no picture."""
+        super().leaveEvent(event)
+        self.pointed.emit(None)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Move the probe by the arrows; zoom by plus, minus, 0 (all) and 1 (dot by dot)."""
+        key = Qt.Key(event.key())
+        step = _STEPS.get(key)
+        if step is not None:
+            far = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
+            self.stepped.emit(step[0] * far, step[1] * far)
+        elif key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
+            self.zoom_by(1.25)
+            self.zoomed.emit()
+        elif key == Qt.Key.Key_Minus:
+            self.zoom_by(0.8)
+            self.zoomed.emit()
+        elif key in (Qt.Key.Key_0, Qt.Key.Key_1):
+            (self.fit if key == Qt.Key.Key_0 else self.one_to_one)()
+            self.zoomed.emit()
+        else:
+            super().keyPressEvent(event)
+            return
+        event.accept()
+
+    def _place_elsewhere(self, picture: Picture) -> None:
+        facts = picture.facts
+        self.plot.setLabel("bottom", facts.across.title)
+        self.plot.setLabel("left", facts.along.title)
+        self.view.setAspectLocked(True, facts.along.step / facts.across.step)
+        self._put_wipe()
+        self.set_zoom(self._wanted)
+
+    def _zoom_for(self, picture: Picture) -> Zoom | None:
+        """The same part as is seen now, where the picture has the same kind of axes."""
+        before = self._picture
+        if before is not None and before.facts.across.label != picture.facts.across.label:
+            return None
+        return self.zoom
+
+    def _put_wipe(self) -> None:
+        left, right = self._place.left(), self._place.right()
+        self._moving = True
+        self.wipe.setBounds((left, right))
+        self.wipe.setValue(left + self._split * (right - left))
+        self._moving = False
+        self.second.show_from(self._split)
+
+    def _wiped(self) -> None:
+        if not self._moving and self._place.width() > 0:
+            self._split = (self.wipe.value() - self._place.left()) / self._place.width()
+            self.second.show_from(self._split)
+
+    @property
+    def split(self) -> float:
+        """Where the wipe lies, as a share of the width."""
+        return self._split
+
+    def set_split(self, share: float) -> None:
+        """Put the wipe there."""
+        self._split = min(1.0, max(0.0, share))
+        self._put_wipe()
+
+    def _see(self, rect: QRectF) -> None:
+        if not rect.isEmpty():
+            self.view.setRange(rect, padding=0.0)
+
+    def _widen(self, width: float) -> None:
+        self.fitted = False
+        self._widen_at(self.view.viewRect().center(), width)
+
+    def _widen_at(self, middle: QPointF, width: float) -> None:
+        # Of little height, so that it is the width that the view keeps when its shape changes.
+        height = 1e-3 * width
+        self._see(QRectF(middle.x() - width / 2, middle.y() - height / 2, width, height))
+
+    def _seen_otherwise(self) -> None:
+        self.fitted = False
+        self.zoomed.emit()
+
+    def _mouse_moved(self, point: QPointF) -> None:
+        if self._picture is None or not self.view.sceneBoundingRect().contains(point):
+            self.pointed.emit(None)
+            return
+        place = self.view.mapSceneToView(point)
+        inside = self._place.contains(place)
+        self.pointed.emit((place.x(), place.y()) if inside else None)

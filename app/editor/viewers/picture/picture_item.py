@@ -1,0 +1,60 @@
+"""A picture as an item of a plot: 8-bit levels with a table of colours."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pyqtgraph as pg
+from PySide6.QtCore import QRectF
+from PySide6.QtGui import QPainter
+
+from app.editor.viewers.pixels.colour_maps import Table, colour_table
+from app.editor.viewers.pixels.picture_facts import Facts
+from app.editor.viewers.pixels.picture_query import Picture
+
+
+def extent(facts: Facts) -> QRectF:
+    """What the samples of a picture cover on its axes, each of them around its place."""
+    x, y = facts.across, facts.along
+    return QRectF(
+        x.first - x.step / 2, y.first - y.step / 2, x.step * facts.columns, y.step * facts.rows
+    )
+
+
+class PictureItem(pg.ImageItem):  # type: ignore[misc]
+    """Shows a picture from a share of its width on: 0 all of it, 1 nothing."""
+
+    def __init__(self) -> None:
+        super().__init__(axisOrder="row-major")
+        self._from = 0.0
+
+    def show_picture(self, picture: Picture, table: Table, place: QRectF) -> None:
+        """Show this picture at this place."""
+        self.setImage(picture.grey, autoLevels=False, levels=None, lut=_lookup(table))
+        self.setRect(place)
+
+    def set_table(self, table: Table) -> None:
+        """Show it in other colours."""
+        self.setLookupTable(_lookup(table))
+
+    def show_from(self, share: float) -> None:
+        """Show it from there on."""
+        self._from = share
+        self.update()
+
+    def paint(self, painter: QPainter, *args: Any) -> None:
+        """Draw what is to be seen of it."""
+        if self._from <= 0:
+            super().paint(painter, *args)
+            return
+        bounds = self.boundingRect()
+        bounds.setLeft(bounds.left() + self._from * bounds.width())
+        painter.save()
+        painter.setClipRect(bounds)
+        super().paint(painter, *args)
+        painter.restore()
+
+
+def _lookup(table: Table) -> Table | None:
+    """Levels that are greys already need no table, and are shown faster without."""
+    return None if table is colour_table("grey") else table

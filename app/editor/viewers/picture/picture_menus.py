@@ -1,0 +1,143 @@
+"""The menus of an image viewer: how the picture is drawn, and what it is compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtGui import QAction, QActionGroup
+from PySide6.QtWidgets import QMenu
+
+from app.editor.viewers.network_ports import NodePorts
+from app.editor.viewers.pixels.colour_maps import NAMES
+
+MAPPINGS = {
+    "linear": "&Linear",
+    "log": "Lo&garithm",
+    "spectrum": "Centred &Spectrum",
+}
+LEVELS = {
+    "extremes": "&Least to Greatest",
+    "percentiles": "&0.5 % to 99.5 %",
+    "manual": "&As Set in the Histogram",
+}
+MODES = {"alone": "&Alone", "wipe": "&Wipe", "difference": "&Difference"}
+
+
+class Radio(QObject):
+    """Actions of a menu of which one is chosen.
+
+    Signals
+    -------
+    chosen(name)
+        The person has chosen another.
+    """
+
+    chosen = Signal(str)
+
+    def __init__(self, menu: QMenu, texts: Mapping[str, str]) -> None:
+        super().__init__(menu)
+        self._group = QActionGroup(self)
+        self._actions: dict[str, QAction] = {}
+        for name, text in texts.items():
+            action = QAction(text, self._group, checkable=True)
+            action.setObjectName(name)
+            action.setData(name)
+            menu.addAction(action)
+            self._actions[name] = action
+        self._group.triggered.connect(self._triggered)
+
+    def choose(self, name: str) -> None:
+        """Mark one as chosen, without telling anyone."""
+        self._actions[name].setChecked(True)
+
+    def _triggered(self, action: QAction) -> None:
+        self.chosen.emit(str(action.data()))
+
+
+class DisplayMenu(QObject):
+    """How the picture is drawn: mapping, levels, colours, histogram, line."""
+
+    def __init__(self, menu: QMenu) -> None:
+        super().__init__(menu)
+        menu.addSection("Samples")
+        self.mapping = Radio(menu, MAPPINGS)
+        menu.addSection("Black to white")
+        self.levels = Radio(menu, LEVELS)
+        menu.addSeparator()
+        colours = menu.addMenu("&Colours")
+        self.colours = Radio(colours, NAMES)
+        self.histogram = self._toggle(menu, "histogram", "&Histogram")
+        self.profile = self._toggle(menu, "profile", "Line &Profile")
+
+    def _toggle(self, menu: QMenu, name: str, text: str) -> QAction:
+        action = QAction(text, menu, checkable=True)
+        action.setObjectName(name)
+        menu.addAction(action)
+        return action
+
+
+class CompareMenu(QObject):
+    """What the picture is compared with, and how; which viewers it moves with.
+
+    Signals
+    -------
+    other_chosen(port)
+        The other wire.
+    linked(number, on)
+        Whether to move with the viewer of that number.
+    """
+
+    other_chosen = Signal(str)
+    linked = Signal(int, bool)
+
+    def __init__(self, menu: QMenu) -> None:
+        super().__init__(menu)
+        menu.addSection("Show")
+        self.mode = Radio(menu, MODES)
+        menu.addSeparator()
+        self.others = menu.addMenu("With &Other Wire")
+        self.others.setObjectName("others")
+        self.links = menu.addMenu("&Move With")
+        self.links.setObjectName("links")
+
+    def fill_others(self, groups: Iterable[NodePorts], chosen: str | None) -> None:
+        """Offer these ports, each node's in a menu of its own."""
+        self._empty(self.others)
+        for group in groups:
+            menu = self.others.addMenu(group.node.replace("&", "&&"))
+            for port in group.ports:
+                action = menu.addAction(port.rpartition(".")[2].replace("&", "&&"))
+                action.setData(port)
+                action.setCheckable(True)
+                action.setChecked(port == chosen)
+                action.triggered.connect(self._other_triggered)
+        self.others.setEnabled(not self.others.isEmpty())
+
+    def fill_links(self, viewers: Mapping[int, bool]) -> None:
+        """Offer these viewers, and whether they are moved with."""
+        self._empty(self.links)
+        for number, linked in viewers.items():
+            action = self.links.addAction(f"Viewer &{number}")
+            action.setData(number)
+            action.setCheckable(True)
+            action.setChecked(linked)
+            action.triggered.connect(self._link_triggered)
+        self.links.setEnabled(not self.links.isEmpty())
+
+    @staticmethod
+    def _empty(menu: QMenu) -> None:
+        for action in menu.actions():
+            inner = action.menu()
+            menu.removeAction(action)
+            (inner if isinstance(inner, QMenu) else action).deleteLater()
+
+    def _other_triggered(self) -> None:
+        action = self.sender()
+        if isinstance(action, QAction):
+            self.other_chosen.emit(str(action.data()))
+
+    def _link_triggered(self) -> None:
+        action = self.sender()
+        if isinstance(action, QAction):
+            self.linked.emit(int(action.data()), action.isChecked())

@@ -1,0 +1,71 @@
+"""The probe of an image viewer: moved by the mouse or the arrow keys, told in the status line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import QObject
+
+from app.editor.viewers.picture.picture_canvas import PictureCanvas
+from app.editor.viewers.pixels.picture_choices import Choices
+from app.editor.viewers.pixels.picture_query import Picture
+from app.editor.viewers.pixels.picture_text import sample_text
+from app.editor.viewers.pixels.probing import index_at
+from app.editor.viewers.status_line import StatusLine
+
+
+class PictureProbe(QObject):
+    """Tells the sample at one place of the picture.
+
+    Parameters
+    ----------
+    canvas : PictureCanvas
+        Says where the cursor is, and marks the place; Qt's owner.
+    status : StatusLine
+        Where the sample is told.
+    """
+
+    def __init__(self, canvas: PictureCanvas, status: StatusLine) -> None:
+        super().__init__(canvas)
+        self._canvas = canvas
+        self._status = status
+        self._picture: Picture | None = None
+        self._choices = Choices()
+        self._place: tuple[int, int] | None = None
+        canvas.pointed.connect(self._point_at)
+        canvas.stepped.connect(self._step)
+
+    def show_picture(self, picture: Picture | None, choices: Choices) -> None:
+        """Tell the sample of another picture; at the same place, if it has such axes."""
+        before = self._picture
+        if self._place and before and picture and before.facts.kind == picture.facts.kind:
+            row, column = self._place
+            x, y = before.facts.across.at(column), before.facts.along.at(row)
+            self._place = index_at(picture.facts, x, y)
+        else:
+            self._place = None
+        self._picture, self._choices = picture, choices
+        self._tell()
+
+    def _point_at(self, place: Any) -> None:
+        """The cursor is there."""
+        self._place = None
+        if place is not None and self._picture is not None:
+            self._place = index_at(self._picture.facts, *place)
+        self._canvas.mark(None)
+        self._tell()
+
+    def _step(self, columns: int, rows: int) -> None:
+        """Go on by so many samples, from the middle if there is no place yet."""
+        if self._picture is None:
+            return
+        facts = self._picture.facts
+        row, column = self._place or (facts.rows // 2, facts.columns // 2)
+        row = min(facts.rows - 1, max(0, row + rows))
+        column = min(facts.columns - 1, max(0, column + columns))
+        self._place = row, column
+        self._canvas.mark((facts.across.at(column), facts.along.at(row)))
+        self._tell()
+
+    def _tell(self) -> None:
+        self._status.tell_more(sample_text(self._picture, self._place, self._choices))

@@ -1,0 +1,79 @@
+"""Writing what an image viewer shows: the picture as it looks, or its samples."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.fft
+from PySide6.QtCore import QBuffer, QIODevice
+from PySide6.QtGui import QImage
+
+from app.editor.viewers.pixels.colour_maps import Table
+from app.editor.viewers.pixels.grey_levels import Levels
+from app.editor.viewers.pixels.picture_query import Picture
+from app.run.saving import metadata_of, save_array
+from core.atomic import write_bytes
+from core.chain.wires import Image
+from core.errors import UsageError
+
+SUFFIXES = (".png", ".npy", ".csv", ".tif", ".tiff", ".exr")
+
+
+def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5) -> None:
+    """Write a picture by the suffix of the file.
+
+    ``.png`` is what is shown, in its colours and levels; all else the samples, planes in the
+    order of the FFT as the command line writes them. Of a wipe, `split` is the first one's share
+    of the width; samples are those of the first.
+
+    Raises
+    ------
+    UsageError
+        For another suffix, and for a preview.
+    ImagechainError
+        From the writer.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise UsageError(f"{path}: a picture is written as {' '.join(SUFFIXES)}")
+    if picture.reduced > 1:
+        raise UsageError("the picture is a preview still: wait until it is shown at full size")
+    if suffix == ".png":
+        write_bytes(path, _png(wiped(picture, split), table))
+        return
+    samples: Any = picture.samples
+    if picture.facts.kind == "plane":
+        samples = scipy.fft.ifftshift(samples)
+    spatial = isinstance(picture.value, Image) and picture.facts.kind == "picture"
+    metadata = metadata_of(picture.value, samples.shape) if spatial else {}
+    save_array(path, np.asarray(samples), suffix, metadata)
+
+
+def wiped(picture: Picture, split: float) -> Levels:
+    """The levels on both sides of a wipe; the second picture's nearest ones if it is not as large.
+
+    Without a second one, those of the picture.
+    """
+    levels, other = picture.grey, picture.other
+    if other is None:
+        return levels
+    rows, columns = levels.shape
+    start = round(split * columns)
+    down = (np.arange(rows) + 0.5) / rows * other.facts.rows
+    right = (np.arange(start, columns) + 0.5) / columns * other.facts.columns
+    both = levels.copy()
+    both[:, start:] = other.grey[np.ix_(down.astype(np.intp), right.astype(np.intp))]
+    return both
+
+
+def _png(shown: Levels, table: Table) -> bytes:
+    levels = np.ascontiguousarray(shown)
+    rows, columns = levels.shape
+    image = QImage(levels.data, columns, rows, columns, QImage.Format.Format_Indexed8)
+    image.setColorTable([0xFF000000 | int(r) << 16 | int(g) << 8 | int(b) for r, g, b in table])
+    buffer = QBuffer()
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    image.save(buffer, "PNG")  # type: ignore[call-overload]
+    return bytes(buffer.data().data())

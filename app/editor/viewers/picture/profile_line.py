@@ -1,0 +1,153 @@
+"""A line across a picture that can be dragged, and the samples along it below."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import pyqtgraph as pg
+from PySide6.QtCore import QObject, QPointF
+
+from app.editor.theme import Theme
+from app.editor.viewers.picture.picture_item import extent
+from app.editor.viewers.pixels.picture_query import Picture
+from app.editor.viewers.pixels.probing import Place, along_line
+from app.editor.viewers.plot.plot_looks import bare, paint_axes
+
+if TYPE_CHECKING:
+    from PySide6.QtWidgets import QWidget
+
+Ends = tuple[float, ...]
+_LINES = 8  # of text that the plot is high
+_ACROSS: Ends = (0.1, 0.5, 0.9, 0.5)
+
+
+class ProfileLine(QObject):
+    """The line in one plot, and the plot of what lies along it.
+
+    Parameters
+    ----------
+    picture_plot : PlotItem
+        Where the line is drawn.
+    layout : GraphicsLayout
+        Where the plot of what lies along it gets its row, the second, while it is shown.
+    parent : QWidget
+        Qt's owner.
+    """
+
+    def __init__(
+        self, picture_plot: pg.PlotItem, layout: pg.GraphicsLayout, parent: QWidget
+    ) -> None:
+        super().__init__(parent)
+        self._layout = layout
+        self._plot = plot = pg.PlotItem()
+        bare(plot)
+        plot.setMouseEnabled(x=False, y=False)
+        plot.setLabel("bottom", "distance (samples)")
+        plot.setFixedHeight(_LINES * parent.fontMetrics().height())
+        self._curve = plot.plot()
+        self._other = plot.plot()
+        self._line = pg.LineSegmentROI([(0, 0), (1, 1)])
+        self._line.setZValue(10)
+        picture_plot.addItem(self._line)
+        self._line.sigRegionChanged.connect(self._moved)
+        self._picture: Picture | None = None
+        self._ends: Ends = _ACROSS
+        self._shown = False
+        self._writing = False
+        self.show(False)
+
+    @property
+    def shown(self) -> bool:
+        """Whether there is a line."""
+        return self._shown
+
+    @property
+    def ends(self) -> Ends:
+        """Start and end as shares of the picture: x, y, x, y."""
+        return self._ends
+
+    def show(self, shown: bool, ends: Ends | None = None) -> None:
+        """Show the line or not, and where."""
+        # A hidden item would keep its room in the layout.
+        if shown and not self._shown:
+            self._layout.addItem(self._plot, row=1, col=0, colspan=2)
+        elif self._shown and not shown:
+            self._layout.removeItem(self._plot)
+        self._shown = shown
+        self._ends = ends or self._ends
+        self._line.setVisible(shown)
+        self._put_line()
+        self._draw()
+
+    def show_picture(self, picture: Picture) -> None:
+        """Tell what is along the line in another picture."""
+        moved = self._picture is None or extent(self._picture.facts) != extent(picture.facts)
+        self._picture = picture
+        if moved:
+            self._put_line()
+        self._draw()
+
+    def clear(self) -> None:
+        """There is no picture."""
+        self._picture = None
+        self._curve.setData([], [])
+        self._other.setData([], [])
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        paint_axes(self._plot, theme)
+        self._curve.setPen(theme.curves[0])
+        self._other.setPen(theme.curves[1])
+        self._line.setPen(theme.accent, width=2)
+        self._line.hoverPen = pg.mkPen(theme.changed, width=3)
+        for handle in self._line.getHandles():
+            handle.pen.setColor(pg.mkColor(theme.accent))
+            handle.currentPen = handle.pen
+
+    def _put_line(self) -> None:
+        if self._picture is None:
+            return
+        place = extent(self._picture.facts)
+        self._writing = True
+        for handle, (x, y) in zip(
+            self._line.getHandles(), (self._ends[:2], self._ends[2:]), strict=True
+        ):
+            point = QPointF(place.left() + x * place.width(), place.top() + y * place.height())
+            self._line.movePoint(handle, point, finish=False, coords="parent")
+        self._writing = False
+
+    def _moved(self) -> None:
+        if self._writing or self._picture is None:
+            return
+        place = extent(self._picture.facts)
+        shares = []
+        for handle in self._line.getHandles():
+            point = self._line.mapToParent(handle.pos())
+            shares += [
+                (point.x() - place.left()) / place.width(),
+                (point.y() - place.top()) / place.height(),
+            ]
+        self._ends = tuple(shares)
+        self._draw()
+
+    def _draw(self) -> None:
+        picture = self._picture
+        if picture is None or not self._shown:
+            return
+        self._plot.setLabel("left", picture.facts.unit or picture.facts.quantity)
+        start, end = self._on(picture)
+        self._curve.setData(*along_line(picture.samples, start, end))
+        if picture.other is None:
+            self._other.setData([], [])
+            return
+        starts, ends = self._on(picture.other)
+        distance, value = along_line(picture.other.samples, starts, ends)
+        shorter = math.dist(start, end) / (math.dist(starts, ends) or 1.0)
+        self._other.setData(distance * shorter, value)
+
+    def _on(self, picture: Picture) -> tuple[Place, Place]:
+        """The ends as fractional indices of columns and rows."""
+        columns, rows = picture.facts.columns, picture.facts.rows
+        x0, y0, x1, y1 = self._ends
+        return (x0 * columns - 0.5, y0 * rows - 0.5), (x1 * columns - 0.5, y1 * rows - 0.5)

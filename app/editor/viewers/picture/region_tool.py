@@ -1,0 +1,242 @@
+"""Which node's region a viewer shows, and how it is edited there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import QObject, QPoint, Signal
+from PySide6.QtWidgets import QMenu, QToolButton
+
+from app.editor.session import Session
+from app.editor.viewers.picture.picture_canvas import PictureCanvas
+from app.editor.viewers.picture.picture_item import extent
+from app.editor.viewers.pixels.picture_query import Picture
+from app.editor.viewers.pixels.regions import as_it_was, has_region, region_of, setting, whole
+from core.chain.wires import Image
+from core.editing.operation import Operation
+from core.errors import ImagechainError
+
+if TYPE_CHECKING:
+    from app.editor.evaluation.evaluator import Evaluator
+
+
+class RegionTool(QObject):
+    """Shows the region of a node on the picture it is of.
+
+    It is that of the node selected last, or of one whose panel is pinned, on its input or on a
+    picture of the same size before it or of its own.
+
+    Parameters
+    ----------
+    session : Session
+        The document.
+    evaluator : Evaluator or None
+        Knows the sizes of pictures.
+    canvas : PictureCanvas
+        Where it is drawn; Qt's owner.
+    button : QToolButton
+        Pressed to draw a region.
+
+    Signals
+    -------
+    picture_wanted(port)
+        The viewer is to show that picture.
+    """
+
+    picture_wanted = Signal(str)
+
+    def __init__(
+        self,
+        session: Session,
+        evaluator: Evaluator | None,
+        canvas: PictureCanvas,
+        button: QToolButton,
+    ) -> None:
+        super().__init__(canvas)
+        self._session = session
+        self._evaluator = evaluator
+        self._canvas = canvas
+        self._overlay = canvas.region
+        self._button = button
+        self._picture: Picture | None = None
+        self._port: str | None = None
+        self._node: str | None = None
+        self._gesture: object | None = None
+        self._restoring: tuple[str, Operation] | None = None
+        for signal in (session.changed, session.selection_changed, session.opened):
+            signal.connect(self.follow)
+        if evaluator is not None:
+            evaluator.pass_done.connect(self.follow)
+        overlay = self._overlay
+        overlay.began.connect(self._begin)
+        overlay.changed.connect(self._change)
+        overlay.ended.connect(self._end)
+        overlay.draw_wanted.connect(self.draw)
+        overlay.armed_changed.connect(self._armed)
+        overlay.menu_wanted.connect(self._open_menu)
+        button.clicked.connect(self._clicked)
+        self.follow()
+
+    def show_picture(self, picture: Picture | None, port: str | None) -> None:
+        """The viewer shows this, which is on that port."""
+        self._picture, self._port = picture, port
+        self.follow()
+
+    def follow(self, *_: object) -> None:
+        """Show the region as the document has it."""
+        self._button.setEnabled(any(True for _ in self._all()))
+        self._node = next((name for name in self._chosen() if self._lies_on(name)), None)
+        size = self._size(self._node)
+        if self._node is None or size is None or self._picture is None:
+            self._overlay.hide()
+            self._describe("")
+            if not self._chosen():
+                self._overlay.arm(False)
+            return
+        declared = self._session.declared(self._node)
+        assert declared is not None
+        region, fits = region_of(declared, self._session.network.nodes[self._node], size)
+        self._overlay.show(region, fits, size, extent(self._picture.facts), self._node)
+        self._describe(f"region of {self._node}: {region.told()}")
+
+    def draw(self) -> None:
+        """Let a region be drawn: on this picture, or on that of the node that is selected.
+
+        Without one selected, it is that of the first node that has one and sees this picture.
+        """
+        if self._node is None:
+            name = self._meant()
+            if name is None:
+                self._session.told.emit("note", "no module of this network has a region to draw")
+                self._overlay.arm(False)
+                return
+            if name not in self._chosen():
+                self._session.select([name])
+            if self._node is None and (source := self._source(name)) is not None:
+                self.picture_wanted.emit(source)
+            elif self._node is None:
+                self._session.told.emit("note", f"{name} has no picture yet to draw a region on")
+                self._overlay.arm(False)
+                return
+        self._overlay.arm(True)
+        self._overlay.hold(True)
+        self._canvas.setFocus()
+
+    def _armed(self, on: bool) -> None:
+        """Say what can be done now."""
+        self._button.setChecked(on)
+        if on and self._node is not None:
+            text = f"Drag a rectangle over what {self._node} is to look at; Esc gives it up"
+            self._session.told.emit("note", text)
+        elif self._node is not None:
+            text = "Arrow keys move the region, with Ctrl its last corner; Shift: ten times as far"
+            self._session.told.emit("note", text)
+
+    def _clicked(self) -> None:
+        if self._button.isChecked():
+            self.draw()
+            self._button.setChecked(self._overlay.armed)
+        else:
+            self._overlay.arm(False)
+
+    def _all(self) -> Iterator[str]:
+        """Nodes that have a region."""
+        session = self._session
+        return (name for name in session.network.nodes if has_region(session.declared(name)))
+
+    def _chosen(self) -> list[str]:
+        """Those of them whose panels are open, the one selected last first."""
+        nodes, having = self._session.network.nodes, set(self._all())
+        pinned = (name for name in nodes if nodes[name].extra.get("pinned") is True)
+        each = dict.fromkeys((*self._session.selection[-1:], *pinned))
+        return [name for name in each if name in having]
+
+    def _meant(self) -> str | None:
+        """The node whose region is to be drawn where none is shown."""
+        each = [*self._chosen(), *self._all()]
+        on_this = (name for name in each if self._lies_on(name))
+        first = self._chosen()[:1] or [*on_this, *each][:1]
+        return first[0] if first else None
+
+    def _lies_on(self, name: str) -> bool:
+        """Whether a node's region can be shown on the picture."""
+        picture, source = self._picture, self._source(name)
+        if picture is None or picture.facts.kind != "picture" or source is None:
+            return False
+        if self._port == source:
+            return True
+        of = (self._port or "").rpartition(".")[0]
+        before = of == name or of in self._before(name)
+        return before and self._shape(self._port) == self._shape(source) is not None
+
+    def _source(self, name: str) -> str | None:
+        """The port that a node's picture comes from."""
+        declared = self._session.declared(name)
+        for link in self._session.network.links_into(name):
+            port = declared.input(link.input) if declared is not None else None
+            if port is not None and "image" in port.types:
+                return f"{link.source}.{link.output}"
+        return None
+
+    def _before(self, name: str) -> set[str]:
+        """All nodes upstream of one."""
+        network = self._session.network
+        found: set[str] = set()
+        rest = [name]
+        while rest:
+            into = {link.source for link in network.links_into(rest.pop())} - found
+            found |= into
+            rest += into
+        return found
+
+    def _size(self, name: str | None) -> tuple[int, int] | None:
+        """Columns and rows of a node's picture at full size."""
+        shape = self._shape(self._source(name)) if name is not None else None
+        return None if shape is None else (shape[1], shape[0])
+
+    def _shape(self, port: str | None) -> tuple[int, int] | None:
+        plan = self._evaluator.plan if self._evaluator is not None else None
+        if plan is None or port is None:
+            return None
+        try:
+            value: Any = plan.output(port)
+        except ImagechainError:
+            return None
+        return (value.rows, value.columns) if isinstance(value, Image) else None
+
+    def _describe(self, text: str) -> None:
+        if text != self._canvas.accessibleDescription():
+            self._canvas.setAccessibleDescription(text)
+
+    def _begin(self) -> None:
+        node = self._session.network.nodes.get(self._node or "")
+        if node is not None:
+            self._gesture, self._restoring = object(), (node.id, as_it_was(node))
+
+    def _change(self, region: Any) -> None:
+        if self._node is not None:
+            self._session.do(setting(self._node, region), gesture=self._gesture)
+
+    def _end(self, kept: bool) -> None:
+        gesture, restoring = self._gesture, self._restoring
+        self._gesture = self._restoring = None
+        if gesture is None:
+            return
+        if not kept and restoring is not None and restoring[0] in self._session.network.nodes:
+            self._session.do(restoring[1], gesture=gesture)
+        self._session.end_gesture()
+
+    def _open_menu(self, at: QPoint) -> None:
+        menu = QMenu(self._canvas)
+        menu.setObjectName("region.menu")
+        all_of_it = menu.addAction("&Whole Picture")
+        all_of_it.setObjectName("region.whole")
+        all_of_it.triggered.connect(self._take_whole)
+        menu.addAction("&Draw Region (R)").triggered.connect(self.draw)
+        menu.aboutToHide.connect(menu.deleteLater)
+        menu.popup(at)
+
+    def _take_whole(self) -> None:
+        if self._node is not None:
+            self._session.do(whole(self._node))

@@ -1,0 +1,34 @@
+"""Pictures that are zoomed and moved together."""
+
+from __future__ import annotations
+
+import weakref
+
+from app.editor.viewers.picture.picture_canvas import PictureCanvas
+
+
+class ZoomLinks:
+    """The pictures that show the same part as one does, as shares of their sizes.
+
+    Links go both ways, but not on from one to the next, and keep no picture alive.
+    """
+
+    def __init__(self, canvas: PictureCanvas) -> None:
+        self._canvas = canvas
+        self._linked: weakref.WeakSet[ZoomLinks] = weakref.WeakSet()
+
+    def link(self, other: ZoomLinks, on: bool) -> None:
+        """Go along with another from now on, or no more."""
+        for one, two in ((self, other), (other, self)):
+            (one._linked.add if on else one._linked.discard)(two)
+        if on:
+            self._canvas.set_zoom(other._canvas.zoom)
+
+    def has(self, other: ZoomLinks) -> bool:
+        """Whether the other one goes along."""
+        return other in self._linked
+
+    def tell(self) -> None:
+        """Let the others show the part that is seen now."""
+        for each in list(self._linked):
+            each._canvas.set_zoom(self._canvas.zoom)

@@ -1,0 +1,197 @@
+"""Samples as 8-bit levels, their histogram and quantiles, in blocks that stay in the cache."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.threads import Each, in_turn
+
+Array = NDArray[Any]
+Levels = NDArray[np.uint8]
+Range = tuple[float, float]
+
+BINS = 256
+MID_GREY = 128
+BLOCK_SAMPLES = 1 << 16  # 1024² singles take 0.5 ms so; 1.2 ms in blocks of an eighth
+THREADED_SAMPLES = 1 << 20  # of smaller pictures one thread is done before others wake
+_COUNTED = 1 << 20
+_NARROWEST, _WIDEST = 1e-30, 1e38  # ranges in which single precision can be scaled
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """How the samples of a picture are spread.
+
+    Parameters
+    ----------
+    low, high : float
+        Least and greatest sample.
+    counts : ndarray of int64, shape (BINS,)
+        Samples in equal bins from low to high; all in the first bin where these are equal.
+    """
+
+    low: float
+    high: float
+    counts: NDArray[np.int64]
+
+    @property
+    def centres(self) -> NDArray[np.float64]:
+        """Middles of the bins."""
+        share = (np.arange(BINS) + 0.5) / BINS
+        return np.asarray(self.low * (1.0 - share) + self.high * share)
+
+
+def extremes(samples: Array, *, each: Each = in_turn) -> Range:
+    """Least and greatest sample of a real array that is not empty; NaN if one is NaN."""
+    found: list[Range] = [(0.0, 0.0)] * len(_rows(samples))
+
+    def one(item: tuple[int, slice]) -> None:
+        index, rows = item
+        block = samples[rows]
+        found[index] = float(block.min()), float(block.max())
+
+    _each_of(samples, each)(one, list(enumerate(_rows(samples))))
+    lows, highs = np.array(found).T
+    return float(lows.min()), float(highs.max())
+
+
+def grey_levels(samples: Array, low: float, high: float, *, each: Each = in_turn) -> Levels:
+    """Samples as 0 (`low` and below) to 255 (`high` and above), to the nearest level.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (rows, columns)
+        Real and finite.
+    low, high : float
+        Black and white; where `high` is not above `low`, all is mid grey.
+    each : callable
+        `Work.each`, for large pictures.
+    """
+    if not high > low:
+        return np.full(samples.shape, MID_GREY, np.uint8)
+    return _steps(samples, low, high, 255, 0.5, each)
+
+
+def spread_of(samples: Array, *, each: Each = in_turn) -> Spread:
+    """Extremes and histogram of a picture, shape (rows, columns), real and finite."""
+    low, high = extremes(samples, each=each)
+    counts = np.zeros(BINS, np.int64)
+    if not high > low:
+        counts[0] = samples.size
+        return Spread(low, high, counts)
+    flat = _steps(samples, low, high, BINS, 0.0, each).reshape(-1)
+    even = flat.size // 2 * 2
+    # In pairs: half as many increments of twice as many counters, which is twice as fast.
+    pairs = flat[:even].view(np.uint16)
+    both = np.zeros(BINS * BINS, np.int64)
+    for start in range(0, pairs.size, _COUNTED):
+        both += np.bincount(pairs[start : start + _COUNTED], minlength=both.size)
+    table = both.reshape(BINS, BINS)
+    counts += table.sum(axis=0) + table.sum(axis=1)
+    if even < flat.size:
+        counts[flat[-1]] += 1
+    return Spread(low, high, counts)
+
+
+def quantiles(
+    samples: Array, spread: Spread, shares: tuple[float, ...], *, each: Each = in_turn
+) -> tuple[float, ...]:
+    """Values below which these shares of the samples lie, interpolated between two samples.
+
+    Exact: the histogram tells the bin, and only what is in it has to be sorted.
+    """
+    if not spread.high > spread.low:
+        return (spread.low,) * len(shares)
+    index = _steps(samples, spread.low, spread.high, BINS, 0.0, each)
+    ends = np.cumsum(spread.counts)
+    return tuple(_quantile(samples, index, ends, share) for share in shares)
+
+
+def _quantile(samples: Array, index: Levels, ends: NDArray[np.int64], share: float) -> float:
+    rank = share * (samples.size - 1)
+    lower = math.floor(rank)
+    upper = min(lower + 1, samples.size - 1)
+    first, last = np.searchsorted(ends, (lower, upper), side="right")
+    members = samples[index == first]
+    if last != first:
+        members = np.concatenate([members, samples[index == last]])
+    before = int(ends[first - 1]) if first else 0
+    places = (lower - before, upper - before)
+    ordered = np.partition(members, places)
+    a, b = (float(ordered[place]) for place in places)
+    part = rank - lower
+    return a * (1.0 - part) + b * part
+
+
+def _steps(samples: Array, low: float, high: float, top: int, shift: float, each: Each) -> Levels:
+    """Integers below (sample − low)/(high − low)·top + shift, 0 to 255."""
+    levels = np.empty(samples.shape, np.uint8)
+    scaled = _single(low, high, top, shift) if _fits(samples, low, high) else None
+    scale = scaled or _double(low, high, top, shift)
+
+    def one(rows: slice) -> None:
+        # What lies far outside may overflow: it is clipped.
+        with np.errstate(all="ignore"):
+            values = scale(samples[rows])
+            np.clip(values, 0, 255, out=values)
+        np.copyto(levels[rows], values, casting="unsafe")
+
+    _each_of(samples, each)(one, list(_rows(samples)))
+    return levels
+
+
+def _fits(samples: Array, low: float, high: float) -> bool:
+    """Whether single precision is as good: the difference to `low` is exact to its rounding."""
+    return (
+        samples.dtype == np.float32
+        and _NARROWEST < high - low < _WIDEST
+        and max(abs(low), abs(high)) < _WIDEST
+    )
+
+
+def _single(low: float, high: float, top: int, shift: float) -> Callable[[Array], Array]:
+    factor = top / (high - low)
+    base = np.float32(low)
+    rest = np.float32(shift - (low - float(base)) * factor)
+    single = np.float32(factor)
+
+    def scale(block: Array) -> Array:
+        values = np.subtract(block, base)
+        np.multiply(values, single, out=values)
+        return np.add(values, rest, out=values) if rest else values
+
+    return scale
+
+
+def _double(low: float, high: float, top: int, shift: float) -> Callable[[Array], Array]:
+    width = high - low
+    # Halved where the difference of the largest numbers overflows.
+    part = 1.0 if math.isfinite(width) else 0.5
+    width = width if part == 1.0 else high * part - low * part
+
+    def scale(block: Array) -> Array:
+        values = block.astype(np.float64)
+        values *= part
+        values -= low * part
+        values /= width
+        values *= top
+        values += shift
+        return values
+
+    return scale
+
+
+def _rows(samples: Array) -> list[slice]:
+    rows, columns = samples.shape
+    height = max(1, BLOCK_SAMPLES // columns)
+    return [slice(start, start + height) for start in range(0, rows, height)]
+
+
+def _each_of(samples: Array, each: Each) -> Each:
+    return each if samples.size > THREADED_SAMPLES else in_turn

@@ -1,0 +1,94 @@
+"""How an image viewer shows its wire: one immutable value, kept with the window's layout."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, get_args
+
+from app.editor.viewers.network_ports import followed
+from app.editor.viewers.pixels.picture_query import Automatic, Levels, Mode, PictureWant, Scale
+from core.network.network import Network
+
+SCALES: tuple[Scale, ...] = get_args(Scale)
+MODES: tuple[Mode, ...] = get_args(Mode)
+AUTOMATIC: tuple[Automatic, ...] = get_args(Automatic)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What an image viewer asks for; `levels` are manual where they are two numbers."""
+
+    port: str | None = None
+    other: str | None = None
+    mode: Mode = "alone"
+    mapping: Scale = "linear"
+    levels: Levels = "extremes"
+
+    @property
+    def want(self) -> PictureWant | None:
+        """The question; None where nothing is to be shown."""
+        if self.port is None:
+            return None
+        if not self.compares:
+            return PictureWant(self.port, mapping=self.mapping, levels=self.levels)
+        return PictureWant(self.port, self.other, self.mode, self.mapping, self.levels)
+
+    def with_(self, **changes: Any) -> Choices:
+        """With some of it changed; manual levels hold only for what they were set for."""
+        changed = replace(self, **changes)
+        meant_for = ("port", "other", "mode", "mapping")
+        otherwise = any(getattr(self, name) != getattr(changed, name) for name in meant_for)
+        if otherwise and "levels" not in changes and not isinstance(changed.levels, str):
+            return replace(changed, levels="extremes")
+        return changed
+
+    @property
+    def compares(self) -> bool:
+        """Whether two wires are shown."""
+        return self.mode != "alone" and self.other is not None
+
+    def moved(self, before: Network, after: Network) -> Choices:
+        """With the names that nodes have after a change; those of nodes that are gone stay."""
+        port = self.port and (followed(self.port, before, after) or self.port)
+        other = self.other and (followed(self.other, before, after) or self.other)
+        return replace(self, port=port, other=other)
+
+    def plain(self) -> dict[str, Any]:
+        """As JSON has it."""
+        levels = self.levels if isinstance(self.levels, str) else list(self.levels)
+        return {
+            "port": self.port,
+            "other": self.other,
+            "mode": self.mode,
+            "mapping": self.mapping,
+            "levels": levels,
+        }
+
+    @classmethod
+    def of(cls, plain: Mapping[str, Any]) -> Choices:
+        """From JSON; what cannot be used is left out."""
+        port, other = plain.get("port"), plain.get("other")
+        mode, mapping, levels = (plain.get(name) for name in ("mode", "mapping", "levels"))
+        return cls(
+            port if isinstance(port, str) else None,
+            other if isinstance(other, str) else None,
+            mode if mode in MODES else "alone",
+            mapping if mapping in SCALES else "linear",
+            levels if levels in AUTOMATIC else _manual(levels) or "extremes",
+        )
+
+
+def _manual(levels: Any) -> tuple[float, float] | None:
+    numbers = numbers_of(levels, 2)
+    return (numbers[0], numbers[1]) if numbers and numbers[0] < numbers[1] else None
+
+
+def numbers_of(plain: Any, count: int) -> tuple[float, ...] | None:
+    """A list of so many finite numbers; None for anything else."""
+    if not isinstance(plain, list | tuple) or len(plain) != count:
+        return None
+    if not all(isinstance(each, int | float) and math.isfinite(each) for each in plain):
+        return None
+    return tuple(float(each) for each in plain)

@@ -1,0 +1,181 @@
+"""What a picture or plane on a wire is: its size, unit, axes and band."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from core.chain.wires import Image, Magnitude, Phase, Pupil, SpectrumWire, Transfer
+from core.errors import NetworkError
+from core.transfer.grid import Grid
+
+PICTURES = ("image", "magnitude", "phase", "transfer", "pupil")
+Band = tuple[float, float]
+Kind = Literal["picture", "plane", "pupil"]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Where samples lie along rows or columns.
+
+    Parameters
+    ----------
+    first, step : float
+        Place of the first sample, and from one to the next.
+    label, unit : str
+        What is told along the axis.
+    """
+
+    first: float
+    step: float
+    label: str
+    unit: str = ""
+
+    @property
+    def title(self) -> str:
+        """For people."""
+        return f"{self.label} ({self.unit})" if self.unit else self.label
+
+    def at(self, index: float) -> float:
+        """Place of a sample."""
+        return self.first + index * self.step
+
+    def index(self, place: float) -> float:
+        """Fractional index of a place."""
+        return (place - self.first) / self.step
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is shown, beside the samples.
+
+    Parameters
+    ----------
+    kind : "picture", "plane" or "pupil"
+        Samples in space, in frequency with zero in the middle, or in the aperture.
+    rows, columns : int
+        Size.
+    quantity, unit : str
+        What the samples are.
+    across, along : Axis
+        Where the columns and rows lie.
+    band_um : (float, float) or None
+        Cut-on and cut-off wavelength.
+    """
+
+    kind: Kind
+    rows: int
+    columns: int
+    quantity: str
+    unit: str
+    across: Axis
+    along: Axis
+    band_um: Band | None = None
+
+    @property
+    def title(self) -> str:
+        """What the samples are, with their unit."""
+        return f"{self.quantity} ({self.unit})" if self.unit else self.quantity
+
+
+def identity(value: Any) -> Hashable:
+    """What a picture of the value depends on; the pixels' key alone does not tell their unit."""
+    if isinstance(value, Image):
+        interval = value.interval_x_mrad, value.interval_y_mrad
+        return value.key, value.shape, interval, value.unit, value.band_um
+    if isinstance(value, SpectrumWire):
+        return value.key, value.image.unit if value.image is not None else ""
+    return getattr(value, "key", None)
+
+
+def check_is_picture(value: Any, port: str) -> None:
+    """Refuse what has no samples in a plane.
+
+    Raises
+    ------
+    NetworkError
+        Saying what has.
+    """
+    kind = getattr(value, "port_type", None)
+    if kind not in PICTURES:
+        shown = ", ".join(PICTURES[:-1])
+        raise NetworkError(f"{port} is a {kind}: only {shown} and {PICTURES[-1]} are pictures")
+
+
+def laid_over(preview: Facts, full: Facts) -> Facts:
+    """Facts of a preview with its samples laid over those of the picture at full size.
+
+    How much smaller a picture of a preview is depends on what lies before it. Planes lie where
+    their frequencies are.
+    """
+    if preview.kind != "picture" or full.kind != "picture":
+        return preview
+    ways = (
+        (preview.columns, full.across, full.columns),
+        (preview.rows, full.along, full.rows),
+    )
+    across, along = (
+        replace(axis, first=axis.first + (step - axis.step) / 2, step=step)
+        for count, axis, whole in ways
+        for step in (axis.step * whole / count,)
+    )
+    return replace(preview, across=across, along=along)
+
+
+def picture_facts(image: Image, reduced: int = 1) -> Facts:
+    """Of an image; in a preview `reduced` times smaller, the axes count its full-size samples."""
+    first = (reduced - 1) / 2
+    return Facts(
+        "picture",
+        image.rows,
+        image.columns,
+        "radiance" if image.unit.startswith("W") else "value",
+        image.unit,
+        Axis(first, reduced, "column"),
+        Axis(first, reduced, "row"),
+        image.band_um,
+    )
+
+
+def spectrum_facts(image: Image) -> Facts:
+    """Of an image's spectrum: frequencies where the sampling is known, else samples."""
+    known = image.interval_x_mrad and image.interval_y_mrad
+    axes = _frequencies(image.grid()) if known else _counted(image.rows, image.columns)
+    return Facts("plane", image.rows, image.columns, "modulus", image.unit, *axes)
+
+
+def plane_facts(value: SpectrumWire | Transfer, rows: int, columns: int, own: Any = None) -> Facts:
+    """Of a magnitude, phase or transfer function; `own` is a `SampledTransfer`, if it is one."""
+    if own is not None:
+        axes = _axes(rows, columns, own.interval_x, own.interval_y)
+    else:
+        axes = _frequencies(value.grid)
+    if isinstance(value, Phase) or (isinstance(value, Transfer) and value.part == "ptf"):
+        named = ("phase", "rad")
+    elif isinstance(value, Magnitude) and value.image is not None:
+        named = ("modulus", value.image.unit)
+    else:
+        named = ("MTF", "")
+    return Facts("plane", rows, columns, *named, *axes)
+
+
+def pupil_facts(pupil: Pupil) -> Facts:
+    """Of an exit pupil's samples."""
+    axes = Axis(0, 1, "column"), Axis(0, 1, "row")
+    return Facts("pupil", pupil.rows, pupil.columns, "transmission", "", *axes)
+
+
+def _frequencies(grid: Grid) -> tuple[Axis, Axis]:
+    return _axes(grid.rows, grid.columns, grid.frequency_interval_x, grid.frequency_interval_y)
+
+
+def _axes(rows: int, columns: int, step_x: float, step_y: float) -> tuple[Axis, Axis]:
+    return (
+        Axis(-(columns // 2) * step_x, step_x, "ξ", "cyc/mrad"),
+        Axis(-(rows // 2) * step_y, step_y, "η", "cyc/mrad"),
+    )
+
+
+def _counted(rows: int, columns: int) -> tuple[Axis, Axis]:
+    return Axis(-(columns // 2), 1, "ξ", "samples"), Axis(-(rows // 2), 1, "η", "samples")

@@ -1,0 +1,228 @@
+"""The question of an image viewer: what is on a wire, as an 8-bit picture ready to be shown."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.editor.evaluation.queries import Passing, Want
+from app.editor.viewers.pixels import picture_steps as steps
+from app.editor.viewers.pixels.grey_levels import Range, Spread, grey_levels
+from app.editor.viewers.pixels.picture_facts import (
+    Facts,
+    check_is_picture,
+    identity,
+    picture_facts,
+    plane_facts,
+    pupil_facts,
+    spectrum_facts,
+)
+from core.chain.engine import Plan
+from core.chain.wires import Image, Pupil, Transfer
+from core.errors import DataError, ImagechainError
+from core.evaluation.float_guard import watched
+from core.evaluation.recipes import Recipe, Step
+
+Mode = Literal["alone", "wipe", "difference"]
+Scale = Literal["linear", "log", "spectrum"]
+Automatic = Literal["extremes", "percentiles"]
+Levels = Automatic | Range
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A picture ready to be shown. All arrays are read-only.
+
+    Parameters
+    ----------
+    facts : Facts
+        What it is.
+    samples : ndarray, shape (rows, columns)
+        The samples as the probe tells them, not mapped.
+    grey : ndarray of uint8
+        The mapped samples from black to white.
+    levels : (float, float)
+        Mapped values of black and white.
+    spread : Spread
+        Extremes and histogram of the mapped samples.
+    mapping : "linear", "log" or "spectrum"
+        How samples are mapped; otherwise than linear they are shown by their decimal logarithm,
+        but for planes, which are spectra already.
+    value : object
+        What is on the wire, for writing files.
+    other : Picture or None
+        The other half of a wipe.
+    reduced : int
+        Above 1 in a preview.
+    """
+
+    facts: Facts
+    samples: NDArray[Any]
+    grey: NDArray[np.uint8]
+    levels: Range
+    spread: Spread
+    mapping: Scale
+    value: Any
+    other: Picture | None = None
+    reduced: int = 1
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether levels and spread are of logarithms."""
+        is_spectrum = isinstance(self.value, Image) and self.mapping == "spectrum"
+        return self.mapping == "log" or is_spectrum
+
+
+@dataclass(frozen=True)
+class PictureWant(Want):
+    """What is on one wire, or on two compared.
+
+    Parameters
+    ----------
+    port : str
+        ``NODE.PORT``.
+    other : str or None
+        A second wire, for `mode`.
+    mode : "alone", "wipe" or "difference"
+        The first alone, both to be shown side by side, or the first less the second.
+    mapping : "linear", "log" or "spectrum"
+        Samples as they are, the logarithm of their modulus, or the logarithm of the modulus of an
+        image's spectrum.
+    levels : "extremes", "percentiles" or (low, high)
+        What becomes black and white: the extremes, the quantiles of 0.5 % and 99.5 %, or these
+        mapped values. A linear difference has automatic levels that put 0 in the middle.
+    """
+
+    urgency: ClassVar[int] = 0
+    from_preview: ClassVar[bool] = True
+
+    port: str
+    other: str | None = None
+    mode: Mode = "alone"
+    mapping: Scale = "linear"
+    levels: Levels = "extremes"
+
+    def key(self, plan: Plan) -> Hashable:
+        """The question and the content of the wires."""
+        return self, *(identity(self._value(plan, port)) for port in self._ports)
+
+    def answer(self, passing: Passing) -> Picture:
+        """The picture."""
+        first = self._source(passing, self.port)
+        if self.mode == "alone" or self.other is None:
+            return self._shown(passing, first, self.levels)
+        second = self._source(passing, self.other)
+        if self.mode == "difference":
+            return self._shown(passing, _less(first, second), self.levels)
+        left = self._shown(passing, first, self.levels)
+        same = left.facts.unit == second.facts.unit and left.facts.kind == second.facts.kind
+        automatic: Levels = self.levels if isinstance(self.levels, str) else "extremes"
+        right = self._shown(passing, second, left.levels if same else automatic)
+        return replace(left, other=right)
+
+    @property
+    def _ports(self) -> tuple[str, ...]:
+        both = self.mode != "alone" and self.other is not None
+        return (self.port, str(self.other)) if both else (self.port,)
+
+    def _value(self, plan: Plan, port: str) -> Any:
+        value = plan.output(port)
+        check_is_picture(value, port)
+        return value
+
+    def _source(self, passing: Passing, port: str) -> _Source:
+        """The samples' recipe and facts, on the frequency plane if that is to be shown."""
+        value = self._value(passing.plan, port)
+        node = port.rpartition(".")[0]
+        work = passing.work
+        if isinstance(value, Image):
+            facts = picture_facts(value, passing.reduced)
+            return _Source(port, value, value.recipe, facts)
+        if isinstance(value, Pupil):
+            recipe = Step.of(steps.real, value.samples, node=node)
+            return _Source(port, value, recipe, pupil_facts(value))
+        work.tally.looked_at.add(value.key)
+        recipe = Step.of(steps.centred_plane, node=node, value=value)
+        own = work.value(value.own) if isinstance(value, Transfer) and value.own else None
+        rows, columns = value.grid.shape if own is None else own.values.shape
+        return _Source(port, value, recipe, plane_facts(value, rows, columns, own))
+
+    def _shown(self, passing: Passing, source: _Source, levels: Levels) -> Picture:
+        node = source.port.rpartition(".")[0]
+        try:
+            with watched(node):
+                return self._made(passing, source, levels)
+        except ImagechainError as error:
+            raise error.at(node) from error
+
+    def _made(self, passing: Passing, source: _Source, levels: Levels) -> Picture:
+        work, recipe, facts = passing.work, source.recipe, source.facts
+        if self.mapping == "spectrum" and isinstance(source.value, Image):
+            recipe, facts = Step.of(steps.centred_modulus, recipe), spectrum_facts(source.value)
+        log = self.mapping == "log" or recipe is not source.recipe
+        mapped = Step.of(steps.logarithm, recipe) if log else recipe
+        samples = work.value(mapped)
+        step = Step.of(steps.spread, mapped, name=source.port)
+        found: Spread = work.value(step)
+        if isinstance(levels, str):
+            low, high = found.low, found.high
+            if levels == "percentiles":
+                low, high = work.value(Step.of(steps.inner_range, mapped, step))
+            if source.signed and not log:
+                high = max(abs(low), abs(high))
+                low = -high
+        else:
+            low, high = levels
+        work.check()
+        grey = grey_levels(samples, low, high, each=work.each)
+        grey.flags.writeable = False
+        shown = work.value(recipe)
+        return Picture(
+            facts,
+            shown,
+            grey,
+            (low, high),
+            found,
+            self.mapping,
+            source.value,
+            None,
+            passing.reduced,
+        )
+
+
+@dataclass(frozen=True)
+class _Source:
+    """Samples before they are mapped."""
+
+    port: str
+    value: Any
+    recipe: Recipe
+    facts: Facts
+    signed: bool = False
+
+
+def _less(first: _Source, second: _Source) -> _Source:
+    """The difference of two.
+
+    Raises
+    ------
+    DataError
+        If they do not lie on the same samples.
+    """
+    a, b = first.facts, second.facts
+    if (a.rows, a.columns, a.kind) != (b.rows, b.columns, b.kind):
+        raise DataError(
+            f"no difference: {first.port} is a {a.kind} of {a.columns} × {a.rows} samples, "
+            f"{second.port} a {b.kind} of {b.columns} × {b.rows}"
+        )
+    if a.unit != b.unit:
+        raise DataError(
+            f"no difference: {first.port} is in {a.unit or 'no unit'}, "
+            f"{second.port} in {b.unit or 'no unit'}"
+        )
+    recipe = Step.of(steps.difference, first.recipe, second.recipe)
+    return replace(first, recipe=recipe, signed=True)

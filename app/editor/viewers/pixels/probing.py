@@ -1,0 +1,107 @@
+"""What a picture says at a point: the sample under the cursor, and samples along a line."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.editor.viewers.pixels.picture_facts import Facts
+from app.editor.viewers.pixels.picture_query import Picture
+from nodes.input_output.examine_image import apparent_temperature
+from nodes.shared.shared_warnings import is_radiance
+
+Vector = NDArray[np.float64]
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Probe:
+    """One sample.
+
+    Parameters
+    ----------
+    row, column : int
+        Index into the samples, from 0.
+    value : float
+        The sample.
+    temperature_K : float or None
+        The apparent temperature, where the sample is a radiance in a known band.
+    """
+
+    row: int
+    column: int
+    value: float
+    temperature_K: float | None = None
+
+
+def probe(picture: Picture, row: int, column: int) -> Probe | None:
+    """The sample at an index; None outside the picture."""
+    facts = picture.facts
+    if not (0 <= row < facts.rows and 0 <= column < facts.columns):
+        return None
+    value = float(picture.samples[row, column])
+    temperature = None
+    if facts.band_um is not None and is_radiance(facts.unit):
+        temperature = apparent_temperature(value, facts.band_um)
+    return Probe(row, column, value, temperature)
+
+
+def index_at(facts: Facts, x: float, y: float) -> tuple[int, int]:
+    """Row and column of the sample nearest to a place on the axes."""
+    return round(facts.along.index(y)), round(facts.across.index(x))
+
+
+def probe_text(picture: Picture, found: Probe, *, difference: bool = False) -> str:
+    """For people: where, what, and how warm it seems.
+
+    The temperature of a difference means nothing.
+    """
+    facts = picture.facts
+    x, y = facts.across.at(found.column), facts.along.at(found.row)
+    if facts.kind == "plane":
+        where = f"{facts.across.label} {x:.4g}  {facts.along.label} {y:.4g} {facts.across.unit}"
+    else:
+        where = f"row {y:.10g}  column {x:.10g}"
+    text = f"{where}:  {found.value:.6g} {facts.unit}".rstrip()
+    if found.temperature_K is not None and not difference:
+        text += f"  {found.temperature_K:.2f} K"
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def along_line(samples: NDArray[Any], start: Place, end: Place) -> tuple[Vector, Vector]:
+    """Samples along a line, bilinear between them, at steps of about one sample.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (rows, columns)
+        The picture.
+    start, end : (float, float)
+        Column and row of the ends as fractional indices; what lies outside the picture is cut off.
+
+    Returns
+    -------
+    distance, value : ndarray
+        Distance from the start in samples; both empty if the line misses the picture.
+    """
+    (x0, y0), (x1, y1) = start, end
+    length = math.hypot(x1 - x0, y1 - y0)
+    share = np.linspace(0.0, 1.0, max(2, math.ceil(length) + 1))
+    x, y = x0 + share * (x1 - x0), y0 + share * (y1 - y0)
+    rows, columns = samples.shape
+    inside = (x >= 0) & (x <= columns - 1) & (y >= 0) & (y <= rows - 1)
+    x, y, distance = x[inside], y[inside], share[inside] * length
+    left = np.clip(np.floor(x).astype(np.intp), 0, max(columns - 2, 0))
+    top = np.clip(np.floor(y).astype(np.intp), 0, max(rows - 2, 0))
+    right, below = np.minimum(left + 1, columns - 1), np.minimum(top + 1, rows - 1)
+    tx, ty = x - left, y - top
+
+    def at(row: NDArray[np.intp], column: NDArray[np.intp]) -> Vector:
+        return np.asarray(samples[row, column], np.float64)
+
+    upper = at(top, left) * (1 - tx) + at(top, right) * tx
+    lower = at(below, left) * (1 - tx) + at(below, right) * tx
+    return distance, upper * (1 - ty) + lower * ty

@@ -1,0 +1,1 @@
+"""The viewer of curves, and what it draws."""

@@ -1,0 +1,166 @@
+"""Bars beside one another, each with its name before it and its value behind it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection
+
+import numpy as np
+from PySide6.QtCore import QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
+
+from app.editor.theme import Theme
+from app.editor.viewers.plot.plotted_lines import Drawing, Line, Vector
+
+_NAMES = 0.45  # of the width, at most, for the names
+_THICK = 1.5  # lines of text that a bar is high at most
+_GAP = 6
+_ROUNDED = 2  # dots that a text may be wider than the whole number Qt tells
+_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+
+
+class BarChart(QScrollArea):
+    """Draws a `Drawing` of bars, from the top down; scrolls where they are many."""
+
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAccessibleName("Bars")
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setWidgetResizable(True)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._bars = _Bars(theme, self)
+        self.setWidget(self._bars)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self._bars.theme = theme
+        self._bars.update()
+
+    def show_drawing(
+        self, drawing: Drawing, shown: Collection[str], pen: Callable[[str], QPen]
+    ) -> None:
+        """Draw this, of its entries only these."""
+        self._bars.drawing = drawing
+        self._bars.pen = pen
+        self.show_entries(shown)
+
+    def show_entries(self, shown: Collection[str]) -> None:
+        """Of the entries draw only these."""
+        self._bars.shown = frozenset(shown)
+        self._bars.setMinimumHeight(self._bars.least_height())
+        self._bars.update()
+        self.setAccessibleDescription("; ".join(self._bars.told()))
+
+
+class _Bars(QWidget):
+    """What is scrolled."""
+
+    def __init__(self, theme: Theme, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.theme = theme
+        self.drawing = Drawing("")
+        self.shown: frozenset[str] = frozenset()
+        self.pen: Callable[[str], QPen] = lambda _: QPen()
+
+    def told(self) -> list[str]:
+        """Each bar's name and values."""
+        return [
+            f"{name}: {', '.join(_text(line.y, place) for line in self._lines())}"
+            for place, name in enumerate(self.drawing.bars)
+        ]
+
+    def least_height(self) -> int:
+        """That leaves each bar a line of text."""
+        line = self.fontMetrics().height()
+        groups = len(self.drawing.bars) * (max(1, len(self._lines())) * line + _GAP)
+        return groups + 2 * line
+
+    def sizeHint(self) -> QSize:
+        """Room for the names and as much for the bars."""
+        return QSize(60 * self.fontMetrics().averageCharWidth(), self.least_height())
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw all bars."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(self.theme.base))
+        lines, names = self._lines(), self.drawing.bars
+        if not names or not self.drawing.panels:
+            return
+        metrics = self.fontMetrics()
+        text = metrics.height()
+        values = [_text(line.y, place) for line in lines for place in range(len(names))]
+        before = min(
+            max(metrics.horizontalAdvance(name) for name in names) + _ROUNDED,
+            int(_NAMES * self.width()),
+        )
+        behind = max((metrics.horizontalAdvance(value) for value in values), default=0) + 2 * _GAP
+        panel = self.drawing.panels[0]
+        drawn = [panel.drawn(line.y) for line in lines]
+        low, high, zero = _range(drawn, panel.log)
+        left = before + 2 * _GAP + (behind if low < zero else 0)
+        wide = max(self.width() - left - behind, 1)
+        each = (self.height() - 2.0 * text) / len(names)
+        thick = min((each - _GAP) / max(1, len(lines)), _THICK * text)
+
+        def at(value: float) -> float:
+            return left + wide * (value - low) / (high - low)
+
+        for place, name in enumerate(names):
+            top = place * each + (each - thick * len(lines)) / 2
+            group = QRectF(_GAP, place * each, before, each)
+            painter.setPen(QColor(self.theme.text))
+            shown = metrics.elidedText(name, Qt.TextElideMode.ElideMiddle, before)
+            painter.drawText(group, _RIGHT, shown)
+            for number, (line, heights) in enumerate(zip(lines, drawn, strict=True)):
+                box = QRectF(0, top + number * thick, self.width(), thick)
+                value = float(heights[place]) if place < len(heights) else math.nan
+                end = at(min(max(value, low), high)) if math.isfinite(value) else at(zero)
+                bar = QRectF(at(zero), box.top(), end - at(zero), thick).normalized()
+                if math.isfinite(value):
+                    painter.fillRect(bar.adjusted(0, 1, 0, -1), self.pen(line.name).color())
+                told = _text(line.y, place)
+                if end < at(zero):
+                    box.setRight(bar.left() - _GAP)
+                    painter.drawText(box, _RIGHT, told)
+                else:
+                    box.setLeft(bar.right() + _GAP)
+                    painter.drawText(box, _LEFT, told)
+        painter.setPen(QColor(self.theme.line))
+        painter.drawLine(round(at(zero)), 0, round(at(zero)), round(each * len(names)))
+        painter.setPen(QColor(self.theme.text))
+        foot = QRectF(0, self.height() - 1.6 * text, self.width(), 1.6 * text)
+        foot.setLeft(min(left, self.width() - metrics.horizontalAdvance(panel.y_label) - _GAP))
+        painter.drawText(foot, _LEFT, panel.y_label + (", logarithmic" if panel.log else ""))
+
+    def _lines(self) -> list[Line]:
+        return [
+            line
+            for panel in self.drawing.panels[:1]
+            for line in panel.lines
+            if line.name in self.shown
+        ]
+
+
+def _range(drawn: list[Vector], log: bool) -> tuple[float, float, float]:
+    """Ends of the scale, and where bars begin: at 0, of logarithms at the decade below all."""
+    finite = np.concatenate([each[np.isfinite(each)] for each in drawn] or [np.zeros(0)])
+    if log:
+        if not len(finite):
+            return 0.0, 1.0, 0.0
+        low = math.ceil(float(finite.min())) - 1.0
+        return low, max(float(finite.max()), low + 1.0), low
+    low, high = min(0.0, *finite, 0.0), max(0.0, *finite, 0.0)
+    return (low, high, 0.0) if high > low else (0.0, 1.0, 0.0)
+
+
+def _text(heights: Vector, place: int) -> str:
+    """A value as people read it; of no value, a dash."""
+    value = float(heights[place]) if place < len(heights) else math.nan
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "\N{MINUS SIGN}∞"
+    return f"{value:.4g}".replace("e-0", "e-").replace("-", "\N{MINUS SIGN}")

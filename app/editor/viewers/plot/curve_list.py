@@ -1,0 +1,103 @@
+"""The legend of a plot: each curve with its pen, to be switched on and off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QIcon, QPainter, QPen, QPixmap
+from PySide6.QtWidgets import QListWidget, QListWidgetItem, QWidget
+
+from app.editor.declared_text import tip
+from app.editor.viewers.plot.plotted_lines import Entry
+from app.editor.widgets.outlined import OutlinedItems
+
+_NAME = Qt.ItemDataRole.UserRole
+_CHECKED = Qt.CheckState.Checked
+_UNCHECKED = Qt.CheckState.Unchecked
+
+
+class CurveList(QListWidget):
+    """Entries with a box to tick.
+
+    Signals
+    -------
+    toggled(name, shown)
+        The person has ticked one, or the other way round.
+    """
+
+    toggled = Signal(str, bool)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAccessibleName("Curves that are shown")
+        width = self.fontMetrics().averageCharWidth()
+        self.setIconSize(QSize(3 * width, self.fontMetrics().height()))
+        self.setTextElideMode(Qt.TextElideMode.ElideRight)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setItemDelegate(OutlinedItems(self))
+        self.itemChanged.connect(self._item_changed)
+
+    def sizeHint(self) -> QSize:
+        """As wide as the longest entry, within reason."""
+        hint = super().sizeHint()
+        width = self.sizeHintForColumn(0) + 2 * self.frameWidth() + 4
+        most = 30 * self.fontMetrics().averageCharWidth()
+        hint.setWidth(min(width, most))
+        return hint
+
+    def fill(
+        self,
+        entries: Iterable[Entry],
+        shown: Iterable[str],
+        pen: Callable[[str], QPen],
+        note: str = "",
+    ) -> None:
+        """Show these entries, ticked where they are among `shown`; a note stands above them."""
+        ticked = set(shown)
+        self.blockSignals(True)
+        row = self.currentRow()
+        self.clear()
+        if note:
+            told = QListWidgetItem(note)
+            told.setToolTip(tip(note))
+            told.setFlags(Qt.ItemFlag.ItemIsEnabled)
+            self.addItem(told)
+        for entry in entries:
+            item = QListWidgetItem(self._icon(pen(entry.name)), entry.title)
+            item.setData(_NAME, entry.name)
+            item.setToolTip(entry.title)
+            item.setFlags(item.flags() | Qt.ItemFlag.ItemIsUserCheckable)
+            item.setCheckState(_CHECKED if entry.name in ticked else _UNCHECKED)
+            self.addItem(item)
+        self.setCurrentRow(min(row, self.count() - 1))
+        self.blockSignals(False)
+        self.updateGeometry()
+
+    def scroll_to_ticked(self) -> None:
+        """Have the first entry that is ticked in sight."""
+        for row in range(self.count()):
+            if self.item(row).checkState() == _CHECKED:
+                self.scrollToItem(self.item(row), QListWidget.ScrollHint.PositionAtTop)
+                return
+
+    def _icon(self, pen: QPen) -> QIcon:
+        """A piece of the line, drawn for the screen's dots."""
+        ratio = self.devicePixelRatioF()
+        size = self.iconSize()
+        picture = QPixmap(size * ratio)
+        picture.setDevicePixelRatio(ratio)
+        picture.fill(Qt.GlobalColor.transparent)
+        painter = QPainter(picture)
+        thick = QPen(pen)
+        thick.setCosmetic(False)
+        thick.setWidthF(max(2.0, pen.widthF()))
+        if thick.style() == Qt.PenStyle.CustomDashLine:  # its gaps may be wider than the icon
+            thick.setStyle(Qt.PenStyle.DashLine)
+        painter.setPen(thick)
+        painter.drawLine(0, size.height() // 2, size.width(), size.height() // 2)
+        painter.end()
+        return QIcon(picture)
+
+    def _item_changed(self, item: QListWidgetItem) -> None:
+        self.toggled.emit(str(item.data(_NAME)), item.checkState() == _CHECKED)

@@ -1,0 +1,233 @@
+"""The questions of the plot viewer: the chain's transfer functions, and what a port has to plot."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Hashable, Iterable
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.editor.evaluation.queries import Passing, Want
+from app.editor.viewers.network_ports import HOW_TO_MARK
+from app.run.responses import LineStageResponse, responses_along
+from app.run.sound_plan import sound_part
+from app.run.transfer_chain import Chain, Stage, find_chain
+from core.chain.engine import Plan
+from core.chain.results import CurveData, TableData
+from core.chain.wires import Curve, Table
+from core.errors import NetworkError
+from core.transfer.factors import Planar
+from core.transfer.grid import Grid
+from nodes.analysis.lineage.line_transfer import Line
+
+Vector = NDArray[np.float64]
+Kind = Literal["stage", "beside", "total"]
+FINEST = 1025  # points of a curve
+
+
+@dataclass(frozen=True, eq=False)
+class TransferCurve:
+    """One stage's transfer function along the line.
+
+    Parameters
+    ----------
+    name : str
+        The node's id, or that of a product.
+    title : str
+        For people, unique in the plot.
+    kind : "stage", "beside" or "total"
+        Whether it leads to the final picture, stands beside, or is a product.
+    mtf, ptf : ndarray
+        Signed MTF, and PTF in radians.
+    """
+
+    name: str
+    title: str
+    kind: Kind
+    mtf: Vector
+    ptf: Vector
+
+    @property
+    def acts(self) -> bool:
+        """Whether it does anything along the line."""
+        return bool((self.mtf != 1).any() or self.ptf.any())
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A frequency along the line that means something.
+
+    "Nyquist" is that of the spectrum, "combined" that once pixels are combined.
+    """
+
+    text: str
+    frequency: float
+
+
+@dataclass(frozen=True, eq=False)
+class TransferCurves:
+    """What is plotted of a chain.
+
+    Parameters
+    ----------
+    angle_deg : float
+        Direction of the line.
+    frequency : ndarray
+        Cycles/mrad along the line.
+    curves : tuple of TransferCurve
+        The stages and products.
+    marks : tuple of Mark
+        Nyquist frequencies, and the cutoff of the optics.
+    trouble : str
+        What cannot be planned or computed, and why, in one line; empty where all can.
+    missing : str
+        Why there is no total, in one line; empty where there is one.
+    """
+
+    angle_deg: float
+    frequency: Vector
+    curves: tuple[TransferCurve, ...]
+    marks: tuple[Mark, ...]
+    trouble: str = ""
+    missing: str = ""
+
+
+@dataclass(frozen=True)
+class CurvesWant(Want):
+    """MTF and PTF of every stage that leads to the final picture, and of their product.
+
+    Of a network with errors, what can be planned.
+
+    Parameters
+    ----------
+    angle_deg : float
+        Direction of the line: 0 across, 90 along.
+    """
+
+    urgency: ClassVar[int] = 1
+
+    angle_deg: float = 0.0
+
+    def key(self, plan: Plan) -> Hashable:
+        """The stages with their names, and what cannot be planned."""
+        sound = sound_part(plan)
+        chain = find_chain(sound)
+        stages = tuple(
+            (stage.node, stage.title, tuple((f.key, f.node) for f in stage.factors))
+            for stage in (*chain.stages, *chain.later, *chain.beside)
+        )
+        parts = len(chain.stages), len(chain.later), chain.missing
+        return self, chain.grid, chain.combined, parts, stages, _trouble(plan, ())
+
+    def answer(self, passing: Passing) -> TransferCurves:
+        """The curves."""
+        chain = find_chain(sound_part(passing.plan))
+        grid = chain.grid
+        if grid is None:
+            trouble = _trouble(passing.plan, ())
+            missing = _missing(chain)
+            return TransferCurves(self.angle_deg, np.zeros(0), (), (), trouble, missing)
+        samples = min(FINEST, max(grid.rows, grid.columns) // 2 + 1)
+        found = responses_along(chain, passing.work, self.angle_deg, samples)
+        groups: tuple[tuple[Kind, tuple[LineStageResponse, ...]], ...] = (
+            ("stage", found.stages),
+            ("beside", found.beside),
+            ("total", found.products),
+        )
+        named = Counter(stage.title for _, stages in groups for stage in stages)
+        curves = tuple(
+            TransferCurve(
+                stage.name,
+                stage.title if named[stage.title] == 1 else f"{stage.title} ({stage.name})",
+                kind,
+                stage.response.mtf,
+                stage.response.ptf,
+            )
+            for kind, stages in groups
+            for stage in stages
+        )
+        marks = _marks(chain, grid, Line.at(self.angle_deg))
+        trouble = _trouble(passing.plan, tuple(str(error) for error in found.failed))
+        return TransferCurves(
+            self.angle_deg, found.frequency, curves, marks, trouble, _missing(chain)
+        )
+
+
+@dataclass(frozen=True)
+class PortDataWant(Want):
+    """The curves or table of a port.
+
+    Parameters
+    ----------
+    port : str
+        ``NODE.PORT``.
+    """
+
+    urgency: ClassVar[int] = 1
+
+    port: str
+
+    def key(self, plan: Plan) -> Hashable:
+        """The question and the content of the port."""
+        return self, self._value(plan).key
+
+    def answer(self, passing: Passing) -> CurveData | TableData:
+        """The data."""
+        self._value(passing.plan)
+        found: CurveData | TableData = passing.engine.value(passing.plan, self.port, passing.work)
+        return found
+
+    def _value(self, plan: Plan) -> Curve | Table:
+        value: Any = plan.output(self.port)
+        if not isinstance(value, Curve | Table):
+            kind = getattr(value, "port_type", type(value).__name__)
+            raise NetworkError(f"{self.port} is a {kind}: only curve and table are plotted")
+        return value
+
+
+def _marks(chain: Chain, grid: Grid, line: Line) -> tuple[Mark, ...]:
+    nyquist = line.end(grid.nyquist_x, grid.nyquist_y)
+    marks = [Mark("Nyquist", nyquist)]
+    if chain.combined is not None:
+        combined = line.end(chain.combined.nyquist_x, chain.combined.nyquist_y)
+        if combined < 0.999 * nyquist:
+            marks.append(Mark("combined", combined))
+    cutoffs = [each for each in map(_cutoff_along(line), _planar(chain.stages)) if each]
+    if cutoffs:
+        marks.append(Mark("optics cutoff", min(cutoffs)))
+    return tuple(marks)
+
+
+def _planar(stages: Iterable[Stage]) -> Iterable[Planar]:
+    return (f for stage in stages for f in stage.factors if isinstance(f, Planar))
+
+
+def _cutoff_along(line: Line) -> Any:
+    """Cutoff of a factor in the line's direction; None where it is not known."""
+
+    def cutoff(factor: Planar) -> float | None:
+        if factor.cutoff is None:
+            return None
+        x, y = factor.cutoff
+        if line.along == 0.0 or line.across == 0.0:
+            return x if line.along == 0.0 else y
+        # The OTF of a disc ends on an ellipse; where other shapes' do, their extents do not tell.
+        return 1.0 / math.hypot(line.across / x, line.along / y) if factor.radial else None
+
+    return cutoff
+
+
+def _missing(chain: Chain) -> str:
+    return f"{chain.missing}; {HOW_TO_MARK}" if chain.choices else chain.missing
+
+
+def _trouble(plan: Plan, further: tuple[str, ...]) -> str:
+    told = [str(error) for error in plan.errors()]
+    told += [text for text in further if text not in told]
+    if len(told) > 1:
+        return f"{told[0]} (and {len(told) - 1} more)"
+    return told[0] if told else ""

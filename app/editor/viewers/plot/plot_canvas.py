@@ -1,0 +1,279 @@
+"""Where curves are drawn: panels one above the other, marks, and the cursor that reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from itertools import zip_longest
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from PySide6.QtGui import QKeyEvent, QPen
+from PySide6.QtWidgets import QWidget
+
+from app.editor.theme import Theme
+from app.editor.viewers.plot.plot_looks import PlotAxis, bare, entry_pen, paint_axes
+from app.editor.viewers.plot.plot_mark import PlotMark
+from app.editor.viewers.plot.plotted_lines import Drawing, Line, Panel, value_at, y_range
+
+_Range = tuple[float, float]
+_Ranges = tuple[_Range | None, tuple[_Range, ...]]
+_STEP = 0.01  # of the abscissa's range, for the arrow keys
+
+
+class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
+    """Draws a `Drawing`.
+
+    Signals
+    -------
+    read(text)
+        What the cursor reads; empty where it reads nothing.
+    """
+
+    read = Signal(str)
+
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAccessibleName("Curves")
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.ci.layout.setContentsMargins(2, 4, 6, 2)
+        self.theme = theme
+        self.drawing = Drawing("")
+        self.shown: frozenset[str] = frozenset()
+        self.framed = True
+        self._small = self.font()
+        self._small.setPointSizeF(0.85 * self._small.pointSizeF())
+        self._plots: list[pg.PlotItem] = []
+        self._curves: list[dict[str, pg.PlotDataItem]] = []
+        self._cursors: list[pg.InfiniteLine] = []
+        self._drawn: dict[tuple[int, str], Line] = {}
+        self._marks: list[PlotMark] = []
+        self._ranges: _Ranges | None = None
+        self._at: tuple[int, float, str] | None = None
+        self.scene().sigMouseMoved.connect(self._mouse_moved)
+        self.set_theme(theme)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self.theme = theme
+        self.setBackground(theme.base)
+        self._build()
+
+    def show_drawing(self, drawing: Drawing, shown: Collection[str]) -> None:
+        """Draw this, of its entries only these."""
+        before, self.drawing = self.drawing, drawing
+        self.shown = frozenset(shown)
+        alike = (
+            (before.x_label, before.log_x) == (drawing.x_label, drawing.log_x)
+            and before.entries == drawing.entries
+            and [_look(panel) for panel in before.panels] == [_look(p) for p in drawing.panels]
+        )
+        if alike:
+            self._update()
+        else:
+            self._build()
+
+    def show_entries(self, shown: Collection[str]) -> None:
+        """Of the entries draw only these."""
+        self.shown = frozenset(shown)
+        self._update()
+
+    def pen(self, name: str) -> QPen:
+        """The pen of an entry."""
+        return entry_pen(self.drawing.entries, name, self.theme)
+
+    def frame(self) -> None:
+        """Show all of the curves."""
+        self.framed = True
+        self._frame(self._whole())
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """The cursor reads nothing."""
+        super().leaveEvent(event)
+        self._read_nothing()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Read along the curve with left and right, another curve with up and down; 0 frames."""
+        key = Qt.Key(event.key())
+        sideways = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1}.get(key)
+        upwards = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}.get(key)
+        far = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
+        if sideways is not None:
+            self._step(sideways * far, 0)
+        elif upwards is not None:
+            self._step(0, upwards)
+        elif key == Qt.Key.Key_0:
+            self.frame()
+        else:
+            super().keyPressEvent(event)
+            return
+        event.accept()
+
+    def _build(self) -> None:
+        """Make the panels anew."""
+        self._read_nothing()
+        self.ci.clear()
+        self._plots, self._curves, self._cursors = [], [], []
+        self._drawn, self._ranges, self._marks = {}, None, []
+        last = len(self.drawing.panels) - 1
+        for row, panel in enumerate(self.drawing.panels):
+            axes = {side: PlotAxis(side) for side in ("left", "bottom")}
+            plot = self.addPlot(row=row, col=0, axisItems=axes)
+            bare(plot)
+            paint_axes(plot, self.theme)
+            plot.setLabel("left", panel.y_label)
+            plot.setLabel("bottom", self.drawing.x_label if row == last else "")
+            plot.showGrid(x=True, y=True, alpha=0.12)
+            for axis in axes.values():
+                axis.setLogMode(self.drawing.log_x, panel.log)
+            plot.getAxis("left").setWidth(self.fontMetrics().averageCharWidth() * 9)
+            plot.disableAutoRange()
+            plot.getViewBox().sigRangeChangedManually.connect(self._seen_otherwise)
+            plot.getViewBox().sigXRangeChanged.connect(self._follow_x)
+            self._plots.append(plot)
+            self._curves.append({line.name: self._curve(plot, line) for line in panel.lines})
+            cursor = pg.InfiniteLine(angle=90, pen=pg.mkPen(self.theme.accent))
+            cursor.setVisible(False)
+            plot.addItem(cursor)
+            self._cursors.append(cursor)
+        self._update()
+
+    def _curve(self, plot: pg.PlotItem, line: Line) -> pg.PlotDataItem:
+        curve = plot.plot(pen=self.pen(line.name))
+        entry = next(each for each in self.drawing.entries if each.name == line.name)
+        curve.setZValue(1 if entry.bound else 2 if entry.total else 3)
+        return curve
+
+    def _follow_marks(self) -> None:
+        """Put the marks where they are now; those that are too many wait for their use."""
+        along = self.drawing.x_range
+        marks = [
+            mark
+            for mark in self.drawing.marks
+            if along is not None and along[0] <= mark.frequency <= along[1] * (1 + 1e-9)
+        ]
+        while self._plots and len(self._marks) < len(marks):
+            self._marks.append(PlotMark(self._plots, self.theme, self._small))
+        for item, mark in zip_longest(self._marks, marks):
+            if mark is None:
+                item.hide()
+            else:
+                item.show_at(mark.frequency, f"{mark.text} {mark.frequency:.4g}")
+
+    def _update(self) -> None:
+        for row, panel in enumerate(self.drawing.panels):
+            for line in panel.lines:
+                self._show_line(row, line)
+        self._follow_marks()
+        if self.framed and (whole := self._whole()) != self._ranges:
+            self._frame(whole)
+        if self._at is not None:
+            self._read(*self._at)
+
+    def _show_line(self, row: int, line: Line) -> None:
+        """Draw a line, unless it is there: of a chain's curves an edit changes one or two."""
+        curve = self._curves[row][line.name]
+        curve.setVisible(line.name in self.shown)
+        drawn = self._drawn.get((row, line.name))
+        if drawn is None or not (
+            np.array_equal(drawn.x, line.x) and np.array_equal(drawn.y, line.y, equal_nan=True)
+        ):
+            x, y = self.drawing.drawn_x(line.x), self.drawing.panels[row].drawn(line.y)
+            curve.setData(x, y, connect="finite")
+            self._drawn[row, line.name] = line
+
+    def _whole(self) -> _Ranges:
+        """Abscissae of all panels, and ordinates of each, that show all of the curves."""
+        ordinates = tuple(y_range(panel, self.shown) for panel in self.drawing.panels)
+        return self.drawing.x_range, ordinates
+
+    def _frame(self, whole: _Ranges) -> None:
+        self._ranges = whole
+        along, ordinates = whole
+        for plot, ordinate in zip(self._plots, ordinates, strict=True):
+            if along is not None:
+                plot.setXRange(*along, padding=0.02)
+            plot.setYRange(*ordinate, padding=0.0)
+
+    def _follow_x(self, moved: pg.ViewBox, along: tuple[float, float]) -> None:
+        """Show the same abscissae in all panels; pyqtgraph's own link shifts them by some dots."""
+        for plot in self._plots:
+            box = plot.getViewBox()
+            if box is not moved and tuple(box.viewRange()[0]) != tuple(along):
+                box.blockSignals(True)
+                box.setXRange(*along, padding=0.0)
+                box.blockSignals(False)
+                plot.getAxis("bottom").linkedViewChanged(box)
+
+    def _seen_otherwise(self) -> None:
+        self.framed, self._ranges = False, None
+
+    def _mouse_moved(self, point: QPointF) -> None:
+        for index, plot in enumerate(self._plots):
+            box = plot.getViewBox()
+            if box.sceneBoundingRect().contains(point):
+                place = box.mapSceneToView(point)
+                line = self._nearest(index, place.x(), point.y())
+                if line is not None:
+                    self._read(index, place.x(), line.name)
+                    return
+        self._read_nothing()
+
+    def _nearest(self, index: int, x: float, height: float) -> Line | None:
+        """The line of a panel that passes the abscissa nearest to a height of the scene."""
+        box, panel = self._plots[index].getViewBox(), self.drawing.panels[index]
+        nearest: tuple[float, Line] | None = None
+        for line in self._lines(index):
+            value = value_at(line, self.drawing.x_at(x))
+            if value is None or not np.isfinite(value := float(panel.drawn(np.array(value)))):
+                continue
+            far = abs(box.mapViewToScene(QPointF(x, value)).y() - height)
+            if nearest is None or far < nearest[0]:
+                nearest = far, line
+        return nearest[1] if nearest else None
+
+    def _lines(self, index: int) -> list[Line]:
+        if index >= len(self.drawing.panels):
+            return []
+        return [line for line in self.drawing.panels[index].lines if line.name in self.shown]
+
+    def _step(self, sideways: int, lines: int) -> None:
+        """Read a little further along, or another line."""
+        along = self.drawing.x_range
+        index, x, name = self._at or (0, along[0] if along else 0.0, "")
+        choice = self._lines(index)
+        if along is None or not choice:
+            return
+        names = [line.name for line in choice]
+        place = names.index(name) + lines if name in names else 0
+        x += sideways * _STEP * (along[1] - along[0])
+        self._read(index, min(along[1], max(along[0], x)), names[place % len(names)])
+
+    def _read(self, index: int, x: float, name: str) -> None:
+        line = next((each for each in self._lines(index) if each.name == name), None)
+        place = self.drawing.x_at(x)
+        value = None if line is None else value_at(line, place)
+        if value is None:
+            self._read_nothing()
+            return
+        self._at = index, x, name
+        for cursor in self._cursors:
+            cursor.setValue(x)
+            cursor.setVisible(True)
+        title = next(entry.title for entry in self.drawing.entries if entry.name == name)
+        quantity, _, unit = self.drawing.panels[index].y_label.rstrip(")").partition(" (")
+        _, _, x_unit = self.drawing.x_label.rstrip(")").partition(" (")
+        what = f"{title}: " if quantity in title else f"{title}, {quantity}: "
+        text = f"{place:.4g} {x_unit}".rstrip() + f"   {what}{value:.5g} {unit}".rstrip()
+        self.read.emit(text.replace("-", "\N{MINUS SIGN}"))
+
+    def _read_nothing(self) -> None:
+        if self._at is not None:
+            self._at = None
+            for cursor in self._cursors:
+                cursor.setVisible(False)
+        self.read.emit("")
+
+
+def _look(panel: Panel) -> tuple[str, bool, list[str]]:
+    return panel.y_label, panel.log, [line.name for line in panel.lines]

@@ -1,0 +1,114 @@
+"""Writing what the plot viewer shows: as a picture, as drawing, as numbers."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QBuffer, QIODevice, QPoint, QRect
+from PySide6.QtGui import QPainter, QPixmap
+from PySide6.QtSvg import QSvgGenerator
+from PySide6.QtWidgets import QWidget
+
+from app.editor.viewers.plot.curves_query import TransferCurves
+from core.atomic import write_bytes, write_text
+from core.chain.results import CurveData, TableData
+from core.errors import UsageError
+
+SUFFIXES = (".png", ".svg", ".csv")
+Data = TransferCurves | CurveData | TableData
+_SHARPNESS = 2  # dots of a PNG for each of the window
+
+
+def export(widget: QWidget, data: Data, path: Path) -> None:
+    """Write a picture of the widget, or the data it shows, by the suffix of the file.
+
+    Raises
+    ------
+    UsageError
+        For another suffix.
+    FileError
+        If the file cannot be written.
+    """
+    if path.suffix.lower() == ".csv":
+        write_text(path, csv_text(data))
+    else:
+        export_picture(widget, path)
+
+
+def export_picture(widget: QWidget, path: Path) -> None:
+    """Write a picture of the widget.
+
+    Raises
+    ------
+    UsageError
+        For a suffix that is of no picture.
+    FileError
+        If the file cannot be written.
+    """
+    suffix = path.suffix.lower()
+    if suffix == ".png":
+        write_bytes(path, _png(widget))
+    elif suffix == ".svg":
+        write_bytes(path, _svg(widget))
+    else:
+        raise UsageError(f"{path}: a plot is written as {' '.join(SUFFIXES)}")
+
+
+def csv_text(data: Data) -> str:
+    """Every curve or row of the data in full precision, also those that are not shown."""
+    if isinstance(data, TableData):
+        rows = [(row.name, row.value, row.unit, row.meaning) for row in data.rows]
+        return _lines([("name", "value", "unit", "meaning"), *rows])
+    columns: list[tuple[str, Iterable[Any]]] = []
+    if isinstance(data, TransferCurves):
+        columns.append(("frequency_cyc_per_mrad", data.frequency.tolist()))
+        for curve in data.curves:
+            columns.append((f"{curve.name}.mtf", curve.mtf.tolist()))
+            columns.append((f"{curve.name}.ptf_rad", curve.ptf.tolist()))
+    elif data.bars:
+        columns.append((data.x_label or "name", data.bars))
+        columns += [(s.label or data.y_label, s.y.tolist()) for s in data.series]
+    else:
+        for series in data.series:
+            columns.append((f"{series.label}: {data.x_label}", series.x.tolist()))
+            columns.append((f"{series.label}: {data.y_label}", series.y.tolist()))
+    names = [name for name, _ in columns]
+    return _lines([names, *zip_longest(*(values for _, values in columns))])
+
+
+def _lines(rows: Iterable[Sequence[Any]]) -> str:
+    text = io.StringIO()
+    cells = (
+        [repr(cell) if isinstance(cell, float) else "" if cell is None else cell for cell in row]
+        for row in rows
+    )
+    csv.writer(text, lineterminator="\n").writerows(cells)
+    return text.getvalue()
+
+
+def _png(widget: QWidget) -> bytes:
+    shown = QPixmap(widget.size() * _SHARPNESS)
+    shown.setDevicePixelRatio(_SHARPNESS)
+    widget.render(shown)
+    buffer = QBuffer()
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    shown.save(buffer, "PNG")
+    return bytes(buffer.data().data())
+
+
+def _svg(widget: QWidget) -> bytes:
+    buffer = QBuffer()
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    drawing = QSvgGenerator()
+    drawing.setOutputDevice(buffer)
+    drawing.setSize(widget.size())
+    drawing.setViewBox(QRect(0, 0, widget.width(), widget.height()))
+    painter = QPainter(drawing)
+    widget.render(painter, QPoint())
+    painter.end()
+    return bytes(buffer.data().data())

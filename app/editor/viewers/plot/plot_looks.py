@@ -1,0 +1,102 @@
+"""Plots in the colours of the theme, without pyqtgraph's own menus and buttons."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import pyqtgraph as pg
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor, QPen
+from PySide6.QtWidgets import QGraphicsItem
+
+from app.editor.theme import Theme
+from app.editor.viewers.plot.plotted_lines import Entry
+
+_DASHES = (
+    Qt.PenStyle.SolidLine,
+    Qt.PenStyle.DashLine,
+    Qt.PenStyle.DotLine,
+    Qt.PenStyle.DashDotLine,
+)
+_PIECE = 9.0  # dots of a curve before what is beneath is seen
+_FAINT = 200  # of 255, the opacity of a limit
+_PLAIN = range(-4, 5)  # powers of ten that are written out
+
+
+class PlotAxis(pg.AxisItem):  # type: ignore[misc]
+    """An axis; of a logarithmic one, only some of the values between powers of ten are told."""
+
+    def logTickStrings(self, values: Sequence[float], scale: float, spacing: float) -> list[str]:
+        """Text of ticks at these logarithms: of 2 to 9 between powers of ten, few have room."""
+        texts: list[str] = super().logTickStrings(values, scale, spacing)
+        decades = abs(self.range[1] - self.range[0])
+        told = range(1, 10) if decades < 0.5 else (1, 2, 5) if decades < 2.5 else (1,)
+        found = []
+        for value, text in zip(values, texts, strict=True):
+            power = math.floor(value + 1e-9)
+            first = round(10 ** (value - power))
+            plain = f"{first * 10.0**power:.1g}" if power < 0 else str(first * 10**power)
+            found.append("" if first not in told else plain if power in _PLAIN else text)
+        return found
+
+
+def bare(plot: pg.PlotItem) -> None:
+    """Take away menus, buttons and powers of ten before the units."""
+    plot.setMenuEnabled(False)
+    plot.hideButtons()
+    for name in ("left", "bottom"):
+        plot.getAxis(name).enableAutoSIPrefix(False)
+
+
+def paint_axes(plot: pg.PlotItem, theme: Theme) -> None:
+    """Axes, their titles and frame in the theme's colours."""
+    for name in ("left", "bottom"):
+        paint_axis(plot.getAxis(name), theme)
+
+
+def paint_axis(axis: pg.AxisItem, theme: Theme) -> None:
+    """One axis; drawn anew only when it changes, as its text and grid take long."""
+    axis.setCacheMode(QGraphicsItem.CacheMode.DeviceCoordinateCache)
+    axis.setPen(theme.line)
+    axis.setTextPen(theme.text)
+
+
+def thick(colour: str | QColor, width: int, style: Qt.PenStyle = Qt.PenStyle.SolidLine) -> QPen:
+    """A pen of that width on the screen, whatever the plot's scale."""
+    pen: QPen = pg.mkPen(colour, width=width, style=style)
+    return pen
+
+
+def entry_pen(entries: Sequence[Entry], name: str, theme: Theme) -> QPen:
+    """The pen of an entry of the legend.
+
+    Products have the text's colour, a limit that of the curve it is around; what lies on other
+    curves is dashed.
+    """
+    place = next(place for place, entry in enumerate(entries) if entry.name == name)
+    entry, colours = entries[place], theme.curves
+    if entry.total:
+        before = sum(each.total for each in entries[:place])
+        return thick(theme.text, 2, _DASHES[min(before, 1)])
+    others = sum(not (each.total or each.bound) for each in entries[:place])
+    if entry.bound:
+        colour = colours[max(others - 1, 0) % len(colours)]
+        return thick(see_through(colour, _FAINT), 1, Qt.PenStyle.DotLine)
+    pen = thick(colours[others % len(colours)], 1, _DASHES[others // len(colours) % len(_DASHES)])
+    if entry.over:  # three curves in one are seen in turn
+        pen.setDashPattern([_PIECE, 2 * _PIECE])
+        pen.setDashOffset(_PIECE * entry.over)
+    return pen
+
+
+def mark_pen(theme: Theme) -> QPen:
+    """Of lines that mark a place."""
+    return thick(theme.faint_text, 1, Qt.PenStyle.DashLine)
+
+
+def see_through(colour: str, alpha: int) -> QColor:
+    """A colour that lets what is below shine through, `alpha` 0 to 255."""
+    mixed = QColor(colour)
+    mixed.setAlpha(alpha)
+    return mixed

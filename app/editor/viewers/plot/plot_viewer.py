@@ -1,0 +1,295 @@
+"""The viewer of curves: MTF and PTF of the chain along a line, curves of nodes, and tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+from PySide6.QtCore import QSize
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QHBoxLayout, QStackedWidget, QVBoxLayout, QWidget
+
+from app.editor.evaluation.queries import Answer, Want
+from app.editor.session import Session
+from app.editor.theme import Theme
+from app.editor.viewers.figures.figure_table import FigureTable
+from app.editor.viewers.network_ports import followed
+from app.editor.viewers.plot.bar_chart import BarChart
+from app.editor.viewers.plot.curve_list import CurveList
+from app.editor.viewers.plot.curves_query import CurvesWant, PortDataWant, TransferCurves
+from app.editor.viewers.plot.plot_bar import PlotBar
+from app.editor.viewers.plot.plot_canvas import PlotCanvas
+from app.editor.viewers.plot.plot_export import Data, export
+from app.editor.viewers.plot.plotted_lines import Drawing, Parts, curve_drawing, transfer_drawing
+from app.editor.viewers.status_line import StatusLine
+from app.editor.viewers.viewer import Viewer
+from core.chain.results import CurveData, TableData
+from core.errors import UsageError
+from core.network.network import Network
+
+if TYPE_CHECKING:
+    from app.editor.evaluation.evaluator import Evaluator
+
+_LIST_SHARE = 0.36  # of the width, at most, for the legend
+
+
+class PlotViewer(Viewer):
+    """Shows the chain's transfer functions, or the curves or table of one port.
+
+    Parameters
+    ----------
+    session, evaluator, theme, parent
+        As for `Viewer`.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        evaluator: Evaluator | None,
+        theme: Theme,
+        parent: QWidget | None = None,
+    ) -> None:
+        super().__init__(session, evaluator, theme, "plot_viewer", parent)
+        self.setAccessibleName("Plot viewer")
+        self.port: str | None = None
+        self.angle_deg = 0.0
+        self.parts: Parts = "mtf"
+        self.log: bool | None = None
+        self.data: Data | None = None
+        self._lost: str | None = None
+        self._switched: dict[str, bool] = {}
+        self._build()
+        self.set_theme(theme)
+        self._follow_choices()
+
+    def look_at(self, port: str | None) -> None:
+        """Plot the curve or table on ``node.port``; None plots the chain's transfer functions."""
+        self._lost = None
+        if port != self.port:
+            self.port = port
+            self.log = None
+            self._switched.clear()
+            self._follow_choices()
+
+    def set_angle(self, angle_deg: float) -> None:
+        """Plot along a line in that direction: 0 across, 90 along."""
+        if angle_deg != self.angle_deg:
+            self.angle_deg = angle_deg
+            self._follow_choices()
+
+    def set_parts(self, parts: str) -> None:
+        """Plot "mtf", "ptf" or "both"."""
+        if parts in get_args(Parts) and parts != self.parts:
+            self.parts = parts  # type: ignore[assignment]
+            self._follow_choices()
+            self._draw()
+
+    def set_log(self, log: bool | None) -> None:
+        """Plot with a logarithmic ordinate or not; None as the data want it."""
+        self.log = log
+        self._draw()
+
+    def export(self, path: Path) -> None:
+        """Write what is shown (``.png``, ``.svg``), or all of its numbers (``.csv``).
+
+        Raises
+        ------
+        ImagechainError
+            If nothing is shown, or it cannot be written.
+        """
+        if self.data is None:
+            raise UsageError("the viewer shows no curves")
+        export(self._pages.currentWidget(), self.data, path)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self.theme = theme
+        self.bar.set_theme(theme)
+        self.canvas.set_theme(theme)
+        self.bars.set_theme(theme)
+        self.status.set_theme(theme)
+        self._fill_list()
+
+    def state(self) -> dict[str, Any]:
+        """How it shows what, as JSON has it."""
+        return {
+            "port": self._lost or self.port,
+            "angle_deg": self.angle_deg,
+            "parts": self.parts,
+            "log": self.log,
+            "switched": dict(self._switched),
+        }
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Show as `state` told; what cannot be used is as it was."""
+        port, angle, parts = (state.get(name) for name in ("port", "angle_deg", "parts"))
+        self._lost = None
+        self.port = port if isinstance(port, str) else None
+        if isinstance(angle, int | float) and math.isfinite(angle) and abs(angle) <= 360:
+            self.angle_deg = float(angle)
+        if parts in get_args(Parts):
+            self.parts = parts  # type: ignore[assignment]
+        log, switched = state.get("log"), state.get("switched")
+        self.log = log if isinstance(log, bool) else None
+        if isinstance(switched, Mapping):
+            self._switched = {str(name): on is True for name, on in switched.items()}
+        self._follow_choices()
+
+    def wants(self) -> tuple[Want, ...]:
+        """The curves that are chosen."""
+        return (CurvesWant(self.angle_deg) if self.port is None else PortDataWant(self.port),)
+
+    def accepts(self, want: Want) -> bool:
+        """Whether it is of what is chosen; while the angle is turned, also of the last one."""
+        return want in self.wants() or (self.port is None and isinstance(want, CurvesWant))
+
+    def take(self, answer: Answer) -> None:
+        """Show data, or keep the last and say why there is no other."""
+        if answer.error is not None:
+            self.status.tell(str(answer.error), failed=True)
+            return
+        self.data = answer.value
+        self._draw()
+        if isinstance(answer.value, TransferCurves):
+            self._tell_transfer(answer.value)
+        elif isinstance(answer.value, CurveData):
+            self.status.tell(answer.value.title)
+        else:
+            self.status.tell(f"{len(answer.value.rows)} figures; Ctrl+C copies them")
+
+    def follow(self, before: Network, after: Network) -> None:
+        """Go with nodes that get other names; a node that comes back is shown again."""
+        port = self._lost or self.port
+        if port is None:
+            return
+        moved = followed(port, before, after) or port
+        gone = moved.rpartition(".")[0] not in after.nodes
+        self._lost = moved if gone else None
+        now = None if gone else moved
+        if now != self.port:
+            self.port = now
+            self._follow_choices()
+
+    def follow_opening(self) -> None:
+        """Plot the chain of another document."""
+        self.data = None
+        self.canvas.framed = True
+        self._switched.clear()
+        self.look_at(None)
+        self._draw()
+
+    def _build(self) -> None:
+        self.bar = PlotBar(self.session, self.owner, self)
+        self.canvas = PlotCanvas(self.theme, self)
+        self.canvas.setObjectName(f"{self.owner}.canvas")
+        self.bars = BarChart(self.theme, self)
+        self.bars.setObjectName(f"{self.owner}.bars")
+        self.list = CurveList(self)
+        self.list.setObjectName(f"{self.owner}.curves")
+        self.table = FigureTable(self)
+        self.table.setObjectName(f"{self.owner}.table")
+        self.status = StatusLine(self.owner, "What is plotted", "Value at the cursor", self)
+        self._curves = QWidget(self)
+        beside = QHBoxLayout(self._curves)
+        beside.setContentsMargins(0, 0, 0, 0)
+        beside.setSpacing(2)
+        beside.addWidget(self.canvas, 1)
+        beside.addWidget(self.bars, 1)
+        self.bars.hide()
+        beside.addWidget(self.list, 0)
+        self._pages = QStackedWidget(self)
+        self._pages.addWidget(self._curves)
+        self._pages.addWidget(self.table)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(1)
+        layout.addWidget(self.bar)
+        layout.addWidget(self._pages, 1)
+        layout.addWidget(self.status)
+        self.bar.ports.chosen.connect(self._choose_port)
+        self.bar.outputs.chosen.connect(self._choose_port)
+        self.bar.angle_chosen.connect(self.set_angle)
+        self.bar.parts_chosen.connect(self.set_parts)
+        self.bar.log_chosen.connect(self.set_log)
+        self.bar.fit.clicked.connect(self.canvas.frame)
+        self.canvas.read.connect(self.status.tell_more)
+        self.list.toggled.connect(self._toggle)
+
+    def sizeHint(self) -> QSize:
+        """Room for a plot."""
+        width = self.fontMetrics().averageCharWidth()
+        return QSize(80 * width, 20 * self.fontMetrics().height())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Leave the plot most of the room."""
+        super().resizeEvent(event)
+        self._fit_list()
+
+    def _fit_list(self) -> None:
+        self.list.setFixedWidth(min(self.list.sizeHint().width(), int(_LIST_SHARE * self.width())))
+
+    def _choose_port(self, port: str) -> None:
+        self.look_at(port or None)
+
+    def _toggle(self, name: str, on: bool) -> None:
+        self._switched[name] = on
+        shown = self._shown(self.canvas.drawing)
+        self.canvas.show_entries(shown)
+        self.bars.show_entries(shown)
+
+    def _follow_choices(self) -> None:
+        self.bar.show_choices(self.port, self.angle_deg, self.parts)
+        self.ask()
+
+    def _draw(self) -> None:
+        data = self.data
+        log = self.log if self.log is not None else getattr(data, "log_y", False)
+        self.bar.log.setChecked(log)
+        self.bar.log.setVisible(not isinstance(data, TableData))
+        self.bar.fit.setVisible(not isinstance(data, TableData) and not getattr(data, "bars", ()))
+        if isinstance(data, TableData):
+            self.table.show_table(data)
+            self._pages.setCurrentWidget(self.table)
+            return
+        self._pages.setCurrentWidget(self._curves)
+        drawing = Drawing("")
+        if isinstance(data, TransferCurves):
+            drawing = transfer_drawing(data, self.parts, log=log)
+        elif isinstance(data, CurveData):
+            drawing = curve_drawing(data, log=log)
+        before = self.canvas.drawing
+        shown = self._shown(drawing)
+        self.canvas.show_drawing(drawing, shown)
+        self.bars.show_drawing(drawing, shown, self.canvas.pen)
+        self.canvas.setVisible(not drawing.bars)
+        self.bars.setVisible(bool(drawing.bars))
+        if (drawing.entries, drawing.note) != (before.entries, before.note):
+            self._fill_list()
+
+    def _fill_list(self) -> None:
+        drawing = self.canvas.drawing
+        self.list.fill(drawing.entries, self._shown(drawing), self.canvas.pen, drawing.note)
+        self._fit_list()
+
+    def _shown(self, drawing: Drawing) -> set[str]:
+        return {
+            entry.name for entry in drawing.entries if self._switched.get(entry.name, entry.shown)
+        }
+
+    def _tell_transfer(self, curves: TransferCurves) -> None:
+        """Say what is missing, and what lies beyond the plot."""
+        if curves.trouble:
+            self.status.tell(curves.trouble, failed=True)
+            return
+        if not len(curves.frequency):
+            self.status.tell("the network has no transfer function to plot")
+            return
+        if curves.missing:
+            self.status.tell(f"no Total: {curves.missing}")
+            return
+        end = curves.frequency[-1]
+        beyond = [mark for mark in curves.marks if mark.frequency > end * (1 + 1e-9)]
+        told = [f"{mark.text} at {mark.frequency:.4g} cyc/mrad" for mark in beyond]
+        self.status.tell(f"beyond the plot: {', '.join(told)}" if told else "")

@@ -1,0 +1,212 @@
+"""What a plot shows, as plain data: lines in panels that share their abscissa."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.editor.viewers.plot.curves_query import Mark, TransferCurves
+from core.chain.results import CurveData
+
+Vector = NDArray[np.float64]
+Parts = Literal["mtf", "ptf", "both"]
+_AXES = {0.0: "ξ", 90.0: "η"}
+_DECADES = 8  # below the greatest value that a logarithmic ordinate shows at most
+_SAME = 0.005  # of the ordinates' range: curves nearer to one another look like one
+_MOST = 0.9  # of its points
+_BOUNDS = ("+ ", "\N{MINUS SIGN} ")  # how the labels of limits around a curve begin
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A line of the legend.
+
+    Parameters
+    ----------
+    name : str
+        Unique in the drawing.
+    title : str
+        For people.
+    total : bool
+        Whether it is a product of the others.
+    shown : bool
+        Whether it is shown unless the person says otherwise.
+    bound : bool
+        Whether it is a limit around the entry before it.
+    over : int
+        On how many of the entries before it it lies: these are to be seen through it.
+    """
+
+    name: str
+    title: str
+    total: bool = False
+    shown: bool = True
+    bound: bool = False
+    over: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """The points of an entry in one panel."""
+
+    name: str
+    x: Vector
+    y: Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One pair of axes; `least` is the range that the ordinate shows at least, unless `log`."""
+
+    y_label: str
+    lines: tuple[Line, ...]
+    least: tuple[float, float] | None = None
+    log: bool = False
+
+    def drawn(self, y: Vector) -> Vector:
+        """Ordinates as they are drawn: NaN, a gap, where there is nothing to draw."""
+        y = np.asarray(y, np.float64)
+        if self.log:
+            y = _logarithm(y)
+        return y if np.isfinite(y).all() else np.where(np.isfinite(y), y, np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """All that is plotted; with `bars`, their names, each line is a height for each of them.
+
+    With `log_x` abscissae are drawn by their logarithm. `note` stands in the legend: what is
+    missing there, and why.
+    """
+
+    x_label: str
+    entries: tuple[Entry, ...] = ()
+    panels: tuple[Panel, ...] = ()
+    marks: tuple[Mark, ...] = ()
+    bars: tuple[str, ...] = ()
+    log_x: bool = False
+    note: str = ""
+
+    @property
+    def x_range(self) -> tuple[float, float] | None:
+        """Least and greatest abscissa as drawn; None without points."""
+        drawn = [self.drawn_x(line.x) for panel in self.panels for line in panel.lines]
+        there = [each[np.isfinite(each)] for each in drawn]
+        there = [each for each in there if len(each)]
+        if not there:
+            return None
+        return min(float(each.min()) for each in there), max(float(each.max()) for each in there)
+
+    def drawn_x(self, x: Vector) -> Vector:
+        """Abscissae as they are drawn: NaN where a logarithm has none."""
+        return _logarithm(x) if self.log_x else x
+
+    def x_at(self, drawn: float) -> float:
+        """The abscissa drawn there."""
+        return float(10.0**drawn) if self.log_x else drawn
+
+
+def transfer_drawing(curves: TransferCurves, parts: Parts, *, log: bool = False) -> Drawing:
+    """MTF, PTF or both of a chain; a PTF that is 0 everywhere is not drawn.
+
+    With `log` the modulus of the MTF, which is signed, by its logarithm.
+    """
+    entries = tuple(
+        Entry(
+            curve.name,
+            f"{curve.title} (beside)" if curve.kind == "beside" else curve.title,
+            curve.kind == "total",
+            curve.kind == "total" or (curve.acts and curve.kind == "stage"),
+        )
+        for curve in curves.curves
+    )
+    panels = []
+    if parts in ("mtf", "both"):
+        lines = (
+            Line(each.name, curves.frequency, np.abs(each.mtf) if log else each.mtf)
+            for each in curves.curves
+        )
+        panels.append(Panel("|MTF|" if log else "MTF", tuple(lines), (0.0, 1.0), log))
+    if parts in ("ptf", "both"):
+        shifting = [each for each in curves.curves if each.ptf.any()]
+        lines = (Line(each.name, curves.frequency, each.ptf) for each in shifting)
+        panels.append(Panel("PTF (rad)", tuple(lines), None if shifting else (-1.0, 1.0)))
+    along = _AXES.get(curves.angle_deg % 180.0)
+    label = along or f"frequency along {curves.angle_deg:g}°"
+    note = f"no Total: {curves.missing}" if curves.missing and entries else ""
+    return Drawing(f"{label} (cyc/mrad)", entries, tuple(panels), curves.marks, note=note)
+
+
+def curve_drawing(data: CurveData, *, log: bool = False) -> Drawing:
+    """Curves or bars of a port, by their logarithm if wanted."""
+    lines = tuple(
+        Line(str(number), series.x, series.y) for number, series in enumerate(data.series)
+    )
+    least = (0.0, 1.0) if data.y_label == "MTF" else None
+    panel = Panel(data.y_label, lines, least, log)
+    overs = _overlaps(panel) if not data.bars else (0,) * len(lines)
+    entries = tuple(
+        Entry(
+            line.name,
+            series.label or f"curve {line.name}",
+            series.label.startswith("Total"),
+            bound=series.label.startswith(_BOUNDS),
+            over=over,
+        )
+        for line, series, over in zip(lines, data.series, overs, strict=True)
+    )
+    return Drawing(data.x_label, entries, (panel,), bars=data.bars, log_x=data.log_x)
+
+
+def _overlaps(panel: Panel) -> tuple[int, ...]:
+    """On how many lines before it each line lies, as far as one can see."""
+    low, high = y_range(panel, [line.name for line in panel.lines])
+    near = _SAME * (high - low)
+    return tuple(
+        sum(_lies_on(line, other, panel, near) for other in panel.lines[:number])
+        for number, line in enumerate(panel.lines)
+    )
+
+
+def _lies_on(line: Line, other: Line, panel: Panel, near: float) -> bool:
+    if min(len(line.x), len(other.x)) < 2 or not (np.diff(other.x) > 0).all():
+        return False
+    beneath = np.interp(line.x, other.x, panel.drawn(other.y), left=np.nan, right=np.nan)
+    with np.errstate(invalid="ignore"):
+        same = np.abs(panel.drawn(line.y) - beneath) <= near
+    return bool(same.mean() > _MOST)
+
+
+def _logarithm(values: Vector) -> Vector:
+    values = np.asarray(values, np.float64)
+    return np.log10(values, out=np.full(values.shape, np.nan), where=values > 0)
+
+
+def y_range(panel: Panel, shown: Iterable[str]) -> tuple[float, float]:
+    """What the ordinate has to show for these entries as drawn, with a little room around."""
+    names = set(shown)
+    drawn = (panel.drawn(line.y) for line in panel.lines if line.name in names)
+    values = [each[np.isfinite(each)] for each in drawn]
+    values = [each for each in values if len(each)]
+    low, high = (panel.least if not panel.log else None) or (np.inf, -np.inf)
+    low = min([low, *(float(each.min()) for each in values)])
+    high = max([high, *(float(each.max()) for each in values)])
+    if not (np.isfinite(low) and np.isfinite(high)):
+        return -1.0, 1.0
+    if panel.log:
+        low = max(low, high - _DECADES)
+    room = 0.04 * (high - low) or 0.1 * abs(high) or 1.0
+    return low - room, high + room
+
+
+def value_at(line: Line, x: float) -> float | None:
+    """Ordinate at an abscissa, linear between points; None outside and in gaps."""
+    if not len(line.x) or not line.x[0] <= x <= line.x[-1]:
+        return None
+    with np.errstate(invalid="ignore"):
+        value = float(np.interp(x, line.x, line.y))
+    return value if np.isfinite(value) else None

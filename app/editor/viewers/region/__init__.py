@@ -1,0 +1,1 @@
+"""A region drawn on a picture, and moved there."""

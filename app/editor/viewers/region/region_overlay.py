@@ -1,0 +1,255 @@
+"""A region shown on a picture: dragged by its frame, drawn anew, or moved by the arrow keys."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pyqtgraph as pg
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QKeyEvent
+
+from app.editor.theme import Theme
+from app.editor.viewers.pixels.regions import ALL, Grip, Region, Size, dragged, drawn
+from app.editor.viewers.plot.plot_looks import see_through
+from app.editor.viewers.region.region_frame import DrawingSheet, RegionFrame
+
+_ARROWS = {
+    Qt.Key.Key_Left: (-1, 0),
+    Qt.Key.Key_Right: (1, 0),
+    Qt.Key.Key_Up: (0, -1),
+    Qt.Key.Key_Down: (0, 1),
+}
+_LAST: Grip = (1, 1)
+_TITLE_ROOM = 30  # dots above the frame that its title takes
+
+
+class RegionOverlay(QObject):
+    """Shows the region it is given, and tells what the person makes of it.
+
+    Parameters
+    ----------
+    view : ViewBox
+        Where the picture is drawn.
+    canvas : GraphicsLayoutWidget
+        Gets the keys; Qt's owner.
+    theme : Theme
+        Colours.
+
+    Signals
+    -------
+    began
+        A drag, or a key that is held, begins.
+    changed(region)
+        Its region now.
+    ended(kept)
+        It is over; not kept where it was given up.
+    draw_wanted
+        The key to draw a region was pressed.
+    armed_changed(armed)
+        Whether the next drag draws a region.
+    menu_wanted(point)
+        Of the screen.
+    """
+
+    began = Signal()
+    changed = Signal(object)
+    ended = Signal(bool)
+    draw_wanted = Signal()
+    armed_changed = Signal(bool)
+    menu_wanted = Signal(QPoint)
+
+    def __init__(self, view: pg.ViewBox, canvas: pg.GraphicsLayoutWidget, theme: Theme) -> None:
+        super().__init__(canvas)
+        self._view = view
+        self._canvas = canvas
+        self._theme = theme
+        self.region: Region | None = None
+        self.armed = self.held = False
+        self._size: Size = (1, 1)
+        self._on = QRectF()
+        self._fits = True
+        self._start: tuple[Region, Grip | None, QPointF] | None = None
+        self._key: int | None = None
+        self.frame = RegionFrame(theme)
+        self.sheet = DrawingSheet(self.frame)
+        self.title = pg.TextItem(anchor=(0, 1))
+        self.title.setZValue(21)
+        self._named = ""
+        small = canvas.font()
+        small.setPointSizeF(0.85 * small.pointSizeF())
+        self.title.setFont(small)
+        for item in (self.frame, self.sheet, self.title):
+            view.addItem(item, ignoreBounds=True)
+            item.hide()
+        self.frame.pressed.connect(self._press)
+        self.frame.moved.connect(self._move)
+        self.frame.released.connect(self._release)
+        self.frame.menu_wanted.connect(self.menu_wanted)
+        view.sigTransformChanged.connect(self._fit_to_screen)
+        canvas.scene().sigMouseClicked.connect(self._clicked_beside)
+        canvas.installEventFilter(self)
+        self.set_theme(theme)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self._theme = theme
+        self.title.setColor(theme.text)
+        self.title.fill = pg.mkBrush(see_through(theme.base, 215))
+        self._paint()
+
+    def show(self, region: Region, fits: bool, size: Size, place: QRectF, title: str) -> None:
+        """Show a region of a picture of that size that is drawn at that place."""
+        self.region, self._fits, self._size, self._on = region, fits, size, place
+        step_x, step_y = self._step
+        rect = QRectF(
+            place.left() + region.left * step_x,
+            place.top() + region.top * step_y,
+            region.width * step_x,
+            region.height * step_y,
+        )
+        self.frame.place(rect, (region.width, region.height) != size)
+        self.sheet.setRect(place)
+        self._named = title
+        self.title.setPos(rect.topLeft())
+        self.frame.show()
+        self.title.show()
+        self.sheet.setVisible(self.armed)
+        if self.armed:
+            self.hold(True)
+        self._fit_to_screen()
+        self._paint()
+
+    def hide(self) -> None:
+        """Show none; what is being dragged is given up."""
+        self._end(kept=False)
+        self.hold(False)
+        self.region = None
+        for item in (self.frame, self.sheet, self.title):
+            item.hide()
+
+    def arm(self, on: bool) -> None:
+        """Let the next drag draw a region, or not."""
+        if on != self.armed:
+            self.armed = on
+            self.sheet.setVisible(on and self.region is not None)
+            self.armed_changed.emit(on)
+
+    def hold(self, on: bool) -> None:
+        """Let the arrow keys move the region, or not."""
+        if on != self.held:
+            self.held = on
+            self._paint()
+
+    def give_up(self) -> bool:
+        """End what is going on, the last thing begun first; whether there was something."""
+        if self._start is not None:
+            self._end(kept=False)
+        elif self.armed:
+            self.arm(False)
+        elif self.held:
+            self.hold(False)
+        else:
+            return False
+        return True
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        """Take the keys that are for the region before the canvas, and the window, get them."""
+        kind = event.type()
+        if kind == QEvent.Type.KeyPress and isinstance(event, QKeyEvent):
+            return self._take_key(event)
+        if kind == QEvent.Type.KeyRelease and isinstance(event, QKeyEvent):
+            if event.key() == self._key and not event.isAutoRepeat():
+                self._end(kept=True)
+        elif kind == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
+            busy = self._start is not None or self.armed or self.held
+            if event.key() == Qt.Key.Key_Escape and busy:
+                event.accept()  # else it would stop the computation
+                return True
+        elif kind == QEvent.Type.FocusOut and self._key is not None:
+            self._end(kept=True)
+        return False
+
+    def _take_key(self, event: QKeyEvent) -> bool:
+        key, modifiers = event.key(), event.modifiers()
+        if key == Qt.Key.Key_Escape:
+            return self.give_up()
+        if key == Qt.Key.Key_R and not modifiers:
+            self.draw_wanted.emit()
+            return True
+        step = _ARROWS.get(Qt.Key(key))
+        if step is None or not self.held or self.region is None:
+            return False
+        if self._key is None:
+            if self._start is not None:  # the mouse has it
+                return True
+            self._key = key
+            self.began.emit()
+        far = 10 if modifiers & Qt.KeyboardModifier.ShiftModifier else 1
+        grip = _LAST if modifiers & Qt.KeyboardModifier.ControlModifier else ALL
+        self._tell(dragged(self.region, grip, step[0] * far, step[1] * far, self._size))
+        return True
+
+    @property
+    def _step(self) -> tuple[float, float]:
+        """A sample of the full-size picture in units of the axes: in a preview these may differ."""
+        return self._on.width() / self._size[0], self._on.height() / self._size[1]
+
+    def _press(self, grip: Any, place: Any) -> None:
+        if self.region is None:
+            return
+        self._end(kept=True)
+        self._canvas.setFocus(Qt.FocusReason.MouseFocusReason)
+        self._start = self.region, grip, place
+        self.hold(True)
+        self.began.emit()
+
+    def _move(self, place: Any) -> None:
+        if self._start is None:
+            return
+        region, grip, start = self._start
+        step_x, step_y = self._step
+        if grip is None:
+            first, now = (
+                ((at.x() - self._on.left()) / step_x, (at.y() - self._on.top()) / step_y)
+                for at in (start, place)
+            )
+            self._tell(drawn(first, now, self._size))
+            return
+        by = (place.x() - start.x()) / step_x, (place.y() - start.y()) / step_y
+        self._tell(dragged(region, grip, round(by[0]), round(by[1]), self._size))
+
+    def _release(self) -> None:
+        drew = self._start is not None and self._start[1] is None
+        self._end(kept=True)
+        if drew:
+            self.arm(False)
+
+    def _end(self, *, kept: bool) -> None:
+        if self._start is None and self._key is None:
+            return
+        self._start = self._key = None
+        self.ended.emit(kept)
+
+    def _tell(self, region: Region) -> None:
+        if region != self.region:
+            self.changed.emit(region)
+
+    def _clicked_beside(self, *_: object) -> None:
+        self.hold(False)
+
+    def _fit_to_screen(self, *_: object) -> None:
+        """Handles and title go by what the frame measures on the screen."""
+        if self.region is None:
+            return
+        wide, high = self._view.viewPixelSize()
+        if wide > 0 and high > 0:
+            self.frame.spread_handles(1 / wide, 1 / high)
+        above = (self.title.pos().y() - self._view.viewRect().top()) / (high or 1.0)
+        self.title.setAnchor((0, 1.3 if above > _TITLE_ROOM else -0.3))
+
+    def _paint(self) -> None:
+        theme = self._theme
+        self.frame.paint_as(theme.accent if self._fits else theme.error, self.held)
+        if self.region is not None:
+            size = f"  {self.region.width} × {self.region.height}" if self.held else ""
+            self.title.setText(self._named + (size if self._fits else "  beyond the picture"))

@@ -1,0 +1,1 @@
+"""Every action of the window: its menu, its keys, what it does."""

@@ -1,0 +1,101 @@
+"""What each action of the window does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Protocol
+
+from app.editor.canvas.canvas import Canvas
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.panels.panel_area import PanelArea
+from app.editor.session import Session
+from app.editor.window.actions.action_specs import VIEWERS
+from app.editor.window.actions.edit_commands import EditCommands
+from app.editor.window.actions.help import Help
+from app.editor.window.docks.viewer_docks import ViewerDocks
+from app.editor.window.documents.files import Files
+
+Target = Callable[[], object]
+
+
+class Window(Protocol):
+    """The parts of the window that actions are carried out by."""
+
+    session: Session
+    files: Files
+    edits: EditCommands
+    canvas: Canvas
+    help: Help
+    panels: PanelArea
+    viewers: ViewerDocks
+    evaluator: Evaluator
+
+    def show_welcome(self) -> None:
+        """Show the first page."""
+
+    def close(self) -> bool:
+        """Close the window; False where the person wants to stay."""
+
+    def go_to_part(self, step: int) -> None:
+        """Move the focus to the next part of the window, or the one before."""
+
+    def toggle_light(self) -> None:
+        """Change between dark and light."""
+
+    def generate(self) -> None:
+        """Compute what is held back."""
+
+
+def targets(window: Window) -> dict[str, Target]:
+    """By the actions' names."""
+    session, files, edits, canvas = window.session, window.files, window.edits, window.canvas
+    found: dict[str, Callable[..., object]] = {
+        "new": files.new,
+        "open": files.open_dialog,
+        "save": files.save,
+        "save_as": files.save_as,
+        "export": window.help.export,
+        "welcome": window.show_welcome,
+        "quit": window.close,
+        "undo": session.undo,
+        "redo": session.redo,
+        "cut": edits.cut,
+        "copy": edits.copy,
+        "paste": edits.paste,
+        "duplicate": edits.duplicate,
+        "delete": edits.delete,
+        "select_all": edits.select_all,
+        "rename": window.panels.edit_name,
+        "disable": edits.disable,
+        "mark_output": edits.mark_output,
+        "add_module": canvas.open_search,
+        "connect": canvas.connect_selected,
+        "backdrop": edits.backdrop,
+        "frame": edits.frame,
+        "arrange": edits.arrange,
+        "zoom_in": partial(canvas.zoom_by, 1.25),
+        "zoom_out": partial(canvas.zoom_by, 0.8),
+        "trade_off": window.viewers.toggle_trade_off,
+        "next_part": partial(window.go_to_part, 1),
+        "previous_part": partial(window.go_to_part, -1),
+        "light": window.toggle_light,
+        "generate": window.generate,
+        "cancel": window.evaluator.cancel,
+        "shortcuts": window.help.shortcuts,
+        "module_help": window.help.module,
+        "about": window.help.about,
+    }
+    for number in VIEWERS:
+        found[f"view_{number}"] = partial(_view, window, number)
+    return {name: partial(_without_words, target) for name, target in found.items()}
+
+
+def _without_words(target: Callable[..., object], *_: object) -> None:
+    """An action says whether it is checked; nothing here wants to know."""
+    target()
+
+
+def _view(window: Window, number: int) -> None:
+    for name in window.session.selection[-1:]:
+        window.viewers.look_at_node(name, number)

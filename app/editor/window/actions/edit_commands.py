@@ -1,0 +1,119 @@
+"""What the Edit and View menus do to the document, the canvas and the clipboard."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject
+from PySide6.QtGui import QGuiApplication
+
+from app.editor.canvas.canvas import Canvas
+from app.editor.session import Session
+from core.editing.backdrops import around
+from core.editing.clipboard import copied, duplicated, pasted
+from core.editing.fields import SetNode
+from core.editing.layout.arrange import arranged
+from core.editing.nodes import Move, Remove
+from core.editing.operation import Operation, together
+from core.editing.output_mark import output_toggled
+from core.editing.wiring import Rewire
+from core.errors import ImagechainError
+
+
+class EditCommands(QObject):
+    """Commands on the selection; each is one undo step."""
+
+    def __init__(self, session: Session, canvas: Canvas, parent: QObject) -> None:
+        super().__init__(parent)
+        self._session = session
+        self._canvas = canvas
+
+    def copy(self) -> None:
+        """Copy the selected nodes as JSON text."""
+        names = self._session.selection
+        if names:
+            text = copied(self._session.network, names, library=self._session.library)
+            QGuiApplication.clipboard().setText(text)
+
+    def cut(self) -> None:
+        """Copy and delete the selected nodes."""
+        if self._session.selection:
+            self.copy()
+            self._session.do(Remove(self._session.selection, label="Cut"))
+
+    def paste(self) -> None:
+        """Put the clipboard's nodes at the mouse."""
+        session = self._session
+        text = QGuiApplication.clipboard().text()
+        try:
+            names, operation = pasted(
+                text, session.network, library=session.library, at=self._canvas.cursor_point()
+            )
+        except ImagechainError as error:
+            session.told.emit("error", f"nothing was pasted: {error}")
+            return
+        if session.do(operation):
+            session.select(names)
+
+    def duplicate(self) -> None:
+        """Copy the selected nodes beside themselves, fed by the same wires."""
+        session = self._session
+        if session.selection:
+            names, operation = duplicated(
+                session.network, session.selection, library=session.library
+            )
+            if session.do(operation):
+                session.select(names)
+
+    def delete(self) -> None:
+        """Delete the selected nodes, else the selected wire or backdrop."""
+        link = self._canvas.selected_link()
+        if self._session.selection:
+            self._session.do(Remove(self._session.selection))
+        elif link is not None:
+            self._session.do(Rewire(remove=(link,)))
+        else:
+            self._canvas.delete_selected_backdrop()
+
+    def select_all(self) -> None:
+        """Select every node."""
+        self._session.select(self._session.network.nodes)
+
+    def disable(self) -> None:
+        """Let the selected nodes pass their input through; all disabled: enable them."""
+        nodes = [self._session.network.nodes[name] for name in self._session.selection]
+        off = not all(node.disabled for node in nodes)
+        steps: list[Operation] = [
+            SetNode(node.id, "disabled", off) for node in nodes if node.disabled != off
+        ]
+        if steps:
+            self._session.do(steps[0] if len(steps) == 1 else together(steps))
+
+    def mark_output(self) -> None:
+        """Mark the selected node as the network's output; marked: take the mark away."""
+        session = self._session
+        for name in session.selection[-1:]:
+            try:
+                session.do(output_toggled(session.network, session.library, name))
+            except ImagechainError as error:
+                session.told.emit("error", str(error))
+
+    def backdrop(self) -> None:
+        """Put a backdrop behind the selected nodes."""
+        session = self._session
+        if session.selection:
+            session.do(around(session.network, session.selection, self._canvas.sizes()))
+
+    def arrange(self) -> None:
+        """Lay out the selected nodes, or all."""
+        session = self._session
+        only = session.selection if len(session.selection) > 1 else None
+        if session.network.nodes:
+            places = arranged(session.network, self._canvas.sizes(), only=only)
+            session.do(Move(places, "Lay out"))
+            self._canvas.frame_all()
+
+    def frame(self) -> None:
+        """Show the selected nodes, or all."""
+        if self._session.selection:
+            self._canvas.frame_selection()
+        else:
+            self._canvas.frame_all()

@@ -1,0 +1,1 @@
+"""The docks of the window: where they stand, and the viewers in them."""

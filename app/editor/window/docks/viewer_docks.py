@@ -1,0 +1,154 @@
+"""The docks of the viewers: up to nine for pictures, one for curves, one for trade-offs."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QWidget
+from shiboken6 import isValid
+
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.session import Session
+from app.editor.theme import Theme
+from app.editor.tradeoff.tradeoff_view import TradeOffView
+from app.editor.viewers.picture.image_viewer import ImageViewer
+from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.editor.window.docks.dock_places import add_dock
+from app.editor.window.documents.first_look import FirstLook
+
+_BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
+_PICTURES = ("image", "magnitude", "phase", "transfer", "pupil")
+
+
+class ViewerDocks(QObject):
+    """Viewers by number; one that is not there yet is made when something is shown in it.
+
+    Signals
+    -------
+    made(dock)
+        A dock has been made.
+    """
+
+    made = Signal(object)
+
+    def __init__(
+        self, session: Session, evaluator: Evaluator, theme: Theme, window: QMainWindow
+    ) -> None:
+        super().__init__(window)
+        self._session = session
+        self._evaluator = evaluator
+        self._theme = theme
+        self._window = window
+        self.images: dict[int, ImageViewer] = {}
+        self.docks: dict[int, QDockWidget] = {}
+        self.plot = PlotViewer(session, evaluator, theme)
+        self.plot_dock = self._dock("Curves", "dock.curves", self.plot)
+        self._viewer(1)
+        window.splitDockWidget(self.docks[1], self.plot_dock, Qt.Orientation.Horizontal)
+        self.tradeoff = TradeOffView(session, evaluator, theme)
+        self.tradeoff_dock = self._dock("Trade-off", "dock.tradeoff", self.tradeoff)
+        window.tabifyDockWidget(self.plot_dock, self.tradeoff_dock)
+        self.tradeoff_dock.hide()
+
+    def look_at(self, number: int, port: str) -> None:
+        """Show what is on ``node.port`` in an image viewer, and bring that to the front."""
+        self._viewer(number).look_at(port)
+        self.docks[number].show()
+        self.docks[number].raise_()
+
+    def look_first(self, look: FirstLook) -> None:
+        """Show what tells most of a network that has just been opened."""
+        for number, port in enumerate(look.pictures, start=1):
+            self.look_at(number, port)
+        if look.front in self.docks:
+            self.docks[look.front].raise_()
+        if look.curve is not None:
+            self.plot.look_at(look.curve)
+
+    def plot_port(self, port: str) -> None:
+        """Show the curve or table on ``node.port``, and bring it to the front."""
+        self.plot.look_at(port)
+        self.plot_dock.show()
+        self.plot_dock.raise_()
+
+    def look_at_node(self, name: str, number: int) -> None:
+        """Show the first output of a node that is a picture; a curve in the plot viewer."""
+        declared = self._session.declared(name)
+        if declared is None:
+            self._session.told.emit("error", f"{name}: an unknown module has nothing to show")
+            return
+        for kinds in (_PICTURES[:1], _PICTURES):
+            for port in declared.outputs:
+                if port.types[0] in kinds:
+                    self.look_at(number, f"{name}.{port.name}")
+                    return
+        curves = [port.name for port in declared.outputs if port.types[0] in ("curve", "table")]
+        if curves:
+            self.plot_port(f"{name}.{curves[0]}")
+        elif declared.inputs:
+            self._look_at_input(name, number)
+        else:
+            self._session.told.emit("note", f"{name} has nothing to show")
+
+    def trade_off(self, node: str, parameter: str) -> None:
+        """Show figures of merit as a parameter moves."""
+        self.tradeoff.trade_off(node, parameter)
+        self._show_trade_off()
+
+    def toggle_trade_off(self) -> None:
+        """Show the trade-off, or hide it where it is in front."""
+        if self.tradeoff.isVisible():
+            self.tradeoff_dock.hide()
+        else:
+            self._show_trade_off()
+
+    def _show_trade_off(self) -> None:
+        self.tradeoff_dock.show()
+        self.tradeoff_dock.raise_()
+        self.tradeoff.bar.parameter.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self._theme = theme
+        for viewer in self.images.values():
+            viewer.set_theme(theme)
+        self.plot.set_theme(theme)
+        self.tradeoff.set_theme(theme)
+
+    def forget_pictures(self) -> None:
+        """Show nothing, as for another document; viewers beyond the first close."""
+        for number, viewer in self.images.items():
+            viewer.look_at(None)
+            if number > 2:
+                self.docks[number].hide()
+
+    def _look_at_input(self, name: str, number: int) -> None:
+        """Of a node without outputs, what comes into it."""
+        for link in self._session.network.links_into(name):
+            self.look_at(number, f"{link.source}.{link.output}")
+            return
+        self._session.told.emit("note", f"{name} has nothing to show: nothing comes into it")
+
+    def _viewer(self, number: int) -> ImageViewer:
+        viewer = self.images.get(number)
+        if viewer is None:
+            viewer = ImageViewer(self._session, self._evaluator, self._theme, number)
+            dock = self._dock(f"Viewer {number}", f"dock.viewer_{number}", viewer)
+            if self.docks:
+                self._window.tabifyDockWidget(list(self.docks.values())[-1], dock)
+            self._window.restoreDockWidget(dock)  # to where it was the last time, if anywhere
+            self.images[number] = viewer
+            self.docks[number] = dock
+        return viewer
+
+    def _dock(self, title: str, name: str, widget: QWidget) -> QDockWidget:
+        dock = add_dock(self._window, title, name, widget, _BOTTOM)
+        dock.visibilityChanged.connect(self._name_tabs)
+        self.made.emit(dock)
+        return dock
+
+    def _name_tabs(self, _visible: bool) -> None:
+        """Tabs of docks behind one another are Qt's own, made when needed."""
+        if not isValid(self._window):  # type: ignore[no-untyped-call] # they vanish with the window
+            return
+        for bar in self._window.findChildren(QTabBar):
+            bar.setAccessibleName(bar.accessibleName() or "Viewers behind one another")

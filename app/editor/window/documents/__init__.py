@@ -1,0 +1,1 @@
+"""Opening, saving, recovering and leaving documents, and the first page."""

@@ -1,0 +1,86 @@
+"""What is put on the canvas from elsewhere: modules of the library, files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QEvent, QMimeData, QObject
+from PySide6.QtGui import QDropEvent
+from PySide6.QtWidgets import QWidget
+
+from app.editor.canvas.canvas import Canvas
+from app.editor.session import Session
+from app.editor.window.documents.files import Files
+from app.editor.window.documents.opening import is_network_file
+from core.editing.fields import SetParameter
+from core.editing.fitting import new_node
+from core.editing.operation import Operation, together
+
+READ_IMAGE = "read_image"
+_DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
+_STEP = 30.0  # from one file dropped to the next
+
+
+class Drops(QObject):
+    """Modules and files that come in."""
+
+    def __init__(self, session: Session, files: Files, canvas: Canvas, window: QWidget) -> None:
+        super().__init__(window)
+        self._session = session
+        self._files = files
+        self._canvas = canvas
+        window.setAcceptDrops(True)
+        window.installEventFilter(self)
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        """Take files dropped on a part of the window that has no use for them itself."""
+        if not isinstance(event, QDropEvent) or event.type() not in _DRAGGING:
+            return False
+        paths = dropped_files(event.mimeData())
+        if paths:
+            event.acceptProposedAction()
+            if event.type() == QEvent.Type.Drop:
+                self.files(paths, self._canvas.cursor_point())
+        return bool(paths)
+
+    def add_module(self, key: str) -> None:
+        """Put a module of the library where the mouse was last."""
+        name, operation = new_node(
+            self._session.network, self._session.library, key, self._canvas.cursor_point()
+        )
+        if self._session.do(operation):
+            self._session.select([name])
+
+    def files(self, paths: list[str], point: tuple[float, float]) -> None:
+        """Open a network, or read pictures: each becomes a Read Image at the point."""
+        networks = [path for path in paths if is_network_file(Path(path))]
+        if networks:
+            self._files.open(networks[0])
+            return
+        steps: list[Operation] = []
+        names = []
+        network = self._session.network
+        for number, path in enumerate(paths):
+            at = (point[0] + number * _STEP, point[1] + number * _STEP)
+            name, adding = new_node(network, self._session.library, READ_IMAGE, at)
+            step = together((adding, SetParameter(name, "path", self._stored(Path(path)))))
+            network = step.apply(network)
+            steps.append(step)
+            names.append(name)
+        if steps and self._session.do(together(steps, f"Read {_named(paths)}")):
+            self._session.select(names)
+
+    def _stored(self, path: Path) -> str:
+        """Relative to the network's folder where it lies below it."""
+        folder = self._session.folder.absolute()
+        inside = path.is_relative_to(folder)
+        return (path.relative_to(folder) if inside else path).as_posix()
+
+
+def dropped_files(data: QMimeData) -> list[str]:
+    """Paths of the files of this machine that are dragged; none where other things are."""
+    return [url.toLocalFile() for url in data.urls() if url.isLocalFile()]
+
+
+def _named(paths: list[str]) -> str:
+    return Path(paths[0]).name if len(paths) == 1 else f"{len(paths)} files"

@@ -1,0 +1,212 @@
+"""New, open, save and close: nothing is lost without being asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QFileDialog, QWidget
+
+from app.editor.session import Session
+from app.editor.window.documents.opening import Opened, open_named
+from app.editor.window.documents.questions import Question, changed_file, save_changes
+from app.editor.window.documents.remembered_settings import Settings
+from core.editing.document import Document
+from core.editing.moved_folder import rebased
+from core.errors import ImagechainError
+from core.network.network import Network
+
+_FILTER = "Networks (*.json);;All files (*)"
+_ACCEPT = QFileDialog.AcceptMode
+Next = Callable[[], object]
+
+
+class Files(QObject):
+    """The document's way from and to files.
+
+    Dialogs open without stopping the window; what is to follow a question is a function that is
+    called once it is answered. Only questions block the window: Qt keeps a close that its manager
+    sends from a window that is blocked.
+
+    Signals
+    -------
+    opened
+        Another document is in the window.
+    about_to_save
+        What has been typed but not yet entered is to be taken now.
+    """
+
+    opened = Signal()
+    about_to_save = Signal()
+
+    def __init__(self, session: Session, settings: Settings, window: QWidget) -> None:
+        super().__init__(window)
+        self._session = session
+        self._settings = settings
+        self._window = window
+        self._next: Next | None = None
+        self._question: Question | None = None
+        self._dialog: QFileDialog | None = None
+
+    def new(self) -> None:
+        """Begin an empty network, after asking for unsaved work."""
+        self.after_asking(self._new)
+
+    def open_dialog(self) -> None:
+        """Ask for a file and open it."""
+        dialog = self._ask_for_file("Open a network", _ACCEPT.AcceptOpen)
+        dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
+        dialog.fileSelected.connect(self.open)
+        dialog.show()
+        dialog.activateWindow()
+
+    def open(self, text: str) -> None:
+        """Open a network by path or shipped name, after asking for unsaved work."""
+        self.after_asking(lambda: self.open_now(text))
+
+    def open_now(self, text: str) -> bool:
+        """Open a network in place of the present one; whether that worked."""
+        try:
+            found = open_named(text, library=self._session.library)
+        except ImagechainError as error:
+            self._session.told.emit("error", f"not opened: {error}")
+            return False
+        self.show(found)
+        return True
+
+    def show(self, found: Opened) -> None:
+        """Put an opened document in the window."""
+        self._drop_dialog()  # a name asked for is meant for the document that goes
+        if found.document.path is not None:
+            self._settings.add_recent(found.document.path)
+        self._session.open(found.document)
+        self.opened.emit()
+        if found.remark:
+            self._session.told.emit("note", found.remark)
+
+    def refuse(self, text: str) -> None:
+        """Say why something was not done."""
+        self._session.told.emit("error", text)
+
+    def save(self, following: Next | None = None) -> None:
+        """Save to the document's file, or ask for one; then go on, if it was saved."""
+        self.about_to_save.emit()
+        path = self._session.document.path
+        if path is None:
+            self.save_as(following)
+        else:
+            self.save_to(path, following)
+
+    def save_as(self, following: Next | None = None) -> None:
+        """Ask for a file and save to it; then go on, if it was saved."""
+        self.about_to_save.emit()
+        dialog = self._ask_for_file("Save the network", _ACCEPT.AcceptSave)
+        dialog.setDefaultSuffix("json")
+        dialog.selectFile(self._proposal())
+        dialog.fileSelected.connect(lambda text: self.save_to(Path(text), following))
+        dialog.show()
+        dialog.activateWindow()
+
+    def save_to(self, path: Path, following: Next | None = None, *, over: bool = False) -> None:
+        """Save, then go on; file names in the network keep pointing at the same files.
+
+        What somebody else has made of the document's own file is written over only if `over` says
+        so; else that is asked first.
+        """
+        document = self._session.document
+        if not over and document.is_own(path) and (done := document.disagreement()):
+            self._next = following
+            self._ask(changed_file(self._window, path.name, done))
+            return
+        moved = rebased(
+            document.network,
+            self._session.library,
+            document.folder.absolute(),
+            path.absolute().parent,
+        )
+        if moved is not None:
+            self._session.do(moved)
+        if not self._session.save(path, over=over):
+            if moved is not None:
+                self._session.undo()
+            return
+        self._settings.add_recent(path)
+        self._session.told.emit("note", f"saved {path}")
+        if following is not None:
+            following()
+
+    def has_unsaved_work(self) -> bool:
+        """Whether there is work that no file holds, what is being typed included."""
+        self.about_to_save.emit()
+        return self._session.document.modified
+
+    def after_asking(self, following: Next) -> None:
+        """Go on with `following`; where there is unsaved work, only once that is answered."""
+        if self.has_unsaved_work():
+            self.ask_to_save(following)
+        else:
+            following()
+
+    def ask_to_save(self, following: Next) -> None:
+        """Ask what to do with unsaved work, then go on. Of two that ask, the later one goes on."""
+        self._next = following
+        if self._question is None:
+            self._ask(save_changes(self._window, self._session.network.name))
+        else:
+            self._question.raise_()
+            self._question.activateWindow()
+
+    def _ask(self, question: Question) -> None:
+        self._question = question
+        question.finished.connect(self._answered)
+        question.open()
+
+    def _answered(self) -> None:
+        question, self._question = self._question, None
+        following, self._next = self._next, None
+        answer = question.answer if question is not None else "cancel"
+        path = self._session.document.path
+        if answer == "save":
+            self.save(following)
+        elif answer == "save_as":
+            self.save_as(following)
+        elif answer == "discard" and following is not None:
+            following()
+        elif answer == "overwrite" and path is not None:
+            self.save_to(path, following, over=True)
+        elif answer == "reload" and path is not None:
+            self.open_now(str(path))
+
+    def _new(self) -> None:
+        library = self._session.library
+        self.show(Opened(Document(Network(), library=library)))
+
+    def _proposal(self) -> str:
+        path = self._session.document.path
+        if path is not None:
+            return str(path)
+        name = self._session.network.name or "network"
+        kept = "".join(c if c.isalnum() or c in "-_" else "_" for c in name.lower())
+        return f"{kept}.json"
+
+    def _ask_for_file(self, title: str, mode: QFileDialog.AcceptMode) -> QFileDialog:
+        """A dialog to be filled and shown, in the place of the one that is open."""
+        self._drop_dialog()
+        path = self._session.document.path
+        dialog = QFileDialog(self._window, title, str(path.parent if path else Path.cwd()), _FILTER)
+        dialog.setObjectName("file_dialog")
+        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
+        dialog.setAcceptMode(mode)
+        dialog.finished.connect(lambda: self._forget(dialog))
+        dialog.finished.connect(dialog.deleteLater)
+        self._dialog = dialog
+        return dialog
+
+    def _drop_dialog(self) -> None:
+        if self._dialog is not None:
+            self._dialog.reject()
+
+    def _forget(self, dialog: QFileDialog) -> None:
+        if self._dialog is dialog:
+            self._dialog = None

@@ -1,0 +1,77 @@
+"""What to show of a network that has just been opened.
+
+A network that analyses something is there for its first analysis node that tells figures: the
+control panel of that node is opened, and its first curve plotted. Else no node is selected, and the
+chain's transfer functions are plotted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.run.output import ANALYSIS, find_output, source_images
+from core.chain.engine import Plan
+from core.chain.wires import Curve, Image, Table
+from core.errors import ImagechainError
+
+DIFFERENCE = "difference"  # the output of what a node's picture differs in from the usual
+
+
+@dataclass(frozen=True)
+class FirstLook:
+    """Ports and a node to look at.
+
+    Parameters
+    ----------
+    node : str or None
+        The node whose panel is opened.
+    curve : str or None
+        What is plotted; None for the chain's transfer functions.
+    pictures : tuple of str
+        What the image viewers show: as many as there are, up to two.
+    front : int
+        Number of the viewer in front.
+    """
+
+    node: str | None
+    curve: str | None
+    pictures: tuple[str, ...]
+    front: int = 1
+
+
+def first_look(plan: Plan) -> FirstLook:
+    """The telling node with its curve; the final picture, and beside it the input picture.
+
+    In front of the input picture's place comes the difference that the telling node makes, if it
+    makes one: it is what cannot be seen by comparing the two.
+    """
+    node = telling_node(plan)
+    outputs = plan.nodes[node].outputs if node is not None else {}
+    curves = [f"{node}.{name}" for name, value in outputs.items() if isinstance(value, Curve)]
+    pictures = first_ports(plan)
+    if pictures and isinstance(outputs.get(DIFFERENCE), Image):
+        return FirstLook(node, (*curves, None)[0], (pictures[0], f"{node}.{DIFFERENCE}"), 2)
+    return FirstLook(node, (*curves, None)[0], pictures)
+
+
+def telling_node(plan: Plan) -> str | None:
+    """The first analysis node, in the network's order, that has a table of figures; None for none.
+
+    Slices of transfer functions have none: the curves of the chain tell the same.
+    """
+    for name, planned in plan.nodes.items():
+        if planned.module is None or planned.declaration.group != ANALYSIS:
+            continue
+        if any(isinstance(value, Table) for value in planned.outputs.values()):
+            return name
+    return None
+
+
+def first_ports(plan: Plan) -> tuple[str, ...]:
+    """The final picture and the input picture it is to be compared with; as many as there are."""
+    try:
+        final = find_output(plan).port
+    except ImagechainError:
+        final = None
+    sources = [port for port in source_images(plan) if port != final]
+    return tuple(port for port in (final, *sources[:1]) if port is not None)

@@ -1,0 +1,83 @@
+"""Turning a file into a document that can be worked on, without Qt."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.run.shipped import find_network, shipped_networks
+from core.editing.document import Document
+from core.editing.stored_file import mark
+from core.errors import ParameterError
+from core.modules.library_type import Library
+from core.network.file import parse_network, read_text
+from core.network.validation import NetworkProblems, problems
+
+NETWORK_SUFFIX = ".json"
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A document read from a file, and what there is to say of it."""
+
+    document: Document
+    remark: str = ""
+
+
+def open_network_file(path: Path, *, library: Library) -> Opened:
+    """Read a network to work on.
+
+    Unknown modules stay as placeholders and values that are not allowed stay on their nodes, to be
+    mended there. Faults of the wiring, which no canvas could show, are refused.
+
+    Raises
+    ------
+    FileError, NetworkError
+        With one line that says what is wrong.
+    """
+    text = read_text(path)
+    network = parse_network(text, library=library, name_of_source=str(path))
+    found = problems(network, library=library, keep_unknown=True, unfinished=True)
+    wiring = [problem for problem in found if not isinstance(problem, ParameterError)]
+    if wiring:
+        raise NetworkProblems(wiring)
+    document = Document(network, library=library, path=path, stored=mark(text.encode()))
+    unknown = [node.module for node in network.nodes.values() if node.module not in library]
+    remarks = []
+    if unknown:
+        names = ", ".join(dict.fromkeys(unknown[:4])) + (" …" if len(unknown) > 4 else "")
+        remarks.append(f"{_count(len(unknown), 'unknown module')} kept as they are: {names}")
+    if found:
+        remarks.append(f"{_count(len(found), 'value')} not allowed: see the marked nodes")
+    return Opened(document, "; ".join(remarks))
+
+
+def open_named(text: str, *, library: Library) -> Opened:
+    """A network by its path, or by its name where it is a shipped one.
+
+    A shipped one opens as a copy without a path: saving asks for a place.
+
+    Raises
+    ------
+    FileError, NetworkError
+        With one line that says what is wrong.
+    """
+    place = find_network(text)
+    opened = open_network_file(place.path.absolute(), library=library)
+    if place.path in shipped_networks().values():
+        return Opened(shipped_copy(opened.document), opened.remark)
+    return opened
+
+
+def shipped_copy(document: Document) -> Document:
+    """A shipped network as a new document; its own file is not to be written over."""
+    return Document(document.network, library=document.library)
+
+
+def is_network_file(path: Path) -> bool:
+    """Whether a dropped file is opened as a network, and not read as a picture."""
+    return path.suffix.lower() == NETWORK_SUFFIX
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

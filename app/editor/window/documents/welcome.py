@@ -1,0 +1,203 @@
+"""The first page: shipped networks with a picture each, recent files, work to recover."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QIcon, QPixmap
+from PySide6.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from app.editor.recovery.recovery_files import Recovered
+from app.run.shipped import shipped_networks
+from core.errors import ImagechainError
+from core.modules.library_type import Library
+from core.network.file import read_network
+
+COLUMNS = 3
+
+
+class WelcomePage(QScrollArea):
+    """Where to begin.
+
+    Signals
+    -------
+    chosen(text)
+        Open this path or shipped network.
+    new_wanted, open_wanted
+        Begin an empty network; ask for a file.
+    recovered(work), discarded(work)
+        What to do with work that a crash left behind: a `Recovered`.
+    """
+
+    chosen = Signal(str)
+    new_wanted = Signal()
+    open_wanted = Signal()
+    recovered = Signal(object)
+    discarded = Signal(object)
+
+    def __init__(self, library: Library, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("welcome")
+        self.setAccessibleName("Welcome page")
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self._library = library
+        self._lists = QVBoxLayout()
+        page = QWidget()
+        whole = QHBoxLayout(page)
+        whole.setContentsMargins(24, 18, 24, 18)
+        whole.setSpacing(28)
+        left = QVBoxLayout()
+        left.addWidget(_heading("Imagechain", 1.9))
+        left.addWidget(_faint("Simulate electro-optical and infrared sensors, stage by stage."))
+        left.addWidget(self._buttons())
+        left.addLayout(self._lists)
+        left.addStretch()
+        whole.addLayout(left, 1)
+        right = QVBoxLayout()
+        right.addWidget(_heading("Networks to begin with", 1.25))
+        right.addWidget(self._shipped())
+        right.addStretch()
+        whole.addLayout(right, 2)
+        self.setWidget(page)
+
+    def show_lists(self, recent: Sequence[Path], recovered: Sequence[Recovered]) -> None:
+        """Say which files were opened lately, and what work can be recovered."""
+        _clear(self._lists)
+        if recovered:
+            self._lists.addWidget(_heading("Recovered work", 1.25))
+            for work in recovered:
+                self._lists.addWidget(self._recovered_row(work))
+        if recent:
+            self._lists.addWidget(_heading("Recent files", 1.25))
+            for path in recent:
+                self._lists.addWidget(self._recent_row(path))
+
+    def _buttons(self) -> QWidget:
+        row = QWidget()
+        layout = QHBoxLayout(row)
+        layout.setContentsMargins(0, 8, 0, 8)
+        for text, name, signal in (
+            ("New network", "welcome.new", self.new_wanted),
+            ("Open…", "welcome.open", self.open_wanted),
+        ):
+            button = QPushButton(text)
+            button.setObjectName(name)
+            button.clicked.connect(signal)
+            layout.addWidget(button)
+        layout.addStretch()
+        return row
+
+    def _shipped(self) -> QWidget:
+        cards = QWidget()
+        grid = QGridLayout(cards)
+        grid.setContentsMargins(0, 6, 0, 0)
+        grid.setSpacing(12)
+        for number, (name, path) in enumerate(shipped_networks().items()):
+            grid.addWidget(self._card(name, path), number // COLUMNS, number % COLUMNS)
+        return cards
+
+    def _card(self, name: str, path: Path) -> QToolButton:
+        title, about = name, ""
+        try:
+            network = read_network(path, library=self._library)
+        except ImagechainError as error:
+            about = str(error)
+        else:
+            title, about = network.name or name, network.description
+        card = QToolButton()
+        card.setObjectName(f"welcome.{name}")
+        card.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        card.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        unit = self.fontMetrics().height()
+        card.setIconSize(QSize(14 * unit, 9 * unit))
+        picture = thumbnail_path(path)
+        if picture.is_file():
+            card.setIcon(QIcon(QPixmap(str(picture))))
+        card.setText(title)
+        card.setToolTip(about)
+        card.setAccessibleName(title)
+        card.setAccessibleDescription(about)
+        card.clicked.connect(partial(self.chosen.emit, name))
+        return card
+
+    def _recent_row(self, path: Path) -> QPushButton:
+        row = QPushButton(f"{path.stem}\n{_short(path.parent)}")
+        row.setObjectName(f"welcome.recent.{path.name}")
+        row.setFlat(True)
+        row.setStyleSheet("text-align: left; padding: 4px;")
+        row.setToolTip(str(path))
+        row.setAccessibleName(f"Open {path}")
+        row.clicked.connect(partial(self.chosen.emit, str(path)))
+        return row
+
+    def _recovered_row(self, work: Recovered) -> QWidget:
+        row = QWidget()
+        layout = QHBoxLayout(row)
+        layout.setContentsMargins(0, 0, 0, 0)
+        name = work.original.name if work.original is not None else "never saved"
+        when = datetime.fromtimestamp(work.time).strftime("%Y-%m-%d %H:%M")
+        about = QLabel(f"{name}, {when}" + (f": {work.problem}" if work.problem else ""))
+        about.setWordWrap(True)
+        layout.addWidget(about, 1)
+        choices = [("Discard", "discard", self.discarded)]
+        if not work.problem:
+            choices.insert(0, ("Recover", "recover", self.recovered))
+        for text, key, signal in choices:
+            button = QPushButton(text)
+            button.setObjectName(f"welcome.{key}")
+            button.setAccessibleName(f"{text} {name} of {when}")
+            button.clicked.connect(partial(signal.emit, work))
+            layout.addWidget(button)
+        return row
+
+
+def thumbnail_path(network: Path) -> Path:
+    """Where the picture of a shipped network lies."""
+    return network.parent / "pictures" / f"thumbnail_{network.stem}.png"
+
+
+def _heading(text: str, size: float) -> QLabel:
+    label = QLabel(text)
+    font = label.font()
+    font.setPointSizeF(font.pointSizeF() * size)
+    font.setBold(True)
+    label.setFont(font)
+    return label
+
+
+def _faint(text: str) -> QLabel:
+    label = QLabel(text)
+    label.setWordWrap(True)
+    label.setEnabled(False)
+    return label
+
+
+def _short(path: Path) -> str:
+    home = Path.home()
+    text = str(path)
+    if path.is_relative_to(home):
+        text = f"~/{path.relative_to(home)}"
+    return text if len(text) <= 44 else f"…{text[-43:]}"
+
+
+def _clear(layout: QVBoxLayout) -> None:
+    while (item := layout.takeAt(0)) is not None:
+        widget = item.widget()
+        if widget is not None:
+            widget.deleteLater()

@@ -1,0 +1,110 @@
+"""From the command line to the window."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from types import TracebackType
+
+from PySide6.QtCore import QTimer, qInstallMessageHandler
+from PySide6.QtWidgets import QApplication
+
+from app.editor.theme import THEMES
+from app.editor.window.documents.remembered_settings import Settings, recovery_folder
+from app.editor.window.main_window import MainWindow
+from app.editor.window.screenshot import Shot, take
+from app.options.command_options import Options
+from app.options.terminal_streams import tell
+from core.errors import FileError, ImagechainError
+from nodes.library import standard_library
+
+_WAKE_MS = 200  # a signal is seen by Python only while Python runs
+
+
+def application() -> QApplication:
+    """The one QApplication, in our style."""
+    app = QApplication.instance()
+    if not isinstance(app, QApplication):
+        app = QApplication(["imagechain"])
+    app.setApplicationName("imagechain")
+    app.setApplicationDisplayName("Imagechain")
+    app.setStyle("Fusion")
+    return app
+
+
+def start(options: Options, told_to_stop: threading.Event) -> None:
+    """Open the window and stay until it is closed, or draw it to a file.
+
+    Told by a signal to end it asks nothing: unsaved work is kept to be recovered.
+
+    Raises
+    ------
+    ImagechainError
+        If a screenshot cannot be made, or unsaved work cannot be kept.
+    """
+    app = application()
+    qInstallMessageHandler(_quiet)
+    if options.screenshot is not None:
+        size, look = options.window_size or (1600, 900), options.look or "dark"
+        shot = Shot(options.screenshot, size, look, options.part)
+        take(app, options.network, shot)
+        return
+    _only_note(told_to_stop)
+    window = MainWindow(library=standard_library(), settings=Settings(), recovery=recovery_folder())
+    if options.look is not None:
+        window.set_theme(THEMES[options.look])
+    if options.window_size is not None:
+        window.resize(*options.window_size)
+    if options.network:
+        window.files.open_now(options.network)
+    sys.excepthook = _Reporter(window)
+    app.commitDataRequest.connect(lambda _manager: window.autosaver.write())
+    ending = _Ending(window, told_to_stop)
+    wake = QTimer()
+    wake.timeout.connect(ending)
+    wake.start(_WAKE_MS)
+    window.show()
+    app.exec()
+    if ending.problem is not None:
+        told_to_stop.clear()  # it was obeyed: what is to be said is this
+        raise FileError(f"unsaved work is lost: {ending.problem}") from ending.problem
+
+
+class _Ending:
+    """Lets Python see signals, and closes the window when one asks to; work is kept."""
+
+    def __init__(self, window: MainWindow, told_to_stop: threading.Event) -> None:
+        self.problem: ImagechainError | None = None
+        self._window = window
+        self._told = told_to_stop
+
+    def __call__(self) -> None:
+        if self._told.is_set():
+            self.problem = self._window.stop() or self.problem
+
+
+def _only_note(told_to_stop: threading.Event) -> None:
+    """Let a signal to end be no more than noted: an exception in a slot would reach nobody."""
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # Windows has no SIGHUP
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, lambda *_: told_to_stop.set())
+
+
+class _Reporter:
+    """A fault of ours in a slot becomes one line; the window goes on."""
+
+    def __init__(self, window: MainWindow) -> None:
+        self._window = window
+
+    def __call__(
+        self, kind: type[BaseException], error: BaseException, _trace: TracebackType | None
+    ) -> None:
+        line = f"internal error: {kind.__name__}: {' '.join(str(error).split())}"
+        tell(f"imagechain: {line}")
+        self._window.session.told.emit("error", line)
+
+
+def _quiet(*_: object) -> None:
+    """Qt's own remarks are for its developers."""

@@ -1,0 +1,196 @@
+"""The words of each command, with their help."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from app.options.option_values import OUTPUT_SUFFIXES, SAVE_SUFFIXES
+
+BENCH_PARTS = ("speed", "precision", "peers", "editor")
+SCREENSHOT_PARTS = ("window", "canvas", "panel", "curves", "picture")
+
+
+class Once(argparse.Action):
+    """An option that may be given once."""
+
+    # Kept on the namespace, not here: a parser may be used again.
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        """Keep the value, or refuse a second one."""
+        given: set[str] = namespace.__dict__.setdefault("given", set())
+        if self.dest in given:
+            parser.error(f"{option_string} is given more than once")
+        given.add(self.dest)
+        setattr(namespace, self.dest, values)
+
+
+def network_words(parser: argparse.ArgumentParser) -> None:
+    """The network and its changes."""
+    parser.add_argument("network", metavar="NETWORK", help="a file, or the name of a shipped one")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NODE.PARAM=VALUE",
+        help="change a parameter for this once; null empties it; may be repeated",
+    )
+    parser.add_argument(
+        "--final",
+        action=Once,
+        metavar="NODE.PORT",
+        help="the picture that is the network's output, in place of the one marked in the file",
+    )
+
+
+def place_words(parser: argparse.ArgumentParser) -> None:
+    """Where a run writes, and where its network may."""
+    parser.add_argument(
+        "--output-dir",
+        action=Once,
+        metavar="DIR",
+        help="where final.png, mtf.csv and readouts.json go (default ./NAME-output)",
+    )
+    parser.add_argument(
+        "--allow-writes-to",
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="let nodes of the network write any file below DIR; without it, only in the network's "
+        "folder and the output folder, and over no file that this network has not written; may be "
+        "repeated",
+    )
+
+
+def edit_words(parser: argparse.ArgumentParser) -> None:
+    """``imagechain edit``."""
+    add: Any = parser.add_argument
+    add("network", metavar="NETWORK", nargs="?", help="a file, or the name of a shipped one")
+    add(
+        "--screenshot",
+        action=Once,
+        metavar="FILE",
+        help="draw the window, without a display, to a .png and end",
+    )
+    add(
+        "--part",
+        action=Once,
+        choices=SCREENSHOT_PARTS,
+        default="window",
+        help="window (default), canvas, panel, curves, or the first viewer's picture within --size",
+    )
+    add("--size", action=Once, metavar="WxH", help="of the window (default: 1600x900)")
+    add("--look", action=Once, choices=("dark", "light"), help="colours (default: as last time)")
+
+
+def run_words(parser: argparse.ArgumentParser) -> None:
+    """``imagechain run``."""
+    network_words(parser)
+    add: Any = parser.add_argument
+    add(
+        "--save",
+        action="append",
+        default=[],
+        metavar="NODE.PORT=FILE",
+        help=f"write what a port gives, as {' '.join(SAVE_SUFFIXES)}; NODE.PORT[TOP:BOTTOM,"
+        "LEFT:RIGHT]=FILE writes those rows and columns of an image, counted from 0, the ends "
+        "exclusive, a bound left out being the image's; may be repeated",
+    )
+    add(
+        "--frames",
+        action=Once,
+        metavar="N",
+        help="of each image saved (.npy: frames, rows, columns) N frames, each with temporal "
+        "noise of its own; the first is the picture",
+    )
+    place_words(parser)
+    add(
+        "--report",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="write a report, .html or .json; may be repeated",
+    )
+    _numerical_words(parser)
+
+
+def tradeoff_words(parser: argparse.ArgumentParser) -> None:
+    """``imagechain tradeoff``."""
+    network_words(parser)
+    add: Any = parser.add_argument
+    add(
+        "--vary",
+        action="append",
+        default=[],
+        required=True,
+        metavar="NODE.PARAM=VALUES",
+        help="what moves: FROM:TO:COUNT, FROM:TO:COUNT:log (equal factors), or values a,b,c; given "
+        "twice, each value of the second makes a curve",
+    )
+    add(
+        "--figure",
+        action="append",
+        default=[],
+        metavar="NODE.READOUT",
+        help="a figure of merit to tell: a read-out of a node, or the chain's MTF as "
+        "total.mtf_nyquist_x, total.mtf_half_nyquist_x (and _y); may be repeated (default: figures "
+        "of the electronics and the chain's MTF, as far as they change)",
+    )
+    add(
+        "--output",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help=f"write the figures, as {' '.join(OUTPUT_SUFFIXES)}; may be repeated",
+    )
+    _numerical_words(parser)
+
+
+def _numerical_words(parser: argparse.ArgumentParser) -> None:
+    add: Any = parser.add_argument
+    add(
+        "--precision",
+        action=Once,
+        choices=("single", "double"),
+        default="single",
+        help="default: single",
+    )
+    add(
+        "--tolerance",
+        action=Once,
+        metavar="T",
+        help="error budget: leave out stages that together change the picture by less than this "
+        "fraction of its range, 0 to below 1 (default: below the precision's rounding; 0: only "
+        "what changes nothing at all)",
+    )
+    add("--seed", action=Once, metavar="N", help="of the noise, in place of the network's")
+    add("--threads", action=Once, metavar="N", help="worker threads (default: all)")
+
+
+def bench_words(parser: argparse.ArgumentParser) -> None:
+    """``imagechain bench``."""
+    add: Any = parser.add_argument
+    add("--json", metavar="FILE", help="write every figure, for programs")
+    add("--html", metavar="FILE", help="write a page with tables and pictures")
+    add(
+        "--markdown",
+        metavar="FILE",
+        help="write the tables of speed and peers, in a file that is there between its lines "
+        "<!-- bench table --> and <!-- end of bench table -->",
+    )
+    add("--pictures", metavar="DIR", help="write each picture as bench_NAME.png")
+    add("--quick", action="store_true", help="fewer repetitions and sizes")
+    add(
+        "--only",
+        action="append",
+        default=[],
+        choices=BENCH_PARTS,
+        metavar="PART",
+        help="measure this part: " + ", ".join(BENCH_PARTS),
+    )
+    add("--size", metavar="N", help="samples along a side of the picture (default: 1024)")

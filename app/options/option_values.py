@@ -1,0 +1,164 @@
+"""Values of the command line's options, read from text; a wrong one is a `UsageError`."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from core.errors import UsageError
+
+if TYPE_CHECKING:
+    from core.evaluation.region import Region
+
+REPORT_SUFFIXES = (".json", ".html")
+OUTPUT_SUFFIXES = (".csv", ".json", ".png", ".html")
+SAVE_SUFFIXES = (".npy", ".exr", ".tif", ".tiff", ".png", ".csv")
+_LONGEST_NUMBER = 20
+_BOUNDS = re.compile(r"([0-9]{0,18}):([0-9]{0,18}),([0-9]{0,18}):([0-9]{0,18})", re.ASCII)
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """``NODE.NAME=TEXT``: a parameter and its value, or a port and its file."""
+
+    node: str
+    name: str
+    text: str
+
+    @property
+    def port(self) -> str:
+        """``NODE.NAME``."""
+        return f"{self.node}.{self.name}"
+
+
+def assignment(option: str, text: str, form: str) -> Assignment:
+    """The parts of ``NODE.NAME=TEXT``."""
+    left, equals, right = text.partition("=")
+    node, dot, name = left.rpartition(".")
+    if not (equals and dot and node and name):
+        raise UsageError(f"{option} {text!r:.120}: write {form}")
+    return Assignment(node, name, right)
+
+
+@dataclass(frozen=True)
+class Save(Assignment):
+    """A port and the file it is saved to; `bounds` are ``TOP:BOTTOM,LEFT:RIGHT`` or nothing."""
+
+    bounds: str = ""
+
+    @property
+    def shown(self) -> str:
+        """The option as it was given."""
+        bounds = f"[{self.bounds}]" if self.bounds else ""
+        return f"--save {self.port}{bounds}={self.text}"
+
+    def region(self, rows: int, columns: int) -> Region | None:
+        """The samples wanted of a picture of that size; None for all of them.
+
+        Raises
+        ------
+        UsageError
+            If there are none, or they go beyond the picture.
+        """
+        ends = _BOUNDS.fullmatch(self.bounds)
+        if ends is None:
+            return None
+        top, left = int(ends[1] or 0), int(ends[3] or 0)
+        bottom, right = int(ends[2] or rows), int(ends[4] or columns)
+        if bottom > rows or right > columns:
+            raise UsageError(f"{self.shown}: the picture has {rows} rows and {columns} columns")
+        if bottom <= top or right <= left:
+            raise UsageError(f"{self.shown}: rows {top}:{bottom}, columns {left}:{right} are empty")
+        from core.evaluation.region import Region  # not for every command: it takes numpy to load
+
+        return Region(top, left, bottom - top, right - left)
+
+
+def save_target(text: str) -> Save:
+    """A port, perhaps a region of it, and the file it is saved to."""
+    port, _, file = text.partition("=")
+    bounds = ""
+    if "[" in port.rpartition(".")[2] or port.endswith("]"):
+        port, _, bounds = port.rpartition("[")
+        bounds, bracket, rest = bounds.partition("]")
+        if not (_BOUNDS.fullmatch(bounds) and bracket and not rest and "." in port):
+            form = "NODE.PORT[TOP:BOTTOM,LEFT:RIGHT]=FILE, each bound a whole number or left out"
+            raise UsageError(f"--save {text!r:.120}: write {form}")
+        text = f"{port}={file}"
+    save = assignment("--save", text, "NODE.PORT=FILE")
+    _with_suffix("--save", save.text, SAVE_SUFFIXES)
+    return Save(save.node, save.name, save.text, bounds)
+
+
+def report_path(text: str) -> Path:
+    """The file of a report."""
+    return _with_suffix("--report", text, REPORT_SUFFIXES)
+
+
+def output_path(text: str) -> Path:
+    """The file of a trade-off."""
+    return _with_suffix("--output", text, OUTPUT_SUFFIXES)
+
+
+def _with_suffix(option: str, text: str, allowed: tuple[str, ...]) -> Path:
+    path = file_path(option, text)
+    assert path is not None
+    if path.suffix.lower() not in allowed:
+        raise UsageError(f"{option} {text!r:.120}: the file's name must end in {_or(allowed)}")
+    return path
+
+
+def file_path(option: str, text: str | None) -> Path | None:
+    """A file or folder, None if not given."""
+    if text is None:
+        return None
+    if not text or "\0" in text:
+        raise UsageError(f"{option} {text!r:.120}: give a file name")
+    return Path(text)
+
+
+def whole_number(option: str, text: str | None, largest: int | None = None) -> int | None:
+    """A whole number, None if not given; `largest` is for the message, its user checks it."""
+    if text is None:
+        return None
+    if not re.fullmatch(r"[+-]?[0-9]+", text, re.ASCII) or len(text) > _LONGEST_NUMBER:
+        allowed = "" if largest is None else f" from 0 to {largest}"
+        raise UsageError(f"{option} {text!r:.80}: give a whole number{allowed}")
+    return int(text)
+
+
+def tolerance(text: str | None) -> float | None:
+    """The error budget, None if not given."""
+    if text is None:
+        return None
+    number = float(text) if _NUMBER.fullmatch(text) else math.nan
+    if not 0 <= number < 1:
+        raise UsageError(f"--tolerance {text!r:.80}: give a number from 0 to below 1")
+    return number
+
+
+def _or(words: tuple[str, ...]) -> str:
+    return ", ".join(words[:-1]) + " or " + words[-1]
+
+
+def window_size(option: str, text: str | None) -> tuple[int, int] | None:
+    """Width and height of a window from ``WxH``.
+
+    Raises
+    ------
+    UsageError
+        If it is not that, or no window has it.
+    """
+    if text is None:
+        return None
+    allowed = "must be WIDTHxHEIGHT, whole numbers from 320 to 16384"
+    width, cross, height = text.lower().partition("x")
+    if not cross or not all(part.isascii() and part.isdigit() for part in (width, height)):
+        raise UsageError(f"{option} {text:.80}: {allowed}")
+    if any(len(part) > 5 or not 320 <= int(part) <= 16384 for part in (width, height)):
+        raise UsageError(f"{option} {text:.80}: {allowed}")
+    return int(width), int(height)

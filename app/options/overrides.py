@@ -1,0 +1,124 @@
+"""Changes that the command line makes to a network before it is checked."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import re
+from collections.abc import Iterable
+from typing import Any
+
+from app.options.option_values import Assignment
+from core.errors import ImagechainError, ParameterError, UsageError
+from core.modules.declaration import declaration
+from core.modules.library_type import Library
+from core.modules.parameters import Parameter, plain
+from core.names import close, shown
+from core.network.network import Network, with_marks
+
+# JSON takes neither a sign +, nor a number without digits before or after the point.
+_NUMBER = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)([eE][+-]?[0-9]+)?", re.ASCII)
+
+
+def with_settings(network: Network, settings: Iterable[Assignment], *, library: Library) -> Network:
+    """The network with every ``--set`` carried out; of two for one parameter the last holds.
+
+    A value is taken as JSON where it is JSON that fits the parameter, else as a number as people
+    write it (``.5``, ``+3``), else as text.
+
+    Raises
+    ------
+    UsageError, ParameterError
+        For an unknown node or parameter, or a value that does not fit.
+    """
+    for setting in settings:
+        parameter = named_parameter("--set", setting, network, library=library)
+        if parameter is None:  # for the check of the whole network to say
+            continue
+        value = _fitting(parameter, setting)
+        network = network.with_parameter(setting.node, setting.name, plain(value))
+    return network
+
+
+def with_final(network: Network, port: str, *, library: Library) -> Network:
+    """The network with a picture marked as its output, and no other.
+
+    Raises
+    ------
+    UsageError
+        If there is no such port, or it has no picture.
+    """
+    name, _, output = port.rpartition(".")
+    node = network.nodes.get(name)
+    if node is None:
+        known = close(name, network.nodes) or listed(network.nodes)
+        raise UsageError(f"--final {port:.120}: there is no node {shown(name)}{known}")
+    module = library.get(node.module)
+    if module is not None:
+        pictures = [each.name for each in declaration(module).outputs if "image" in each.types]
+        if output not in pictures:
+            known = close(output, pictures) or f"; its pictures: {', '.join(pictures) or 'none'}"
+            raise UsageError(f"--final {port:.120}: {name} has no picture {shown(output)}{known}")
+    return with_marks(network, (), {**network.extra, "final": port})
+
+
+def named_parameter(
+    option: str, setting: Assignment, network: Network, *, library: Library
+) -> Parameter | None:
+    """The parameter that an option names; None where the node's module is unknown.
+
+    Raises
+    ------
+    UsageError
+        If there is no such node or parameter.
+    """
+    node = network.nodes.get(setting.node)
+    if node is None:
+        known = close(setting.node, network.nodes) or listed(network.nodes)
+        raise UsageError(f"{option} {setting.port}: there is no node {shown(setting.node)}{known}")
+    module = library.get(node.module)
+    if module is None:
+        return None
+    declared = declaration(module)
+    parameter = declared.parameter(setting.name)
+    if parameter is None:
+        names = [each.name for each in declared.parameters]
+        known = close(setting.name, names) or listed(names)
+        raise UsageError(
+            f"{option} {setting.port}: {declared.title} has no parameter "
+            f"{shown(setting.name)}{known}"
+        )
+    return parameter
+
+
+def readings(text: str) -> list[Any]:
+    """What a text may mean, the likeliest first: JSON or a number, else itself."""
+    found: list[Any] = [text]
+    with contextlib.suppress(ValueError, RecursionError):  # no JSON, so a text
+        found.insert(0, _read(text))
+    return found
+
+
+def _fitting(parameter: Parameter, setting: Assignment) -> Any:
+    first: ImagechainError | None = None
+    for reading in readings(setting.text):
+        try:
+            return parameter.coerce(reading)
+        except ParameterError as error:
+            first = first or error.at(setting.node)
+    assert first is not None
+    raise first
+
+
+def _read(text: str) -> Any:
+    number = _NUMBER.fullmatch(text)
+    if number and (number[2] or number[4]):
+        sign, whole, point, rest, power = (part or "" for part in number.groups())
+        fraction = f".{rest or '0'}" if point else ""
+        text = f"{'-' if sign == '-' else ''}{whole.lstrip('0') or '0'}{fraction}{power}"
+    return json.loads(text)
+
+
+def listed(names: Iterable[str]) -> str:
+    """All there are, to end an error with."""
+    return f"; it has {', '.join(names) or 'none'}"

@@ -1,0 +1,1 @@
+"""Where a network may write and which computers it may read from."""

@@ -1,0 +1,204 @@
+"""Where a network may write: it may come from anybody, and names its files itself."""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from app.options.command_options import Options
+from app.permission.write_record import (
+    Print,
+    WriteRecord,
+    changing,
+    fingerprint,
+    read_record,
+    write_record,
+)
+from app.run.shipped import Place
+from app.run.staging import Staging, real_target
+from core.errors import FileError, ImagechainError, UsageError
+from core.names import shown
+
+OPTION = "--allow-writes-to"
+
+
+@dataclass(frozen=True)
+class WriteRules:
+    """What the nodes of one network may write.
+
+    A file in the network's folder or the output folder, links resolved, unless one is there that
+    this network has not written. Allowed in any case are files below the folders of
+    ``--allow-writes-to``, those whose name was given by ``--set``, and those that the user has
+    chosen in a dialog of the editor.
+
+    Parameters
+    ----------
+    folders, allowed : tuple of Path
+        Where it may make files, and where it may replace any; links resolved.
+    given : frozenset of str
+        Nodes whose file the user has named on the command line.
+    record : WriteRecord
+        What it has written before.
+    """
+
+    folders: tuple[Path, ...]
+    allowed: tuple[Path, ...]
+    given: frozenset[str]
+    record: WriteRecord
+
+    def check(self, node: str, target: Path) -> None:
+        """Refuse a file that the network may not write.
+
+        Raises
+        ------
+        FileError
+            Naming node, file, and what lifts the rule.
+        """
+        real = Path(os.path.realpath(target))
+        # A node may add the suffix of its format to the name that was chosen.
+        chosen = {real, real.parent / real.stem} & self.record.chosen
+        if node in self.given or chosen:
+            return
+        if any(_within(real, folder) for folder in self.allowed):
+            return
+        lift = f"{OPTION} {shlex.quote(str(real.parent))} allows it"
+        leads = f" (a link to {real})" if target.is_symlink() else ""
+        if not any(_within(real, folder) for folder in self.folders):
+            why = "it lies outside the network's folder and the output folder"
+        elif os.path.lexists(real) and not self._has_written(real):
+            why = "the file that is there was not written by this network, or has changed since"
+        else:
+            return
+        raise FileError(f"cannot write {target}{leads}: {why}; {lift}", node=node or None)
+
+    def check_own(self, target: Path) -> None:
+        """Refuse one of the run's own files where it is a link to what a node may not write.
+
+        Raises
+        ------
+        FileError
+            As of `check`.
+        """
+        if target.is_symlink():
+            self.check("", target)
+
+    def refused(
+        self, sinks: Mapping[str, Path], own: Sequence[Path]
+    ) -> tuple[ImagechainError, ...]:
+        """Why each of these files may not be written: by the rules, or as another one is."""
+        checks = [partial(self.check, node, target) for node, target in sinks.items()]
+        checks += [partial(self.check_own, target) for target in own]
+        found: list[ImagechainError] = []
+        for check in checks:
+            try:
+                check()
+            except FileError as error:
+                found.append(error)
+        return (*found, *_twice(sinks, own))
+
+    def commit(self, staging: Staging) -> str:
+        """Put the files in place, and remember those that nodes have written.
+
+        They are remembered before, too: a process that is killed meanwhile leaves files that are
+        known, whether they are the old ones or the new ones.
+
+        Returns
+        -------
+        str
+            Why they could not be remembered; empty where they were.
+
+        Raises
+        ------
+        FileError
+            Of the file that could not be written; none has been.
+        """
+        try:
+            new = {target: fingerprint(file) for target, file in staging.guarded()}
+        except OSError as error:
+            raise FileError(f"cannot read {error.filename}: {error.strerror or error}") from error
+        with changing(self.record.network):
+            before = self._known().written
+            both = {target: (*before.get(target, ()), each) for target, each in new.items()}
+            problem = self._remember(both)
+            staging.commit()
+            return problem or self._remember({target: (each,) for target, each in new.items()})
+
+    def _known(self) -> WriteRecord:
+        """The record as it is now: another run, or the editor, may have added to it."""
+        return read_record(self.record.network)
+
+    def _has_written(self, real: Path) -> bool:
+        return self.record.holds(real) or self._known().holds(real)
+
+    def _remember(self, new: Mapping[Path, tuple[Print, ...]]) -> str:
+        if not new:
+            return ""
+        known = self._known()
+        kept = {file: each for file, each in known.written.items() if os.path.lexists(file)}
+        try:
+            write_record(replace(known, written={**kept, **new}))
+        except FileError as error:
+            return error.message
+        return ""
+
+
+def write_rules(options: Options, place: Place, output: Path) -> WriteRules:
+    """The rules of a run.
+
+    Raises
+    ------
+    UsageError
+        If a folder to be allowed is none.
+    FileError
+        If the output folder nobody named is a link, as one that came along with the network, or
+        lies in a current folder that has been removed.
+    """
+    for folder in options.allowed:
+        if not folder.is_dir():
+            raise UsageError(f"{OPTION} {shown(str(folder))}: there is no such folder")
+    allowed = tuple(Path(os.path.realpath(folder)) for folder in options.allowed)
+    real = real_target(output)
+    if options.output_dir is None and output.is_symlink():
+        hint = f"--output-dir {shlex.quote(str(output))} allows it"
+        raise FileError(f"cannot write to {output}: it is a link to {real}; {hint}")
+    return WriteRules(
+        folders=(*_own_folder(place), real),
+        allowed=allowed,
+        given=frozenset(each.node for each in options.settings if each.name == "path"),
+        record=read_record(place.path),
+    )
+
+
+def _twice(sinks: Mapping[str, Path], own: Iterable[Path]) -> Iterator[FileError]:
+    """Files of nodes that are to go where another one goes."""
+    taken = {os.path.realpath(target) for target in own}
+    for node, target in sinks.items():
+        real = os.path.realpath(target)
+        if real in taken:
+            yield FileError(f"cannot write: two outputs are to go to {target}", node=node)
+        taken.add(real)
+
+
+def _own_folder(place: Place) -> tuple[Path, ...]:
+    """The network's folder; none where the network came on standard input."""
+    folder = Path(os.path.realpath(place.folder))
+    given = folder == Path("/dev") or folder.is_relative_to("/proc")
+    return () if given else (folder,)
+
+
+def _within(path: Path, folder: Path) -> bool:
+    """Whether a path lies below a folder, also where the system takes A for a."""
+    if path.is_relative_to(folder):
+        return True
+    return any(_same(above, folder) for above in path.parents)
+
+
+def _same(one: Path, other: Path) -> bool:
+    try:
+        return one.samefile(other)
+    except OSError:
+        return False

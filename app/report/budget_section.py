@@ -1,0 +1,188 @@
+"""The budget of noise and blur: which stage contributes how much, as bars and as tables."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Any
+
+from app.report.drawing.picture_drawing import COLOURS, figure, strongest
+from app.report.drawing.printed_numbers import number
+from app.report.markup import figure as shown
+from app.report.markup import of_many, table
+from nodes.analysis.noise.budget_tables import source_words
+
+Fact = dict[str, Any]
+_ACROSS, _ALONG = COLOURS[0], COLOURS[1]
+_KINDS = {"temporal": "#6d8fb3", "fixed": "#b8894a"}
+
+
+def budget(facts: Fact) -> str:
+    """The section; of what there is none, it says why."""
+    found = facts["budget"]
+    noise, blur = found["noise"], found["blur"]
+    text = "<h2>What contributes how much</h2>"
+    if noise or blur:
+        caption = " ".join(
+            [
+                *(["Noise: share of the variance in the final picture."] if noise else []),
+                *(["Blur: share of −ln |MTF| at half the Nyquist frequency."] if blur else []),
+            ]
+        )
+        caption += of_many(len(noise["sources"]), "noises") if noise else ""
+        caption += of_many(len(blur["stages"])) if blur else ""
+        text += shown(bars_png(noise, blur), caption, "shares of noise and blur")
+    text += _noise(noise) if noise else _untold("Noise", found["noise_reason"])
+    return text + (_blur(blur) if blur else _untold("Blur", found["blur_reason"]))
+
+
+def _untold(what: str, reason: str) -> str:
+    return f"<p>{what} is not shared out: {escape(reason)}.</p>"
+
+
+def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
+    """A bar for each noise, and two for each stage's blur: across and along."""
+    sources, stages = noise["sources"] if noise else [], blur["stages"] if blur else []
+    sources = [sources[at] for at in strongest([each["share"] for each in sources])]
+    sizes = [max(abs(each["share_x"]), abs(each["share_y"])) for each in stages]
+    stages = [stages[at] for at in strongest(sizes)]
+    counts = [len(sources), len(stages)]
+    panels = sum(count > 0 for count in counts)
+    with figure(10.0 if panels == 2 else 6.6, 1.3 + 0.42 * max(counts)) as (drawn, out):
+        axes = list(drawn.subplots(1, panels, squeeze=False)[0])
+        if noise:
+            axis = axes.pop(0)
+            names = _distinct([_name(each) for each in sources], sources)
+            _stacked(axis, names, sources)
+            axis.set_title("Noise")
+            axis.set_xlabel("share of the variance (%)")
+            _legend(axis)
+        if blur:
+            axis = axes.pop(0)
+            across, along = (
+                [100.0 * each[f"share_{name}"] for each in stages] for name in ("x", "y")
+            )
+            names = _distinct([each["title"] for each in stages], stages)
+            _bars(axis, names, [(across, _ACROSS, "across"), (along, _ALONG, "along")])
+            axis.set_title("Blur")
+            axis.set_xlabel("share of −ln |MTF| (%)")
+            _legend(axis)
+    return out.getvalue()
+
+
+def _legend(axis: Any) -> None:
+    axis.legend(
+        loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=4.0, ncols=2, fontsize=8.5
+    )
+
+
+def _stacked(axis: Any, names: list[str], sources: list[Fact]) -> None:
+    """A horizontal bar for each source, of its temporal noise and its fixed pattern."""
+    ends = [0.0] * len(sources)
+    for kind, colour in _KINDS.items():
+        values = [100.0 * each[f"share_{kind}"] for each in sources]
+        if any(each[kind] is not None for each in sources):
+            bars = axis.barh(range(len(sources)), values, 0.5, ends, color=colour, label=kind)
+            ends = [end + value for end, value in zip(ends, values, strict=True)]
+    axis.bar_label(bars, [_percent(each["share"]) for each in sources], padding=3, fontsize=7.5)
+    _dress(axis, names, ends)
+
+
+def _bars(axis: Any, names: list[str], series: list[tuple[list[float], str, str]]) -> None:
+    """Horizontal bars with their values."""
+    height = 0.7 / len(series)
+    for place, (shares, colour, label) in enumerate(series):
+        middle = [row + (place - (len(series) - 1) / 2) * height for row in range(len(names))]
+        bars = axis.barh(middle, shares, height, color=colour, label=label)
+        texts = [_percent(share / 100.0) for share in shares]
+        axis.bar_label(bars, texts, padding=3, fontsize=7.5)
+    _dress(axis, names, [value for shares, _, _ in series for value in shares])
+
+
+def _dress(axis: Any, names: list[str], values: list[float]) -> None:
+    """Names beside the bars, the first on top, and room for the values behind the longest."""
+    axis.set_yticks(range(len(names)), names)
+    axis.invert_yaxis()
+    axis.grid(visible=False, axis="y")
+    axis.set_axisbelow(True)
+    low, high = min(0.0, *values), max(1.0, *values)
+    room = 0.15 * (high - low)
+    axis.set_xlim(low - room if low < 0.0 else 0.0, high + room)
+
+
+def _percent(share: float) -> str:
+    """A share in percent; what is next to nothing says so instead of its digits."""
+    if share != 0.0 and abs(share) < 5e-4:
+        return "<0.05" if share > 0.0 else ">\u22120.05"
+    return number(float(format(100.0 * share, ".3g")))
+
+
+def _name(source: Fact) -> str:
+    return source_words(source["name"]).capitalize()
+
+
+def _distinct(names: list[str], rows: list[Fact]) -> list[str]:
+    """Names for the bars, with their node where two are alike."""
+    return [
+        f"{name} ({row['node']})" if names.count(name) > 1 else name
+        for name, row in zip(names, rows, strict=True)
+    ]
+
+
+def _noise(noise: Fact) -> str:
+    rows = [
+        (
+            _name(each),
+            each["node"],
+            number(each["temporal"]),
+            number(each["fixed"]),
+            _percent(each["share"]),
+        )
+        for each in noise["sources"]
+    ]
+    rows.append(
+        ("All together", "", number(noise["temporal"]), number(noise["fixed"]), _percent(1.0))
+    )
+    unit = f" ({noise['unit']})" if noise["unit"] else ""
+    heads = ("noise", "node", f"σ temporal{unit}", f"σ fixed{unit}", "share (%)")
+    told = (
+        f"<p>Predicted for {escape(noise['port'])} from the chain, for all sensors of this kind: "
+        "temporal noise changes from frame to frame, fixed patterns stay. "
+        f"{_beside(noise)}</p>"
+    )
+    return "<h3>Noise in the final picture</h3>" + told + table(heads, rows, numbers=(2, 3, 4))
+
+
+def _beside(noise: Fact) -> str:
+    """The prediction of all noise, and what this picture has of it."""
+    all_noise = f"All noise: σ = {number(noise['summed'])} predicted"
+    if noise["together"] is None:
+        reason = escape(noise["together_reason"])
+        return f"{all_noise}; this picture’s own noise is not known: {reason}."
+    unit = f" {noise['unit']}" if noise["unit"] else ""
+    return (
+        f"{all_noise}, {number(noise['together'])}{unit} simulated in this picture, whose mean "
+        f"the noise moves by {number(noise['together_mean'])}{unit}."
+    )
+
+
+def _blur(blur: Fact) -> str:
+    xi, eta = number(blur["xi_cyc_per_mrad"]), number(blur["eta_cyc_per_mrad"])
+    rows = [
+        (
+            each["title"],
+            each["node"],
+            number(each["mtf_x"]),
+            _percent(each["share_x"]),
+            number(each["mtf_y"]),
+            _percent(each["share_y"]),
+        )
+        for each in blur["stages"]
+    ]
+    rows.append(("All together", "", number(blur["mtf_x"]), "", number(blur["mtf_y"]), ""))
+    heads = ("stage", "node", "|MTF| x", "share x (%)", "|MTF| y", "share y (%)")
+    told = f"<p>At {xi} cyc/mrad across and {eta} along."
+    if blur["behind"] is not None:
+        node = escape(blur["behind"])
+        told += f" What {node} does is not known as transfer functions: stages behind it alone."
+    told += "</p>"
+    return "<h3>Blur of the stages</h3>" + told + table(heads, rows, numbers=(2, 3, 4, 5))

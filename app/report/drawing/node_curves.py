@@ -1,0 +1,183 @@
+"""Curves and bars that nodes make, for reports."""
+
+from __future__ import annotations
+
+from itertools import cycle
+from textwrap import wrap
+from typing import Any
+
+import numpy as np
+
+from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure, strongest
+from app.report.drawing.printed_numbers import number
+from app.run.evaluation import Evaluation
+from core.chain.realize import realize
+from core.chain.results import CurveData, Series
+from core.chain.wires import Curve
+
+MOST = 12
+_BESIDE = 2
+_DASHES = ("-", "--", "-.", ":")
+_DECADES = 8  # below the greatest value that a logarithmic ordinate shows at most
+_LINE = 0.21  # inches that a bar or a row of a legend is high
+Named = tuple[str, CurveData]
+
+
+def node_curves(found: Evaluation) -> list[Named]:
+    """Every curve output that no link leaves, by its port, in the network's order."""
+    curves = []
+    for name, output in found.plan.network.unlinked_outputs(found.engine.library):
+        value = found.plan.nodes[name].outputs.get(output)
+        if isinstance(value, Curve):
+            curves.append((f"{name}.{output}", realize(value, found.work)))
+    return curves
+
+
+def curve_facts(found: Evaluation) -> list[dict[str, Any]]:
+    """The same as plain data."""
+    return [
+        {
+            "port": port,
+            "title": data.title,
+            "x_label": data.x_label,
+            "y_label": data.y_label,
+            "bars": list(data.bars),
+            "log_y": data.log_y,
+            "log_x": data.log_x,
+            "series": [{"label": s.label, "x": s.x, "y": s.y} for s in data.series],
+        }
+        for port, data in node_curves(found)
+    ]
+
+
+def curves_png(curves: list[Named]) -> bytes:
+    """Curves side by side, two in a row, each with axes of its own."""
+    rows = [curves[at : at + _BESIDE] for at in range(0, len(curves), _BESIDE)]
+    heights = [max(_height(data) for _, data in row) for row in rows]
+    with figure(10.0, sum(heights)) as (drawn, out):
+        axes = drawn.subplots(len(rows), _BESIDE, squeeze=False, height_ratios=heights)
+        for axis in axes.ravel()[len(curves) :]:
+            axis.set_visible(False)
+        for axis, (port, data) in zip(axes.ravel(), curves, strict=False):
+            (_draw_bars if data.bars else _draw_curves)(axis, data)
+            axis.set_title(f"{data.title}\n", pad=2)
+            axis.annotate(
+                port,
+                (0.0, 1.0),
+                xycoords="axes fraction",
+                xytext=(0, 4),
+                textcoords="offset points",
+                fontsize=7.5,
+                color="#666666",
+            )
+            if len(data.series) > 1:
+                axis.legend(
+                    loc="upper center",
+                    bbox_to_anchor=(0.5, 0.0),
+                    borderaxespad=5.0,
+                    ncols=2,
+                    fontsize=7.5,
+                )
+    return out.getvalue()
+
+
+def _height(data: CurveData) -> float:
+    """Inches: of bars as many as there are, and of a legend its rows."""
+    series = min(len(data.series), MOST_DRAWN + 1)
+    legend = -(-series // 2) * _LINE if series > 1 else 0.0
+    bars = len(data.bars) * (max(1, len(data.series)) * _LINE + 0.06) + 1.1
+    return (max(2.2, bars) if data.bars else 3.3) + legend
+
+
+def _draw_curves(axis: Any, data: CurveData) -> None:
+    styles = ((colour, dash) for dash in cycle(_DASHES) for colour in COLOURS)
+    shown = _drawn_series(data)
+    for series, (colour, dash) in zip(shown, styles, strict=False):
+        total = series.label.startswith("Total")
+        y = _drawn(series.y, data.log_y)
+        axis.plot(
+            series.x,
+            y,
+            color="black" if total else colour,
+            ls="-" if total else dash,
+            lw=1.8 if total else 1.2,
+            marker="o" if len(y) == 1 else None,
+            label=series.label or data.y_label,
+        )
+    if len(shown) < len(data.series):
+        axis.plot([], [], " ", label=f"and {len(data.series) - len(shown)} more, not drawn")
+    axis.set_xlabel(data.x_label)
+    axis.set_ylabel(data.y_label)
+    along = np.concatenate([series.x for series in data.series] or [np.zeros(0)])
+    if data.log_x:
+        axis.set_xscale("log")
+    elif len(along) and along.max() > along.min():  # gaps at the ends are shown, too
+        room = 0.01 * (along.max() - along.min())
+        axis.set_xlim(along.min() - room, along.max() + room)
+    if data.log_y:
+        axis.set_yscale("log")
+        _limit_decades(axis, [series.y for series in data.series])
+
+
+def _drawn_series(data: CurveData) -> list[Series]:
+    """All of them; of very many the totals and the first."""
+    total = [series.label.startswith("Total") for series in data.series]
+    return [data.series[place] for place in strongest([float(each) for each in total])]
+
+
+def _draw_bars(axis: Any, data: CurveData) -> None:
+    count = max(1, len(data.series))
+    thick = 0.8 / count
+    places = np.arange(len(data.bars))
+    for place, (series, colour) in enumerate(zip(data.series, cycle(COLOURS), strict=False)):
+        at = places + (place - (count - 1) / 2) * thick
+        y = np.asarray(series.y, np.float64)
+        drawn = _drawn(y, data.log_y)
+        axis.barh(at, drawn, thick * 0.92, color=colour, label=series.label)
+        for height, end, value in zip(at, drawn, y, strict=True):
+            _tell(axis, height, end, value, data.log_y)
+    if data.log_y:
+        axis.set_xscale("log")
+    axis.set_yticks(
+        places, ["\n".join(wrap(name, 24, max_lines=2, placeholder=" …")) for name in data.bars]
+    )
+    axis.set_ylim(len(places) - 0.5, -0.5)
+    axis.set_axisbelow(True)
+    axis.grid(visible=False, axis="y")
+    axis.axvline(0, color="#555555", lw=0.8)
+    axis.margins(x=0.18)
+    axis.set_xlabel(data.y_label)
+
+
+def _tell(axis: Any, height: float, end: float, value: float, log: bool) -> None:
+    """The value behind its bar; where there is no bar, where it would begin."""
+    if np.isfinite(value):
+        text = number(value)
+    else:
+        text = "–" if np.isnan(value) else "∞" if value > 0 else "−∞"
+    begins: Any = ((0.0, height), ("axes fraction", "data")) if log else ((0.0, height), "data")
+    place, counted = ((end, height), "data") if np.isfinite(end) else begins
+    below = bool(value < 0) and bool(np.isfinite(end))
+    axis.annotate(
+        text,
+        place,
+        xycoords=counted,
+        xytext=(-3 if below else 3, 0),
+        textcoords="offset points",
+        ha="right" if below else "left",
+        va="center",
+        fontsize=7.5,
+    )
+
+
+def _drawn(y: Any, log: bool) -> Any:
+    """Values with a gap where there is nothing to draw."""
+    y = np.asarray(y, np.float64)
+    return np.where(np.isfinite(y) & ((y > 0) | (not log)), y, np.nan)
+
+
+def _limit_decades(axis: Any, ordinates: list[Any]) -> None:
+    values = np.concatenate([_drawn(y, True) for y in ordinates] or [np.zeros(0)])
+    values = values[np.isfinite(values)]
+    if len(values) and values.min() < values.max() * 10.0**-_DECADES:
+        axis.set_ylim(bottom=values.max() * 10.0**-_DECADES)

@@ -1,0 +1,216 @@
+"""Pictures with colour bars in radiance and temperature, for reports."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.report.drawing.as_written import as_written
+from app.report.drawing.plain_matplotlib import load_matplotlib
+from app.report.drawing.printed_numbers import number
+from app.report.drawing.pupils import Panel
+from app.run.png import robust_limits
+from core.chain.wires import Image
+from core.errors import ImagechainError
+from core.physics.radiometry.planck import band_radiance, brightness_temperature
+
+Array = NDArray[Any]
+DPI = 144
+MOST_DRAWN = 24
+"""Curves or bars of one figure; a reader could not tell more of them apart."""
+RADIANCE = "W/m²/sr"
+COLOURS = (
+    "#1f77b4",
+    "#d95f02",
+    "#2a9d4a",
+    "#c2267f",
+    "#7a5cc2",
+    "#8c6d31",
+    "#17a2b8",
+    "#e0a100",
+    "#6b6b6b",
+)
+_STYLE: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.0,
+    "axes.titlesize": 10.0,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#555555",
+    "axes.linewidth": 0.8,
+    "axes.grid": True,
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.7,
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+}
+
+
+def strongest(strengths: Sequence[float]) -> list[int]:
+    """Places of the `MOST_DRAWN` greatest, in order."""
+    ranked = sorted(range(len(strengths)), key=lambda place: -strengths[place])
+    return sorted(ranked[:MOST_DRAWN])
+
+
+@contextmanager
+def figure(width: float, height: float) -> Iterator[tuple[Any, io.BytesIO]]:
+    """A matplotlib figure of that size in inches, written as PNG when the block ends."""
+    mpl = load_matplotlib()
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    out = io.BytesIO()
+    with mpl.rc_context(_STYLE):
+        drawn = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasAgg(drawn)
+        yield drawn, out
+        as_written(drawn)
+        # Without a date and version in it, the same run gives the same picture.
+        drawn.savefig(out, format="png", dpi=DPI, metadata={"Software": None})
+
+
+def pictures_png(pictures: list[tuple[str, Image, Array]], beside: int = 2) -> bytes:
+    """Pictures side by side, each with grey levels of its own between its 0.1 % quantiles.
+
+    Parameters
+    ----------
+    pictures : list of (title, image, samples)
+        One to four.
+    beside : int
+        How many pictures would fill the width, if more than there are.
+    """
+    tallest = max(image.rows / image.columns * _aspect(image) for _, image, _ in pictures)
+    number_across = max(len(pictures), beside, 2)
+    width = 10.0 / number_across
+    # Too low a figure would push the titles out of it.
+    with figure(width * len(pictures), width * min(tallest, 2.0) + 1.2) as (drawn, out):
+        axes = drawn.subplots(1, len(pictures), squeeze=False)[0]
+        for axis, (title, image, samples) in zip(axes, pictures, strict=True):
+            axis.set_title(title)
+            bar = _show(drawn, axis, image, samples, along="bottom", ticks=8 - number_across)
+            bar.set_label(f"{_quantity(image)} ({_unit(image.unit)})" if image.unit else "value")
+            _temperatures(bar, image, *bar.mappable.get_clim())
+    return out.getvalue()
+
+
+def panels_png(panels: Sequence[Panel]) -> bytes:
+    """Small pictures with axes, up to four in a row."""
+    columns = 4
+    rows = -(-len(panels) // columns)
+    with figure(10.0, 2.6 * rows) as (drawn, out):
+        axes = drawn.subplots(rows, columns, squeeze=False).ravel()
+        for axis in axes[len(panels) :]:
+            axis.set_visible(False)
+        for axis, panel in zip(axes, panels, strict=False):
+            axis.imshow(panel.values, cmap="gray", extent=panel.extent, aspect="equal")
+            axis.set_title(panel.title, fontsize=8)
+            axis.set_xlabel(panel.unit, fontsize=7)
+            axis.tick_params(labelsize=7)
+            axis.locator_params(nbins=4)
+            axis.grid(visible=False)
+    return out.getvalue()
+
+
+def noise_png(pictures: list[tuple[str, Image, Array]]) -> bytes:
+    """Each noise picture with its histogram to the right of it."""
+    with figure(10.0, 3.5 * len(pictures)) as (drawn, out):
+        axes = drawn.subplots(len(pictures), 2, squeeze=False, width_ratios=(1, 1.15))
+        for (left, right), (title, image, samples) in zip(axes, pictures, strict=True):
+            left.set_title(title)
+            bar = _show(drawn, left, image, samples, along="right", ticks=7)
+            bar.ax.tick_params(labelsize=7.5)
+            histogram(right, image, samples)
+    return out.getvalue()
+
+
+def _show(drawn: Any, axis: Any, image: Image, samples: Array, *, along: str, ticks: int) -> Any:
+    """Show a picture; gives its colour bar."""
+    from matplotlib.ticker import MaxNLocator
+
+    low, high = robust_limits(samples)
+    if not high > low:
+        reach = abs(low) * 1e-3 or 1.0
+        low, high = low - reach, high + reach
+    shown = axis.imshow(samples, cmap="gray", vmin=low, vmax=high, aspect=_aspect(image))
+    axis.set_xticks([])
+    axis.set_yticks([])
+    axis.grid(visible=False)
+    for spine in axis.spines.values():
+        spine.set(visible=True, color="#bbbbbb", linewidth=0.5)
+    size = {"pad": 0.03, "aspect": 32, "shrink": 0.92} if along == "bottom" else {"pad": 0.02}
+    bar = drawn.colorbar(
+        shown, ax=axis, location=along, extend="both", ticks=MaxNLocator(ticks), **size
+    )
+    bar.outline.set_linewidth(0.5)
+    return bar
+
+
+def _aspect(image: Image) -> float:
+    """Height of a sample over its width, as the sensor sees it: samples need not be square."""
+    if image.interval_x_mrad and image.interval_y_mrad:
+        return image.interval_y_mrad / image.interval_x_mrad
+    return 1.0
+
+
+def _temperatures(bar: Any, image: Image, low: float, high: float) -> None:
+    """A second scale on the colour bar: the blackbody temperature of the same band radiance."""
+    from matplotlib.ticker import MaxNLocator
+
+    if image.unit != RADIANCE or image.band_um is None or low <= 0:
+        return
+    band = {"cut_on_um": image.band_um[0], "cut_off_um": image.band_um[1]}
+    try:
+        ends = [float(brightness_temperature(radiance=each, **band)) for each in (low, high)]
+    except ImagechainError:  # no temperature radiates that much
+        return
+    ticks = [t for t in MaxNLocator(6).tick_values(*ends) if ends[0] <= t <= ends[1]]
+    scale = bar.ax.secondary_xaxis("top")
+    scale.set_xticks([float(band_radiance(temperature_K=t, **band)) for t in ticks])
+    scale.set_xticklabels([f"{t:g} K" for t in ticks], fontsize=7.5, color="#444444")
+    scale.tick_params(length=2.5, color="#888888", pad=1.5)
+    scale.spines["top"].set_visible(False)
+
+
+def histogram(axis: Any, image: Image, samples: Array) -> None:
+    """Draw how often values occur, under a title with their mean and standard deviation."""
+    from matplotlib.ticker import MaxNLocator
+
+    values = samples.ravel().astype(np.float64)
+    mean, sigma = float(values.mean()), float(values.std())
+    axis.set_title(f"mean {number(mean)}   σ {number(sigma)}", fontweight="normal")
+    counts, edges = np.histogram(values, bins=_bins(values))
+    axis.stairs(counts, edges, fill=True, color="#6d8fb3")
+    axis.set_xlim(edges[0], edges[-1])
+    whole = bool(edges[0] % 1 == 0.5 and edges[1] - edges[0] == 1)
+    # Few: labels of many digits must not meet.
+    axis.xaxis.set_major_locator(MaxNLocator(5, integer=whole))
+    axis.ticklabel_format(axis="x", scilimits=(-4, 5), useMathText=True)
+    if counts.max() > 0.5 * counts.sum():  # a few events among many zeros
+        axis.set_yscale("log")
+    axis.set_axisbelow(True)
+    axis.set_xlabel(f"noise ({_unit(image.unit)})" if image.unit else "noise")
+    axis.set_ylabel("samples")
+
+
+def _bins(values: Array) -> Array:
+    """Edges of up to 120 bins; between values where these are whole, as counts of photons."""
+    low, high = float(values.min()), float(values.max())
+    whole = high - low <= 120 and bool(np.all(values == np.rint(values)))
+    if whole:
+        return np.arange(low - 0.5, high + 1.0)
+    return np.linspace(low, high, 121)
+
+
+def _unit(unit: str) -> str:
+    return unit.replace(RADIANCE, "W m⁻² sr⁻¹")
+
+
+def _quantity(image: Image) -> str:
+    return "radiance" if image.unit == RADIANCE else "value"

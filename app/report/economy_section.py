@@ -1,0 +1,75 @@
+"""What was not computed, and why: the report's section on it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from app.report.drawing.printed_numbers import number
+from app.report.markup import table
+
+Fact = dict[str, Any]
+
+# For each kind: what was not computed, and why.
+_KINDS = {
+    "disabled": ("the node", "it is switched off"),
+    "identity": ("the node", "its setting changes nothing"),
+    "below_budget": ("a stage", "it changes less than the error budget, {budget} of the range"),
+    "pupil_centre": ("the pupil's OTF beyond the band", "it does not reach the picture"),
+    "mirrored_edges": ("a frame padded for its edges", "cosine transforms mirror by themselves"),
+    "folded": ("the picture before its pixels are combined", "the spectrum is folded instead"),
+    "region": ("pictures beyond a region", "nobody asked for more of them"),
+    "unchanged": ("values that were there", "nothing they are made of has changed"),
+    "unseen": ("whole arrays of outputs", "nobody asked for them"),
+}
+
+
+def economy(facts: dict[str, Any]) -> str:
+    """The section; empty where all there is was computed."""
+    budget = number(_rounded(facts["run"]["tolerance"]))
+    rows = []
+    for kind, (what, why) in _KINDS.items():
+        where = [
+            node + _detail(fact)
+            for node, listed in facts["skipped"].items()
+            for fact in listed
+            if fact["kind"] == kind and fact["share"] != 1  # a region may take the whole picture
+        ]
+        if where:
+            rows.append((what, why.format(budget=budget), ", ".join(where)))
+    if not rows:
+        return ""
+    heads = ("not computed", "because", "where")
+    return "<h2>What was not computed, and why</h2>" + table(heads, rows, kind="economy")
+
+
+def state(listed: list[Fact]) -> str:
+    """What is said of a node in a word or two; empty where its own work was done."""
+    for fact in listed:
+        if fact["kind"] == "disabled":
+            return "disabled"
+        if fact["kind"] == "identity":
+            return "neutral: skipped"
+        if fact["kind"] == "below_budget":
+            return f"left out: at most {number(_rounded(fact['bound']))}"
+    return ""
+
+
+def _detail(fact: Fact) -> str:
+    told = {
+        "below_budget": "at most {bound}",
+        "pupil_centre": "{share} % of it evaluated",
+        "mirrored_edges": "{share} % of its samples transformed",
+        "folded": "inverse of {share} % of its samples",
+        "region": "{share} % computed",
+        "unchanged": "{share} % of its steps computed",
+        "unseen": "{ports}",
+    }.get(fact["kind"])
+    if told is None:
+        return ""
+    bound = number(_rounded(fact["bound"]))
+    share = number(_rounded(None if fact["share"] is None else 100 * fact["share"]))
+    return f" ({told.format(bound=bound, share=share, ports=', '.join(fact['ports']))})"
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else float(f"{value:.2g}")

@@ -1,0 +1,152 @@
+"""The section on the MTF measured in the final picture, beside what was to be expected."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from app.report.drawing.drawn_as import named
+from app.report.drawing.picture_drawing import COLOURS, figure
+from app.report.drawing.printed_numbers import number
+from app.report.markup import figure as shown
+from app.report.markup import table
+
+Fact = dict[str, Any]
+_METHODS = {"slanted_edge": "slanted edge", "row_average": "row average"}
+_LOOKS = {"slanted_edge": (COLOURS[0], "o", "k", "-"), "row_average": (COLOURS[1], "^", "k", ":")}
+_MARKS = 32  # of measured points along a curve
+_NO_ERROR = 5e-7
+
+
+def judged(facts: Fact) -> str:
+    """The section; says why where nothing could be measured."""
+    told, drawn_as = facts["judged"], facts["drawn_as"]
+    text = "<h2>Judged by measurement</h2>"
+    if told["reason"]:
+        return text + f"<p>Not measured: {escape(told['reason'])}.</p>"
+    good = [each for each in told["measurements"] if each["reason"] is None]
+    if good:
+        text += f"<p>{escape(_introduction(told))}</p>"
+        published = drawn_as.get("judged")
+        drawn = judged_png(told, mirrored=published is not None)
+        text += shown(drawn, _caption(published), "measured and expected MTF")
+        text += _table(good)
+    for each in told["measurements"]:
+        if each["reason"] is not None:
+            what = f"{each['direction']}, {_METHODS[each['method']]}"
+            text += f"<p>Not measured ({what}): {escape(each['reason'])}.</p>"
+    return text
+
+
+def _introduction(told: Fact) -> str:
+    text = (
+        f"An edge takes the place of {told['source']}, from its lowest to its highest value, and "
+        f"runs through the whole chain; the MTF is measured in {told['picture']}"
+    )
+    if told["silenced"]:
+        text += f", without the noise of {', '.join(told['silenced'])}"
+    return text + "."
+
+
+def _caption(published: str | None) -> str:
+    text = (
+        "MTF measured (marks, with their standard error) and expected (lines). Expected of the "
+        "slanted edge: the stages, and the blur of the samples themselves, which is the area of "
+        "the scene's, pixels combined, and interpolation where the edge runs; what pixels too far "
+        "apart alias scatters about it. The row average sees an upright edge at one place among "
+        "the pixels, so that what lies beyond their Nyquist frequency is folded back, and takes "
+        "differences of neighbours, 0.64 at Nyquist: what is expected of it is computed along one "
+        "row, folding included."
+    )
+    if published:
+        text += (
+            " The row average is the thesis' way. Its curves of the real cameras' pictures are "
+            "printed without numbers, and not drawn here."
+        )
+    return named(text, published)
+
+
+def judged_png(told: Fact, *, mirrored: bool) -> bytes:
+    """Horizontal and vertical MTF beside each other, in cycles per sample of the picture."""
+    with figure(10.0, 4.6) as (drawn, out):
+        axes = drawn.subplots(1, 2, sharey=True)
+        lines: dict[str, Any] = {}
+        for axis, direction in zip(axes, ("horizontal", "vertical"), strict=True):
+            _panel(axis, told, direction, mirrored)
+            axis.set_title(f"{direction.capitalize()} MTF")
+            interval = told["interval_mrad"][direction]
+            axis.set_xlabel(f"frequency (cycles/sample of {number(_short(interval))} mrad)")
+            handles, labels = axis.get_legend_handles_labels()
+            lines |= dict(zip(labels, handles, strict=True))
+        axes[0].set_ylabel("MTF")
+        drawn.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=3, fontsize=8)
+    return out.getvalue()
+
+
+def _panel(axis: Any, told: Fact, direction: str, mirrored: bool) -> None:
+    stages = told["stages"][direction]
+    inside = stages["frequency_cyc_per_sample"] <= 0.5 + 1e-9
+    x, y = _sides(mirrored, stages["frequency_cyc_per_sample"][inside], stages["mtf"][inside])
+    axis.plot(x, y, color="#999999", lw=1.2, ls="--", label="stages alone")
+    highest = 1.0
+    for each in told["measurements"]:
+        if each["direction"] != direction or each["reason"] is not None:
+            continue
+        colour, mark, line, dash = _LOOKS[each["method"]]
+        name = _METHODS[each["method"]]
+        frequency = each["frequency_cyc_per_sample"]
+        x, y = _sides(mirrored, frequency, each["expected"])
+        axis.plot(x, y, color=line, ls=dash, lw=1.4, label=f"expected of the {name}")
+        few = slice(None, None, max(1, len(frequency) // _MARKS))
+        x, y, error = _sides(mirrored, frequency[few], each["mtf"][few], each["mtf_error"][few])
+        axis.errorbar(
+            x, y, error, fmt=mark, ms=3.6, color=colour, mfc="none", mew=1.0, elinewidth=0.8,
+            label=f"measured, {name}",
+        )  # fmt: skip
+        highest = max(highest, float(y.max()))
+    axis.axhline(0, color="#555555", lw=0.8)
+    axis.set_ylim(-0.03, highest * 1.06)
+    axis.set_xlim(*(-0.52, 0.52) if mirrored else (0.0, 0.51))
+
+
+def _sides(mirrored: bool, frequency: Any, *curves: Any) -> list[Any]:
+    """Frequency and curves, with negative frequencies too if mirrored."""
+    if not mirrored:
+        return [frequency, *curves]
+    sides = [np.concatenate([-frequency[:0:-1], frequency])]
+    return sides + [np.concatenate([curve[:0:-1], curve]) for curve in curves]
+
+
+def _table(measurements: Iterable[Fact]) -> str:
+    rows = [
+        (
+            each["direction"],
+            _METHODS[each["method"]],
+            _with_error(each["mtf50_cyc_per_mrad"], each["mtf50_error_cyc_per_mrad"]),
+            number(_short(each["expected_mtf50_cyc_per_mrad"])),
+            _with_error(each["at_nyquist"], each["at_nyquist_error"]),
+            number(_short(each["expected_at_nyquist"])),
+            number(_short(each["largest_difference"], 2)),
+            number(_short(each["largest_difference_at_cyc_per_mrad"], 3)),
+        )
+        for each in measurements
+    ]
+    heads = (
+        "direction", "edge", "MTF50 (cyc/mrad)", "expected", "MTF at Nyquist", "expected",
+        "largest difference", "at (cyc/mrad)",
+    )  # fmt: skip
+    return table(heads, rows, numbers=range(2, 8))
+
+
+def _with_error(value: float | None, error: float | None) -> str:
+    """A figure with its standard error, where that is more than rounding."""
+    told = number(_short(value))
+    known = value is not None and error is not None and error > _NO_ERROR
+    return f"{told} ± {number(_short(error, 2))}" if known else told
+
+
+def _short(value: float | None, digits: int = 4) -> float | None:
+    return None if value is None else float(f"{value:.{digits}g}")

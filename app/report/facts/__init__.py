@@ -1,0 +1,1 @@
+"""All figures of a report as plain data."""

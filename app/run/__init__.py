@@ -1,0 +1,1 @@
+"""One evaluation of a network, and its output files."""

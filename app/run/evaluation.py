@@ -1,0 +1,196 @@
+"""One evaluation of a network for the command line: what it computes and how long it takes."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from app.run.output import find_output, source_images
+from app.run.responses import Responses, responses
+from app.run.transfer_chain import Chain, find_chain
+from core.chain.engine import Engine, Plan
+from core.chain.realize import asked_for, realize
+from core.chain.wires import Curve, Image, Magnitude, Phase, Table, Transfer
+from core.errors import ImagechainError
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Recipe
+from core.evaluation.region import Region
+from core.evaluation.store import Store
+from core.evaluation.work import Work
+from core.network.network import Network
+from core.network.validation import NetworkProblems
+from nodes.files.read import check_finite
+
+Readouts = dict[str, dict[str, Any]]
+
+
+class TimedWork(Work):
+    """Work that notes how long each node computes, without the time of what it waits for."""
+
+    def __init__(
+        self,
+        policy: Policy,
+        store: Store,
+        progress: Callable[[str | None], None] | None = None,
+        cancel: threading.Event | None = None,
+    ) -> None:
+        super().__init__(policy, store, cancel, progress)
+        self.seconds: dict[str, float] = {}
+        self._lock = threading.Lock()
+        self._local = threading.local()
+
+    def _compute(self, recipe: Recipe, region: Region | None = None) -> Any:
+        inner = getattr(self._local, "inner", 0.0)
+        self._local.inner = 0.0
+        start = time.perf_counter()
+        try:
+            return super()._compute(recipe, region)
+        finally:
+            whole = time.perf_counter() - start
+            own = whole - self._local.inner
+            self._local.inner = inner + whole
+            name = recipe.node or ""
+            with self._lock:
+                self.seconds[name] = self.seconds.get(name, 0.0) + own
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """A network that has been evaluated."""
+
+    plan: Plan
+    engine: Engine
+    work: TimedWork
+    chain: Chain
+    responses: Responses
+    readouts: Readouts
+    folder: Path
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def network(self) -> Network:
+        """The network as it ran."""
+        return self.plan.network
+
+
+def planned(engine: Engine, network: Network, folder: Path) -> Plan:
+    """The network planned.
+
+    Raises
+    ------
+    NetworkProblems
+        With the errors of all nodes.
+    """
+    plan = engine.plan(network, folder=folder)
+    errors = plan.errors()
+    if errors:
+        raise NetworkProblems(errors) from errors[0]
+    return plan
+
+
+def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evaluation:
+    """Compute the input pictures, then every unlinked output and every read-out.
+
+    What each of them is made of is made once, and let go of after the last that needs it.
+
+    Raises
+    ------
+    ImagechainError
+        The first one met, with its node.
+    """
+    start = time.perf_counter()
+    chain = find_chain(plan)
+    sources = {port: asked_for(plan.output(port)) for port in source_images(plan)}
+    outputs = {
+        each: asked_for(plan.nodes[each[0]].outputs.get(each[1]))
+        for each in plan.network.unlinked_outputs(engine.library)
+    }
+    figures = {
+        name: _recipes(engine.planned_readouts(plan, name))
+        for name, node in plan.nodes.items()
+        if not node.node.disabled and node.declaration.readouts
+    }
+    final = asked_for(plan.output(chain.final)) if chain.final is not None else ()
+    asks = [*sources.values(), *outputs.values(), *figures.values(), final]
+    with work.hold([recipe for ask in asks for recipe in ask]) as held:
+        for port, recipes in sources.items():
+            _check_source(plan, port, work)
+            held.release(recipes)
+        checked = time.perf_counter()
+        for (name, output), recipes in outputs.items():
+            _evaluate_output(plan, name, output, work)
+            held.release(recipes)
+        readouts = {}
+        for name, recipes in figures.items():
+            readouts[name] = engine.readouts(plan, name, work)
+            held.release(recipes)
+        found = responses(chain, work)
+        if chain.final is not None:
+            engine.value(plan, chain.final, work)
+    seconds = {"sources": checked - start, "evaluation": time.perf_counter() - checked}
+    return Evaluation(plan, engine, work, chain, found, readouts, folder, seconds)
+
+
+def asked_later(plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recipe]:
+    """What is asked for once a network has been evaluated, to hold it until then.
+
+    Parameters
+    ----------
+    plan : Plan
+        The network.
+    ports : iterable of str
+        Those to be written.
+    report : bool
+        Whether a report is to show the pictures, curves and tables as well.
+    """
+    values = [plan.output(port) for port in ports]
+    if (final := find_output(plan).port) is not None:
+        values.append(plan.output(final))
+    for each in plan.nodes.values():
+        if hasattr(each.module, "target") and not each.node.disabled:
+            values += each.inputs.values()
+        shown = Transfer | Image | Curve | Table if report else Transfer
+        values += [value for value in each.outputs.values() if isinstance(value, shown)]
+    found = [recipe for value in values for recipe in asked_for(value)]
+    if report and final is not None:
+        from nodes.analysis.lineage import NoiseOf
+
+        found.append(NoiseOf(plan.output(final)))
+    return found
+
+
+def _recipes(readouts: dict[str, Any]) -> tuple[Recipe, ...]:
+    return tuple(value for value in readouts.values() if isinstance(value, Recipe))
+
+
+def _check_source(plan: Plan, port: str, work: Work) -> None:
+    value: Image = plan.output(port)
+    node = port.rpartition(".")[0]
+    try:
+        check_finite(work.value(value.recipe), port)
+    except ImagechainError as error:
+        raise error.at(node) from error
+
+
+def _evaluate_output(plan: Plan, name: str, output: str, work: Work) -> None:
+    value = plan.nodes[name].outputs.get(output)
+    sampled = isinstance(value, Transfer) and value.own is not None
+    try:
+        if isinstance(value, Transfer | Magnitude | Phase) and not sampled:
+            # Nobody looks at the plane: its factors on two lines tell whether it can be made.
+            _along_axes(value, work)
+        elif value is not None:
+            realize(value, work)
+    except ImagechainError as error:
+        raise error.at(name) from error
+
+
+def _along_axes(value: Transfer | Magnitude | Phase, work: Work) -> None:
+    from app.run.responses import response
+
+    response(work, value.factors, value.grid.xi_half(), "x")
+    response(work, value.factors, value.grid.eta(), "y")

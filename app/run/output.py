@@ -1,0 +1,182 @@
+"""Which picture a network delivers: the one that is marked, else the only one there can be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from core.chain.engine import Plan, PlannedNode
+from core.chain.wires import Image
+from core.errors import NetworkError
+from core.names import shown
+from core.network.network import Network, marked_twice
+
+ANALYSIS = "Analysis"  # the group whose modules compare and measure, so their pictures end nothing
+_MOST_NAMED = 8
+
+
+@dataclass(frozen=True)
+class Output:
+    """The picture that a network delivers.
+
+    Parameters
+    ----------
+    port : str or None
+        ``NODE.PORT``; None where there is none, or several could be meant.
+    choices : tuple of str
+        Ports of the pictures that could be meant, where none of them is marked.
+    """
+
+    port: str | None
+    choices: tuple[str, ...] = ()
+
+    @property
+    def missing(self) -> str:
+        """Why there is none, in one line; empty where there is one."""
+        if self.port is not None:
+            return ""
+        if not self.choices:
+            return "the network has no picture"
+        named = ", ".join(map(shown, self.choices[:_MOST_NAMED]))
+        more = len(self.choices) - _MOST_NAMED
+        named += f" and {more} more" if more > 0 else ""
+        return f"{len(self.choices)} pictures end this network ({named}) and none is marked final"
+
+
+def find_output(plan: Plan) -> Output:
+    """The picture that is marked as the output, else the one in which the network ends.
+
+    A mark is the field `final`, true in a node or ``NODE.PORT`` in the network; a node's goes
+    before the network's. Without one, it is the first picture of a node that works on something
+    and on whose picture no other such node hangs; analysis modules count only where there are no
+    others, pictures that hang on nothing only where there are none of both. Of several that
+    remain none is taken.
+
+    Raises
+    ------
+    NetworkError
+        If what is marked is no picture, or two nodes are.
+    """
+    marked = plan.network.marked
+    if len(marked) > 1:
+        raise marked_twice(marked)
+    if marked:
+        return Output(_picture_of(plan, marked[0]))
+    named = plan.network.extra.get("final")
+    if named is not None:
+        if not isinstance(named, str) or not _is_image(plan, named):
+            raise NetworkError(f"final = {named!r:.80} is not allowed: NODE.PORT of an image")
+        return Output(named)
+    ends = _ends(plan)
+    return Output(ends[0]) if len(ends) == 1 else Output(None, tuple(ends))
+
+
+def how_to_choose(output: Output) -> str:
+    """Which pictures there are and how to mark one, in one line; empty where none is to choose."""
+    if not output.choices:
+        return ""
+    return f"{output.missing}: give --final NODE.PORT, or press O on its node in the editor"
+
+
+def ending_images(plan: Plan) -> list[str]:
+    """Pictures looked at or left open, less those that another one of them stems from."""
+    return _leaves(plan, _seen_or_open(plan) or list(_image_ports(plan)))
+
+
+def ancestors(network: Network, *nodes: str) -> set[str]:
+    """Every node that one of these hangs on."""
+    found: set[str] = set()
+    waiting = list(nodes)
+    while waiting:
+        for link in network.links_into(waiting.pop()):
+            if link.source not in found:
+                found.add(link.source)
+                waiting.append(link.source)
+    return found
+
+
+def source_images(plan: Plan) -> list[str]:
+    """Ports of pictures that hang on nothing: files and test scenes."""
+    return [port for port in _image_ports(plan) if not plan.nodes[_node(port)].inputs]
+
+
+def _picture_of(plan: Plan, name: str) -> str:
+    """A node's first picture; of a node that only takes one, that."""
+    planned = plan.nodes.get(name)
+    own = _first_image(planned, name) if planned is not None else None
+    if own is not None:
+        return own
+    taken = [port for port in _sink_inputs(plan) if port[0] == name]
+    if not taken:
+        raise NetworkError("marked final, but it has no picture: mark a node that has", node=name)
+    return taken[0][1]
+
+
+def _ends(plan: Plan) -> list[str]:
+    """The first pictures that nothing further is made of, of the best kind there is."""
+    kinds: dict[int, list[str]] = {}
+    for name, planned in plan.nodes.items():
+        port = _first_image(planned, name)
+        if port is not None:
+            bare, analysis = not planned.inputs, planned.declaration.group == ANALYSIS
+            kinds.setdefault(2 if bare else 1 if analysis else 0, []).append(port)
+    return _leaves(plan, kinds[min(kinds)]) if kinds else []
+
+
+def _leaves(plan: Plan, ports: list[str]) -> list[str]:
+    """The ports on whose nodes none of the others' nodes hangs."""
+    passed = ancestors(plan.network, *{_node(port) for port in ports})
+    return [port for port in ports if _node(port) not in passed]
+
+
+def _seen_or_open(plan: Plan) -> list[str]:
+    linked = {f"{link.source}.{link.output}" for link in plan.network.links}
+    main = {port for name in plan.nodes if (port := _first_image(plan.nodes[name], name))}
+    open_ends = [port for port in _image_ports(plan) if port not in linked]
+    found = dict.fromkeys([*(port for _, port in _sink_inputs(plan)), *open_ends])
+    beside = set(open_ends) - main
+    return [
+        port
+        for port in found
+        if plan.nodes[_node(port)].declaration.group != ANALYSIS and port not in beside
+    ]
+
+
+def _sink_inputs(plan: Plan) -> list[tuple[str, str]]:
+    """Nodes without outputs, each with the port of the picture it takes."""
+    return [
+        (link.target, f"{link.source}.{link.output}")
+        for link in plan.network.links
+        if _is_sink(plan, link.target) and _is_image(plan, f"{link.source}.{link.output}")
+    ]
+
+
+def _is_sink(plan: Plan, name: str) -> bool:
+    """Not so a node that is not there, or whose module is unknown or cannot be built."""
+    planned = plan.nodes.get(name)
+    return planned is not None and planned.module is not None and planned.declaration.sink
+
+
+def _first_image(planned: PlannedNode, name: str) -> str | None:
+    """The node's first picture, which is what it makes; the others tell how (its noise)."""
+    ports = (f"{name}.{port}" for port, value in planned.outputs.items() if _image(value))
+    return next(ports, None)
+
+
+def _image_ports(plan: Plan) -> Iterable[str]:
+    for name, planned in plan.nodes.items():
+        yield from (f"{name}.{port}" for port, value in planned.outputs.items() if _image(value))
+
+
+def _is_image(plan: Plan, port: str) -> bool:
+    planned = plan.nodes.get(_node(port))
+    return planned is not None and _image(planned.outputs.get(port.rpartition(".")[2]))
+
+
+def _image(value: Any) -> bool:
+    return isinstance(value, Image)
+
+
+def _node(port: str) -> str:
+    return port.rpartition(".")[0]

@@ -1,0 +1,84 @@
+"""Text for the terminal: read-outs in columns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
+
+from app.run.evaluation import Evaluation
+from core.chain.engine import Plan
+from core.names import printable
+
+_ROUNDING = 1e-15
+_IN_LINE = str.maketrans("\t\n\r", "   ")
+
+
+def number_text(value: Any) -> str:
+    """A figure in up to six digits, as people read it."""
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float | np.floating):
+        return f"{float(value):.6g}"
+    return str(value)
+
+
+def without_rounding(value: Any, unit: str) -> Any:
+    """The value; 0 for what rounding leaves of 0 where values are of order 1.
+
+    That is so of ratios and of phases in radians, not of quantities with other units.
+    """
+    if unit in ("", "rad") and isinstance(value, float | np.floating):
+        return 0.0 if abs(float(value)) < _ROUNDING else value
+    return value
+
+
+def jsonable(value: Any) -> Any:
+    """The value as JSON can hold it; what is infinite becomes a text."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    if isinstance(value, Mapping):
+        return {str(name): jsonable(item) for name, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [jsonable(item) for item in value]
+    return value.as_posix() if isinstance(value, PurePath) else value
+
+
+def readout_rows(found: Evaluation) -> list[tuple[str, str, str, str]]:
+    """Node, read-out, value and unit of all that have a value."""
+    rows = []
+    for node, values in found.readouts.items():
+        declared = {each.name: each for each in found.plan.nodes[node].declaration.readouts}
+        for name, value in values.items():
+            if value is not None:
+                unit = declared[name].unit
+                rows.append((node, name, number_text(without_rounding(value, unit)), unit))
+    return rows
+
+
+def warning_lines(plan: Plan) -> list[str]:
+    """One line for each warning of the nodes."""
+    return [printable(f"warning: {each}") for each in plan.warnings()]
+
+
+def columns(rows: Iterable[Sequence[str]], *, right: Sequence[int] = ()) -> str:
+    """Rows with their cells in line; the columns in `right` end together."""
+    rows = [[printable(cell).translate(_IN_LINE) for cell in row] for row in rows]
+    if not rows:
+        return ""
+    widths = [max(len(row[index]) for row in rows) for index in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        cells = [
+            cell.rjust(width) if index in right else cell.ljust(width)
+            for index, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)

@@ -1,0 +1,193 @@
+"""The transfer functions that lead to the picture a network delivers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from app.run.output import Output, ancestors, find_output, source_images
+from core.chain.back_transformed import Delivered, block_combine
+from core.chain.engine import Plan
+from core.chain.wires import Image, Transfer
+from core.evaluation.recipes import Step
+from core.transfer.factors import Factor
+from core.transfer.grid import Grid
+
+
+@dataclass(frozen=True)
+class Stage:
+    """The factors that one node brings to a chain."""
+
+    node: str
+    title: str
+    factors: tuple[Factor, ...]
+
+
+@dataclass(frozen=True)
+class Chain:
+    """What leads to the final picture.
+
+    Parameters
+    ----------
+    final : str or None
+        ``NODE.PORT`` of the final picture, None in a network without pictures.
+    sources : tuple of str
+        Ports of the input pictures it stems from.
+    grid : Grid or None
+        Sampling on which the spectrum is multiplied.
+    combined : Grid or None
+        The sampling once pixels have been combined on the way to the final picture; None where
+        they are not.
+    stages : tuple of Stage
+        Factors on the spectrum, in order.
+    later : tuple of Stage
+        Transfer functions after that: the electronics.
+    beside : tuple of Stage
+        Transfer functions that do not lead to the final picture.
+    missing : str
+        Why `stages` have no product, in one line; empty where they act one after the other, so
+        that they have one.
+    choices : tuple of str
+        Pictures of which each could be the final one, where none is.
+    """
+
+    final: str | None
+    sources: tuple[str, ...]
+    grid: Grid | None
+    combined: Grid | None
+    stages: tuple[Stage, ...]
+    later: tuple[Stage, ...]
+    beside: tuple[Stage, ...]
+    missing: str = ""
+    choices: tuple[str, ...] = ()
+
+    @property
+    def cascade(self) -> bool:
+        """Whether `stages` act one after the other."""
+        return not self.missing
+
+
+def find_chain(plan: Plan) -> Chain:
+    """The chain that ends in the network's final picture.
+
+    Raises
+    ------
+    NetworkError
+        If what is marked as the output is no picture.
+    """
+    output = find_output(plan)
+    final = output.port
+    if final is None:
+        return _unconnected(plan, output, ())
+    node = final.rpartition(".")[0]
+    upstream = ancestors(plan.network, node) | {node}
+    sources = tuple(_sources(plan, upstream))
+    found = _delivered(plan, upstream)
+    if found is None:
+        return _unconnected(plan, output, sources)
+    last, recipe = found
+    factors = (*recipe.magnitude.factors, *recipe.phase.factors)
+    before = ancestors(plan.network, last) | {last}
+    stages = _stages(plan, factors, before)
+    behind = upstream - before
+    later = [_transfers(plan, name) for name in plan.nodes if name in behind]
+    inside = {stage.node for stage in (*stages, *later)}
+    beside = [_transfers(plan, name) for name in plan.nodes if name not in inside]
+    return Chain(
+        final,
+        sources,
+        recipe.magnitude.grid,
+        _combined(plan, [last, *(name for name in plan.nodes if name in behind)]),
+        tuple(stages),
+        tuple(stage for stage in later if stage.factors),
+        tuple(stage for stage in beside if stage.factors),
+    )
+
+
+def _sources(plan: Plan, upstream: set[str]) -> list[str]:
+    return [port for port in source_images(plan) if port.rpartition(".")[0] in upstream]
+
+
+def _delivered(plan: Plan, upstream: set[str]) -> tuple[str, Delivered] | None:
+    """The last node whose picture comes straight out of an inverse transform."""
+    for name in reversed([name for name in plan.nodes if name in upstream]):
+        for value in plan.nodes[name].outputs.values():
+            if isinstance(value, Image) and isinstance(value.recipe, Delivered):
+                return name, value.recipe
+    return None
+
+
+def _combined(plan: Plan, names: Iterable[str]) -> Grid | None:
+    grids = [
+        value.grid()
+        for name in names
+        for value in plan.nodes[name].outputs.values()
+        if isinstance(value, Image)
+        and _combines_pixels(value)
+        and value.interval_x_mrad
+        and value.interval_y_mrad
+    ]
+    return max(grids, key=lambda grid: grid.interval_x_mrad * grid.interval_y_mrad, default=None)
+
+
+def _combines_pixels(image: Image) -> bool:
+    """Whether the last step to the picture combines pixels, or its transform does."""
+    recipe = image.recipe
+    if isinstance(recipe, Delivered):
+        return (recipe.factor_x, recipe.factor_y) != (1, 1)
+    return isinstance(recipe, Step) and recipe.function is block_combine
+
+
+def _stages(plan: Plan, factors: Iterable[Factor], before: set[str]) -> list[Stage]:
+    """Factors by node, in the network's order; a node at its neutral setting has none."""
+    grouped: dict[str, list[Factor]] = {}
+    for factor in factors:
+        grouped.setdefault(factor.node or factor.label or "stage", []).append(factor)
+    named = [name for name in plan.nodes if name in grouped or _is_idle(plan, name, before)]
+    named += [name for name in grouped if name not in plan.nodes]
+    return [Stage(name, _title(plan, name), tuple(grouped.get(name, ()))) for name in named]
+
+
+def _title(plan: Plan, name: str) -> str:
+    planned = plan.nodes.get(name)
+    return name if planned is None or planned.module is None else planned.declaration.title
+
+
+def _is_idle(plan: Plan, name: str, before: set[str]) -> bool:
+    transfers = _transfer_outputs(plan, name)
+    return name in before and bool(transfers) and not any(v.factors or v.own for v in transfers)
+
+
+def _transfers(plan: Plan, name: str) -> Stage:
+    factors = [factor for value in _transfer_outputs(plan, name) for factor in value.factors]
+    return Stage(name, _title(plan, name), tuple(factors))
+
+
+def _transfer_outputs(plan: Plan, name: str) -> list[Transfer]:
+    return [value for value in plan.nodes[name].outputs.values() if isinstance(value, Transfer)]
+
+
+def _unconnected(plan: Plan, output: Output, sources: tuple[str, ...]) -> Chain:
+    """Without an inverse transform: every transfer function there is, side by side."""
+    stages = [stage for name in plan.nodes if (stage := _transfers(plan, name)).factors]
+    grids = [
+        value.grid
+        for planned in plan.nodes.values()
+        for value in planned.outputs.values()
+        if isinstance(value, Transfer)
+    ]
+    grid = grids[0] if grids else None
+    missing = output.missing or f"no Back Transform leads to the output, {output.port}"
+    if grid is None:
+        missing = "the network has no transfer function"
+    return Chain(
+        output.port,
+        sources,
+        grid,
+        None,
+        tuple(stages),
+        (),
+        (),
+        missing,
+        output.choices,
+    )

@@ -1,0 +1,187 @@
+"""Figures of merit that a trade-off can show: read-outs of nodes, and the chain's MTF."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from app.run.responses import SYSTEM, TOTAL, Axis, response
+from app.run.sound_plan import sound_part
+from app.run.transfer_chain import find_chain
+from core.chain.engine import Engine, Plan
+from core.errors import Cancelled, DataError, ImagechainError, NetworkError
+from core.evaluation.work import Work
+from core.modules.declaration import declaration
+from core.modules.library_type import Library
+from core.network.network import Network
+
+ELECTRONICS = "electronics_noise"
+_PLACES: Mapping[str, tuple[Axis, float, str]] = MappingProxyType(
+    {
+        "mtf_nyquist_x": ("x", 1.0, "at the Nyquist frequency across"),
+        "mtf_nyquist_y": ("y", 1.0, "at the Nyquist frequency along"),
+        "mtf_half_nyquist_x": ("x", 0.5, "at half the Nyquist frequency across"),
+        "mtf_half_nyquist_y": ("y", 0.5, "at half the Nyquist frequency along"),
+    }
+)
+_TOTALS: Mapping[str, str] = MappingProxyType(
+    {TOTAL: "MTF of the chain", SYSTEM: "MTF of the chain with its electronics"}
+)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of merit: a node's read-out, or an MTF of the chain (`node` is then a total)."""
+
+    node: str
+    name: str
+    unit: str = ""
+    meaning: str = ""
+
+    @property
+    def text(self) -> str:
+        """``NODE.READOUT``."""
+        return f"{self.node}.{self.name}"
+
+    @property
+    def is_total(self) -> bool:
+        """Whether it is an MTF of the chain."""
+        return self.node in _TOTALS and self.name in _PLACES
+
+
+def figures_of(network: Network, library: Library) -> dict[str, Figure]:
+    """All figures of a network by ``NODE.READOUT``: those of the chain, then those of its nodes.
+
+    Whether a read-out is a number shows only once it is computed.
+    """
+    found: list[Figure] = []
+    modules = {node.module for node in network.nodes.values()}
+    if "back_transform" in modules:
+        for total, what in _TOTALS.items():
+            if total == TOTAL or ELECTRONICS in modules:
+                found += [
+                    Figure(total, n, "", f"{what} {where}") for n, (*_, where) in _PLACES.items()
+                ]
+    for node in network.nodes.values():
+        if node.module in library and not node.disabled:
+            found += [
+                Figure(node.id, each.name, each.unit, each.meaning)
+                for each in declaration(library[node.module]).readouts
+            ]
+    return {figure.text: figure for figure in found}
+
+
+def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
+    """What is usually asked for: the electronics' figures and the chain's MTF.
+
+    Of a network with neither, what its analysis tells, else all there is.
+    """
+    known = figures_of(network, library)
+    groups = {
+        node.id: declaration(library[node.module])
+        for node in network.nodes.values()
+        if node.module in library
+    }
+    usual = [
+        figure
+        for figure in known.values()
+        if figure.is_total or groups[figure.node].key == ELECTRONICS
+    ]
+    if not usual:
+        usual = [f for f in known.values() if groups[f.node].group == "Analysis"]
+    return tuple(usual or known.values())
+
+
+@dataclass(frozen=True)
+class Told:
+    """Numbers by figure, and for the others why there is none."""
+
+    values: Mapping[str, float]
+    reasons: Mapping[str, str]
+
+
+def computed(
+    figures: Iterable[Figure], engine: Engine, plan: Plan, work: Work, varied: str
+) -> Told:
+    """The figures of a planned network, of which `varied` is the node that a trade-off varies.
+
+    Raises
+    ------
+    Cancelled
+        When the caller has asked to stop.
+    """
+    figures = tuple(figures)
+    values: dict[str, float] = {}
+    reasons: dict[str, str] = {}
+    for node in dict.fromkeys(figure.node for figure in figures):
+        totals = [f for f in figures if f.node == node and f.is_total]
+        readouts = [f for f in figures if f.node == node and not f.is_total]
+        for wanted in filter(None, (totals, *([each] for each in readouts))):
+            work.check()
+            try:
+                if wanted is totals:
+                    found = _total(totals, plan, work, varied)
+                else:
+                    name = wanted[0].name
+                    found = engine.readouts(plan, node, work, names=(name,))
+            except Cancelled:
+                raise
+            except ImagechainError as error:
+                reasons |= {figure.text: str(error) for figure in wanted}
+                continue
+            for figure in wanted:
+                number = _number(found.get(figure.name))
+                if number is None:
+                    reasons[figure.text] = _no_number(figure, found)
+                else:
+                    values[figure.text] = number
+    return Told(values, reasons)
+
+
+def _total(figures: Iterable[Figure], plan: Plan, work: Work, varied: str) -> dict[str, Any]:
+    """MTFs of the chain; what the varied node does not feed may be broken."""
+    for name in {varied, *_after(plan.network, varied)}:
+        error = plan.nodes[name].error
+        if error is not None:
+            raise error
+    chain = find_chain(sound_part(plan))
+    if chain.grid is None or not chain.cascade:
+        raise NetworkError(f"no total MTF: {chain.missing}")
+    found = {}
+    for figure in figures:
+        axis, share, _ = _PLACES[figure.name]
+        later = chain.later if figure.node == SYSTEM else ()
+        factors = [factor for stage in (*chain.stages, *later) for factor in stage.factors]
+        nyquist = chain.grid.nyquist_x if axis == "x" else chain.grid.nyquist_y
+        value = response(work, factors, np.array([share * nyquist]), axis)
+        found[figure.name] = float(value.mtf[0])
+        if not np.isfinite(found[figure.name]):
+            raise DataError("the MTF is not finite")
+    return found
+
+
+def _after(network: Network, node: str) -> set[str]:
+    found: set[str] = set()
+    waiting = [node]
+    while waiting:
+        for name in network.followers.get(waiting.pop(), ()):
+            if name not in found:
+                found.add(name)
+                waiting.append(name)
+    return found
+
+
+def _number(value: Any) -> float | None:
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
+        return None
+    number = float(value)
+    return None if np.isnan(number) else number
+
+
+def _no_number(figure: Figure, found: Mapping[str, Any]) -> str:
+    value = found.get(figure.name)
+    return f"{figure.text} has no value" if value is None else f"{figure.text} is no number"

@@ -1,0 +1,249 @@
+"""Images that come out of a chain: the spectrum, the product of its factors, one inverse."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.wires import Image, Magnitude, Phase
+from core.errors import DataError
+from core.evaluation.recipes import Recipe, Step, in_parts
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from core.filtering.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
+from core.filtering.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
+from core.transfer.error_budget import Skipped, spend
+from core.transfer.factors import Factor
+from core.transfer.planar_blocks import Axes, axes_of, known_planes
+from core.transfer.product import Product
+
+Array = NDArray[Any]
+BinMode = Literal["mean", "sum"]
+
+
+def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = None) -> Image:
+    """The image of a magnitude and a phase, which may stem from different images.
+
+    Raises
+    ------
+    DataError
+        If the two do not have the same size.
+    """
+    if magnitude.grid.shape != phase.grid.shape:
+        raise DataError(
+            f"magnitude is {magnitude.grid.columns} × {magnitude.grid.rows} samples and phase "
+            f"{phase.grid.columns} × {phase.grid.rows}: only equal sizes combine"
+        )
+    grid = magnitude.grid
+    like = magnitude.image or phase.image
+    recipe = Delivered(magnitude, phase, node=node)
+    unit = like.unit if like is not None else ""
+    return Image(
+        recipe,
+        grid.rows,
+        grid.columns,
+        grid.interval_x_mrad,
+        grid.interval_y_mrad,
+        unit=unit,
+        band_um=like.band_um if like is not None else None,
+        edges="reflect" if recipe.mirrored else "periodic",
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Delivered(Recipe):
+    """Pixels of a filtered image, blocks of them combined if a factor says so."""
+
+    magnitude: Magnitude
+    phase: Phase
+    factor_x: int = 1
+    factor_y: int = 1
+    mode: BinMode = "mean"
+    node: str | None = field(default=None, compare=False)
+
+    def _content(self) -> tuple[object, ...]:
+        return self.magnitude.key, self.phase.key, self.factor_x, self.factor_y, self.mode
+
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """The pictures, and what the factors are made of."""
+        return (*self._pictures, *self.bound)
+
+    @property
+    def needs(self) -> tuple[Recipe, ...]:
+        """In place of one picture its spectrum, and what is kept of planar factors."""
+        product = Product((*self.magnitude.factors, *self._phase_factors()))
+        axes: Axes = "mirrored" if self.mirrored else "periodic"
+        sources = (self._spectrum,) if self.one_source else self._pictures
+        return (*self.bound, *known_planes(product, self.magnitude.grid, axes), *sources)
+
+    def first(self, work: Work) -> tuple[Recipe, ...]:
+        """Without the picture where its spectrum is there."""
+        if self.one_source and work.knows(self._spectrum):
+            return self.bound
+        return (*self.bound, *self._pictures)
+
+    @property
+    def _pictures(self) -> tuple[Recipe, ...]:
+        wires = (self.magnitude, self.phase)
+        return tuple(wire.image.recipe for wire in wires if wire.image is not None)
+
+    @property
+    def bound(self) -> tuple[Recipe, ...]:
+        """Recipes that laws are bound to."""
+        factors = (*self.magnitude.factors, *self.phase.factors)
+        return tuple(recipe for factor in factors for law in factor.laws for recipe in law.inputs)
+
+    @cached_property
+    def _spectrum(self) -> Recipe:
+        """Of the picture that magnitude and phase stem from."""
+        assert self.magnitude.image is not None
+        transform = mirrored_spectrum if self.mirrored else periodic_spectrum
+        return Step.of(transform, self.magnitude.image.recipe, node=self.node)
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether the frame goes on mirrored beyond its edges."""
+        return self.one_source and self.magnitude.edges == "reflect"
+
+    @property
+    def one_source(self) -> bool:
+        """Whether magnitude and phase belong to the same image."""
+        a, b = self.magnitude, self.phase
+        return (
+            a.image is not None
+            and b.image is not None
+            and a.image.key == b.image.key
+            and a.edges == b.edges
+        )
+
+    @property
+    def in_parts(self) -> bool:
+        """Half of the inverse transform serves a region as well."""
+        return True
+
+    def share(self, region: Region, shape: tuple[int, int]) -> float:
+        """All of the first half; of the second the columns if mirrored, else the rows."""
+        part = region.columns / shape[1] if self.mirrored else region.rows / shape[0]
+        return 0.5 + 0.5 * part
+
+    def compute(self, work: Work) -> Array:
+        """One multiplication of the spectrum and one inverse transform."""
+        return self._made(work)
+
+    def compute_part(self, work: Work, region: Region) -> Array:
+        """The same, the second half of the transform for the region alone."""
+        return self._made(work, region)
+
+    def _made(self, work: Work, region: Region | None = None) -> Array:
+        grid = self.magnitude.grid
+        kept, _ = self.spent(work)
+        product = Product(kept)
+        source = self.magnitude.image
+        if source is not None and self.one_source:
+            if not kept and self.factor_x == self.factor_y == 1:
+                picture = source.recipe
+                samples = work.part(picture, region) if region else work.value(picture)
+                return np.asarray(samples, work.policy.dtype)
+            spectrum = work.value(self._spectrum)
+            apply = mirrored_filter if self.mirrored else periodic_filter
+        else:
+            spectrum, apply = self._crossed(work), periodic_filter
+        work.check()
+        result = apply(work, spectrum, product, grid, self.factor_x, self.factor_y, region)
+        if self.mode == "sum":
+            result *= result.dtype.type(self.factor_x * self.factor_y)
+        return result
+
+    def spent(self, work: Work) -> tuple[tuple[Factor, ...], tuple[Skipped, ...]]:
+        """Factors that count within the error budget, and those left out."""
+        axes: Axes = "mirrored" if self.mirrored else "periodic"
+        xi, eta = axes_of(self.magnitude.grid, axes)
+        return spend(work, (*self.magnitude.factors, *self._phase_factors()), xi, eta)
+
+    def _phase_factors(self) -> tuple[Factor, ...]:
+        """PTFs as functions of the magnitude's frequencies, sample by sample of the spectrum."""
+        a, b = self.magnitude.grid, self.phase.grid
+        ratios = a.interval_x_mrad / b.interval_x_mrad, a.interval_y_mrad / b.interval_y_mrad
+        if ratios == (1.0, 1.0):
+            return self.phase.factors
+        return tuple(factor.rescaled(*ratios) for factor in self.phase.factors)
+
+    def _crossed(self, work: Work) -> MeanFree:
+        a, b = self.magnitude.image, self.phase.image
+        return crossed_spectrum(
+            work,
+            None if a is None else work.value(a.recipe),
+            None if b is None else work.value(b.recipe),
+            self.magnitude.grid,
+        )
+
+
+def combine_pixels(
+    image: Image, *, factor_x: int, factor_y: int, mode: BinMode = "mean", node: str | None = None
+) -> Image:
+    """Mean or sum of blocks of `factor_y` × `factor_x` samples; what is left over is cropped.
+
+    Straight after a back transform, and where the factors divide the size, the spectrum is folded
+    and a smaller inverse transform taken; otherwise the pixels are combined.
+
+    Raises
+    ------
+    DataError
+        If a factor exceeds the image's size.
+    """
+    if factor_x > image.columns or factor_y > image.rows:
+        raise DataError(
+            f"blocks of {factor_x} × {factor_y} do not fit an image of "
+            f"{image.columns} × {image.rows} samples"
+        )
+    recipe = image.recipe
+    whole = image.columns % factor_x == 0 and image.rows % factor_y == 0
+    if isinstance(recipe, Delivered) and whole and recipe.factor_x == recipe.factor_y == 1:
+        combined: Recipe = Delivered(
+            recipe.magnitude, recipe.phase, factor_x, factor_y, mode, node=recipe.node
+        )
+    else:
+        combined = Step.of(
+            block_combine, recipe, factor_x=factor_x, factor_y=factor_y, mode=mode, node=node
+        )
+    x, y = image.interval_x_mrad, image.interval_y_mrad
+    return image.with_recipe(
+        combined,
+        rows=image.rows // factor_y,
+        columns=image.columns // factor_x,
+        interval_x_mrad=None if x is None else x * factor_x,
+        interval_y_mrad=None if y is None else y * factor_y,
+        edges=image.edges if whole else None,  # a frame that is cropped goes on otherwise
+    )
+
+
+def _combined_part(
+    work: Work, region: Region, image: Recipe, *, factor_x: int, factor_y: int, mode: str
+) -> Array:
+    wanted = Region(
+        region.top * factor_y,
+        region.left * factor_x,
+        region.rows * factor_y,
+        region.columns * factor_x,
+    )
+    blocks = work.part(image, wanted)
+    return block_combine(work, blocks, factor_x=factor_x, factor_y=factor_y, mode=mode)
+
+
+@in_parts(_combined_part)
+def block_combine(work: Work, image: Array, *, factor_x: int, factor_y: int, mode: str) -> Array:
+    """Mean or sum of whole blocks, sums in double."""
+    rows, columns = image.shape[0] // factor_y, image.shape[1] // factor_x
+    total = np.zeros((rows, columns))
+    for y in range(factor_y):
+        for x in range(factor_x):
+            work.check()
+            total += image[y : rows * factor_y : factor_y, x : columns * factor_x : factor_x]
+    if mode == "mean":
+        total /= factor_x * factor_y
+    return total.astype(work.policy.dtype)

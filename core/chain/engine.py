@@ -1,0 +1,319 @@
+"""Evaluating a network: plan every node in microseconds, then compute only what is asked for."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from core.chain.realize import realize
+from core.chain.wires import SpectrumWire, Transfer
+from core.errors import ImagechainError, NetworkError, UnconnectedError
+from core.evaluation.float_guard import watched
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Recipe
+from core.evaluation.region import Region
+from core.evaluation.store import Store
+from core.evaluation.work import Work
+from core.modules.caution import Caution
+from core.modules.declaration import Declaration, Here, Module, declaration
+from core.modules.library_type import Library
+from core.network.network import Link, Network, Node, passed_through
+from core.threads import Workers
+
+
+@dataclass(frozen=True)
+class PlannedNode:
+    """A node with its module, what comes in and what goes out; or why it has none."""
+
+    node: Node
+    module: Module | None = None
+    inputs: Mapping[str, Any] = field(default_factory=dict)
+    outputs: Mapping[str, Any] = field(default_factory=dict)
+    result: Any = None
+    error: ImagechainError | None = None
+
+    @property
+    def declaration(self) -> Declaration:
+        """Declaration of the node's module."""
+        assert self.module is not None
+        return declaration(type(self.module))
+
+    @cached_property
+    def warnings(self) -> tuple[Caution, ...]:
+        """What its module warns of; nothing of a node that has an error or is disabled."""
+        if self.error is not None or self.module is None or self.node.disabled:
+            return ()
+        known = {**self.inputs, "outputs": self.result}
+        found = []
+        for check in self.declaration.warnings:
+            caution = getattr(self.module, check.name)(*(known[name] for name in check.needs))
+            if caution is not None:
+                found.append(caution.at(self.node.id, check.name))
+        return tuple(found)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Every node of a network planned: recipes, no arrays."""
+
+    network: Network
+    nodes: Mapping[str, PlannedNode]
+    folder: Path = Path()
+
+    def output(self, port: str) -> Any:
+        """The value on ``node.port``.
+
+        Raises
+        ------
+        ImagechainError
+            The node's own error, or that there is no such port.
+        """
+        name, _, output = port.rpartition(".")
+        planned = self.node(name)
+        if planned.error is not None:
+            raise planned.error
+        if output not in planned.outputs:
+            known = ", ".join(planned.outputs) or "none"
+            raise NetworkError(f"{port}: {name} has no output {output!r}; it has {known}")
+        return planned.outputs[output]
+
+    def node(self, name: str) -> PlannedNode:
+        """The planned node of that id.
+
+        Raises
+        ------
+        NetworkError
+            If there is none.
+        """
+        if name not in self.nodes:
+            known = ", ".join(self.nodes) or "none"
+            raise NetworkError(f"the network has no node {name!r}; it has {known}")
+        return self.nodes[name]
+
+    def errors(self) -> list[ImagechainError]:
+        """Errors of the nodes, each once, in order."""
+        errors = (planned.error for planned in self.nodes.values())
+        return list(dict.fromkeys(error for error in errors if error is not None))
+
+    def warnings(self) -> list[Caution]:
+        """What the nodes warn of, in order."""
+        return [each for planned in self.nodes.values() for each in planned.warnings]
+
+
+class Engine:
+    """Plans and evaluates networks over one store.
+
+    Parameters
+    ----------
+    library : mapping of key to module class
+        The modules a network may use.
+    store : Store, optional
+        Where computed values are kept between evaluations.
+    """
+
+    def __init__(self, library: Library, store: Store | None = None) -> None:
+        self.library = library
+        self.store = store if store is not None else Store()
+        self._workers = Workers()
+
+    def plan(
+        self,
+        network: Network,
+        *,
+        folder: Path | None = None,
+        previous: Plan | None = None,
+        held: Mapping[str, PlannedNode] | None = None,
+    ) -> Plan:
+        """Run every module's planning in order; an error stays on its node.
+
+        Nodes that hang on a failed one carry that node's error. From a `previous` plan of an
+        earlier state of the network, what has not changed since is taken over. Nodes in `held` are
+        not planned but stay as they are there, and the nodes after them are planned on that.
+        """
+        planned: dict[str, PlannedNode] = {}
+        folder = folder or Path()
+        known = {} if previous is None or previous.folder != folder else previous.nodes
+        if previous is not None and previous.network.seed != network.seed:
+            known = {}
+        held = held or {}
+        for name in network.order():
+            earlier = known.get(name)
+            if name in held:
+                planned[name] = held[name]
+            elif earlier is not None and _unchanged(network, name, planned, earlier):
+                planned[name] = earlier
+            else:
+                planned[name] = self._plan_node(network, name, planned, folder)
+        return Plan(network, planned, folder)
+
+    def work(
+        self,
+        policy: Policy,
+        *,
+        cancel: threading.Event | None = None,
+        progress: Callable[[str | None], None] | None = None,
+    ) -> Work:
+        """One evaluation over this engine's store."""
+        return Work(policy, self.store, cancel, progress, self._workers)
+
+    def value(self, plan: Plan, port: str, work: Work, region: Region | None = None) -> Any:
+        """The computed value of one ``node.port``.
+
+        Of an image, a `region` gives the samples that the whole picture has there, to the bit,
+        and computes no more than they need.
+        """
+        value = plan.output(port)
+        node = port.rpartition(".")[0]
+        try:
+            with watched(node):
+                return realize(value, work, region)
+        except ImagechainError as error:
+            raise error.at(node) from error
+
+    def readouts(
+        self, plan: Plan, node: str, work: Work, names: Collection[str] | None = None
+    ) -> dict[str, Any]:
+        """Values of a node's read-outs by name; of those in `names`, if given.
+
+        Raises
+        ------
+        ImagechainError
+            The node's own error, or one met while computing.
+        """
+        found = self.planned_readouts(plan, node, names)
+        recipes = [value for value in found.values() if isinstance(value, Recipe)]
+        with work.hold(recipes) as held:
+            for name, value in found.items():
+                if isinstance(value, Recipe):
+                    try:
+                        found[name] = work.value(value)
+                    except ImagechainError as error:
+                        raise error.at(node) from error
+                    held.release([value])
+        return found
+
+    def planned_readouts(
+        self, plan: Plan, node: str, names: Collection[str] | None = None
+    ) -> dict[str, Any]:
+        """A node's read-outs as values, or as recipes where they have to be computed.
+
+        Raises
+        ------
+        ImagechainError
+            The node's own error.
+        """
+        planned = plan.node(node)
+        if planned.error is not None:
+            raise planned.error
+        found: dict[str, Any] = {}
+        if planned.result is None and planned.node.disabled:
+            return found
+        known = {**planned.inputs, "outputs": planned.result}
+        for readout in planned.declaration.readouts:
+            if names is not None and readout.name not in names:
+                continue
+            arguments = {name: known[name] for name in readout.needs}
+            try:
+                with watched(node):
+                    found[readout.name] = getattr(planned.module, readout.method)(**arguments)
+            except ImagechainError as error:
+                raise error.at(node) from error
+        return found
+
+    def _plan_node(
+        self, network: Network, name: str, planned: Mapping[str, PlannedNode], folder: Path
+    ) -> PlannedNode:
+        inputs: dict[str, Any] = {}
+        try:
+            with watched(name):
+                return self._planned(network, name, planned, folder, inputs)
+        except ImagechainError as error:
+            return PlannedNode(network.nodes[name], inputs=inputs, error=error.at(name))
+
+    def _planned(
+        self,
+        network: Network,
+        name: str,
+        planned: Mapping[str, PlannedNode],
+        folder: Path,
+        inputs: dict[str, Any],
+    ) -> PlannedNode:
+        node = network.nodes[name]
+        module_class = self.library.get(node.module)
+        if module_class is None:
+            raise NetworkError(f"module {node.module!r} is not in the library", node=name)
+        module = module_class.build(node.params)
+        module.check()
+        described = declaration(module_class)
+        for link in network.links_into(name):
+            source = planned.get(link.source)
+            if source is not None and source.error is not None:
+                return PlannedNode(node, module, error=source.error)
+            inputs[link.input] = _brought(link, source, described, inputs)
+        for port in described.inputs:
+            if port.name not in inputs:
+                if port.required:
+                    raise UnconnectedError(f"input {port.name} is not connected", node=name)
+                inputs[port.name] = None
+        if node.disabled:
+            return PlannedNode(node, module, inputs, _passed(described, inputs))
+        result = _run(module, inputs, Here(name, network.seed, folder))
+        outputs = result._asdict() if result is not None else {}
+        return PlannedNode(node, module, inputs, outputs, result)
+
+
+def _unchanged(
+    network: Network, name: str, planned: Mapping[str, PlannedNode], earlier: PlannedNode
+) -> bool:
+    """Whether planning the node again would give the very same."""
+    if earlier.node is not network.nodes[name] or earlier.module is None or earlier.error:
+        return False
+    if any(isinstance(value, Path) for value in vars(earlier.module).values()):
+        return False  # a file may have changed meanwhile
+    links = network.links_into(name)
+    linked = sum(value is not None for value in earlier.inputs.values())
+    return len(links) == linked and all(
+        link.source in planned
+        and earlier.inputs.get(link.input) is planned[link.source].outputs.get(link.output)
+        and earlier.inputs.get(link.input) is not None
+        for link in links
+    )
+
+
+def _brought(
+    link: Link, source: PlannedNode | None, described: Declaration, inputs: Mapping[str, Any]
+) -> Any:
+    """What a link brings to its input; for networks that nobody has validated."""
+    port = described.input(link.input)
+    if port is None:
+        raise NetworkError(f"{described.title} has no input {link.input!r}")
+    if link.input in inputs:
+        raise NetworkError(f"two links come into the input {link.input}")
+    if source is None or link.output not in source.outputs:
+        raise NetworkError(f"the link {link} brings nothing: there is no such output")
+    value = source.outputs[link.output]
+    if value.port_type not in port.types:
+        kinds = " or ".join(port.types)
+        raise NetworkError(f"{link.source}.{link.output} is no {kinds} for the input {link.input}")
+    return value
+
+
+def _run(module: Module, inputs: Mapping[str, Any], here: Here) -> Any:
+    hints = module.run.__annotations__
+    extra = {name: here for name, hint in hints.items() if hint in (Here, "Here")}
+    return module.run(**inputs, **extra)
+
+
+def _passed(described: Declaration, inputs: Mapping[str, Any]) -> dict[str, Any]:
+    """Outputs of a disabled node: what passes through, and transfer functions of 1 or 0."""
+    through = passed_through(described)
+    passed = {output: inputs[source] for output, source in through.items()}
+    grids = [value.grid for value in inputs.values() if isinstance(value, SpectrumWire)]
+    for port in described.outputs:
+        if port.name in ("mtf", "ptf") and port.name not in passed and grids:
+            passed[port.name] = Transfer(grids[0], "ptf" if port.name == "ptf" else "mtf")
+    return {name: value for name, value in passed.items() if value is not None}

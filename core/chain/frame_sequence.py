@@ -1,0 +1,95 @@
+"""Further frames of a sequence: the same picture with temporal noise of its own.
+
+A frame differs from the picture in its noise streams alone, and not in those of a sensor's fixed
+patterns; all that leads to the noise keeps its key, so it is made once for all frames.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TypeVar
+
+from core.chain.back_transformed import Delivered
+from core.chain.wires import Magnitude, Phase
+from core.evaluation.recipes import Recipe, Step
+from core.noise.random_fields import Stream
+
+Change = Callable[[Recipe], Recipe | None]
+Wire = TypeVar("Wire", Magnitude, Phase)
+
+
+def at_frame(recipe: Recipe, frame: int) -> Recipe:
+    """The recipe of the same picture in another frame; frame 0 is the picture itself."""
+
+    def change(each: Recipe) -> Recipe | None:
+        if not isinstance(each, Step):
+            return None
+        moved = tuple((name, _moved(value, frame)) for name, value in each.parameters)
+        if moved == each.parameters:
+            return None
+        inputs = tuple(made.of(one) for one in each.inputs)
+        return replace(each, inputs=inputs, parameters=moved)
+
+    made = Remaking(change)
+    return made.of(recipe)
+
+
+def _moved(value: object, frame: int) -> object:
+    return replace(value, frame=frame) if isinstance(value, Stream) and not value.fixed else value
+
+
+def _pictures(recipe: Recipe) -> tuple[Recipe, ...]:
+    """What a recipe is made of, less what transfer functions are."""
+    if isinstance(recipe, Delivered):
+        wires = (recipe.magnitude, recipe.phase)
+        return tuple(wire.image.recipe for wire in wires if wire.image is not None)
+    return recipe.inputs if isinstance(recipe, Step) else ()
+
+
+class Remaking:
+    """Makes recipes anew with some of those they are made of changed.
+
+    Parameters
+    ----------
+    change : callable
+        Called with each recipe: what takes its place, or None to look at its inputs instead.
+    """
+
+    def __init__(self, change: Change) -> None:
+        self._change = change
+        self._known: dict[str, Recipe] = {}
+
+    def of(self, recipe: Recipe) -> Recipe:
+        """The recipe remade; the same object where nothing changes."""
+        path = [] if recipe.key in self._known else [(recipe, iter(_pictures(recipe)))]
+        while path:  # the furthest first: none is remade within another
+            each, coming = path[-1]
+            fresh = next((one for one in coming if one.key not in self._known), None)
+            if fresh is not None:
+                path.append((fresh, iter(_pictures(fresh))))
+                continue
+            self._known[each.key] = self._change(each) or self.inputs_of(each)
+            path.pop()
+        return self._known[recipe.key]
+
+    def inputs_of(self, recipe: Recipe) -> Recipe:
+        """The recipe with its inputs remade; those of transfer functions are left alone."""
+        if isinstance(recipe, Step):
+            inputs = tuple(self.of(each) for each in recipe.inputs)
+            same = all(a is b for a, b in zip(inputs, recipe.inputs, strict=True))
+            return recipe if same else replace(recipe, inputs=inputs)
+        if isinstance(recipe, Delivered):
+            magnitude, phase = self._wire(recipe.magnitude), self._wire(recipe.phase)
+            if magnitude is recipe.magnitude and phase is recipe.phase:
+                return recipe
+            return replace(recipe, magnitude=magnitude, phase=phase)
+        return recipe
+
+    def _wire(self, wire: Wire) -> Wire:
+        if wire.image is None:
+            return wire
+        made = self.of(wire.image.recipe)
+        if made is wire.image.recipe:
+            return wire
+        return replace(wire, image=wire.image.with_recipe(made))

@@ -1,0 +1,240 @@
+"""What an evaluation did not compute, and why: an account by node, for people.
+
+It is read off the plan and the evaluation's tally; nothing that is computed depends on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from core.chain.back_transformed import Delivered
+from core.chain.engine import Plan, PlannedNode
+from core.chain.wires import Curve, Image, Pupil, SpectrumWire, Table, Transfer
+from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import Work
+from core.transfer.factors import Planar
+
+Kind = Literal[
+    "disabled",
+    "identity",
+    "below_budget",
+    "unseen",
+    "unchanged",
+    "mirrored_edges",
+    "pupil_centre",
+    "folded",
+    "region",
+]
+
+
+@dataclass(frozen=True)
+class Skip:
+    """Something of a node that was not computed.
+
+    Parameters
+    ----------
+    node : str
+        The node's id.
+    kind : Kind
+        ``disabled``; ``identity``, a setting that changes nothing; ``below_budget``, a stage left
+        out; ``unseen``, outputs that nobody asked for; ``unchanged``, values that were there
+        already; ``mirrored_edges``, a frame that needs no padding; ``pupil_centre``, an OTF
+        evaluated within the image's band alone; ``folded``, a pixel mean taken on the spectrum;
+        ``region``, a picture of which only a region was wanted.
+    text : str
+        One line for people, without `bound` and `share`.
+    bound : float, optional
+        Of a stage left out: the most it could change, as a fraction of the picture's range.
+    share : float, optional
+        The part that was computed after all, where it can be told.
+    ports : tuple of str
+        Outputs that nobody asked for.
+    """
+
+    node: str
+    kind: Kind
+    text: str
+    bound: float | None = None
+    share: float | None = None
+    ports: tuple[str, ...] = ()
+
+
+def skips(plan: Plan, work: Work) -> tuple[Skip, ...]:
+    """Everything an evaluation has skipped so far, node by node in the plan's order.
+
+    Parameters
+    ----------
+    plan : Plan
+        The network as it was evaluated.
+    work : Work
+        The evaluation.
+    """
+    account = _Account(work)
+    found: dict[str, list[Skip]] = {name: [] for name in plan.nodes}
+    for name, planned in plan.nodes.items():
+        for skip in account.of_node(name, planned):
+            if skip.node in found:  # a factor may name a stage that is no node
+                found[skip.node].append(skip)
+    return tuple(skip for each in found.values() for skip in _strongest(each))
+
+
+def is_neutral(planned: PlannedNode) -> bool:
+    """Whether the node passes all it works on as it is: nothing of it is computed."""
+    through = {
+        port: (planned.inputs[port], value)
+        for port, value in planned.outputs.items()
+        if planned.inputs.get(port) is not None
+    }
+    if any(getattr(value, "own", None) is not None for value in planned.outputs.values()):
+        return False  # a transfer function to look at has been made
+    return bool(through) and all(
+        getattr(given, "key", None) == getattr(value, "key", None)
+        for given, value in through.values()
+    )
+
+
+class _Account:
+    """What one evaluation has asked for, and what need not have been asked for."""
+
+    def __init__(self, work: Work) -> None:
+        self.work = work
+        self.asked, self.computed = {**work.tally.asked}, {*work.tally.computed}
+        reused = work.tally.reused()
+        behind = _behind(reused)
+        self.parts = {**work.tally.parts}
+        self._steps: dict[str | None, list[str]] = {}
+        for key, recipe in self.asked.items():
+            self._steps.setdefault(recipe.node, []).append(key)
+        self.known = behind.union(self.asked, work.tally.looked_at, (key for key, _ in self.parts))
+        self.was_there = behind.union(recipe.key for recipe in reused)
+
+    def of_node(self, name: str, planned: PlannedNode) -> Iterator[Skip]:
+        """What was skipped on a node, and in the pictures it makes."""
+        if planned.node.disabled:
+            yield Skip(name, "disabled", "switched off: its input is passed on")
+            return
+        if is_neutral(planned):
+            yield Skip(name, "identity", "its setting changes nothing: its input is passed on")
+            return
+        made = _made(planned)
+        keys = {port: _key(value) for port, value in made.items()}
+        unseen = tuple(port for port, key in keys.items() if key not in self.known)
+        if unseen:
+            text = f"nobody asked for the whole array of {', '.join(unseen)}: it was not made"
+            yield Skip(name, "unseen", text, ports=unseen)
+        yield from self._unchanged(name, set(keys.values()))
+        for value in made.values():
+            if isinstance(value, Image):
+                yield from self._of_regions(name, value)
+            recipe = getattr(value, "recipe", None)
+            if isinstance(recipe, Delivered) and recipe.key in self.known:
+                yield from self._of_picture(name, recipe)
+
+    def _unchanged(self, name: str, keys: set[str]) -> Iterator[Skip]:
+        steps = self._steps.get(name, [])
+        reused = [key for key in steps if key not in self.computed]
+        if len(reused) < len(steps) and reused:
+            text = f"{len(reused)} of {len(steps)} steps unchanged: their values were there already"
+        elif reused or (not steps and keys & self.was_there):
+            text = "unchanged: its values, or what is made of them, were there already"
+        else:
+            return
+        share = (len(steps) - len(reused)) / len(steps) if steps else 0.0
+        yield Skip(name, "unchanged", text, share=share)
+
+    def _of_regions(self, name: str, image: Image) -> Iterator[Skip]:
+        """What was made of a picture for a region of it, and of the pictures it takes."""
+        maker = image.recipe.node or name
+        shares = []
+        for (key, region), recipe in self.parts.items():
+            if recipe.node == maker and key in self.asked:
+                shares += [1.0] if key in self.computed else []
+            elif recipe.node == maker and (key, region) in self.computed:
+                shares.append(recipe.share(region, image.shape))
+        for key, region in self.parts if shares else ():
+            if key == image.key:
+                alone = sum(share < 1 for share in shares)
+                made = f"{alone} of {len(shares)} steps made no more than they take"
+                text = (
+                    f"{region.columns} × {region.rows} of {image.columns} × {image.rows} samples "
+                    f"were wanted: {made if alone else 'the whole was made'}"
+                )
+                yield Skip(maker, "region", text, share=sum(shares) / len(shares))
+
+    def _of_picture(self, name: str, recipe: Delivered) -> Iterator[Skip]:
+        """What was skipped to make a picture that comes out of an inverse transform."""
+        grid, maker = recipe.magnitude.grid, recipe.node or name
+        size = f"{grid.columns} × {grid.rows}"
+        if recipe.mirrored:
+            text = (
+                f"edges mirrored by cosine and sine transforms of {size} samples: "
+                f"no frame of {2 * grid.columns} × {2 * grid.rows}"
+            )
+            yield Skip(maker, "mirrored_edges", text, share=0.25)
+        factors = recipe.factor_x * recipe.factor_y
+        if factors > 1:
+            small = f"{grid.columns // recipe.factor_x} × {grid.rows // recipe.factor_y}"
+            text = (
+                f"pixels averaged on the spectrum: one inverse of {small} samples, none of {size}"
+            )
+            yield Skip(name, "folded", text, share=1 / factors)
+        kept, left_out = recipe.spent(self.work)
+        for stage in left_out:
+            text = f"{stage.label or 'the stage'} left out: it changes less than the error budget"
+            yield Skip(stage.node or "", "below_budget", text, bound=stage.bound)
+        for factor in kept:
+            if isinstance(factor, Planar) and factor.cutoff is not None:
+                reach = zip((grid.nyquist_x, grid.nyquist_y), factor.cutoff, strict=True)
+                across, along = (min(1.0, nyquist / cutoff) for nyquist, cutoff in reach)
+                if across * along < 1:
+                    text = "its OTF was evaluated within the image's band alone"
+                    yield Skip(factor.node or "", "pupil_centre", text, share=across * along)
+
+
+def _made(planned: PlannedNode) -> dict[str, Any]:
+    """Outputs that something would have to be computed for, less what is passed on."""
+    given = {getattr(value, "key", None) for value in planned.inputs.values()}
+    return {
+        port: value
+        for port, value in planned.outputs.items()
+        if isinstance(value, Image | Curve | Table | Pupil | Transfer | SpectrumWire)
+        and value.key not in given
+        and not (isinstance(value, Transfer) and not value.factors and value.own is None)
+    }
+
+
+def _key(value: Any) -> str:
+    """Key under which an evaluation notes that a port's value was wanted."""
+    if isinstance(value, Pupil):
+        return value.samples.key
+    if isinstance(value, Transfer) and value.own is not None:
+        return value.own.key
+    key: str = value.key
+    return key
+
+
+def _behind(recipes: list[Recipe]) -> set[str]:
+    """Keys of all that these recipes are made of, themselves left out."""
+    found: set[str] = set()
+    waiting = list(recipes)
+    while waiting:
+        recipe = waiting.pop()
+        needed = list(recipe.inputs)
+        if isinstance(recipe, Step):
+            wires = (value for _, value in recipe.parameters if isinstance(value, SpectrumWire))
+            needed += [wire.image.recipe for wire in wires if wire.image is not None]
+        waiting += [each for each in needed if each.key not in found]
+        found.update(each.key for each in needed)
+    return found
+
+
+def _strongest(found: list[Skip]) -> Iterator[Skip]:
+    """Of what is said more than once, as in several pictures, the largest bound or share."""
+    best: dict[tuple[str, str], Skip] = {}
+    for skip in found:
+        other = best.setdefault((skip.kind, skip.text), skip)
+        if (skip.bound or 0, skip.share or 0) > (other.bound or 0, other.share or 0):
+            best[skip.kind, skip.text] = skip
+    yield from best.values()

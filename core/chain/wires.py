@@ -1,0 +1,297 @@
+"""What travels on wires: small immutable values that know how to be made, and hold no arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, ClassVar, Literal
+
+from core.errors import DataError
+from core.evaluation.content_key import content_key
+from core.evaluation.recipes import Recipe
+from core.physics.optics.pupil_shapes import PupilShape
+from core.transfer.factors import Factor
+from core.transfer.grid import Edges, Grid
+
+Platform = Literal["line", "push", "array"]
+
+
+@dataclass(frozen=True)
+class Header:
+    """What an image's file says of the sensor that took it; empty fields are None.
+
+    `bare_integers`: the file stores integers and names no unit of them. `channels`: names of a
+    colour picture's channels, of which the image is one; empty for a picture of one channel.
+    `not_applied`: fields that would change the samples, which are as stored.
+    """
+
+    fov_x_deg: float | None = None
+    fov_y_deg: float | None = None
+    focal_length_mm: float | None = None
+    bare_integers: bool = False
+    channels: tuple[str, ...] = ()
+    not_applied: tuple[str, ...] = ()
+
+
+def _bound(factors: Iterable[Factor]) -> tuple[Recipe, ...]:
+    """Recipes bound in the factors' laws."""
+    return tuple(recipe for factor in factors for law in factor.laws for recipe in law.inputs)
+
+
+@dataclass(frozen=True)
+class Image:
+    """2-D samples with unit, sampling interval and band.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        Makes the pixels, shape (rows, columns).
+    rows, columns : int
+        Size.
+    interval_x_mrad, interval_y_mrad : float or None
+        Sampling interval, None where nobody has said.
+    unit : str
+        Unit of the samples.
+    band_um : (float, float) or None
+        Cut-on and cut-off wavelength.
+    header : Header
+        What the file says, for `Init & Trans`.
+    edges : Edges or None
+        How the frame goes on beyond its edges, as its transform had it; None where nobody has said.
+    """
+
+    port_type: ClassVar[str] = "image"
+
+    recipe: Recipe
+    rows: int
+    columns: int
+    interval_x_mrad: float | None = None
+    interval_y_mrad: float | None = None
+    unit: str = "W/m²/sr"
+    band_um: tuple[float, float] | None = None
+    header: Header = Header()
+    edges: Edges | None = None
+
+    @property
+    def key(self) -> str:
+        """Content key of the pixels."""
+        return self.recipe.key
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return self.rows, self.columns
+
+    def with_recipe(self, recipe: Recipe, **changes: Any) -> Image:
+        """The same kind of image with other pixels."""
+        return replace(self, recipe=recipe, **changes)
+
+    def grid(self) -> Grid:
+        """Sampling of the image.
+
+        Raises
+        ------
+        DataError
+            If the interval is not known.
+        """
+        if self.interval_x_mrad is None or self.interval_y_mrad is None:
+            raise DataError(
+                "the image does not say its sampling interval: give fov_x_deg and fov_y_deg "
+                "where it is read"
+            )
+        return Grid(self.rows, self.columns, self.interval_x_mrad, self.interval_y_mrad)
+
+
+@dataclass(frozen=True)
+class SpectrumWire:
+    """Common part of `Magnitude` and `Phase`: an image's spectrum and the factors so far.
+
+    `image` is None for a transfer function on its own ("just filter"): modulus 1, phase 0.
+    """
+
+    image: Image | None
+    grid: Grid
+    edges: Edges = "reflect"
+    factors: tuple[Factor, ...] = ()
+
+    @cached_property
+    def key(self) -> str:
+        """Content key."""
+        source = self.image.key if self.image is not None else None
+        keys = tuple(factor.key for factor in self.factors)
+        return content_key(type(self).__name__, source, self.grid, self.edges, keys)
+
+    @property
+    def recipes(self) -> tuple[Recipe, ...]:
+        """The picture's, and those bound in laws."""
+        source = (self.image.recipe,) if self.image is not None else ()
+        return (*source, *_bound(self.factors))
+
+
+@dataclass(frozen=True)
+class Magnitude(SpectrumWire):
+    """The modulus of an image's spectrum with the MTF factors collected so far."""
+
+    port_type: ClassVar[str] = "magnitude"
+
+    def times(self, *factors: Factor) -> Magnitude:
+        """With further MTF factors."""
+        return replace(self, factors=self.factors + factors) if factors else self
+
+    def only(self, *factors: Factor) -> Magnitude:
+        """The transfer function alone, without the image."""
+        return replace(self, image=None, factors=factors)
+
+
+@dataclass(frozen=True)
+class Phase(SpectrumWire):
+    """The phase of an image's spectrum with the PTF factors collected so far."""
+
+    port_type: ClassVar[str] = "phase"
+
+    def plus(self, *factors: Factor) -> Phase:
+        """With further PTF factors."""
+        return replace(self, factors=self.factors + factors) if factors else self
+
+    def only(self, *factors: Factor) -> Phase:
+        """The transfer function alone, without the image."""
+        return replace(self, image=None, factors=factors)
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """A transfer function to look at or plot; no factor is 1 (MTF) or 0 (PTF).
+
+    `own`, for a function with frequency intervals of its own such as a raw autocorrelation, is
+    the recipe of a `SampledTransfer`.
+    """
+
+    port_type: ClassVar[str] = "transfer"
+
+    grid: Grid
+    part: Literal["mtf", "ptf"]
+    factors: tuple[Factor, ...] = ()
+    label: str = field(default="", compare=False)
+    own: Recipe | None = None
+
+    @cached_property
+    def key(self) -> str:
+        """Content key."""
+        return content_key(
+            "transfer", self.grid, self.part, tuple(f.key for f in self.factors), self.own
+        )
+
+    @property
+    def recipes(self) -> tuple[Recipe, ...]:
+        """Its own, and those bound in laws."""
+        own = (self.own,) if self.own is not None else ()
+        return (*own, *_bound(self.factors))
+
+
+@dataclass(frozen=True)
+class Context:
+    """The data structure of Init & Trans: sampling, optics, detector, platform.
+
+    Empty values are None; a module that needs one says so by name.
+    """
+
+    port_type: ClassVar[str] = "context"
+
+    grid: Grid
+    edges: Edges
+    platform: Platform
+    detector_x_um: float | None
+    detector_y_um: float | None
+    focal_length_mm: float | None
+    f_number: float | None
+    range_m: float | None
+    fill_x: float
+    fill_y: float
+    velocity_m_per_s: float
+    scan_velocity_mrad_per_s: float
+    band_um: tuple[float, float] | None = None
+
+    @cached_property
+    def key(self) -> str:
+        """Content key."""
+        return content_key(
+            "context",
+            *(getattr(self, name) for name in self.__dataclass_fields__),
+        )
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One or more 1-D curves; `recipe` makes a `CurveData`."""
+
+    port_type: ClassVar[str] = "curve"
+
+    recipe: Recipe
+
+    @property
+    def key(self) -> str:
+        """Content key."""
+        return self.recipe.key
+
+
+@dataclass(frozen=True)
+class Table:
+    """Named figures with units; `recipe` makes a `TableData`."""
+
+    port_type: ClassVar[str] = "table"
+
+    recipe: Recipe
+
+    @property
+    def key(self) -> str:
+        """Content key."""
+        return self.recipe.key
+
+
+@dataclass(frozen=True)
+class Pupil:
+    """An exit pupil: a geometric shape, or samples, with a wavefront error in waves.
+
+    Parameters
+    ----------
+    samples : Recipe
+        Makes the amplitude transmission, shape (rows, columns).
+    rows, columns : int
+        Size of the pupil array.
+    shape : PupilShape or None
+        The geometry, where there is one.
+    radius : float or None
+        Radius of the disc on which the wavefront is defined, samples, centred on the array; None
+        for the smallest circle round the samples.
+    defocus_waves : float
+        W20 at the rim.
+    zernike_waves : tuple of float
+        Coefficients in Noll's order from piston on, waves rms.
+    """
+
+    port_type: ClassVar[str] = "pupil"
+
+    samples: Recipe
+    rows: int
+    columns: int
+    shape: PupilShape | None
+    radius: float | None
+    defocus_waves: float = 0.0
+    zernike_waves: tuple[float, ...] = ()
+
+    @cached_property
+    def key(self) -> str:
+        """Content key."""
+        return content_key(
+            "pupil",
+            self.samples.key,
+            self.shape,
+            (self.rows, self.columns, self.radius, self.defocus_waves),
+            self.zernike_waves,
+        )
+
+    @property
+    def aberrated(self) -> bool:
+        """Whether there is a wavefront error."""
+        return self.defocus_waves != 0 or any(self.zernike_waves)

@@ -1,0 +1,136 @@
+"""Laying a network out: columns from left to right along its wires."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+
+from core.editing.layout.layers import columns_of, components, rows_of
+from core.network.network import Network
+
+NODE_SIZE = (180.0, 100.0)  # of a node whose size is not told
+COLUMN_GAP, ROW_GAP = 60.0, 40.0
+
+Point = tuple[float, float]
+Sizes = Mapping[str, tuple[float, float]]
+Followers = Mapping[str, tuple[str, ...]]
+
+
+def arranged(
+    network: Network, sizes: Sizes, only: Collection[str] | None = None
+) -> dict[str, Point | None]:
+    """Lay nodes out so that every wire leads to the right and no two nodes overlap.
+
+    Parts that no wire joins stand below each other, single nodes in rows under them. The upper left
+    corner of what is laid out stays where it was.
+
+    Parameters
+    ----------
+    network : Network
+        What is laid out.
+    sizes : mapping
+        Width and height of the nodes, in units of the canvas.
+    only : collection of str, optional
+        Nodes to lay out among themselves; the others stay. All for None.
+
+    Returns
+    -------
+    dict of str to point or None
+        Where each of them is to stand, for `Move`.
+    """
+    chosen = {name: None for name in network.nodes if only is None or name in only}
+    followers = {
+        name: tuple(target for target in network.followers[name] if target in chosen)
+        for name in chosen
+    }
+    parts = components(followers)
+    places: dict[str, Point] = {}
+    top = 0.0
+    for part in parts:
+        if len(part) > 1:
+            found = _part({name: followers[name] for name in part}, sizes)
+            top = _put(places, found, sizes, top)
+    singles = [part[0] for part in parts if len(part) == 1]
+    if singles:
+        _put(places, _grid(singles, sizes), sizes, top)
+    return _anchored(network, places)
+
+
+def _put(places: dict[str, Point], found: Mapping[str, Point], sizes: Sizes, top: float) -> float:
+    """Put a part below the others; where the next one begins."""
+    highest = min(y for _, y in found.values())
+    places |= {name: (x, y - highest + top) for name, (x, y) in found.items()}
+    return max(places[name][1] + _size(sizes, name)[1] for name in found) + 2 * ROW_GAP
+
+
+def _part(followers: Followers, sizes: Sizes) -> dict[str, Point]:
+    """The points of nodes that hang together."""
+    column = columns_of(followers)
+    layers = rows_of(followers, column)
+    heights = _heights(followers, column, layers, sizes)
+    found = {}
+    left = 0.0
+    for layer in layers:
+        found.update({name: (left, heights[name]) for name in layer})
+        left += max((_size(sizes, name)[0] for name in layer), default=0.0) + COLUMN_GAP
+    return found
+
+
+def _heights(
+    followers: Followers, column: Mapping[str, int], layers: list[list[str]], sizes: Sizes
+) -> dict[str, float]:
+    """The upper edge of each node: in one row with what leads to it, as far as there is room.
+
+    A source stands in one row with what it feeds, which the turn before has found a row for.
+    """
+    leading = _leading(followers, column)
+    # Sources come last in their column: they can stand anywhere, a chain cannot.
+    layers = [sorted(layer, key=lambda name: name not in leading) for layer in layers]
+    heights: dict[str, float] = {}
+    for _ in range(2):
+        before, heights = heights, {}
+        for layer in layers:
+            top = -math.inf
+            for name in layer:
+                wanted = heights.get(leading.get(name, ""))
+                if wanted is None and before and followers[name]:
+                    wanted = before[min(followers[name], key=column.__getitem__)]
+                if wanted is None:
+                    wanted = max(top, 0.0)
+                heights[name] = max(wanted, top)
+                top = heights[name] + _size(sizes, name)[1] + ROW_GAP
+    return heights
+
+
+def _leading(followers: Followers, column: Mapping[str, int]) -> dict[str, str]:
+    """What leads to each node over the shortest way, the first of several."""
+    found: dict[str, str] = {}
+    for name, targets in followers.items():
+        for target in targets:
+            if target not in found or column[name] > column[found[target]]:
+                found[target] = name
+    return found
+
+
+def _grid(names: list[str], sizes: Sizes) -> dict[str, Point]:
+    """Rows of about as many nodes as there are rows."""
+    across = math.ceil(math.sqrt(len(names)))
+    width = max(_size(sizes, name)[0] for name in names) + COLUMN_GAP
+    height = max(_size(sizes, name)[1] for name in names) + ROW_GAP
+    return {
+        name: (number % across * width, float(number // across) * height)
+        for number, name in enumerate(names)
+    }
+
+
+def _anchored(network: Network, places: Mapping[str, Point]) -> dict[str, Point | None]:
+    old = [network.layout[name] for name in places if name in network.layout]
+    if not places:
+        return {}
+    left, top = (min((point[axis] for point in old), default=0.0) for axis in (0, 1))
+    x, y = (min(point[axis] for point in places.values()) for axis in (0, 1))
+    return {name: (at[0] - x + left, at[1] - y + top) for name, at in places.items()}
+
+
+def _size(sizes: Sizes, name: str) -> tuple[float, float]:
+    return sizes.get(name, NODE_SIZE)

@@ -1,0 +1,64 @@
+"""Marking which picture the network delivers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from core.editing.fields import check_value
+from core.editing.operation import ABSENT, Operation, with_field
+from core.errors import NetworkError
+from core.modules.declaration import Declaration, declaration
+from core.names import shown, thaw
+from core.network.network import Library, Network, with_marks
+
+
+@dataclass(frozen=True)
+class SetOutput(Operation):
+    """Mark these nodes as the network's output, one at most, and no others.
+
+    `port` is the network's own field ``final``, an older way to mark; ABSENT takes it away.
+    """
+
+    nodes: tuple[str, ...]
+    port: Any = ABSENT
+
+    @property
+    def text(self) -> str:
+        """What it does."""
+        return f"Mark {self.nodes[0]} as the output" if self.nodes else "Unmark the output"
+
+    def apply(self, network: Network) -> Network:
+        """The network with the marks."""
+        for name in self.nodes:
+            network.node(name)
+        check_value(self.port, "final")
+        extra = with_field(network.extra, "final", self.port)
+        return with_marks(network, self.nodes, extra)
+
+    def inverse(self, network: Network) -> Operation:
+        """Mark what was marked."""
+        return SetOutput(network.marked, thaw(network.extra.get("final", ABSENT)))
+
+
+def output_toggled(network: Network, library: Library, name: str) -> Operation:
+    """What marks a node as the output, or takes its mark away.
+
+    Raises
+    ------
+    NetworkError
+        If it is no node of the network, or makes and takes no picture.
+    """
+    node = network.node(name)
+    if name in network.output_nodes:
+        return SetOutput(())
+    module = library.get(node.module)
+    if module is not None and not has_picture(declaration(module)):
+        raise NetworkError(f"{shown(name)} cannot be the output: it makes no picture")
+    return SetOutput((name,))
+
+
+def has_picture(declared: Declaration) -> bool:
+    """Whether a module makes a picture or, making nothing, takes one."""
+    ports = declared.inputs if declared.sink else declared.outputs
+    return any("image" in port.types for port in ports)

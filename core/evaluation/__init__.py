@@ -1,0 +1,1 @@
+"""Recipes of values, and the store in which each is computed once."""

@@ -1,0 +1,187 @@
+"""Recipes: how a value is made, without the value.
+
+A recipe has a content key. Two recipes with equal keys give the same value to the last bit, so the
+value is made once and shared. Nothing is computed until `Work.value` asks. Of a picture,
+`Work.part` asks for a region alone; a recipe that is `in_parts` then makes no more than that.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeVar
+
+from core.evaluation.content_key import content_key
+from core.evaluation.region import Region
+
+F = TypeVar("F", bound=Callable[..., Any])
+Share = Callable[[Region, tuple[int, int]], float]
+Evaluation = Any
+"""The `core.evaluation.work.Work` that computes recipes. It knows them; they do not know it."""
+
+
+class Recipe(ABC):
+    """Something that can be computed, identified by its content key."""
+
+    node: str | None
+
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """Recipes whose values this one is made of."""
+        return ()
+
+    @property
+    def made_of(self) -> Iterable[Recipe]:
+        """Recipes whose keys enter this one's."""
+        return self.inputs
+
+    @property
+    def needs(self) -> tuple[Recipe, ...]:
+        """Recipes that `compute` may ask for, as far as that is known before.
+
+        Their values are held until this one is made, whatever their size.
+        """
+        return self.inputs
+
+    def first(self, work: Evaluation) -> tuple[Recipe, ...]:  # noqa: ARG002  (others look at what is there)
+        """Those it will certainly ask for, made one after the other before `compute` is called.
+
+        A chain of any length is then made without one step waiting within the next.
+        """
+        return self.inputs
+
+    @cached_property
+    def key(self) -> str:
+        """Content key; fields declared with ``compare=False`` do not enter it."""
+        for each in _without_key(self):
+            each.key  # noqa: B018  (kept by each: no key is then made within another)
+        return content_key(type(self).__qualname__, *self._content())
+
+    @abstractmethod
+    def _content(self) -> tuple[object, ...]:
+        """What the key is made of."""
+
+    @abstractmethod
+    def compute(self, work: Evaluation) -> Any:
+        """Make the value; inputs come from `work.value`."""
+
+    @property
+    def in_parts(self) -> bool:
+        """Whether a region of the picture can be made without the rest."""
+        return False
+
+    def compute_part(self, work: Evaluation, region: Region) -> Any:
+        """Make a region, to the bit as the whole has it: cut from it, if there is no other way."""
+        return region.cut(work.value(self))
+
+    def share(self, region: Region, shape: tuple[int, int]) -> float:
+        """Share of the whole picture's work that a region takes: of its samples, if no other."""
+        return region.rows * region.columns / (shape[0] * shape[1])
+
+
+def _without_key(recipe: Recipe) -> Iterator[Recipe]:
+    """All that a recipe is made of and that has no key yet, the furthest first."""
+    path = [(recipe, iter(recipe.made_of))]
+    while path:
+        each, parts = path[-1]
+        fresh = next((part for part in parts if "key" not in vars(part)), None)
+        if fresh is not None:
+            path.append((fresh, iter(fresh.made_of)))
+            continue
+        path.pop()
+        if path:
+            yield each
+
+
+@dataclass(frozen=True, eq=False)
+class Step(Recipe):
+    """One function applied to the values of other recipes.
+
+    Parameters
+    ----------
+    function : callable
+        Module-level function called as ``function(work, *values, **parameters)``.
+    inputs : tuple of Recipe
+        Recipes of the positional values.
+    parameters : tuple of (name, value)
+        Hashable keyword arguments.
+    node : str, optional
+        Node an error belongs to.
+    """
+
+    function: Callable[..., Any]
+    inputs: tuple[Recipe, ...] = ()
+    parameters: tuple[tuple[str, Any], ...] = ()
+    node: str | None = field(default=None, compare=False)
+
+    @classmethod
+    def of(
+        cls,
+        function: Callable[..., Any],
+        *inputs: Recipe,
+        node: str | None = None,
+        **parameters: Any,
+    ) -> Step:
+        """Write ``Step.of(f, a, b, sigma=2)`` for f(work, a's value, b's value, sigma=2)."""
+        return cls(function, inputs, tuple(sorted(parameters.items())), node)
+
+    @property
+    def made_of(self) -> Iterable[Recipe]:
+        """The inputs, and what parameters such as a wire are made of."""
+        yield from self.inputs
+        for _, value in self.parameters:
+            yield from (value,) if isinstance(value, Recipe) else getattr(value, "recipes", ())
+
+    def _content(self) -> tuple[object, ...]:
+        return self.function, tuple(recipe.key for recipe in self.inputs), self.parameters
+
+    def compute(self, work: Evaluation) -> Any:
+        """Evaluate the inputs, then the function."""
+        values = [work.value(recipe) for recipe in self.inputs]
+        work.check()
+        return self.function(work, *values, **dict(self.parameters))
+
+    @property
+    def in_parts(self) -> bool:
+        """Whether the function is marked so, by `in_parts` or `pointwise`."""
+        return hasattr(self.function, "part")
+
+    def compute_part(self, work: Evaluation, region: Region) -> Any:
+        """Let the function's part look after its inputs."""
+        make: Callable[..., Any] = self.function.part  # type: ignore[attr-defined]
+        return make(work, region, *self.inputs, **dict(self.parameters))
+
+    def share(self, region: Region, shape: tuple[int, int]) -> float:
+        """As it was given to `in_parts`."""
+        told: Share = getattr(self.function, "share", None) or super().share
+        return told(region, shape)
+
+
+def in_parts(part: Callable[..., Any], share: Share | None = None) -> Callable[[F], F]:
+    """Mark a step's function with another that makes a region of its result.
+
+    Parameters
+    ----------
+    part : callable
+        Called as ``part(work, region, *inputs, **parameters)``, where `inputs` are the recipes:
+        it asks `work.part` or `work.parts` for what it needs of them.
+    share : callable, optional
+        Called with region and shape of the picture: share of the whole's work that it takes.
+    """
+
+    def mark(function: F) -> F:
+        function.part, function.share = part, share  # type: ignore[attr-defined]
+        return function
+
+    return mark
+
+
+def pointwise(function: F) -> F:
+    """Mark a step's function that makes each sample of the pictures' samples at its place."""
+
+    def part(work: Evaluation, region: Region, *inputs: Recipe, **parameters: Any) -> Any:
+        return function(work, *work.parts(inputs, region), **parameters)
+
+    return in_parts(part)(function)

@@ -1,0 +1,220 @@
+"""Carrying recipes out: the store, the numerical policy, threads, progress and cancelling."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from core.errors import Cancelled, ImagechainError
+from core.evaluation.claims import Claims, Held
+from core.evaluation.evaluation_log import Tally
+from core.evaluation.float_guard import watched
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Recipe
+from core.evaluation.region import Region
+from core.evaluation.store import Store
+from core.threads import Workers
+
+Progress = Callable[[str | None], None]
+DEEPEST = 24
+"""Parts that are made one within the other; what lies further up is made whole."""
+
+
+class Work:
+    """One evaluation: turns recipes into values.
+
+    Parameters
+    ----------
+    policy : Policy
+        Precision, tolerance and number of threads.
+    store : Store
+        Where values are kept; may be shared by several evaluations.
+    cancel : threading.Event, optional
+        Set from another thread to stop at the next block of work.
+    progress : callable, optional
+        Called with a node's id whenever one of its recipes is about to be computed.
+    workers : Workers, optional
+        Threads to work in; may be shared like the store.
+    """
+
+    def __init__(
+        self,
+        policy: Policy,
+        store: Store,
+        cancel: threading.Event | None = None,
+        progress: Progress | None = None,
+        workers: Workers | None = None,
+    ) -> None:
+        self.policy = policy
+        self._workers = workers if workers is not None else Workers()
+        self.store = store
+        self.tally = Tally()
+        self._cancel = cancel
+        self._progress = progress
+        self._suffix = f"/{policy.key}"
+        self._claims = Claims(store, self._suffix)
+        self._nested = threading.local()
+
+    def value(self, recipe: Recipe) -> Any:
+        """The value of a recipe, from the store or computed now.
+
+        All that it is made of is made once, whatever the store can hold.
+
+        Raises
+        ------
+        Cancelled
+            When the caller has asked to stop.
+        """
+        key = recipe.key
+        self.tally.asked[key] = recipe
+        value = self.store.get(key + self._suffix, lambda: self._made(recipe))
+        if key in self._claims.waiting:
+            self._claims.settle(recipe)  # somebody else has made it
+        return value
+
+    def hold(self, recipes: Iterable[Recipe]) -> Held:
+        """Hold values that will be asked for one after the other, and what they are made of.
+
+        Written ``with work.hold(recipes) as held:``. Each is let go of once `Held.release` says
+        that it has been asked for, the rest when the block ends.
+        """
+        return Held(self._claims, recipes)
+
+    def one_by_one(self, recipes: Iterable[Recipe], region: Region | None = None) -> Iterator[Any]:
+        """The values of recipes in turn; of each only what the next one shares is held on to."""
+        opened: list[Held] = []
+        before: Recipe | None = None
+        try:
+            for recipe in recipes:
+                opened.append(self.hold([recipe]))
+                if before is not None:
+                    yield self.value(before) if region is None else self.part(before, region)
+                    opened.pop(0).close()
+                before = recipe
+            if before is not None:
+                yield self.value(before) if region is None else self.part(before, region)
+        finally:
+            for held in opened:
+                held.close()
+
+    def knows(self, recipe: Recipe) -> bool:
+        """Whether the value of a recipe is there already."""
+        return self.store.holds(recipe.key + self._suffix)
+
+    def part(self, recipe: Recipe, region: Region) -> Any:
+        """The samples of a picture in a region; what is no array comes whole.
+
+        They are cut from the whole where it is known already or has to be made, and the same to
+        the bit where they are made alone.
+        """
+        depth = getattr(self._nested, "parts", 0)
+        if recipe.in_parts and depth < DEEPEST and not self.knows(recipe):
+            self.tally.parts[recipe.key, region] = recipe
+            with self._part_held(recipe, region, depth) as key:
+                return self.store.get(key, lambda: self._compute(recipe, region))
+        value = self.value(recipe)
+        if not isinstance(value, np.ndarray):
+            return value
+        self.tally.parts[recipe.key, region] = recipe
+        cut = region.cut(value)
+        cut.flags.writeable = False
+        return cut
+
+    def parts(self, recipes: Sequence[Recipe], region: Region) -> list[Any]:
+        """The same region of several pictures.
+
+        Those that only come whole are made first: what they are made of is then known, and parts
+        of it need not be made once more.
+        """
+        order = sorted(range(len(recipes)), key=lambda index: recipes[index].in_parts)
+        found = {index: self.part(recipes[index], region) for index in order}
+        return [found[index] for index in range(len(recipes))]
+
+    def check(self) -> None:
+        """Raise `Cancelled` if the caller has asked to stop."""
+        if self._cancel is not None and self._cancel.is_set():
+            raise Cancelled("stopped on request")
+
+    def each(self, function: Callable[[Any], None], items: Sequence[Any]) -> None:
+        """Call `function` on every item, in threads; items must write to different places."""
+
+        def one(item: Any) -> None:
+            self.check()
+            with watched(None):  # a thread of the pool does not know that it is watched
+                function(item)
+
+        self._workers.each(one, items, self.policy.workers)
+
+    def _made(self, recipe: Recipe) -> Any:
+        """Make a recipe, what it is made of before it."""
+        self._claims.begin(recipe)
+        try:
+            self._make_first(recipe)
+            return self._compute(recipe)
+        finally:
+            self._claims.settle(recipe)
+
+    def _make_first(self, recipe: Recipe) -> None:
+        """Make all that the recipe is made of and that is not there, the furthest first."""
+        path = [(recipe, iter(recipe.first(self)))]
+        try:
+            while path:
+                each, coming = path[-1]
+                fresh = next((one for one in coming if not self.knows(one)), None)
+                if fresh is not None:
+                    self._claims.begin(fresh)
+                    path.append((fresh, iter(fresh.first(self))))
+                    continue
+                if len(path) > 1:
+                    self.tally.asked[each.key] = each
+                    self.store.get(each.key + self._suffix, partial(self._compute, each))
+                    self._claims.settle(each)
+                path.pop()
+        except ImagechainError as error:
+            owner = next((each.node for each, _ in reversed(path) if each.node), None)
+            if owner is None:
+                raise
+            raise error.at(owner) from error
+        finally:
+            for each, _ in path[1:]:
+                self._claims.settle(each)
+
+    @contextmanager
+    def _part_held(self, recipe: Recipe, region: Region, depth: int) -> Iterator[str]:
+        """Hold a part, and all that the picture is made of, until the outermost part is made."""
+        key = f"{recipe.key}{self._suffix}/{region}"
+        nested = self._nested
+        if depth == 0:
+            self._claims.take([recipe])
+            nested.pinned = []
+        self.store.pin(key)
+        nested.pinned.append(key)
+        nested.parts = depth + 1
+        try:
+            yield key
+        finally:
+            nested.parts = depth
+            if depth == 0:
+                for each in nested.pinned:
+                    self.store.unpin(each)
+                self._claims.give_up([recipe])
+
+    def _compute(self, recipe: Recipe, region: Region | None = None) -> Any:
+        self.tally.computed.add(recipe.key if region is None else (recipe.key, region))
+        self.check()
+        if self._progress is not None:
+            self._progress(recipe.node)
+        try:
+            with watched(recipe.node):
+                if region is not None:
+                    return recipe.compute_part(self, region)
+                return recipe.compute(self)
+        except ImagechainError as error:
+            if recipe.node is None:
+                raise
+            raise error.at(recipe.node) from error

@@ -1,0 +1,1 @@
+"""Multiplying a frame's spectrum: mirrored, periodic, line by line."""

@@ -1,0 +1,221 @@
+"""Spectra in flight of a frame's columns, to which each column's own transfer function is applied.
+
+The frame is transformed, multiplied by what acts along the scan and by what does not separate, and
+transformed back along the scan alone: P[j, c] is what column c has at the frequency j in flight,
+for frequencies of that sign, and Q[j, c] for those of the other where it is not P again. Then the
+factors in flight are applied, in each column at frequencies of its own, and P and Q become samples.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+import numpy as np
+import scipy.fft
+from numpy.typing import DTypeLike, NDArray
+
+from core.evaluation.work import Work
+from core.filtering.scan_chain import ScanChain
+
+Array = NDArray[Any]
+Parts = tuple[Array, ...]
+
+
+class ScanLines(ABC):
+    """The spectrum of a frame, multiplied by what acts along the scan.
+
+    Parameters
+    ----------
+    work : Work
+        Threads.
+    chain : ScanChain
+        The transfer function.
+    frame : ndarray, shape (lines, samples of a line)
+        The frame, its lines as rows.
+    dtype : data type
+        Of the samples in between; real.
+    """
+
+    scan: Array
+    flight: Array  # cycles a sample
+
+    def __init__(self, work: Work, chain: ScanChain, frame: Array, dtype: DTypeLike) -> None:
+        self.work, self.chain = work, chain
+        self.real = np.dtype(dtype)
+        self.mean = float(np.mean(frame, dtype=np.float64))
+        self.planar = bool(chain.product.planar)
+        self.symmetric = chain.product.symmetric
+        self.columns = frame.shape[1]
+        self.values = self._spectrum(np.subtract(frame, self.mean, dtype=self.real))
+        self.values = self.values * self.narrow(self._along_scan())
+
+    def narrow(self, values: Array) -> Array:
+        """The same in the type of the samples in between, or the complex type of it."""
+        kind = np.result_type(self.real, np.complex64) if np.iscomplexobj(values) else self.real
+        return np.asarray(values, kind)
+
+    @abstractmethod
+    def _spectrum(self, frame: Array) -> Array:
+        """Both transforms of the frame."""
+
+    def _along_scan(self) -> Array:
+        return self.chain.along_scan(self.work, self.scan)
+
+    def kept(self, interval_mrad: float) -> Parts:
+        """The spectrum times what does not separate, at one interval in flight: P, or P and Q."""
+        if not self.planar:
+            return (self.values,)
+        if self.symmetric:
+            return (self.values * self.chain.kept_plane(self.work, interval_mrad),)
+        return self.evaluated(interval_mrad, slice(0, len(self.flight)))
+
+    def evaluated(self, interval_mrad: float, rows: slice) -> Parts:
+        """The same for some frequencies in flight, nothing taken from or left in the store."""
+        values = self.values[rows]
+        if not self.planar:
+            return (values,)
+        flight = self.flight[rows] / interval_mrad
+        if self.symmetric:
+            return (values * self.narrow(self.chain.plane(self.work, self.scan, flight)),)
+        return tuple(values * self.narrow(self._plane(sign * flight)) for sign in (1.0, -1.0))
+
+    def _plane(self, flight: Array) -> Array:
+        return self.chain.plane(self.work, self.scan, flight)
+
+    @property
+    def kind(self) -> np.dtype[Any]:
+        """Type of P and Q."""
+        return np.dtype(np.result_type(self.real, np.complex64))
+
+    @abstractmethod
+    def unscanned(self, values: Array) -> Array:
+        """All columns of a spectrum, by fast transforms along the scan."""
+
+    @abstractmethod
+    def summed(self, values: Array, columns: Array) -> Array:
+        """Some columns of a spectrum, by a direct sum along the scan."""
+
+    @abstractmethod
+    def samples(self, parts: Parts, response: Array) -> Array:
+        """Samples of columns from P, or P and Q, and their responses in flight."""
+
+
+class MirroredLines(ScanLines):
+    """A frame that is mirrored at its edges without end."""
+
+    def __init__(self, work: Work, chain: ScanChain, frame: Array, dtype: DTypeLike) -> None:
+        rows, columns = frame.shape
+        self.scan = np.arange(columns) / (2.0 * columns * chain.interval_mrad)
+        self.flight = np.arange(rows) / (2.0 * rows)
+        super().__init__(work, chain, frame, dtype)
+
+    def _spectrum(self, frame: Array) -> Array:
+        return np.asarray(scipy.fft.dctn(frame, type=2, workers=self.work.policy.workers))
+
+    @property
+    def kind(self) -> np.dtype[Any]:
+        """Of symmetric factors the real part is enough."""
+        return self.real if self.symmetric else super().kind
+
+    def unscanned(self, values: Array) -> Array:
+        """Cosines by the inverse DCT-II, sines by the inverse DST-II, as in `mirrored`."""
+        even = self._cosines(values.real, 1)
+        if not np.iscomplexobj(values):
+            return even if self.symmetric else even + 1j * self._sines(values.real, 1)
+        even = even - self._sines(values.imag, 1)
+        if self.symmetric:
+            return even
+        return even + 1j * (self._sines(values.real, 1) + self._cosines(values.imag, 1))
+
+    def summed(self, values: Array, columns: Array) -> Array:
+        """The waves are exp(iπk(c + 1/2)/n)."""
+        size = self.columns
+        steps = np.outer(np.arange(size), 2 * columns + 1) % (4 * size)
+        angle = np.pi / (2 * size) * steps
+        weight = np.where(np.arange(size) == 0, 0.5, 1.0)[:, np.newaxis] / size
+        cosine, sine = weight * np.cos(angle), weight * np.sin(angle)
+        if self.symmetric:
+            even = values.real @ cosine
+            return np.asarray(even - values.imag @ sine if np.iscomplexobj(values) else even)
+        return np.asarray(values @ (cosine + 1j * sine))
+
+    def samples(self, parts: Parts, response: Array) -> Array:
+        """The mean of both signs in flight: its even part and, for phases, its odd part."""
+        if len(parts) == 1:
+            even, odd = response.real * parts[0], None
+            if np.iscomplexobj(response):
+                odd = response.imag * parts[0]
+        else:
+            up, down = response * parts[0], response.conj() * parts[1]
+            even, odd = 0.5 * (up + down).real, 0.5 * (up - down).imag
+        result = self._cosines(even, 0)
+        return result if odd is None else result - self._sines(odd, 0)
+
+    def _cosines(self, values: Array, axis: int) -> Array:
+        workers = self.work.policy.workers if axis == 1 else 1
+        return np.asarray(scipy.fft.idct(values, type=2, axis=axis, workers=workers))
+
+    def _sines(self, values: Array, axis: int) -> Array:
+        workers = self.work.policy.workers if axis == 1 else 1
+        moved = np.zeros_like(values)
+        kept, source = (slice(None, -1), slice(1, None))
+        if axis == 0:
+            moved[kept] = values[source]
+        else:
+            moved[:, kept] = values[:, source]
+        return np.asarray(scipy.fft.idst(moved, type=2, axis=axis, workers=workers))
+
+
+class PeriodicLines(ScanLines):
+    """A frame that repeats without end; at Nyquist the mean of both signs acts."""
+
+    def __init__(self, work: Work, chain: ScanChain, frame: Array, dtype: DTypeLike) -> None:
+        rows, columns = frame.shape
+        self.lines = rows
+        self.scan = scipy.fft.fftfreq(columns, chain.interval_mrad)
+        self.flight = scipy.fft.rfftfreq(rows)
+        super().__init__(work, chain, frame, dtype)
+
+    @property
+    def _middle(self) -> int | None:
+        return self.columns // 2 if self.columns % 2 == 0 else None
+
+    def _spectrum(self, frame: Array) -> Array:
+        workers = self.work.policy.workers
+        half = scipy.fft.rfft(frame, axis=0, workers=workers)
+        return np.asarray(scipy.fft.fft(half, axis=1, overwrite_x=True, workers=workers))
+
+    def _along_scan(self) -> Array:
+        response = self.chain.along_scan(self.work, self.scan)
+        if self._middle is not None:
+            # Of factors that are not symmetric `_plane` takes care.
+            response[self._middle] = response[self._middle].real if self.symmetric else 1.0
+        return response
+
+    def _plane(self, flight: Array) -> Array:
+        plane = np.array(super()._plane(flight), np.complex128)
+        if self._middle is not None:
+            nyquist = self.scan[self._middle :][:1]
+            both = [
+                self.chain.along_scan(self.work, end) * self.chain.plane(self.work, end, flight)
+                for end in (nyquist, -nyquist)
+            ]
+            plane[:, self._middle] = 0.5 * (both[0] + both[1])[:, 0]
+        return plane
+
+    def unscanned(self, values: Array) -> Array:
+        """The inverse FFT of each line."""
+        return np.asarray(scipy.fft.ifft(values, axis=1, workers=self.work.policy.workers))
+
+    def summed(self, values: Array, columns: Array) -> Array:
+        """The waves are exp(2πikc/n)."""
+        steps = np.outer(np.arange(self.columns), columns) % self.columns
+        return np.asarray(values @ (np.exp(2j * np.pi / self.columns * steps) / self.columns))
+
+    def samples(self, parts: Parts, response: Array) -> Array:
+        """The half spectrum in flight, both signs at Nyquist."""
+        total = response * parts[0]
+        if self.lines % 2 == 0:
+            total[-1] = 0.5 * (total[-1] + response[-1].conj() * parts[-1][-1])
+        return np.asarray(scipy.fft.irfft(total, n=self.lines, axis=0))

@@ -1,0 +1,1 @@
+"""What a module declares: parameters, ports, read-outs, warnings."""

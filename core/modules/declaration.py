@@ -1,0 +1,303 @@
+"""Declaring a module once: panel, schema, help, ports, validation and keys are derived from it.
+
+    class JitterMTF(Module, key="jitter_mtf", title="Jitter MTF", group="Motion"):
+        '''Blur from random line-of-sight motion within one exposure (Gaussian).'''
+
+        sigma_mrad: Annotated[float, Param("rms motion per axis", unit="mrad", low=0)] = 0.02
+
+        def run(self, context: Context, magnitude: Magnitude) -> MtfOutputs: ...
+
+Parameters are the annotated fields, input ports the arguments of `run`, output ports the fields of
+the named tuple it returns, read-outs the methods marked with `readout`, warnings those marked with
+`warning`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import types
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import (
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    Union,
+    dataclass_transform,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from core.modules.caution import Caution
+from core.modules.parameters import Kind, Parameter, coerce_all
+
+
+@dataclass(frozen=True)
+class Here:
+    """Where a module runs: its node's id, the network's seed and folder. Not a port."""
+
+    node: str
+    seed: int = 0
+    folder: Path = Path()
+
+
+@dataclass(frozen=True)
+class Port:
+    """A typed connection point; an input may accept several types."""
+
+    name: str
+    types: tuple[str, ...]
+    required: bool = True
+
+
+@dataclass(frozen=True)
+class Readout:
+    """A figure shown on the panel."""
+
+    name: str
+    unit: str
+    meaning: str
+    needs: tuple[str, ...]
+    method: str
+
+
+@dataclass(frozen=True)
+class WarningCheck:
+    """A method that warns of what does not keep a node from running; `name` is the method's."""
+
+    name: str
+    meaning: str
+    needs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """All there is to know of a module without running it."""
+
+    key: str
+    title: str
+    group: str
+    version: int
+    summary: str
+    text: str
+    inputs: tuple[Port, ...]
+    outputs: tuple[Port, ...]
+    parameters: tuple[Parameter, ...]
+    readouts: tuple[Readout, ...]
+    warnings: tuple[WarningCheck, ...]
+    replaces: tuple[str, ...]
+    sink: bool
+
+    def parameter(self, name: str) -> Parameter | None:
+        """The parameter of that name."""
+        return next((p for p in self.parameters if p.name == name), None)
+
+    def input(self, name: str) -> Port | None:
+        """The input port of that name."""
+        return next((p for p in self.inputs if p.name == name), None)
+
+    def output(self, name: str) -> Port | None:
+        """The output port of that name."""
+        return next((p for p in self.outputs if p.name == name), None)
+
+
+def readout(
+    unit: str = "", *, name: str = ""
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Mark a method as a read-out in `unit`; its docstring says what it means.
+
+    Its arguments are named after the input ports it needs, or `outputs` for what `run` returned.
+    It returns a value, or the recipe of one. `name` is for a read-out named like a parameter.
+    """
+
+    def mark(method: Callable[..., Any]) -> Callable[..., Any]:
+        method.readout_unit = unit  # type: ignore[attr-defined]
+        method.readout_name = name  # type: ignore[attr-defined]
+        return method
+
+    return mark
+
+
+def warning(method: Callable[..., Caution | None]) -> Callable[..., Caution | None]:
+    """Mark a method that warns; its docstring says of what.
+
+    Its arguments are as those of a read-out. It returns a `Caution`, or None where all is well. It
+    is asked whenever the node is planned: it compares values, and computes no pixels.
+    """
+    method.is_warning = True  # type: ignore[attr-defined]
+    return method
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+class Module:
+    """Base of every module; a subclass with a `key` is one of the library.
+
+    A class without a key only shares parameters between modules. `replaces` lists keys the module
+    had in old files, `renamed` the old names of parameters and ports.
+    """
+
+    key: ClassVar[str] = ""
+    title: ClassVar[str] = ""
+    group: ClassVar[str] = ""
+    version: ClassVar[int] = 1
+    replaces: ClassVar[tuple[str, ...]] = ()
+    renamed: ClassVar[Mapping[str, str]] = {}
+    sink: ClassVar[bool] = False
+    run: ClassVar[Callable[..., Any]]
+
+    def __init_subclass__(
+        cls,
+        *,
+        key: str = "",
+        title: str = "",
+        group: str = "",
+        version: int = 1,
+        replaces: tuple[str, ...] = (),
+        sink: bool = False,
+    ) -> None:
+        super().__init_subclass__()
+        cls.key, cls.title, cls.group = key, title, group
+        cls.version, cls.replaces, cls.sink = version, replaces, sink
+        dataclass(frozen=True, kw_only=True)(cls)
+
+    @classmethod
+    def build(cls, values: Mapping[str, object]) -> Module:
+        """Construct from plain values as a network file has them.
+
+        Raises
+        ------
+        ParameterError
+            For an unknown name, or a value of the wrong kind or out of range.
+        """
+        return cls(**coerce_all(declaration(cls).parameters, values, cls.title))
+
+    def check(self) -> None:
+        """Refuse combinations of parameters that make no sense (`ParameterError`)."""
+
+    def values(self) -> dict[str, Any]:
+        """Parameters by name."""
+        return {p.name: getattr(self, p.name) for p in declaration(type(self)).parameters}
+
+
+def declaration(module: type[Module]) -> Declaration:
+    """Derive the declaration of a module from its class.
+
+    Raises
+    ------
+    TypeError
+        If the class is not written as the module docstring says.
+    """
+    untyped: Any = module  # mypy finds a class of frozen dataclasses unhashable
+    return _derive(untyped)
+
+
+@cache
+def _derive(module: Any) -> Declaration:
+    text = inspect.cleandoc(module.__doc__ or "")
+    return Declaration(
+        key=module.key,
+        title=module.title,
+        group=module.group,
+        version=module.version,
+        summary=text.split("\n\n")[0].replace("\n", " "),
+        text=text,
+        inputs=_inputs(module),
+        outputs=_outputs(module),
+        parameters=_parameters(module),
+        readouts=_readouts(module),
+        warnings=_warnings(module),
+        replaces=module.replaces,
+        sink=module.sink,
+    )
+
+
+def _parameters(module: type[Module]) -> tuple[Parameter, ...]:
+    hints = get_type_hints(module, include_extras=True)
+    found = []
+    for field in dataclasses.fields(module):  # type: ignore[arg-type]
+        hint = hints[field.name]
+        if get_origin(hint) is not Annotated:
+            raise TypeError(f"{module.__name__}.{field.name} needs Annotated[type, Param(...)]")
+        base, param = get_args(hint)[:2]
+        kind, choices, empty = _kind(base)
+        found.append(
+            Parameter(
+                name=field.name,
+                kind=kind,
+                default=field.default,
+                choices=choices,
+                empty=empty,
+                param=param,
+            )
+        )
+    return tuple(found)
+
+
+def _kind(base: Any) -> tuple[Kind, tuple[Any, ...], bool]:
+    empty = False
+    if get_origin(base) in (Union, types.UnionType):
+        members = [arg for arg in get_args(base) if arg is not type(None)]
+        empty, base = len(members) < len(get_args(base)), members[0]
+    if get_origin(base) is Literal:
+        return "choice", get_args(base), empty
+    if get_origin(base) is tuple:
+        return "numbers", (), empty
+    kinds: dict[Any, Kind] = {bool: "switch", int: "integer", float: "number", str: "text"}
+    if base is Path:
+        return "path", (), empty
+    return kinds[base], (), empty
+
+
+def _types(hint: Any) -> tuple[tuple[str, ...], bool]:
+    members = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
+    names = tuple(m.port_type for m in members if m is not type(None))
+    return names, type(None) not in members
+
+
+def _inputs(module: type[Module]) -> tuple[Port, ...]:
+    hints = get_type_hints(module.run)
+    ports = []
+    for name in list(inspect.signature(module.run).parameters)[1:]:
+        if hints[name] is Here:
+            continue
+        names, required = _types(hints[name])
+        ports.append(Port(name, names, required))
+    return tuple(ports)
+
+
+def _outputs(module: type[Module]) -> tuple[Port, ...]:
+    result = get_type_hints(module.run).get("return")
+    if result is None or result is type(None):
+        return ()
+    return tuple(Port(name, _types(hint)[0]) for name, hint in get_type_hints(result).items())
+
+
+def _warnings(module: type[Module]) -> tuple[WarningCheck, ...]:
+    found = {}
+    for klass in reversed(module.__mro__):
+        for name, method in vars(klass).items():
+            if hasattr(method, "is_warning"):
+                needs = tuple(inspect.signature(method).parameters)[1:]
+                found[name] = WarningCheck(name, _meaning(method), needs)
+    return tuple(found.values())
+
+
+def _meaning(method: Any) -> str:
+    return " ".join(inspect.cleandoc(method.__doc__ or "").split())
+
+
+def _readouts(module: type[Module]) -> tuple[Readout, ...]:
+    found = {}
+    for klass in reversed(module.__mro__):
+        for attribute, method in vars(klass).items():
+            if hasattr(method, "readout_unit"):
+                name = method.readout_name or attribute
+                needs = tuple(inspect.signature(method).parameters)[1:]
+                unit = method.readout_unit
+                found[name] = Readout(name, unit, _meaning(method), needs, attribute)
+    return tuple(found.values())

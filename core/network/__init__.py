@@ -1,0 +1,1 @@
+"""Networks and their files: reading, checking, migrating, saving."""

@@ -1,0 +1,198 @@
+"""Network files: opening, writing out so that diffs read well, and saving in one step."""
+
+from __future__ import annotations
+
+import json
+import stat
+from collections.abc import Mapping
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any
+
+from core.atomic import write_text
+from core.errors import FileError, NetworkError, ParameterError
+from core.modules.declaration import Declaration, declaration
+from core.modules.parameters import plain
+from core.names import thaw
+from core.network.json_reading import LARGEST
+from core.network.migrations import VERSION
+from core.network.network import Library, Network, Node
+from core.network.parsing import FORMAT, parse_network
+from core.network.validation import check_network
+
+__all__ = [
+    "format_network",
+    "load_network",
+    "parse_network",
+    "read_network",
+    "read_text",
+    "save_network",
+]
+
+
+def load_network(
+    path: str | PathLike[str],
+    *,
+    library: Library,
+    keep_unknown: bool = False,
+    unfinished: bool = False,
+) -> Network:
+    """Open a network file: all of it, or an error. It runs no code and reads no other file.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    library : mapping
+        Modules by key.
+    keep_unknown, unfinished : bool
+        As for `core.network.validation.problems`.
+
+    Raises
+    ------
+    FileError
+        If it cannot be read.
+    NetworkError
+        If it is no network.
+    NetworkProblems
+        If its modules, values or links do not fit.
+    """
+    network = read_network(path, library=library)
+    check_network(network, library=library, keep_unknown=keep_unknown, unfinished=unfinished)
+    return network
+
+
+def read_network(path: str | PathLike[str], *, library: Library) -> Network:
+    """Open a network file without asking whether it fits the library; errors as `load_network`."""
+    return parse_network(read_text(path), library=library, name_of_source=fspath(path))
+
+
+def read_text(path: str | PathLike[str]) -> str:
+    """The text of a network file, whatever it says; errors as `load_network`."""
+    try:
+        # Opening a pipe would wait, reading a device never end.
+        if not stat.S_ISREG(Path(path).stat().st_mode):
+            raise FileError(f"cannot read {path}: it is not a regular file")
+        with Path(path).open("rb") as file:
+            content = file.read(LARGEST + 1)
+    except OSError as error:
+        raise FileError(f"cannot read {path}: {error.strerror or error}") from None
+    except ValueError:
+        raise FileError(f"cannot read {fspath(path)!r}: no such file name is possible") from None
+    if len(content) > LARGEST:
+        raise NetworkError(f"{path}: larger than the {LARGEST >> 20} MiB a network may have")
+    try:
+        return content.decode()
+    except UnicodeDecodeError as error:
+        raise NetworkError(f"{path}: not UTF-8 text (byte {error.start + 1})") from None
+
+
+def save_network(network: Network, path: str | PathLike[str], *, library: Library) -> str:
+    """Write a network to a file, which is the old one or the new one, never half of each.
+
+    A network that is unfinished, or holds unknown modules, can be saved. Returns the text written.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written.
+    NetworkError
+        If it holds what no network file can hold.
+    """
+    text = format_network(network, library=library)
+    # Never put in the place of a good file what could not be opened again.
+    parse_network(text, library=library, name_of_source=fspath(path))
+    write_text(path, text)
+    return text
+
+
+def format_network(network: Network, *, library: Library) -> str:
+    """The text of a network file.
+
+    Nodes keep their order, which is for the reader; links follow that order, and all else whose
+    order means nothing is sorted. Parameters are those that were given, numbers in the kind their
+    declaration has; points, links and lists of numbers take one line each.
+
+    Raises
+    ------
+    NetworkError
+        If it holds what JSON cannot.
+    """
+    document: dict[str, Any] = {"format": FORMAT, "version": VERSION, "name": network.name}
+    if network.description:
+        document["description"] = network.description
+    document["seed"] = network.seed
+    document["nodes"] = {name: _node(node, library) for name, node in network.nodes.items()}
+    document["links"] = _links(network)
+    if network.layout:
+        document["layout"] = _layout(network)
+    document |= sorted(network.extra.items())
+    encode = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
+    try:
+        text = _lines(document, "\n", encode) + "\n"
+        text.encode()
+    except (TypeError, ValueError) as error:
+        raise NetworkError(f"the network cannot be written as JSON: {error}") from None
+    return text
+
+
+def _lines(value: Any, newline: str, encode: Any) -> str:
+    inner = newline + "  "
+    if isinstance(value, Mapping) and value:
+        rows = [f"{encode(name)}: {_lines(item, inner, encode)}" for name, item in value.items()]
+        return "{" + inner + f",{inner}".join(rows) + newline + "}"
+    if isinstance(value, list | tuple) and any(
+        isinstance(v, list | tuple | Mapping) for v in value
+    ):
+        return (
+            "[" + inner + f",{inner}".join(_lines(v, inner, encode) for v in value) + newline + "]"
+        )
+    return str(encode(thaw(value)))
+
+
+def _node(node: Node, library: Library) -> dict[str, Any]:
+    module = library.get(node.module)
+    declared = declaration(module) if module is not None else None
+    fields: dict[str, Any] = {"module": node.module}
+    if node.params:
+        given = sorted(node.params.items())
+        fields["params"] = {name: _canonical(declared, name, value) for name, value in given}
+    if node.auto is not None:
+        fields["auto"] = node.auto
+    if node.disabled:
+        fields["disabled"] = True
+    if node.final:
+        fields["final"] = True
+    return fields | dict(sorted(node.extra.items()))
+
+
+def _canonical(declared: Declaration | None, name: str, value: Any) -> Any:
+    """The value in its declared kind (1 → 1.0) where that is the same value."""
+    parameter = declared.parameter(name) if declared is not None else None
+    if parameter is None:
+        return value
+    try:
+        coerced = plain(parameter.coerce(thaw(value)))
+    except ParameterError:  # to be mended by whoever opens it
+        return value
+    return coerced if coerced == thaw(value) else value
+
+
+def _links(network: Network) -> list[list[str]]:
+    place = {name: number for number, name in enumerate(network.nodes)}
+    last = len(place)
+    links = sorted(
+        network.links,
+        key=lambda link: (place.get(link.target, last), place.get(link.source, last)),
+    )
+    return [link.text() for link in links]
+
+
+def _layout(network: Network) -> dict[str, list[float]]:
+    placed = [name for name in network.nodes if name in network.layout]
+    placed += sorted(network.layout.keys() - network.nodes.keys())
+    return {name: [_short(number) for number in network.layout[name]] for name in placed}
+
+
+def _short(number: float) -> float:
+    return int(number) if abs(number) < 2**53 and number == int(number) else number

@@ -1,0 +1,313 @@
+"""The network document: nodes, links and where they lie on the canvas. Immutable, plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+from core.errors import NetworkError, ParameterError
+from core.modules.declaration import Declaration, Module, declaration
+from core.modules.parameters import LARGEST_INTEGER
+from core.names import check_id, close, freeze, shown, thaw
+from core.network.graph import cycles, topological
+
+Library = Mapping[str, type[Module]]
+
+NODE_FIELDS = ("module", "params", "auto", "disabled", "final")
+NETWORK_FIELDS = ("format", "version", "name", "description", "seed", "nodes", "links", "layout")
+SEEDS = f"a whole number from 0 to {LARGEST_INTEGER}"
+
+
+class _Frozen:
+    """Copies and pickles by its fields: read-only mappings know neither."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        values = tuple(thaw(getattr(self, f.name)) for f in fields(self))  # type: ignore[arg-type]
+        return type(self), values
+
+
+@dataclass(frozen=True)
+class Node(_Frozen):
+    """One module on the canvas.
+
+    Parameters
+    ----------
+    id : str
+        The user's name for it, unique in the network.
+    module : str
+        Key of the module.
+    params : mapping
+        What was set, as plain JSON values; what is left out has its default.
+    auto : bool or None
+        Auto-Generate; None where nobody has said.
+    disabled : bool
+        Whether it passes its main input through.
+    extra : mapping
+        Other fields of the file, such as pinned panels, kept as they are.
+    final : bool
+        Whether the network's output is its first picture or, of a sink, the picture it takes.
+
+    Raises
+    ------
+    NetworkError
+        If the id is not allowed.
+    """
+
+    id: str
+    module: str
+    params: Mapping[str, Any] = field(default_factory=dict)
+    auto: bool | None = None
+    disabled: bool = False
+    extra: Mapping[str, Any] = field(default_factory=dict)
+    final: bool = False
+
+    def __post_init__(self) -> None:
+        check_id(self.id)
+        _check_extra(self.extra, NODE_FIELDS)
+        _set(self, params=freeze(self.params), extra=freeze(self.extra))
+
+
+@dataclass(frozen=True, order=True)
+class Link:
+    """A wire from the output of `source` to the input of `target`."""
+
+    source: str
+    output: str
+    target: str
+    input: str
+
+    @classmethod
+    def between(cls, start: str, end: str) -> Link:
+        """From ``NODE.PORT`` to ``NODE.PORT``, each split at its last dot.
+
+        Raises
+        ------
+        NetworkError
+            If either is not of that form.
+        """
+        ends = []
+        for text in (start, end):
+            node, _, port = text.rpartition(".")
+            if not node or not port:
+                raise NetworkError(f"{text!r:.80} names no port: write NODE.PORT")
+            ends += [node, port]
+        return cls(*ends)
+
+    def text(self) -> list[str]:
+        """Both ends as a network file has them."""
+        return [f"{self.source}.{self.output}", f"{self.target}.{self.input}"]
+
+    def __str__(self) -> str:
+        return " → ".join(shown(end) for end in self.text())
+
+
+@dataclass(frozen=True)
+class Network(_Frozen):
+    """A document. Its nodes keep their order; that of links means nothing, so it is not kept.
+
+    `layout` gives points of the canvas by node, `extra` what else the file says.
+
+    Raises
+    ------
+    NetworkError, ParameterError
+        If a node stands under another id, or the seed is not allowed.
+    """
+
+    name: str = ""
+    description: str = ""
+    seed: int = 0
+    nodes: Mapping[str, Node] = field(default_factory=dict)
+    links: tuple[Link, ...] = ()
+    layout: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check_seed(self.seed)
+        _check_extra(self.extra, NETWORK_FIELDS)
+        for name, node in self.nodes.items():
+            if name != node.id:
+                raise NetworkError(f"the node {node.id} stands under the id {shown(name)}")
+        _set(
+            self,
+            nodes=MappingProxyType(dict(self.nodes)),
+            links=tuple(sorted(self.links)),
+            layout=freeze(self.layout),
+            extra=freeze(self.extra),
+        )
+
+    @cached_property
+    def _inward(self) -> Mapping[str, tuple[Link, ...]]:
+        inward: dict[str, list[Link]] = {}
+        for link in self.links:
+            inward.setdefault(link.target, []).append(link)
+        return {name: tuple(links) for name, links in inward.items()}
+
+    @cached_property
+    def followers(self) -> Mapping[str, tuple[str, ...]]:
+        """The nodes that each node's links lead to; links to nowhere do not count."""
+        found: dict[str, dict[str, None]] = {name: {} for name in self.nodes}
+        for link in self.links:
+            if link.source in found and link.target in found:
+                found[link.source][link.target] = None
+        return {name: tuple(targets) for name, targets in found.items()}
+
+    @property
+    def marked(self) -> tuple[str, ...]:
+        """The nodes that are marked as the output; one at most where the network is sound."""
+        return tuple(name for name, node in self.nodes.items() if node.final)
+
+    @property
+    def output_nodes(self) -> tuple[str, ...]:
+        """The nodes whose picture is marked as the output, be it by the network's own field."""
+        port = self.extra.get("final")
+        named = port.rpartition(".")[0] if isinstance(port, str) else ""
+        return self.marked or ((named,) if named in self.nodes else ())
+
+    def node(self, name: str) -> Node:
+        """The node of that id.
+
+        Raises
+        ------
+        NetworkError
+            If there is none.
+        """
+        if name not in self.nodes:
+            hint = close(name, self.nodes)
+            raise NetworkError(f"{shown(name)} is no node of this network{hint}")
+        return self.nodes[name]
+
+    def links_into(self, node: str) -> tuple[Link, ...]:
+        """The links that end at inputs of `node`."""
+        return self._inward.get(node, ())
+
+    def unlinked_outputs(self, library: Library) -> tuple[tuple[str, str], ...]:
+        """Node and port of every output that no link leaves and that has a value.
+
+        A disabled node has only the outputs it passes an input on to, an unknown module none.
+        """
+        linked = {(link.source, link.output) for link in self.links}
+        found = []
+        for node in self.nodes.values():
+            if node.module not in library:
+                continue
+            declared = declaration(library[node.module])
+            through = passed_through(declared)
+            for port in declared.outputs:
+                alive = port.name in through or not node.disabled
+                if alive and (node.id, port.name) not in linked:
+                    found.append((node.id, port.name))
+        return tuple(found)
+
+    def order(self) -> tuple[str, ...]:
+        """Ids of the nodes, each after those it is linked from; else in the document's order.
+
+        Raises
+        ------
+        NetworkError
+            If the links form a cycle.
+        """
+        ordered = topological(self.followers)
+        if len(ordered) < len(self.nodes):
+            raise cycle_error(cycles(self.followers)[0])
+        return ordered
+
+    def with_parameter(self, node: str, name: str, value: Any) -> Network:
+        """With a parameter set; whether its module takes it, `problems` tells.
+
+        Raises
+        ------
+        NetworkError
+            If there is no such node.
+        """
+        old = self.node(node)
+        return self.with_node(replace(old, params={**old.params, name: value}))
+
+    def with_node(self, node: Node) -> Network:
+        """With a node in the place of the one of its id.
+
+        All else is taken over as it is: it has been checked and frozen, and a drag makes a new
+        network with each move of the mouse.
+
+        Raises
+        ------
+        NetworkError
+            If there is no such node.
+        """
+        self.node(node.id)
+        changed = object.__new__(Network)
+        vars(changed).update(vars(self), nodes=MappingProxyType({**self.nodes, node.id: node}))
+        return changed
+
+    def with_seed(self, seed: int) -> Network:
+        """With another seed.
+
+        Raises
+        ------
+        ParameterError
+            If it is not allowed.
+        """
+        return replace(self, seed=seed)
+
+
+def passed_through(declared: Declaration) -> dict[str, str]:
+    """Which input each output of a disabled module passes on.
+
+    Only the first output of a type takes part: a module's noise is no image to go on with.
+    """
+    taken: set[str] = set()
+    through = {}
+    for output in declared.outputs:
+        fitting = (port.name for port in declared.inputs if set(output.types) <= set(port.types))
+        source = next(fitting, None)
+        if source is not None and not taken.intersection(output.types):
+            through[output.name] = source
+        taken.update(output.types)
+    return through
+
+
+def check_seed(seed: object) -> None:
+    """Refuse what is no seed.
+
+    Raises
+    ------
+    ParameterError
+        Saying what is allowed.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_INTEGER:
+        raise ParameterError("seed", seed, SEEDS)
+
+
+def cycle_error(loop: tuple[str, ...]) -> NetworkError:
+    """The error for links that form a cycle, placed on its first node."""
+    names = loop if len(loop) <= 12 else (*loop[:11], "…", loop[-1])
+    way = " → ".join((*names, loop[0]))
+    return NetworkError(f"the links form a cycle: {way}; take one of them away", node=loop[0])
+
+
+def with_marks(network: Network, marked: Collection[str], extra: Mapping[str, Any]) -> Network:
+    """The network with these nodes marked as the output and no others, and with other fields."""
+    nodes = {
+        name: node if node.final == (name in marked) else replace(node, final=name in marked)
+        for name, node in network.nodes.items()
+    }
+    return replace(network, nodes=nodes, extra=extra)
+
+
+def marked_twice(marked: tuple[str, ...]) -> NetworkError:
+    """The error for several nodes marked as the output."""
+    named = ", ".join(map(shown, marked[:8])) + (", …" if marked[8:] else "")
+    return NetworkError(f"{len(marked)} nodes are marked final ({named}): one may be")
+
+
+def _check_extra(extra: Mapping[str, Any], taken: tuple[str, ...]) -> None:
+    for name in extra:
+        if name in taken:
+            raise NetworkError(f"the extra field {name} is one that has a meaning of its own")
+
+
+def _set(target: object, **values: Any) -> None:
+    for name, value in values.items():
+        object.__setattr__(target, name, value)

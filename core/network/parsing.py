@@ -1,0 +1,144 @@
+"""From the text of a network file to the document: types and structure, not yet its meaning."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Any
+
+from core.errors import ImagechainError, NetworkError
+from core.names import check_id, shown
+from core.network.json_reading import read_json
+from core.network.migrations import VERSION, migrate, with_current_names
+from core.network.network import NETWORK_FIELDS, NODE_FIELDS, Library, Link, Network, Node
+
+FORMAT = "imagechain-network"
+
+_WORDS: dict[type, str] = {
+    dict: "an object",
+    list: "a list",
+    str: "a text",
+    bool: "true or false",
+    int: "a whole number",
+    float: "a number",
+    type(None): "null",
+}
+
+
+def parse_network(text: str, *, library: Library, name_of_source: str = "network") -> Network:
+    """Read a network from the text of its file. It runs no code and reads no other file.
+
+    Whether modules, values and links fit the library is for `core.network.validation` to say:
+    modules that are not in it stay as they are.
+
+    Parameters
+    ----------
+    text : str
+        The whole file.
+    library : mapping
+        Modules by key; used to bring old names up to date.
+    name_of_source : str
+        What errors call the file.
+
+    Raises
+    ------
+    NetworkError
+        If it is not the text of a network.
+    """
+    document = read_json(text, name_of_source)
+    try:
+        _expect(document, dict, "a network")
+        document = migrate(document, _version(document))
+        return with_current_names(_network(document), library)
+    except ImagechainError as error:
+        raise NetworkError(f"{name_of_source}: {error}") from None
+
+
+def _version(document: dict[str, Any]) -> int:
+    if document.get("format") != FORMAT:
+        found = f"not {document['format']!r:.80}" if "format" in document else "but has none"
+        raise NetworkError(f"not an Imagechain network: its format must be {FORMAT!r}, {found}")
+    version = _field(document, "version", int, "")
+    if version < 1:
+        raise NetworkError(f"version = {version} is not allowed: a whole number from 1")
+    if version > VERSION:
+        raise NetworkError(
+            f"version {version} is of a newer Imagechain: this one reads up to {VERSION}"
+        )
+    return int(version)
+
+
+def _network(document: dict[str, Any]) -> Network:
+    nodes = _field(document, "nodes", dict, "")
+    links = _field(document, "links", list, "", [])
+    layout = _field(document, "layout", dict, "", {})
+    return Network(
+        name=_field(document, "name", str, "", ""),
+        description=_field(document, "description", str, "", ""),
+        seed=_field(document, "seed", int, "", 0),
+        nodes={name: _node(name, value) for name, value in nodes.items()},
+        links=tuple(_link(number, value) for number, value in enumerate(links, 1)),
+        layout={name: _point(name, value) for name, value in layout.items()},
+        extra=_others(document, NETWORK_FIELDS),
+    )
+
+
+def _node(name: str, value: Any) -> Node:
+    check_id(name)
+    where = f"nodes.{name}"
+    _expect(value, dict, where)
+    for other in _others(value, NODE_FIELDS):
+        # Fields we do not know are kept, but a slip here would silently run with the defaults.
+        meant = difflib.get_close_matches(other, ("params", "disabled", "final"), n=1, cutoff=0.75)
+        if meant and len(other) <= 64:
+            raise NetworkError(f"{where} has a field {shown(other)}; did you mean {meant[0]}?")
+    module = _field(value, "module", str, where)
+    if not module:
+        raise NetworkError(f"{where}.module must not be empty")
+    return Node(
+        id=name,
+        module=module,
+        params=_field(value, "params", dict, where, {}),
+        auto=_field(value, "auto", bool, where) if "auto" in value else None,
+        disabled=_field(value, "disabled", bool, where, False),
+        final=_field(value, "final", bool, where, False),
+        extra=_others(value, NODE_FIELDS),
+    )
+
+
+def _link(number: int, value: Any) -> Link:
+    where = f"link {number}"
+    _expect(value, list, where)
+    if len(value) != 2 or not all(isinstance(end, str) for end in value):
+        raise NetworkError(f'{where} must be two texts, ["NODE.PORT", "NODE.PORT"]')
+    try:
+        return Link.between(*value)
+    except NetworkError as error:
+        raise NetworkError(f"{where}: {error}") from None
+
+
+def _point(name: str, value: Any) -> tuple[float, float]:
+    good = isinstance(value, list) and len(value) == 2
+    if not good or any(type(number) not in (int, float) for number in value):
+        raise NetworkError(f"layout.{shown(name)} must be two numbers, [x, y]")
+    return value[0], value[1]
+
+
+def _others(value: dict[str, Any], known: tuple[str, ...]) -> dict[str, Any]:
+    return {name: item for name, item in value.items() if name not in known}
+
+
+def _field(value: dict[str, Any], name: str, kind: type, where: str, default: Any = None) -> Any:
+    place = f"{where}.{name}" if where else name
+    if name in value:
+        _expect(value[name], kind, place)
+        return value[name]
+    if default is None:
+        raise NetworkError(f"{place} is missing: it must be {_WORDS[kind]}")
+    return default
+
+
+def _expect(value: Any, kind: type, where: str) -> None:
+    # Not isinstance: to Python, true is a whole number.
+    if type(value) is not kind:
+        found = _WORDS[bool] if isinstance(value, bool) else _WORDS[type(value)]
+        raise NetworkError(f"{where} must be {_WORDS[kind]}, not {found}")

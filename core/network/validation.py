@@ -1,0 +1,214 @@
+"""Whether a network fits the library: every fault, each with what would be right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from core.errors import ImagechainError, NetworkError, ParameterError
+from core.modules.declaration import Declaration, Port, declaration
+from core.names import close, shown, thaw
+from core.network.graph import cycles
+from core.network.network import (
+    Library,
+    Link,
+    Network,
+    Node,
+    cycle_error,
+    marked_twice,
+    passed_through,
+)
+
+MOST_SUGGESTIONS = 100  # comparing names is slow, and a hostile file has a million wrong ones
+
+
+class NetworkProblems(NetworkError):
+    """A network with one or more faults; reads as the first of them."""
+
+    def __init__(self, problems: Sequence[ImagechainError]) -> None:
+        super().__init__(problems[0].message, node=problems[0].node)
+        self.problems = tuple(problems)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.problems,), self.__dict__
+
+    @property
+    def more(self) -> int:
+        """How many faults there are beside the first."""
+        return len(self.problems) - 1
+
+
+def check_network(
+    network: Network, *, library: Library, keep_unknown: bool = False, unfinished: bool = False
+) -> None:
+    """Refuse a network that has problems; parameters as for `problems`.
+
+    Raises
+    ------
+    NetworkProblems
+        With all of them.
+    """
+    found = problems(network, library=library, keep_unknown=keep_unknown, unfinished=unfinished)
+    if found:
+        raise NetworkProblems(found) from found[0]
+
+
+def problems(
+    network: Network, *, library: Library, keep_unknown: bool = False, unfinished: bool = False
+) -> list[ImagechainError]:
+    """Every fault of a network: of its nodes, of its links, cycles, then what is missing.
+
+    Parameters
+    ----------
+    network : Network
+        The document.
+    library : mapping
+        Modules by key.
+    keep_unknown : bool
+        Accept modules that are not in the library, with any parameters and ports.
+    unfinished : bool
+        Accept what keeps it from running but not from being worked on: inputs not linked yet,
+        links from outputs that have no value because their node is disabled, several nodes marked
+        as the output.
+    """
+    survey = _Survey(network, library)
+    survey.nodes(keep_unknown)
+    survey.links()
+    survey.found += [cycle_error(loop) for loop in cycles(network.followers)]
+    if not unfinished:
+        survey.missing()
+        if len(network.marked) > 1:
+            survey.found.append(marked_twice(network.marked))
+    return survey.found
+
+
+class _Survey:
+    def __init__(self, network: Network, library: Library) -> None:
+        self.network = network
+        self.library = library
+        self.found: list[ImagechainError] = []
+        self.suggestions = 0
+        self.declared: dict[str, Declaration] = {
+            name: declaration(library[node.module])
+            for name, node in network.nodes.items()
+            if node.module in library
+        }
+
+    def _add(self, text: str, node: str | None) -> None:
+        self.found.append(NetworkError(text, node=node))
+
+    def _close(self, name: str, known: Iterable[str]) -> str:
+        self.suggestions += 1
+        return close(name, known) if self.suggestions <= MOST_SUGGESTIONS else ""
+
+    def nodes(self, keep_unknown: bool) -> None:
+        for node in self.network.nodes.values():
+            if node.id in self.declared:
+                self._parameters(node, self.declared[node.id])
+            elif not keep_unknown:
+                hint = self._close(node.module, self.library)
+                hint = hint or "; the command `imagechain modules` lists those there are"
+                self._add(f"there is no module {shown(node.module)}{hint}", node.id)
+
+    def _parameters(self, node: Node, declared: Declaration) -> None:
+        known = {parameter.name: parameter for parameter in declared.parameters}
+        values = thaw(node.params)
+        before = len(self.found)
+        for name, value in values.items():
+            if name not in known:
+                hint = self._close(name, known)
+                allowed = f"{declared.title} has no such parameter{hint or _listed(known)}"
+                self.found.append(ParameterError(shown(name), value, allowed, node=node.id))
+            else:
+                self._attempt(node, known[name].coerce, value)
+        for name, parameter in known.items():
+            if parameter.required and name not in values:
+                self.found.append(ParameterError(name, None, parameter.allowed(), node=node.id))
+        if len(self.found) == before:
+            # Combinations make sense to judge only once each value does.
+            module = self.library[node.module]
+            self._attempt(node, lambda given: module.build(given).check(), values)
+
+    def _attempt(self, node: Node, step: Callable[[Any], object], value: Any) -> None:
+        try:
+            step(value)
+        except ImagechainError as error:
+            error.node = error.node or node.id
+            self.found.append(error)
+
+    def links(self) -> None:
+        into: dict[tuple[str, str], list[Link]] = {}
+        for link in self.network.links:
+            source = self._port(link, link.source, link.output, "output")
+            target = self._port(link, link.target, link.input, "input")
+            if source and target and not set(source.types) & set(target.types):
+                gives, takes = " or ".join(source.types), " or ".join(target.types)
+                self._add(f"the link {link} does not fit: {gives} into {takes}", link.target)
+            into.setdefault((link.target, link.input), []).append(link)
+        for (name, port), links in into.items():
+            if len(links) > 1:
+                sources = ", ".join(shown(link.text()[0]) for link in links[:8])
+                self._add(
+                    f"the input {shown(port)} has {len(links)} links ({sources}); it takes one",
+                    name if name in self.network.nodes else None,
+                )
+
+    def _port(self, link: Link, name: str, port: str, side: str) -> Port | None:
+        if name not in self.network.nodes:
+            other = link.target if side == "output" else link.source
+            hint = self._close(name, self.network.nodes)
+            self._add(
+                f"the link {link} names {shown(name)}, which is no node of this network{hint}",
+                other if other in self.network.nodes else None,
+            )
+            return None
+        declared = self.declared.get(name)
+        if declared is None:
+            return None
+        ports = declared.outputs if side == "output" else declared.inputs
+        found = next((candidate for candidate in ports if candidate.name == port), None)
+        if found is None:
+            names = [candidate.name for candidate in ports]
+            hint = self._close(port, names) or _listed(names)
+            self._add(f"{declared.title} has no {side} {shown(port)} (the link {link}){hint}", name)
+        return found
+
+    def missing(self) -> None:
+        linked = {(link.target, link.input) for link in self.network.links}
+        leaving: dict[str, list[Link]] = {}
+        for link in self.network.links:
+            leaving.setdefault(link.source, []).append(link)
+        for name, declared in self.declared.items():
+            needed = [port for port in declared.inputs if port.required]
+            if self.network.nodes[name].disabled:
+                needed = self._needed_of_disabled(declared, leaving.get(name, []))
+            for port in needed:
+                if (name, port.name) not in linked:
+                    kinds = " or ".join(port.types)
+                    self._add(f"the input {port.name} needs a link that brings {kinds}", name)
+
+    def _needed_of_disabled(self, declared: Declaration, leaving: list[Link]) -> list[Port]:
+        """A disabled module needs what it passes on, and can give nothing else."""
+        through = passed_through(declared)
+        used = {link.output for link in leaving}
+        for link in leaving:
+            made = link.output in through or link.output in ("mtf", "ptf")  # then 1, or 0
+            if declared.output(link.output) and not made:
+                self._add(
+                    f"the link {link} brings nothing: {declared.title} is disabled and passes "
+                    f"{_and(through.values())} on, it makes no {link.output}",
+                    link.source,
+                )
+        sources = {source for output, source in through.items() if output in used}
+        main = declared.outputs[0].name if declared.outputs else ""
+        if main in through:
+            sources.add(through[main])
+        return [port for port in declared.inputs if port.name in sources]
+
+
+def _listed(names: Iterable[str]) -> str:
+    return f": it has {', '.join(names) or 'none'}"
+
+
+def _and(names: Iterable[str]) -> str:
+    return " and ".join(dict.fromkeys(names)) or "nothing"

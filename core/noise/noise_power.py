@@ -1,0 +1,282 @@
+"""Variance by frequency of a noise on a frame, and what a chain makes of it.
+
+A frame of samples is a sum of waves: the cosines of the frame mirrored at its edges, or those of
+the frame repeated. Noise that is the same everywhere has independent amplitudes on these, so a
+transfer function multiplies their variances by |H|². Interpolation, and odd phases on mirrored
+frames, make several waves of one; a matrix for each axis then tells how much of each first wave is
+in each present one.
+
+Source: Papoulis 1991, Probability, Random Variables, and Stochastic Processes, chapter 10, for
+linear systems with stochastic inputs; the cosine form is the DCT-II's orthonormal basis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from core.evaluation.work import Work
+from core.physics.noise.noise_components import Moments
+from core.transfer.factors import Factor
+from core.transfer.grid import Grid
+from core.transfer.nyquist_lines import nyquist_lines
+from core.transfer.planar_blocks import Axes, axes_of
+from core.transfer.product import Product
+
+Array = NDArray[Any]
+Matrix = NDArray[np.float64]
+Operator = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class NoisePower:
+    """Variances of the amplitudes of a frame's orthonormal waves.
+
+    Parameters
+    ----------
+    rows, columns : int
+        Size of the frame.
+    power : ndarray
+        Variances that broadcast to (rows, columns): of the cosines k = 0 … n − 1 of a mirrored
+        frame, in FFT order of a periodic one. Their mean is the variance of a sample.
+    axes : "mirrored" or "periodic"
+        Which waves.
+    variances : ndarray, optional
+        Of the samples, where these are independent but not alike: `power` is their mean then.
+    along, across : ndarray, optional
+        Amplitude in each wave of the frame, (rows,) or (columns,), that each wave of `power` has.
+    """
+
+    rows: int
+    columns: int
+    power: Array
+    axes: Axes = "mirrored"
+    variances: Array | None = None
+    along: Array | None = None
+    across: Array | None = None
+
+    @classmethod
+    def white(cls, rows: int, columns: int, variance: float | Array) -> NoisePower:
+        """Of samples independent of each other, of one variance or each of its own."""
+        each = np.asarray(variance, np.float64)
+        power = np.full((1, 1), float(np.mean(each)))
+        return cls(rows, columns, power, variances=each if each.ndim else None)
+
+    @classmethod
+    def of_pattern(cls, samples: Array) -> NoisePower:
+        """Of a pattern that is known: the squares of its amplitudes."""
+        amplitudes = scipy.fft.dctn(np.asarray(samples, np.float64), type=2, norm="ortho")
+        rows, columns = amplitudes.shape
+        return cls(rows, columns, amplitudes**2)
+
+    @property
+    def shown(self) -> Array:
+        """Variances of the waves of the frame as it is now; broadcasts to (rows, columns)."""
+        power = self.power
+        for axis, matrix in ((0, self.along), (1, self.across)):
+            if matrix is not None:
+                power = _carried(power, np.abs(matrix) ** 2, axis)
+        return power
+
+    def moments(self) -> Moments:
+        """Variances of samples and of averages."""
+        whole = np.broadcast_to(self.shown, (self.rows, self.columns))
+        return Moments(
+            sample=float(np.mean(whole)),
+            row_mean=float(np.mean(whole[:, 0])) / self.columns,
+            column_mean=float(np.mean(whole[0])) / self.rows,
+            frame_mean=float(whole[0, 0]) / (self.rows * self.columns),
+        )
+
+    def scaled(self, factor: float) -> NoisePower:
+        """Of the noise times a factor."""
+        variances = None if self.variances is None else self.variances * factor**2
+        return replace(self, power=self.power * factor**2, variances=variances)
+
+    def filtered(
+        self,
+        work: Work,
+        factors: tuple[Factor, ...],
+        grid: Grid,
+        axes: Axes,
+        *,
+        factor_x: int = 1,
+        factor_y: int = 1,
+    ) -> NoisePower:
+        """Behind transfer functions on a frame of these edges, and means of blocks after them."""
+        product = Product(factors)
+        xi, eta = (grid.xi(), grid.eta()) if axes == "periodic" else axes_of(grid, axes)
+        changed = self.on(axes)
+        if axes == "periodic" and not product.symmetric:
+            # At Nyquist the Hermitian part of all factors together acts, which has no axes.
+            whole = np.array(product.total(work, xi, eta), np.complex128)
+            for place, mean in nyquist_lines(lambda x, y: product.total(work, x, y), xi, eta):
+                whole[place] = mean
+            power = changed.shown * np.abs(whole) ** 2
+            changed = replace(changed, power=power, along=None, across=None, variances=None)
+            return changed.averaged(factor_x, factor_y)
+        plane = product.plane(work, xi, eta)
+        if plane is not None:
+            # A plane does not act on an axis alone: what several waves have in common is let go.
+            power = changed.shown * np.abs(plane) ** 2
+            changed = replace(changed, power=power, along=None, across=None)
+        responses = product.along(work, eta), product.across(work, xi)
+        for axis, response in enumerate(responses):
+            changed = changed._filtered(axis, response)
+        return changed.averaged(factor_x, factor_y)
+
+    def averaged(self, factor_x: int, factor_y: int) -> NoisePower:
+        """Behind the mean of blocks of pixels; what is left over is cropped."""
+        changed = self
+        for axis, factor in ((0, factor_y), (1, factor_x)):
+            if factor > 1:
+                changed = changed._averaged(axis, factor)
+        return changed
+
+    def resampled(self, new: tuple[int, int], along: Operator, across: Operator) -> NoisePower:
+        """Behind linear operators on columns (rows → new rows) and on rows of samples."""
+        changed = self
+        for axis, operator in ((0, along), (1, across)):
+            if new[axis] != (self.rows, self.columns)[axis]:
+                changed = changed._changed(axis, operator, new[axis])
+        return changed
+
+    def on(self, axes: Axes) -> NoisePower:
+        """On the waves of other edges."""
+        if self.variances is not None and axes == "mirrored":
+            return replace(self, power=_cosine_variances(self.variances), axes=axes, variances=None)
+        if axes == self.axes or (self.power.shape == (1, 1) and self._plain):
+            return replace(self, axes=axes, variances=None)
+        changed = self
+        for axis in (0, 1):
+            changed = changed._changed(axis, lambda waves: waves, axes=axes)
+        return replace(changed, axes=axes)
+
+    @property
+    def _plain(self) -> bool:
+        return self.along is None and self.across is None
+
+    def _size(self, axis: int) -> int:
+        return (self.rows, self.columns)[axis]
+
+    def _matrix(self, axis: int) -> Matrix | None:
+        return (self.along, self.across)[axis]
+
+    def _filtered(self, axis: int, response: Array) -> NoisePower:
+        size, matrix = len(response), self._matrix(axis)
+        if self.axes == "mirrored" and np.iscomplexobj(response):
+            made = np.eye(size) if matrix is None else matrix
+            return self._with(axis, size, _cosines_of(_behind(made, response)))
+        if self.axes == "periodic" and size % 2 == 0:
+            # At Nyquist the Hermitian part acts.
+            nyquist = np.arange(size) == size // 2
+            response = np.where(nyquist, response.real, response)
+        if matrix is not None:
+            return self._with(axis, size, response[:, np.newaxis] * matrix)
+        power = self.power * np.expand_dims(np.abs(response) ** 2, 1 - axis)
+        return replace(self, power=power, variances=None)
+
+    def _averaged(self, axis: int, factor: int) -> NoisePower:
+        size, matrix = self._size(axis), self._matrix(axis)
+        new = size // factor
+        if size % factor or matrix is not None:
+            return self._changed(axis, _block_mean(factor), new)
+        # Whole blocks carry each wave to one wave, and no matrix is needed.
+        number = np.arange(size)
+        step = np.pi * number / (size if self.axes == "periodic" else 2 * size)
+        kernel = np.ones(size)
+        kernel[1:] = np.sin(factor * step[1:]) / (factor * np.sin(step[1:]))
+        target = number % new
+        if self.axes == "mirrored":
+            target = np.abs((number + new) % (2 * new) - new)
+        shape = (size, self.power.shape[1]) if axis == 0 else (self.power.shape[0], size)
+        power = np.moveaxis(np.broadcast_to(self.power, shape), axis, 0)
+        folded = np.zeros((new + 1, power.shape[1]))
+        np.add.at(folded, target, power * (kernel**2 / factor)[:, np.newaxis])
+        # Wave `new` is 0 at the centre of every block.
+        made = replace(self, power=np.moveaxis(folded[:new], 0, axis))
+        return made._with(axis, new, None)
+
+    def _changed(
+        self, axis: int, operator: Operator, new: int | None = None, axes: Axes | None = None
+    ) -> NoisePower:
+        """Behind an operator on the samples of an axis, taken to the waves of these edges."""
+        size, matrix = self._size(axis), self._matrix(axis)
+        waves = _samples_of(np.eye(size) if matrix is None else matrix, self.axes)
+        made = operator(waves)
+        periodic = (axes or self.axes) == "periodic"
+        found = scipy.fft.fft(made, axis=0, norm="ortho") if periodic else _cosines_of(made)
+        return self._with(axis, new or size, found)
+
+    def _with(self, axis: int, size: int, matrix: Array | None) -> NoisePower:
+        if axis == 0:
+            return replace(self, rows=size, along=matrix, variances=None)
+        return replace(self, columns=size, across=matrix, variances=None)
+
+
+def _samples_of(amplitudes: Array, axes: Axes) -> Array:
+    """Samples of columns of waves' amplitudes."""
+    if axes == "periodic":
+        return np.asarray(scipy.fft.ifft(amplitudes, axis=0, norm="ortho"))
+    return _each_part(amplitudes, lambda part: scipy.fft.idct(part, type=2, axis=0, norm="ortho"))
+
+
+def _cosines_of(samples: Array) -> Array:
+    """Amplitudes of a mirrored frame's cosines in columns of samples."""
+    return _each_part(samples, lambda part: scipy.fft.dct(part, type=2, axis=0, norm="ortho"))
+
+
+def _each_part(values: Array, transform: Operator) -> Array:
+    if np.iscomplexobj(values):
+        return np.asarray(transform(values.real) + 1j * transform(values.imag))
+    return np.asarray(transform(values))
+
+
+def _behind(amplitudes: Array, response: Array) -> Array:
+    """Samples of cosines behind R + iI: each becomes R·cos − I·sin."""
+    even = _samples_of(response.real[:, np.newaxis] * amplitudes, "mirrored")
+    # Sine k stands at index k − 1 of the DST-II; wave 0 has none.
+    odd = np.zeros_like(amplitudes)
+    odd[:-1] = response.imag[1:, np.newaxis] * amplitudes[1:]
+    sines = _each_part(odd, lambda part: scipy.fft.idst(part, type=2, axis=0, norm="ortho"))
+    return np.asarray(even - sines)
+
+
+def _cosine_variances(variances: Array) -> Array:
+    """Variances of the cosines' amplitudes of independent samples: Σ of variance × cosine².
+
+    By cos² = (1 + cos of twice the argument)/2, so that a transform has them all.
+    """
+    made = variances
+    for axis in (0, 1):
+        size = made.shape[axis]
+        waves = 0.5 * scipy.fft.dct(np.moveaxis(made, axis, 0), type=2, axis=0)
+        twice = 2 * np.arange(1, size)
+        doubled = (
+            np.where(twice > size, -1.0, 1.0)[:, np.newaxis]
+            * waves[np.where(twice > size, 2 * size - twice, twice) % size]
+        )
+        doubled[twice == size] = 0.0
+        waves[1:] = waves[0] + doubled
+        made = np.moveaxis(waves / size, 0, axis)
+    return np.asarray(made)
+
+
+def _carried(power: Array, shares: Array, axis: int) -> Array:
+    """Variances of new waves, each a share of those of the old ones."""
+    if power.shape[axis] == 1:
+        return np.asarray(power * np.expand_dims(shares.sum(axis=1), 1 - axis))
+    return np.asarray(shares @ power if axis == 0 else power @ shares.T)
+
+
+def _block_mean(factor: int) -> Operator:
+    def mean(waves: Array) -> Array:
+        blocks = len(waves) // factor
+        return np.asarray(waves[: blocks * factor].reshape(blocks, factor, -1).mean(axis=1))
+
+    return mean

@@ -1,0 +1,300 @@
+"""Random fields from counter-based streams: the same bits for any number of threads.
+
+A stream is named by the network's seed, the node that draws and the field it draws. The name is
+hashed to the key of a Philox generator; the samples are drawn in fixed blocks, each with its own
+counter, so that a block depends on nothing but the stream and its own number.
+
+Source: Salmon, Moraes, Dror and Shaw 2011, Parallel random numbers: as easy as 1, 2, 3.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+from hashlib import blake2b
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.random import Generator, Philox
+from numpy.typing import DTypeLike, NDArray
+
+from core.errors import DataError, ParameterError
+from core.evaluation.region import Region, runs
+from core.threads import Each, in_turn
+
+Floats = TypeVar("Floats", NDArray[np.float32], NDArray[np.float64])
+_Array = NDArray[Any]
+_Draw = Callable[[Generator, _Array], None]
+_Work = Callable[[Generator, slice], None]
+
+BLOCK = 1 << 17
+"""Samples drawn from one counter; part of what defines a field. Shorter ones keep two threads
+waiting for each other: 0.74 ms for 512² normals in place of 0.94."""
+
+SPARSE_MEAN = 4.0  # up to it, drawing a block's events is faster than a deviate for every sample
+
+NORMAL_LIMIT = 1e12
+"""Poisson means above are drawn as rounded normals: exact to 1e-7 in probability, where the
+rejection method would lose its accuracy to cancelling logarithms."""
+
+_AT_ONCE = BLOCK // 2  # words drawn at a time: a block of normals in one go
+_ALL_BITS = 2**64 - 1
+_PLACE_BITS = (BLOCK - 1).bit_length()  # of a random word, that tell a place in a block
+
+
+@dataclass(frozen=True)
+class Stream:
+    """An endless supply of independent deviates, named by who draws what under which seed.
+
+    Parameters
+    ----------
+    seed, node, field
+        The network's seed, who draws, and what.
+    frame
+        Number of the frame in a sequence; a single picture is frame 0.
+    fixed
+        Whether what is drawn belongs to the sensor and stays the same in every frame.
+    """
+
+    seed: int
+    node: str
+    field: str
+    frame: int = 0
+    fixed: bool = dataclasses.field(default=False, compare=False)
+
+    @property
+    def key(self) -> int:
+        """128-bit key of the stream."""
+        digest = blake2b(digest_size=16, person=b"imagechain noise")
+        frame = (f"frame {self.frame}",) if self.frame else ()
+        for part in (str(int(self.seed)), self.node, self.field, *frame):
+            encoded = part.encode()
+            digest.update(len(encoded).to_bytes(8, "little"))
+            digest.update(encoded)
+        return int.from_bytes(digest.digest(), "little")
+
+    def generator(self, block: int) -> Generator:
+        """Generator of one block; blocks are 2^128 draws apart."""
+        return _generator(self.key, block)
+
+
+def normal_field(
+    stream: Stream,
+    shape: tuple[int, ...],
+    *,
+    dtype: DTypeLike = np.float64,
+    each: Each = in_turn,
+) -> _Array:
+    """Standard normal deviates.
+
+    Parameters
+    ----------
+    stream
+        Where they come from.
+    shape
+        Shape of the field.
+    dtype
+        float64 (ziggurat) or float32 (Box-Muller on 32-bit uniforms, three times as fast, no
+        deviate beyond 6.77).
+    each
+        Calls a function on every block, in any order and from any thread: `Work.each`.
+
+    Returns
+    -------
+    Array of the shape and type.
+
+    Source: Marsaglia and Tsang 2000 (ziggurat); Box and Muller 1958.
+    """
+    draw = _box_muller if _is_single(dtype) else _ziggurat
+    return _drawn(stream, np.empty(shape, dtype), draw, each)
+
+
+def normal_part(
+    stream: Stream,
+    shape: tuple[int, int],
+    region: Region,
+    *,
+    dtype: DTypeLike = np.float64,
+    each: Each = in_turn,
+) -> _Array:
+    """A region of the `normal_field` of that shape; no block is drawn that lies beside it."""
+    draw = _box_muller if _is_single(dtype) else _ziggurat
+    (rows, columns), key, part = shape, stream.key, np.empty(region.shape, dtype)
+
+    def one(block: int) -> None:
+        start = block * BLOCK
+        samples = np.empty(min(BLOCK, rows * columns - start), dtype)
+        draw(_generator(key, block), samples)
+        for run in runs(start, start + len(samples), columns):
+            both = run.overlap(region)
+            if both is not None:
+                offset = run.top * columns + run.left - start
+                lines = samples[offset : offset + run.rows * run.columns].reshape(run.shape)
+                part[both.seen_from(region)] = lines[both.seen_from(run)]
+
+    each(one, region.blocks(columns, BLOCK))
+    return part
+
+
+def uniform_field(
+    stream: Stream,
+    shape: tuple[int, ...],
+    *,
+    dtype: DTypeLike = np.float64,
+    each: Each = in_turn,
+) -> _Array:
+    """Deviates uniform in [0, 1); parameters as in `normal_field`."""
+    _is_single(dtype)
+    return _drawn(stream, np.empty(shape, dtype), _uniform, each)
+
+
+def poisson_field(
+    mean: Floats,
+    stream: Stream,
+    *,
+    each: Each = in_turn,
+    in_place: bool = False,
+) -> Floats:
+    """Poisson deviates, one for each mean.
+
+    Where the largest mean of a block is small, the block's events are drawn instead: their number
+    is Poisson, their places are uniform, and an event stays with the probability mean/largest.
+    The deviates then have exactly the Poisson distribution too (thinning).
+
+    Parameters
+    ----------
+    mean
+        float32 or float64 of any shape, 0 or above.
+    stream, each
+        As in `normal_field`.
+    in_place
+        The counts take the place of the means, whose array must be contiguous.
+
+    Returns
+    -------
+    Counts, of the shape and type of `mean`.
+
+    Raises
+    ------
+    DataError
+        For means that are negative or not finite.
+
+    Source: Lewis and Shedler 1979 (thinning); Hörmann 1993 (numpy's rejection above 10).
+    """
+    _is_single(mean.dtype)
+    if mean.size and not (mean.min() >= 0.0 and mean.max() < np.inf):
+        faulty = np.argwhere(~((mean >= 0.0) & (mean < np.inf)))
+        first = tuple(int(place) for place in faulty[0])
+        raise DataError(
+            f"Poisson means: {len(faulty)} of {mean.size} samples are negative or not finite,"
+            f" the first is {float(mean[first])!r} at {first}"
+        )
+    counts = mean if in_place else np.empty(mean.shape, mean.dtype)
+    flat_counts, flat_means = counts.reshape(counts.size), np.ravel(mean)
+
+    def draw(generator: Generator, block: slice) -> None:
+        means = flat_means[block].copy() if in_place else flat_means[block]
+        _poisson(generator, means, flat_counts[block])
+
+    if mean.size and mean.max() <= SPARSE_MEAN:
+        each = in_turn  # drawing events is short work between numpy calls: threads only wait
+    _for_each_block(stream, counts.size, draw, each)
+    return counts
+
+
+def _is_single(dtype: DTypeLike) -> bool:
+    kind = np.dtype(dtype)
+    if kind not in (np.dtype(np.float32), np.dtype(np.float64)):
+        raise ParameterError("dtype", kind.name, "must be float32 or float64")
+    return kind == np.dtype(np.float32)
+
+
+def _generator(key: int, block: int) -> Generator:
+    return Generator(Philox(key=key, counter=[0, 0, block, 0]))
+
+
+def _drawn(stream: Stream, out: _Array, draw: _Draw, each: Each) -> _Array:
+    flat = out.reshape(out.size)
+    _for_each_block(stream, flat.size, lambda generator, block: draw(generator, flat[block]), each)
+    return out
+
+
+def _for_each_block(stream: Stream, size: int, work: _Work, each: Each) -> None:
+    key = stream.key
+
+    def one(block: int) -> None:
+        work(_generator(key, block), slice(block * BLOCK, (block + 1) * BLOCK))
+
+    each(one, range(-(-size // BLOCK)))
+
+
+def _ziggurat(generator: Generator, out: _Array) -> None:
+    generator.standard_normal(out=out)
+
+
+def _uniform(generator: Generator, out: _Array) -> None:
+    generator.random(out=out, dtype=out.dtype.type)
+
+
+def _box_muller(generator: Generator, out: _Array) -> None:
+    for start in range(0, out.size, 2 * _AT_ONCE):
+        _box_muller_pairs(generator, out[start : start + 2 * _AT_ONCE])
+
+
+def _box_muller_pairs(generator: Generator, out: _Array) -> None:
+    half = (out.size + 1) // 2
+    words = _words(generator, half).view(np.uint32)
+    radius = words[:half].astype(np.float32)
+    radius += np.float32(0.5)  # keeps the logarithm finite
+    radius *= np.float32(2.0**-32)
+    np.log(radius, out=radius)
+    radius *= np.float32(-2.0)
+    np.sqrt(radius, out=radius)
+    angle = words[half:].view(np.int32).astype(np.float32)
+    angle *= np.float32(np.pi / 2**31)
+    np.multiply(np.cos(angle), radius, out=out[:half])
+    rest = out.size - half
+    np.multiply(np.sin(angle[:rest]), radius[:rest], out=out[half:])
+
+
+def _words(generator: Generator, count: int) -> NDArray[np.uint64]:
+    return generator.integers(0, _ALL_BITS, size=count, dtype=np.uint64, endpoint=True)
+
+
+def _poisson(generator: Generator, mean: _Array, counts: _Array) -> None:
+    largest = float(mean.max())
+    if largest == 0.0:
+        counts[:] = 0.0
+    elif largest <= SPARSE_MEAN:
+        _thinned(generator, mean, largest, counts)
+    elif largest <= NORMAL_LIMIT:
+        counts[:] = generator.poisson(mean)
+    else:
+        _poisson_or_normal(generator, mean, counts)
+
+
+def _thinned(generator: Generator, mean: _Array, largest: float, counts: _Array) -> None:
+    counts[:] = 0.0
+    bits = max((mean.size - 1).bit_length(), 1)
+    places = 1 << bits  # those beyond the block's end have mean 0
+    left = int(generator.poisson(largest * places))
+    unit = largest * 2.0 ** -(64 - _PLACE_BITS)
+    while left > 0:
+        words = _words(generator, min(left, _AT_ONCE))
+        left -= words.size
+        place = (words & np.uint64(places - 1)).astype(np.intp)
+        words >>= np.uint64(_PLACE_BITS)  # what is left is independent of the place
+        if places != mean.size:
+            inside = place < mean.size
+            place, words = place[inside], words[inside]
+        kept = words * unit < mean[place]
+        np.add.at(counts, place, kept.astype(counts.dtype))
+
+
+def _poisson_or_normal(generator: Generator, mean: _Array, counts: _Array) -> None:
+    means = mean.astype(np.float64)
+    exact = generator.poisson(np.minimum(means, NORMAL_LIMIT)).astype(np.float64)
+    normal = np.rint(means + np.sqrt(means) * generator.standard_normal(means.size))
+    np.minimum(normal, float(np.finfo(counts.dtype).max), out=normal)
+    counts[:] = np.where(means > NORMAL_LIMIT, normal, exact)

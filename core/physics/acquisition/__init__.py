@@ -1,0 +1,1 @@
+"""What an observer resolves, detects and identifies, and how far."""

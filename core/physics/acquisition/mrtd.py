@@ -1,0 +1,279 @@
+"""Minimum resolvable temperature difference (MRTD) of a thermal imager against frequency.
+
+The target is four bars, each of width W = 1/(2f) and length 7·W. Of its square wave of difference
+ΔT a sensor passes the first harmonic, of amplitude (4/π)·(ΔT/2)·H(f). Averaged over a bar that is
+2/π of it, so that bars and gaps differ by (8/π²)·H(f)·ΔT. The bars are resolved when this is
+SNR_th times the noise σ_p that is left after the eye has averaged over a bar and over time:
+
+    MRTD(f) = (π²/8)·SNR_th·σ_p(f)/H(f).
+
+Both models are this equation; they differ in σ_p.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.errors import ParameterError
+from core.physics.acquisition.eye import coloured_share, frame_count, spatial_share
+from core.physics.acquisition.target_acquisition import resolvable_frequency
+from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
+from core.physics.numerics.array_checks import all_finite, all_from_zero, rising
+from core.physics.numerics.scalar_checks import non_negative, positive
+
+Vector = NDArray[np.float64]
+Direction = Literal["horizontal", "vertical"]
+BARS_LENGTH = 7.0  # widths of a bar
+HARMONIC = math.pi**2 / 8.0
+_ZERO = 1e-12  # a transfer function below this is rounding
+
+
+def mrtd_ratches_K(  # noqa: N802
+    *,
+    frequency: ArrayLike,
+    mtf: ArrayLike,
+    netd_K: float,
+    snr_threshold: float,
+    noise_bandwidth_cyc_per_mrad: float,
+    detector_along_mrad: float,
+    overscan: float = 1.0,
+    frames: float = 1.0,
+    spectrum: ArrayLike | None = None,
+) -> Vector:
+    """MRTD of the static performance model: NETD, averaged over a bar and over time.
+
+    Parameters
+    ----------
+    frequency
+        Frequency f of the bars in cycles/mrad, rising, above zero, shape (n,).
+    mtf
+        Transfer function H of the whole sensor at f, signed, 1 at zero frequency, shape (n,).
+    netd_K
+        Noise equivalent temperature difference, temporal noise only, K, zero or above.
+    snr_threshold
+        Signal to noise ratio SNR_th at which half of the observers resolve the bars, above zero;
+        2.25 in the model of 1975, 2.5 in FLIR92.
+    noise_bandwidth_cyc_per_mrad
+        Bandwidth B of the noise across the bars, cycles/mrad: Δf_N/v of a scan, noise bandwidth
+        in Hz over scan velocity in mrad/s; half the samples per mrad of a staring array.
+    detector_along_mrad
+        Angle Δ of a detector element along the bars, mrad.
+    overscan
+        Samples N_os per detector element along the bars; the lines lie Δ/N_os apart.
+    frames
+        Frames F_R·t_E that the eye averages (`core.physics.acquisition.eye.frames_integrated`), at
+        least 1.
+    spectrum
+        Power of the noise in equal cells from zero to the bandwidth, shape (along, across) the
+        bars, in any unit; its mean along is taken. None: white.
+
+    Returns
+    -------
+    ndarray of float64, shape (n,)
+        K; infinite from the first zero of H on.
+
+    Raises
+    ------
+    ParameterError
+        For a value out of range.
+
+    Notes
+    -----
+    MRTD = (π²/(4√14))·SNR_th·(NETD/H(f))·√(Δ·v·f·Q(f)/(Δf_N·N_os·F_R·t_E)), Q(f) = ∫ sinc²(ξ/(2f))
+    dξ from 0 to Δf_N/v. It is the equation above, with the average over the bar's length 7/(2f)
+    written as Δ·2f/(7·N_os), whence the √14, and Q(f) for the one over its width. Under Q(f) the
+    model of 1975 has the noise's spectrum, given here, and eye and display, which are not. Lines
+    count as independent. It knows no fixed pattern and no limit by sampling.
+
+    Source: Ratches, Lawson, Obert, Bergemann, Cassidy and Swenson 1975, ECOM-7043; Ratches 1976,
+    Opt. Eng. 15, 525. The equation's number could not be checked; the form was derived anew.
+    """
+    at, transfer = _curve(frequency, mtf)
+    netd = non_negative("netd_K", netd_K, unit="K")
+    line = positive("detector_along_mrad", detector_along_mrad, unit="mrad") / positive(
+        "overscan", overscan
+    )
+    flat = [[1.0]] if spectrum is None else np.mean(_rectangle(spectrum), axis=0, keepdims=True)
+    over_width = coloured_share(
+        length_x_mrad=0.5 / at,
+        length_y_mrad=np.zeros_like(at),
+        noise_bandwidth_x_cyc_per_mrad=noise_bandwidth_cyc_per_mrad,
+        noise_bandwidth_y_cyc_per_mrad=1.0,
+        spectrum=flat,
+    )
+    over_length = line * 2.0 * at / BARS_LENGTH
+    left = np.sqrt(over_width * over_length / frame_count(frames))
+    return _threshold(transfer, positive("snr_threshold", snr_threshold) * netd * left)
+
+
+def mrtd_flir92_K(  # noqa: N802
+    *,
+    frequency: ArrayLike,
+    mtf: ArrayLike,
+    noise: NoiseVariances,
+    snr_threshold: float,
+    across_cyc_per_mrad: float,
+    along_cyc_per_mrad: float,
+    direction: Direction,
+    frames: float = 1.0,
+    sampled: bool = True,
+    spectrum: ArrayLike | None = None,
+) -> Vector:
+    """MRTD of FLIR92: three-dimensional noise, averaged over a bar, and over time if temporal.
+
+    Parameters
+    ----------
+    frequency, mtf, snr_threshold, frames
+        As in `mrtd_ratches_K`.
+    noise : NoiseVariances
+        The seven variances in K²; one estimated below zero counts as none.
+    across_cyc_per_mrad, along_cyc_per_mrad
+        Bandwidth of the noise across and along the bars, cycles/mrad: half the samples per mrad
+        where the picture is sampled, noise bandwidth over scan velocity along an analogue scan.
+    direction
+        `horizontal`: frequencies across, upright bars; `vertical`: lying bars.
+    sampled
+        Whether the picture is sampled across the bars, as that of an array is in both directions
+        and that of a scanner across its scan; then `across_cyc_per_mrad` is Nyquist's frequency,
+        from which on nothing is resolved.
+    spectrum
+        Power of all temporal noise together in equal cells from zero to the bandwidths, shape
+        (along, across) the bars, in any unit: then what neighbouring samples have in common is in
+        it, and not in σ_tv, σ_th and σ_t apart. None: σ_tvh is white.
+
+    Returns
+    -------
+    ndarray of float64, shape (n,)
+        K; infinite from the first zero of H on, and from the limit of sampling on.
+
+    Raises
+    ------
+    ParameterError
+        For a value out of range.
+
+    Notes
+    -----
+    MRTD_h(f) = (π²/8)·SNR_th·σ_tvh·k_h(f)·√(E_t·E_h(f)·E_v(f))/H_h(f), where E_t = 1/(F_R·t_E),
+    E_h is the average over the width 1/(2f) of upright bars and E_v that over their length 7/(2f)
+    (`core.physics.acquisition.eye.spatial_share`), and k_h² = 1 + (σ_vh²/σ_tvh²)/E_t +
+    (σ_th²/σ_tvh²)/E_v + (σ_h²/σ_tvh²)/(E_t·E_v). For lying bars h and v change places. What is the
+    same in a bar and the gap beside it (σ_tv, σ_v and σ_t of upright bars) does not hide the bars.
+    With a spectrum (σ_tvh² + σ_th² + σ_tv² + σ_t²)·`core.physics.acquisition.eye.coloured_share`
+    takes the place of σ_tvh²·E_h·E_v and σ_th²·E_h.
+
+    Source: Scott and D'Agostino 1992, NVEOD FLIR92 thermal imaging systems performance model,
+    Proc. SPIE 1689, 194. The equations' numbers could not be checked; the form was derived anew.
+    """
+    at, transfer = _curve(frequency, mtf)
+    if direction not in ("horizontal", "vertical"):
+        raise ParameterError("direction", direction, "horizontal or vertical")
+    over_width = spatial_share(
+        length_mrad=0.5 / at, noise_bandwidth_cyc_per_mrad=across_cyc_per_mrad
+    )
+    over_length = spatial_share(
+        length_mrad=0.5 * BARS_LENGTH / at, noise_bandwidth_cyc_per_mrad=along_cyc_per_mrad
+    )
+    in_time = 1.0 / frame_count(frames)
+    size = {name: max(noise.variance(name), 0.0) for name in COMPONENTS}
+    from_bar_to_bar = "h" if direction == "horizontal" else "v"
+    left = over_width * (over_length * size["vh"] + size[from_bar_to_bar])
+    if spectrum is None:
+        left += in_time * over_width * (over_length * size["tvh"] + size[f"t{from_bar_to_bar}"])
+    else:
+        temporal = size["tvh"] + size["tv"] + size["th"] + size["t"]
+        left += (in_time * temporal) * coloured_share(
+            length_x_mrad=0.5 / at,
+            length_y_mrad=0.5 * BARS_LENGTH / at,
+            noise_bandwidth_x_cyc_per_mrad=across_cyc_per_mrad,
+            noise_bandwidth_y_cyc_per_mrad=along_cyc_per_mrad,
+            spectrum=_rectangle(spectrum),
+        )
+    found = _threshold(transfer, positive("snr_threshold", snr_threshold) * np.sqrt(left))
+    if sampled:
+        found[at >= across_cyc_per_mrad] = np.inf
+    return found
+
+
+def mrtd_two_dimensional(
+    *, frequency: ArrayLike, horizontal_K: ArrayLike, vertical_K: ArrayLike, samples: int = 257
+) -> tuple[Vector, Vector]:
+    """The one MRTD for both directions: at each temperature √(f_h·f_v) of the two curves.
+
+    Parameters
+    ----------
+    frequency
+        Frequencies of both curves in cycles/mrad, rising, above zero, shape (n,).
+    horizontal_K, vertical_K
+        MRTD in K, shape (n,); an infinite one ends the curve.
+    samples
+        Number m of temperatures, from the higher of the curves' lowest values to the higher of
+        their highest.
+
+    Returns
+    -------
+    (frequency, mrtd) : ndarrays of float64, at most m each
+        cycles/mrad, rising, and K, the least that resolves them; without noise in both directions
+        zero up to where the curves end. No samples if one of the directions resolves nothing.
+
+    Raises
+    ------
+    ParameterError
+        For a value out of range.
+
+    Notes
+    -----
+    A temperature above the end of one curve, where sampling cuts it off, resolves that
+    direction up to its end, as any temperature does one without noise.
+    Source: Scott and D'Agostino 1992, Proc. SPIE 1689, 194. The equation's number could not be
+    checked.
+    """
+    curves = [
+        all_from_zero(name, curve, unit="K", infinite=True)
+        for name, curve in (("horizontal_K", horizontal_K), ("vertical_K", vertical_K))
+    ]
+    finite = [curve[np.isfinite(curve)] for curve in curves]
+    if any(len(values) == 0 for values in finite):
+        return np.empty(0), np.empty(0)
+    low = max(float(values.min()) for values in finite)
+    high = max(float(values.max()) for values in finite)
+    levels = np.geomspace(low, high, samples) if low > 0.0 else np.linspace(low, high, samples)
+    reached = [
+        resolvable_frequency(frequency=frequency, mrtd_K=curve, apparent_K=levels)
+        for curve in curves
+    ]
+    if high == 0.0:
+        at = rising("frequency", frequency, unit="cyc/mrad")
+        both = np.array([at[0], math.sqrt(float(reached[0][0] * reached[1][0]))])
+        return (both, np.zeros(2)) if both[1] > both[0] else (both[:1], np.zeros(1))
+    both = np.sqrt(reached[0] * reached[1])
+    # Where both stay at a frequency, such as that of their ends, the least temperature counts.
+    least = np.concatenate([[True], both[1:] > np.maximum.accumulate(both)[:-1]])
+    return both[least], levels[least]
+
+
+def _rectangle(spectrum: ArrayLike) -> Vector:
+    power = all_from_zero("spectrum", spectrum)
+    if power.ndim != 2:
+        raise ParameterError("spectrum", f"an array of shape {power.shape}", "two axes")
+    return power
+
+
+def _curve(frequency: ArrayLike, mtf: ArrayLike) -> tuple[Vector, Vector]:
+    at = rising("frequency", frequency, unit="cyc/mrad")
+    positive("frequency[0]", at[0], unit="cyc/mrad")
+    transfer = all_finite("mtf", mtf)
+    if transfer.shape != at.shape:
+        allowed = f"the shape of frequency, {at.shape}"
+        raise ParameterError("mtf", f"an array of shape {transfer.shape}", allowed)
+    return at, transfer
+
+
+def _threshold(transfer: Vector, noise_K: Vector) -> Vector:
+    """(π²/8)·noise/H up to the first zero of H, beyond which bars and gaps change places."""
+    resolved = np.logical_and.accumulate(transfer > _ZERO)
+    safe = np.where(resolved, transfer, 1.0)
+    return np.where(resolved, HARMONIC * noise_K / safe, np.inf)

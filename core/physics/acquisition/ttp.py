@@ -1,0 +1,236 @@
+"""The targeting task performance (TTP) value of a target seen through a sensor.
+
+Unlike Johnson's cycles, which know only the highest frequency resolved, it sums at all
+frequencies how far the target's contrast is above the contrast threshold of sensor and eye.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.errors import ParameterError
+from core.physics.acquisition.target_acquisition import target_cycles, ttp_probability
+from core.physics.acquisition.threshold_curve import Threshold, interpolated
+from core.physics.numerics.array_checks import (
+    Values,
+    all_above_zero,
+    all_from_zero,
+    broadcast,
+    rising,
+)
+from core.physics.numerics.probability_range import range_for_probability
+from core.physics.numerics.quadrature import gauss_legendre
+from core.physics.numerics.scalar_checks import non_negative
+
+_NODES = 12  # of a panel
+_PARTS, _ROUNDS = 16, 15  # of a panel in which contrast and threshold cross: 2^−60 of it
+
+
+def thermal_contrast(*, difference_K: ArrayLike, scene_contrast_K: ArrayLike) -> Any:
+    """Contrast on the display of a temperature difference; of an MRTD, the contrast threshold.
+
+    Parameters
+    ----------
+    difference_K
+        Apparent difference of target and background, or MRTD; K, zero or above, may be infinite.
+    scene_contrast_K
+        Scene contrast temperature S in K, above zero: the difference that the display shows as
+        its mean luminance.
+
+    Returns
+    -------
+    float or ndarray
+        ΔT/(2·S), of the broadcast shape.
+
+    Raises
+    ------
+    ParameterError
+        For a value out of range, or shapes that do not broadcast.
+
+    Notes
+    -----
+    Source: Vollmerhausen and Jacobs 2004, report AMSEL-NV-TR-230 (the equation's number could not
+    be checked). With the threshold of an MRTD the TTP value is the same for every S.
+    """
+    difference, scene = broadcast(
+        difference_K=all_from_zero("difference_K", difference_K, unit="K", infinite=True),
+        scene_contrast_K=all_above_zero("scene_contrast_K", scene_contrast_K, unit="K"),
+    )
+    with np.errstate(over="ignore", under="ignore"):
+        return (difference / scene / 2.0)[()]
+
+
+def ttp_value(
+    *,
+    frequency: ArrayLike,
+    ctf: ArrayLike | Threshold,
+    contrast: ArrayLike,
+    target_area_m2: ArrayLike,
+    range_m: ArrayLike,
+) -> Any:
+    """TTP value V of a target.
+
+    Parameters
+    ----------
+    frequency
+        Frequencies in cycles/mrad, rising, shape (n,): those of the samples of `ctf`, or the
+        bounds of the panels in which it is summed. The first and last bound the sum.
+    ctf
+        Contrast threshold function of sensor and eye: values of zero or above at the frequencies
+        (zero at the first only; infinite where nothing is seen), or a function that gives them
+        for an array of frequencies.
+    contrast
+        Contrast of the target C at the sensor, in the unit of the threshold, zero or above; an
+        apparent temperature difference, where the threshold is an MRTD.
+    target_area_m2
+        m², above zero.
+    range_m
+        m, above zero.
+
+    Returns
+    -------
+    float or ndarray
+        V = √A/R·∫√(C/CTF) df over all frequencies at which C is above CTF; of the shape to which
+        the last three broadcast.
+
+    Raises
+    ------
+    ParameterError
+        For a value out of range, or shapes that do not fit.
+
+    Notes
+    -----
+    Source: Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806 (the equation's number could
+    not be checked); the bounds of the sum are where C = CTF. With thresholds across and along, V is
+    the root of the product of both. Samples are joined as in
+    `core.physics.acquisition.threshold_curve`. The sum is Gauss-Legendre's between neighbouring
+    frequencies, and the places where C = CTF, of which there may be one between two.
+    """
+    return TtpThreshold(frequency, ctf).value(contrast, target_area_m2, range_m)
+
+
+class TtpThreshold:
+    """A contrast threshold with its sums: TTP values of many contrasts, as `ttp_value` has them.
+
+    Parameters
+    ----------
+    frequency, ctf
+        As of `ttp_value`.
+    """
+
+    def __init__(self, frequency: ArrayLike, ctf: ArrayLike | Threshold) -> None:
+        self._places = rising("frequency", frequency, unit="cyc/mrad")
+        self._ctf = ctf if callable(ctf) else _joined(self._places, ctf)
+        self._levels = _values_of(self._ctf, self._places)
+        self._whole = _panels(self._ctf, self._places[:-1], self._places[1:])
+
+    def value(self, contrast: ArrayLike, target_area_m2: ArrayLike, range_m: ArrayLike) -> Any:
+        """TTP value V of a target."""
+        level, area, distance = broadcast(
+            contrast=all_from_zero("contrast", contrast),
+            target_area_m2=all_above_zero("target_area_m2", target_area_m2, unit="m²"),
+            range_m=all_above_zero("range_m", range_m, unit="m"),
+        )
+        return target_cycles(self._summed(level), np.sqrt(area), distance)[()]
+
+    def _summed(self, contrast: Values) -> Values:
+        """∫√(C/CTF) df where C > CTF, of the shape of `contrast`."""
+        places, levels = self._places, contrast.ravel()
+        seen = self._levels < levels[:, np.newaxis]
+        inside = (seen[:, :-1] & seen[:, 1:]) @ self._whole
+        which, crossed = np.nonzero(seen[:, :-1] != seen[:, 1:])
+        low, high, seen_low = places[crossed], places[crossed + 1], seen[which, crossed]
+        meet = _crossings(self._ctf, levels[which], low, high, seen_low)
+        parts = _panels(self._ctf, np.where(seen_low, low, meet), np.where(seen_low, meet, high))
+        inside += np.bincount(which, parts, len(levels))
+        return np.asarray((np.sqrt(levels) * inside).reshape(contrast.shape), np.float64)
+
+
+def ttp_range(
+    *,
+    frequency: ArrayLike,
+    ctf: ArrayLike | Threshold,
+    contrast: float,
+    target_area_m2: float,
+    v50: float,
+    probability: float = 0.5,
+    extinction_per_km: float = 0.0,
+) -> float | None:
+    """Range at which `ttp_probability` of `ttp_value` falls to a value.
+
+    The contrast, given as it is at the target, falls by exp(−extinction·range) on the way; the
+    other parameters are those of the two functions, returns and errors as
+    `core.physics.numerics.probability_range.range_for_probability`.
+    """
+    extinction = non_negative("extinction_per_km", extinction_per_km, unit="1/km")
+    at_target = non_negative("contrast", contrast)
+
+    threshold = TtpThreshold(frequency, ctf)
+
+    def probability_at(range_m: Values) -> Values:
+        left = at_target * np.exp(-extinction * range_m / 1000.0)
+        value = threshold.value(left, target_area_m2, range_m)
+        return np.asarray(ttp_probability(value=value, v50=v50), np.float64)
+
+    return range_for_probability(probability_at=probability_at, probability=probability)
+
+
+def _joined(places: Values, ctf: ArrayLike) -> Threshold:
+    """The function through the samples of a threshold, which are checked."""
+    curve = all_from_zero("ctf", ctf, infinite=True)
+    if curve.shape != places.shape:
+        allowed = f"a function, or an array of the shape of frequency, {places.shape}"
+        raise ParameterError("ctf", f"an array of shape {curve.shape}", allowed)
+    zeros = np.flatnonzero((curve == 0.0) & (places > 0.0))
+    if len(zeros):
+        raise ParameterError(f"ctf[{zeros[0]}]", 0.0, "above zero beyond frequency zero")
+    return interpolated(frequency=places, ctf=curve)
+
+
+def _panels(ctf: Threshold, low: Values, high: Values) -> Values:
+    """∫CTF^(−1/2) df in each panel."""
+    nodes, weights = gauss_legendre(_NODES)
+    # The share of the panel squared: a threshold that rises from zero costs no accuracy.
+    share = (1.0 + nodes) / 2.0
+    width = high - low
+    points = low[:, np.newaxis] + width[:, np.newaxis] * share**2
+    values = _values_of(ctf, points.ravel()).reshape(points.shape)
+    zero = points[(values == 0.0) & (points > 0.0)]
+    if len(zero):
+        raise ParameterError(f"ctf({zero[0]:g} cyc/mrad)", 0.0, "above zero beyond frequency zero")
+    root = 1.0 / np.sqrt(np.where(values == 0.0, np.inf, values))
+    return np.asarray(width * (root @ (weights * share)), np.float64)
+
+
+def _crossings(
+    ctf: Threshold, level: Values, low: Values, high: Values, seen_low: NDArray[np.bool_]
+) -> Values:
+    """Where C = CTF in panels that are seen at one end only."""
+    if not len(level):
+        return low
+    parts = np.arange(1, _PARTS) / _PARTS
+    for _ in range(_ROUNDS):
+        inside = low[:, np.newaxis] + (high - low)[:, np.newaxis] * parts
+        seen = _values_of(ctf, inside.ravel()).reshape(inside.shape) < level[:, np.newaxis]
+        as_low = np.column_stack([seen == seen_low[:, np.newaxis], np.zeros(len(low), bool)])
+        last = np.argmin(as_low, axis=1)[:, np.newaxis]
+        bounds = np.column_stack([low, inside, high])
+        low = np.take_along_axis(bounds, last, axis=1)[:, 0]
+        high = np.take_along_axis(bounds, last + 1, axis=1)[:, 0]
+    return (low + high) / 2.0
+
+
+def _values_of(ctf: Threshold, places: Values) -> Values:
+    with np.errstate(divide="ignore", over="ignore", under="ignore"):
+        values = np.asarray(ctf(places), np.float64)
+    if values.shape != places.shape:
+        allowed = f"of the shape of the frequencies, {places.shape}"
+        raise ParameterError("ctf", f"an array of shape {values.shape}", allowed)
+    wrong = np.flatnonzero(~(values >= 0.0))
+    if len(wrong):
+        where = f"ctf({places[wrong[0]]:g} cyc/mrad)"
+        raise ParameterError(where, float(values[wrong[0]]), "zero or above, or infinite")
+    return values

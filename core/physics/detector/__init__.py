@@ -1,0 +1,1 @@
+"""Detector aperture, charge transfer and detectivity."""

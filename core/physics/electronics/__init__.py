@@ -1,0 +1,1 @@
+"""Filters, gain and bias, quantization and periodic noise."""

@@ -1,0 +1,1 @@
+"""MTF measured from edges in a picture."""

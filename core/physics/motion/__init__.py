@@ -1,0 +1,1 @@
+"""Transfer functions of motion and vibration, and the geometry of a line scanner."""

@@ -1,0 +1,1 @@
+"""Noise of detectors and photons, and its components in a sequence."""

@@ -1,0 +1,163 @@
+"""Noise of a detector as power, radiance and temperature difference (NEP, NER, NETD)."""
+
+from __future__ import annotations
+
+from math import hypot, inf, pi, sqrt
+
+from core.errors import ParameterError
+from core.physics.radiometry.planck import band_radiance_derivative
+
+
+def g_number(*, f_number: float, filter_transmission: float, optics_transmission: float) -> float:
+    """Throughput number G#: radiance of the scene per irradiance of the detector.
+
+    Parameters
+    ----------
+    f_number
+        Focal length over aperture, above 0.
+    filter_transmission, optics_transmission
+        Above 0, at most 1.
+
+    Returns
+    -------
+    (1 + 4F²)/(τ_f·τ_o·π), sr⁻¹.
+
+    Raises
+    ------
+    ParameterError
+        For a value out of range.
+
+    Source: Tantalo 1996, eq. 4.54 (F/1.75 with 0.9 and 0.9 gives the published 5.20692).
+    """
+    _require_positive("f_number", f_number)
+    for name, value in (
+        ("filter_transmission", filter_transmission),
+        ("optics_transmission", optics_transmission),
+    ):
+        if not 0.0 < value <= 1.0:
+            raise ParameterError(name, value, "must be above 0 and at most 1")
+    return (1.0 + 4.0 * f_number**2) / (filter_transmission * optics_transmission * pi)
+
+
+def detector_area_cm2(
+    *, pitch_x_um: float, pitch_y_um: float, fill_x: float, fill_y: float
+) -> float:
+    """Light-sensitive area of a detector element, cm², from pitch (µm) and fill factors (0 to 1].
+
+    Source: the effective area of Tantalo 1996, eqs. 4.51-4.52.
+    """
+    _require_positive("pitch_x_um", pitch_x_um, "µm")
+    _require_positive("pitch_y_um", pitch_y_um, "µm")
+    for name, value in (("fill_x", fill_x), ("fill_y", fill_y)):
+        if not 0.0 < value <= 1.0:
+            raise ParameterError(name, value, "must be above 0 and at most 1")
+    return pitch_x_um * pitch_y_um * fill_x * fill_y * 1e-8
+
+
+def nep_W(  # noqa: N802
+    *, area_cm2: float, bandwidth_Hz: float, d_star: float
+) -> float:
+    """Noise-equivalent power √(A·Δf)/D*.
+
+    Parameters
+    ----------
+    area_cm2
+        Light-sensitive area, cm².
+    bandwidth_Hz
+        Noise bandwidth, Hz.
+    d_star
+        Specific detectivity of the band, cm √Hz/W, above 0.
+
+    Returns
+    -------
+    W.
+
+    Raises
+    ------
+    ParameterError
+        For a value that is not above 0; a D* of 0 means no response in the band.
+
+    Source: Tantalo 1996, eq. 4.52 (power in W; the text says W/sr).
+    """
+    _require_positive("area_cm2", area_cm2, "cm²")
+    _require_positive("bandwidth_Hz", bandwidth_Hz, "Hz")
+    _require_positive("d_star", d_star, "cm √Hz/W")
+    return sqrt(area_cm2 * bandwidth_Hz) / d_star
+
+
+def ner_W_m2_sr(  # noqa: N802
+    *, nep_W: float, area_cm2: float, g_number: float
+) -> float:
+    """Noise-equivalent radiance NEP·G#/A, W m⁻² sr⁻¹.
+
+    Source: Tantalo 1996, eq. 4.51.
+    """
+    _require_positive("area_cm2", area_cm2, "cm²")
+    _require_positive("g_number", g_number, "1/sr")
+    return nep_W * g_number / (area_cm2 * 1e-4)
+
+
+def netd_K(  # noqa: N802
+    *, noise_radiance: float, cut_on_um: float, cut_off_um: float, background_K: float
+) -> float:
+    """Noise-equivalent temperature difference: noise over the slope dL/dT of the background.
+
+    Parameters
+    ----------
+    noise_radiance
+        Standard deviation of the noise, W m⁻² sr⁻¹, 0 or above.
+    cut_on_um, cut_off_um
+        The band, µm.
+    background_K
+        K.
+
+    Returns
+    -------
+    K.
+
+    Raises
+    ------
+    ParameterError
+        For values out of range, and for a background too cold to have a slope.
+
+    Source: Tantalo 1996, eq. 4.63.
+    """
+    if not 0.0 <= noise_radiance < inf:
+        raise ParameterError(
+            "noise_radiance", noise_radiance, "must be 0 or above and finite", unit="W/m²/sr"
+        )
+    slope = band_radiance_derivative(
+        cut_on_um=cut_on_um, cut_off_um=cut_off_um, temperature_K=float(background_K)
+    )
+    netd = noise_radiance / slope if slope > 0.0 else inf
+    if netd == inf:
+        allowed = f"too cold: emits nothing in {cut_on_um:g}-{cut_off_um:g} µm"
+        raise ParameterError("background_K", background_K, allowed, unit="K")
+    return netd
+
+
+def amplifier_noise_radiance(*, reference_radiance: float, snr: float) -> float:
+    """Standard deviation of the amplifier's noise: reference over SNR, W m⁻² sr⁻¹.
+
+    `reference_radiance` is the picture's mean, or its range for an SNR of contrast; its sign is
+    of no effect.
+
+    Source: Tantalo 1996, eq. 4.61.
+    """
+    _require_positive("snr", snr)
+    return abs(reference_radiance) / snr
+
+
+def system_netd_K(  # noqa: N802
+    *, amplifier_netd_K: float, detector_netd_K: float
+) -> float:
+    """NETD of amplifier and detector together, the root of the sum of squares, K.
+
+    Source: Tantalo 1996, eq. 4.62.
+    """
+    return hypot(amplifier_netd_K, detector_netd_K)
+
+
+def _require_positive(name: str, value: float, unit: str = "") -> None:
+    if not 0.0 < value < inf:
+        raise ParameterError(name, value, "must be above 0 and finite", unit=unit)

@@ -1,0 +1,1 @@
+"""Checks of arguments, quadrature, interpolation and special values."""

@@ -1,0 +1,1 @@
+"""Transfer functions of exit pupils: annuli, spiders, wavefronts, sampled pupils."""

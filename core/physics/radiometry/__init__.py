@@ -1,0 +1,1 @@
+"""Planck's law, band integrals, units of radiance and materials."""

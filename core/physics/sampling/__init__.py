@@ -1,0 +1,1 @@
+"""Sampling, interpolation and the footprints of a camera on the ground."""

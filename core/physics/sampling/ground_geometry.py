@@ -1,0 +1,291 @@
+"""Where the samples of a line scanner, a pushbroom or a framing camera lie on flat ground.
+
+Axes are those of the picture: x to the right, across the flight; y down, along it; z towards the
+ground. A place in the frame is counted in samples: column u from 0 to `columns`, line v from 0 to
+`rows`, so that sample i reaches from i to i + 1. The ground is counted in metres from the middle
+of the scene.
+
+Each ray leaves the camera as (a(u), b(v), 1) and meets the ground through one 3 × 3 matrix, with a
+and b as the kind of camera has them. Roll turns the view about y (positive: to the right), then
+pitch about x (positive: ahead, down the picture), then yaw about z (positive: clockwise, and the
+flight with it).
+
+Sources: Tantalo 1996, section 2 and figure 2.3, after Salacain 1995 (not seen), for what each
+sensor samples in equal steps; Wolf and Dewitt, Elements of Photogrammetry, for the collinearity
+equations, and Schott 1997, Remote Sensing, for panoramic distortion, both by memory: what is used
+of them follows from the geometry alone.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.errors import DataError, ParameterError
+from core.physics.motion.line_scanner import view_angles_rad
+
+Vector = NDArray[np.float64]
+Kind = Literal["line", "pushbroom", "framing"]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera over flat ground.
+
+    Parameters
+    ----------
+    kind : "line", "pushbroom" or "framing"
+        What is sampled in equal steps: angles across and lines flown; the focal plane across and
+        lines flown; the focal plane both ways.
+    altitude_m : float
+        Height above the ground.
+    columns, rows : int
+        Samples across and lines along.
+    step_x_mrad, step_y_mrad : float
+        Size of a sample across and along: an angle (across, of a line scanner), or thousandths of
+        the focal length.
+    line_spacing_m : float
+        Distance flown from one line to the next; nothing to a framing camera.
+    roll_deg, pitch_deg, yaw_deg : float
+        Attitude, the same for all lines.
+    offset_x_m, offset_y_m : float
+        Where it is when the middle of the frame is taken.
+    """
+
+    kind: Kind
+    altitude_m: float
+    columns: int
+    rows: int
+    step_x_mrad: float
+    step_y_mrad: float
+    line_spacing_m: float = 0.0
+    roll_deg: float = 0.0
+    pitch_deg: float = 0.0
+    yaw_deg: float = 0.0
+    offset_x_m: float = 0.0
+    offset_y_m: float = 0.0
+
+
+class Bounds(NamedTuple):
+    """Ground that a frame shows, m from the middle of the scene."""
+
+    left: float
+    right: float
+    top: float
+    low: float
+
+
+class GroundSample(NamedTuple):
+    """Size of a sample on the ground."""
+
+    across_m: float
+    along_m: float
+
+
+def view_angles(*, camera: Camera, u: ArrayLike) -> Vector:
+    """Angle of columns from nadir across, in rad; from the optical axis for a framing camera.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera; its roll is added, but for a framing camera.
+    u : array_like
+        Columns, 0 to `columns`.
+
+    Returns
+    -------
+    ndarray, shape of u
+    """
+    away = np.asarray(u, np.float64) - 0.5 * camera.columns
+    angle = away * (camera.step_x_mrad / 1000.0)
+    if camera.kind != "line":
+        angle = np.arctan(angle)
+    return angle if camera.kind == "framing" else angle + math.radians(camera.roll_deg)
+
+
+def across(*, camera: Camera, u: ArrayLike) -> Vector:
+    """The rays' first component, a(u): the tangent of the view angle."""
+    if camera.kind == "framing":
+        away = np.asarray(u, np.float64) - 0.5 * camera.columns
+        return np.asarray(away * (camera.step_x_mrad / 1000.0))
+    return np.tan(view_angles(camera=camera, u=u))
+
+
+def along(*, camera: Camera, v: ArrayLike) -> Vector:
+    """The rays' second component, b(v): lines flown, or the tangent from the optical axis."""
+    away = np.asarray(v, np.float64) - 0.5 * camera.rows
+    return away * (camera.step_y_mrad / 1000.0) if camera.kind == "framing" else away
+
+
+def ground_matrix(*, camera: Camera) -> Vector:
+    """From (a, b, 1) to ground coordinates in m, up to the third component.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera.
+
+    Returns
+    -------
+    ndarray, shape (3, 3)
+        X = M₀·r/M₂·r, Y = M₁·r/M₂·r with r = (a, b, 1).
+
+    Notes
+    -----
+    Framing: the collinearity equations, X = x₀ + h·d_x/d_z with d = R_z(yaw)·R_x(pitch)·R_y(roll)·r
+    (Wolf and Dewitt). The rays of a line scanner or pushbroom lie in one plane, so that with a
+    pitch of p they meet the ground at (h·a/cos p, h·tan p), and the next line is a spacing further.
+    """
+    roll, pitch, yaw = (
+        math.radians(angle) for angle in (camera.roll_deg, camera.pitch_deg, camera.yaw_deg)
+    )
+    height = camera.altitude_m
+    turn = _turn_z(yaw)
+    if camera.kind == "framing":
+        d_x, d_y, d_z = turn @ _turn_x(pitch) @ _turn_y(roll)
+        return np.stack(
+            [height * d_x + camera.offset_x_m * d_z, height * d_y + camera.offset_y_m * d_z, d_z]
+        )
+    flown = np.diag([height / math.cos(pitch), camera.line_spacing_m, 1.0])
+    flown[1, 2] = height * math.tan(pitch)
+    moved = turn @ flown
+    moved[:2, 2] += camera.offset_x_m, camera.offset_y_m
+    return np.asarray(moved)
+
+
+def line_widths(*, camera: Camera, u: ArrayLike) -> Vector:
+    """Extent of samples along the flight, in lines.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera.
+    u : array_like
+        Columns.
+
+    Returns
+    -------
+    ndarray, shape of u
+        1 for a framing camera. Else step_y·h·g/spacing with the cosine of the pitch squared below:
+        g is the secant of the view angle for a line scanner, whose range grows by that, and 1 for
+        an upright pushbroom, whose samples have the same size in the focal plane.
+    """
+    columns = np.asarray(u, np.float64)
+    if camera.kind == "framing":
+        return np.ones(columns.shape)
+    angle = view_angles(camera=camera, u=columns)
+    growth = 1.0 / np.cos(angle)
+    if camera.kind == "pushbroom":
+        growth = growth * np.cos(angle - math.radians(camera.roll_deg))
+    nadir = camera.step_y_mrad / 1000.0 * camera.altitude_m / camera.line_spacing_m
+    return np.asarray(growth * (nadir / math.cos(math.radians(camera.pitch_deg)) ** 2))
+
+
+def ground_points(*, camera: Camera, u: ArrayLike, v: ArrayLike) -> tuple[Vector, Vector]:
+    """Where places in the frame lie on the ground.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera; `check_horizon` tells whether it sees the ground everywhere.
+    u, v : array_like
+        Columns and lines, which broadcast.
+
+    Returns
+    -------
+    x_m, y_m : ndarray
+        From the middle of the scene.
+    """
+    a, b = np.broadcast_arrays(across(camera=camera, u=u), along(camera=camera, v=v))
+    x, y, z = np.tensordot(ground_matrix(camera=camera), np.stack([a, b, np.ones(a.shape)]), 1)
+    return x / z, y / z
+
+
+def ground_sample(*, camera: Camera, u: float, v: float) -> GroundSample:
+    """Size on the ground of the sample about a place in the frame: its two middle lines.
+
+    For an upright line scanner h·Δ·sec²θ across and h·Δ·sec θ along, but for terms of Δ³.
+    """
+    reach = 0.5 * float(line_widths(camera=camera, u=u))
+    x, y = ground_points(camera=camera, u=[u - 0.5, u + 0.5, u, u], v=[v, v, v - reach, v + reach])
+    size = np.hypot(np.diff(x)[::2], np.diff(y)[::2])
+    return GroundSample(float(size[0]), float(size[1]))
+
+
+def ground_bounds(*, camera: Camera) -> Bounds:
+    """The ground that a frame shows, with the samples' whole extent.
+
+    The frame's borders are straight on the ground, so that its corners lie farthest out.
+    """
+    x, y = [], []
+    for u, column in ((0.0, 0.5), (float(camera.columns), camera.columns - 0.5)):
+        beyond = 0.5 * (float(line_widths(camera=camera, u=column)) - 1.0)
+        points = ground_points(camera=camera, u=u, v=[-beyond, camera.rows + beyond])
+        x += points[0].tolist()
+        y += points[1].tolist()
+    return Bounds(min(x), max(x), min(y), max(y))
+
+
+def check_horizon(*, camera: Camera) -> None:
+    """Refuse a camera that sees past the horizon.
+
+    Raises
+    ------
+    ParameterError
+        When the scan alone, or with its roll, reaches 90° from nadir.
+    DataError
+        When a corner of a tilted frame does.
+    """
+    if camera.kind == "framing":
+        corners = [
+            [a, b, 1.0]
+            for a in across(camera=camera, u=[0, camera.columns])
+            for b in along(camera=camera, v=[0, camera.rows])
+        ]
+        if not np.all(np.asarray(corners) @ ground_matrix(camera=camera)[2] > 1e-6):
+            raise DataError(
+                "the frame reaches past the horizon: take a smaller roll_deg or pitch_deg, or a "
+                "smaller field"
+            )
+        return
+    if camera.kind == "line":
+        view_angles_rad(columns=camera.columns + 1, interval_mrad=camera.step_x_mrad)
+    half_deg = 0.5 * field_deg(camera=camera)
+    if not abs(camera.roll_deg) + half_deg < 90.0:
+        raise ParameterError(
+            "roll_deg",
+            camera.roll_deg,
+            f"with a field of {2 * half_deg:.4g}° within ±{90 - half_deg:.4g}, to meet the ground",
+            unit="deg",
+        )
+
+
+def field_deg(*, camera: Camera) -> float:
+    """Field of view across."""
+    half = 0.0005 * camera.columns * camera.step_x_mrad
+    return 2.0 * math.degrees(half if camera.kind == "line" else math.atan(half))
+
+
+def step_of_field_mrad(*, kind: Kind, fov_deg: float, columns: int) -> float:
+    """Size of a sample across: fov/columns for a line scanner, else 2·tan(fov/2)/columns."""
+    half = math.radians(0.5 * fov_deg)
+    return 2000.0 * (half if kind == "line" else math.tan(half)) / columns
+
+
+def _turn_x(angle: float) -> Vector:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
+
+
+def _turn_y(angle: float) -> Vector:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+
+def _turn_z(angle: float) -> Vector:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -1,0 +1,1 @@
+"""Factors of transfer functions, their products, and what an error budget leaves out."""

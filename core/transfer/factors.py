@@ -1,0 +1,247 @@
+"""Transfer factors: functions of frequency with their parameters bound, no arrays.
+
+Most factors separate into a vector over xi and a vector over eta; a few are planar (radial, or
+fully two-dimensional). A factor is one of three `Part`s of H = MTF·exp(i·PTF): a signed MTF, a PTF
+in radians, or a complex H of which a wire carries the modulus or the phase.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import ImagechainError
+from core.evaluation.content_key import content_key
+from core.evaluation.float_guard import watched
+from core.evaluation.recipes import Recipe
+
+if TYPE_CHECKING:
+    from core.evaluation.work import Work
+
+Part = Literal["mtf", "ptf"]
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Law:
+    """A pure function of frequency with its other arguments bound.
+
+    A bound argument may be a `Recipe`; its value is put in its place when the law is evaluated.
+
+    Parameters
+    ----------
+    function : callable
+        Module-level physics function.
+    parameters : tuple of (name, value)
+        The bound keyword arguments.
+    scale : float
+        What frequency arguments are multiplied by, such as a wavelength that turns cycles/mrad
+        into a lag across the pupil.
+    """
+
+    function: Callable[..., Array]
+    parameters: tuple[tuple[str, Any], ...] = ()
+    scale: float = 1.0
+
+    @classmethod
+    def of(cls, function: Callable[..., Array], *, scale: float = 1.0, **parameters: Any) -> Law:
+        """Write ``Law.of(gaussian_mtf, sigma_mrad=0.5)``."""
+        return cls(function, tuple(sorted(parameters.items())), scale)
+
+    @cached_property
+    def key(self) -> str:
+        """Content key."""
+        return content_key(self.function, self.parameters, self.scale)
+
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """Recipes among the bound arguments."""
+        return tuple(value for _, value in self.parameters if isinstance(value, Recipe))
+
+    def __call__(self, work: Work | None, **frequencies: Array) -> Array:
+        """Evaluate at the given frequencies; `work` is needed when a recipe is bound."""
+        bound: dict[str, Any] = {}
+        for name, value in self.parameters:
+            if isinstance(value, Recipe):
+                assert work is not None, "a law with a recipe bound needs work to evaluate it"
+                bound[name] = work.value(value)
+            else:
+                bound[name] = value
+        if self.scale != 1.0:
+            frequencies = {name: self.scale * array for name, array in frequencies.items()}
+        return self.function(**frequencies, **bound)
+
+
+@contextmanager
+def _placed(node: str | None) -> Iterator[None]:
+    """Put errors on the node a factor came from."""
+    try:
+        with watched(node):
+            yield
+    except ImagechainError as error:
+        raise (error.at(node) if node else error) from error
+
+
+@dataclass(frozen=True)
+class Separable:
+    """fx(xi)·fy(eta) for an MTF, fx(xi) + fy(eta) for a PTF; a missing law is 1 or 0.
+
+    Parameters
+    ----------
+    x, y : Law or None
+        Laws called as ``law(frequency=…)``.
+    part : "mtf" or "ptf"
+        What the laws give: signed real values, or radians.
+    argument : str
+        Name of the frequency argument.
+    label, node : str
+        For people: the stage's title and the node it came from. Not part of the key.
+    """
+
+    x: Law | None
+    y: Law | None
+    part: Part = "mtf"
+    argument: str = "frequency"
+    label: str = field(default="", compare=False)
+    node: str | None = field(default=None, compare=False)
+
+    @cached_property
+    def key(self) -> str:
+        """Content key."""
+        return content_key("separable", self.x, self.y, self.part, self.argument)
+
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        """The laws there are."""
+        return tuple(law for law in (self.x, self.y) if law is not None)
+
+    def rescaled(self, ratio_x: float, ratio_y: float) -> Separable:
+        """The factor with its frequency axes multiplied."""
+        x, y = (
+            law and replace(law, scale=law.scale * ratio)
+            for law, ratio in ((self.x, ratio_x), (self.y, ratio_y))
+        )
+        return replace(self, x=x, y=y)
+
+    def axis(self, work: Work | None, law: Law | None, frequency: Array) -> Array | None:
+        """Values of one axis' law at `frequency`, or None where there is none."""
+        if law is None:
+            return None
+        with _placed(self.node):
+            return np.asarray(law(work, **{self.argument: frequency}), np.float64)
+
+    def plane(self, work: Work | None, xi: Array, eta: Array) -> Array:
+        """Values on the plane spanned by `xi` (columns,) and `eta` (rows,)."""
+        across = self.axis(work, self.x, xi)
+        along = self.axis(work, self.y, eta)
+        neutral = 1.0 if self.part == "mtf" else 0.0
+        row = np.full(len(xi), neutral) if across is None else across
+        column = np.full(len(eta), neutral) if along is None else along
+        if self.part == "mtf":
+            return np.multiply.outer(column, row)
+        return np.add.outer(column, row)
+
+
+Take = Literal["real", "modulus", "phase", "complex"]
+
+
+@dataclass(frozen=True)
+class Planar:
+    """A factor that does not separate: radial, or any function of xi and eta.
+
+    Parameters
+    ----------
+    law : Law
+        Called as ``law(xi=…, eta=…)``, or ``law(rho=…)`` when `radial`.
+    radial : bool
+        A function of the radial frequency alone.
+    symmetric : bool
+        Real and even in xi and in eta separately, as for every pupil with a mirror axis.
+    take : "real", "modulus", "phase" or "complex"
+        Which aspect of the law's value this factor carries. A magnitude wire carries "real" or
+        "modulus", a phase wire "phase"; where modulus and phase of one law meet again they become
+        "complex".
+    ratios : (float, float)
+        What xi and eta are multiplied by first: see `rescaled`.
+    cutoff : (float, float) or None
+        Frequencies across and along, cycles/mrad, beyond which the law is 0, where that is known.
+        For people; not part of the key.
+    label, node : str
+        The stage's title and its node. Not part of the key.
+    """
+
+    law: Law
+    radial: bool = False
+    symmetric: bool = True
+    take: Take = "real"
+    ratios: tuple[float, float] = (1.0, 1.0)
+    cutoff: tuple[float, float] | None = field(default=None, compare=False)
+    label: str = field(default="", compare=False)
+    node: str | None = field(default=None, compare=False)
+
+    @property
+    def laws(self) -> tuple[Law, ...]:
+        """The law."""
+        return (self.law,)
+
+    @property
+    def part(self) -> Part:
+        """Whether this is an MTF or a PTF on its wire."""
+        return "ptf" if self.take == "phase" else "mtf"
+
+    @cached_property
+    def key(self) -> str:
+        """Content key."""
+        return content_key(
+            "planar",
+            self.law,
+            (self.radial, self.symmetric, self.take),
+            self.ratios,
+        )
+
+    def rescaled(self, ratio_x: float, ratio_y: float) -> Planar:
+        """The factor with its frequency axes multiplied."""
+        cutoff = self.cutoff and (self.cutoff[0] / ratio_x, self.cutoff[1] / ratio_y)
+        ratios = (self.ratios[0] * ratio_x, self.ratios[1] * ratio_y)
+        return replace(self, ratios=ratios, cutoff=cutoff)
+
+    def transfer(self, work: Work | None, xi: Array, eta: Array) -> Array:
+        """What multiplies the spectrum, real or complex: a phase φ gives exp(iφ).
+
+        `xi` and `eta` broadcast against each other.
+        """
+        value = self._evaluate(work, xi, eta)
+        if self.take in ("real", "complex"):
+            return value
+        if self.take == "modulus":
+            return np.abs(value)
+        modulus = np.abs(value)
+        # A zero of the OTF has no phase: 1 keeps what an MTF from elsewhere passes there.
+        return np.where(modulus > 0, value / np.where(modulus > 0, modulus, 1.0), 1.0)
+
+    def plane(self, work: Work | None, xi: Array, eta: Array) -> Array:
+        """Values as the wire shows them (MTF, or PTF in radians) on the plane of `xi` × `eta`."""
+        value = self._evaluate(work, xi[np.newaxis, :], eta[:, np.newaxis])
+        shape = (len(eta), len(xi))
+        if self.take == "phase":
+            return np.broadcast_to(np.angle(value), shape)
+        shown = np.real(value) if self.take == "real" else np.abs(value)
+        return np.broadcast_to(shown, shape)
+
+    def _evaluate(self, work: Work | None, xi: Array, eta: Array) -> Array:
+        if self.ratios != (1.0, 1.0):
+            xi, eta = xi * self.ratios[0], eta * self.ratios[1]
+        with _placed(self.node):
+            if self.radial:
+                # Ten times as fast as hypot, and frequencies are far from where it overflows.
+                return np.asarray(self.law(work, rho=np.sqrt(xi * xi + eta * eta)))
+            return np.asarray(self.law(work, xi=xi, eta=eta))
+
+
+Factor = Separable | Planar

@@ -1,0 +1,1 @@
+"""How cameras and line scanners sample a scene."""

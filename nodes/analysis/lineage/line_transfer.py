@@ -1,0 +1,148 @@
+"""Transfer functions along a line through zero frequency, without the 2-D plane."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.results import SampledTransfer
+from core.evaluation.work import Work
+from core.transfer.factors import Factor, Part, Separable
+from core.transfer.grid import Grid
+
+Array = NDArray[Any]
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Line:
+    """A direction in the plane of frequencies: unit vector and name."""
+
+    name: str
+    across: float
+    along: float
+
+    @classmethod
+    def at(cls, angle_deg: float) -> Line:
+        """From the xi axis (0°) towards the eta axis (90°); multiples of 90° lie on an axis."""
+        quarter = angle_deg / 90.0
+        if quarter == round(quarter):
+            across, along = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[round(quarter) % 4]
+        else:
+            angle = math.radians(angle_deg)
+            across, along = math.cos(angle), math.sin(angle)
+        return cls(f"{angle_deg:g}°", across, along)
+
+    def end(self, highest_x: float, highest_y: float) -> float:
+        """Frequency at which the line leaves the rectangle of |xi| and |eta| up to these."""
+        ends = ((highest_x, abs(self.across)), (highest_y, abs(self.along)))
+        return min(highest / share for highest, share in ends if share > 0.0)
+
+    def frequencies(self, grid: Grid, samples: int) -> Vector:
+        """From zero to the end of the image's band, cycles/mrad."""
+        return np.linspace(0.0, self.end(grid.nyquist_x, grid.nyquist_y), samples)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Factors of one module under one name."""
+
+    label: str
+    factors: tuple[Factor, ...]
+
+    @property
+    def key(self) -> str:
+        """Content key; a curve carries its name, so the name counts."""
+        return "/".join((self.label, *(factor.key for factor in self.factors)))
+
+
+def stages_of(factors: tuple[Factor, ...]) -> tuple[Stage, ...]:
+    """Factors grouped by the module they came from, in order, under unique names."""
+    groups: dict[tuple[str | None, str], list[Factor]] = {}
+    for factor in factors:
+        groups.setdefault((factor.node, factor.label), []).append(factor)
+    labels = Counter(label for _, label in groups)
+    stages: list[Stage] = []
+    for number, ((node, label), members) in enumerate(groups.items(), 1):
+        name = label or node or f"Stage {number}"
+        if labels[label] > 1 and label and node:
+            name = f"{label} ({node})"
+        stages.append(Stage(name, tuple(members)))
+    return tuple(stages)
+
+
+def stage_along(work: Work, stage: Stage, part: Part, line: Line, frequency: Vector) -> Vector:
+    """A stage's MTF, signed, or its PTF in radians, at points of the line."""
+    value = np.ones(len(frequency)) if part == "mtf" else np.zeros(len(frequency))
+    for factor in stage.factors:
+        each = _factor_along(work, factor, line, frequency)
+        value = value * each if part == "mtf" else value + each
+    return value
+
+
+def _factor_along(work: Work, factor: Factor, line: Line, frequency: Vector) -> Vector:
+    xi, eta = line.across * frequency, line.along * frequency
+    if line.along == 0.0:
+        return np.asarray(factor.plane(work, xi, np.zeros(1))[0], np.float64)
+    if line.across == 0.0:
+        return np.asarray(factor.plane(work, np.zeros(1), eta)[:, 0], np.float64)
+    return factor_at(work, factor, xi, eta)
+
+
+def factor_at(work: Work, factor: Factor, xi: Vector, eta: Vector) -> Vector:
+    """A factor's MTF, signed, or its PTF in radians, at pairs of frequencies."""
+    if isinstance(factor, Separable):
+        x, y = factor.axis(work, factor.x, xi), factor.axis(work, factor.y, eta)
+        neutral = 1.0 if factor.part == "mtf" else 0.0
+        row, column = neutral if x is None else x, neutral if y is None else y
+        each = row * column if factor.part == "mtf" else row + column
+        return np.broadcast_to(np.asarray(each, np.float64), xi.shape)
+    value = np.broadcast_to(factor.transfer(work, xi, eta), xi.shape)
+    return np.asarray(np.angle(value) if factor.take == "phase" else np.real(value), np.float64)
+
+
+def samples_along(
+    sampled: SampledTransfer, part: Part, line: Line, samples: int
+) -> tuple[Vector, Vector]:
+    """Frequency and value of a sampled function: its samples on an axis, else bilinear ones."""
+    rows, columns = sampled.values.shape
+    highest_x, highest_y = (columns - 1) // 2, (rows - 1) // 2
+    if line.along == 0.0 or line.across == 0.0:
+        highest, step = (
+            (highest_x, sampled.interval_x)
+            if line.along == 0.0
+            else (highest_y, sampled.interval_y)
+        )
+        frequency = np.arange(highest + 1) * step
+    else:
+        end = line.end(highest_x * sampled.interval_x, highest_y * sampled.interval_y)
+        frequency = np.linspace(0.0, end, samples)
+    x = np.clip(line.across * frequency / sampled.interval_x, -highest_x, highest_x)
+    y = np.clip(line.along * frequency / sampled.interval_y, -highest_y, highest_y)
+    if line.along == 0.0 or line.across == 0.0:
+        x, y = np.rint(x), np.rint(y)  # on the samples, whatever the division rounded
+    value = _bilinear(sampled.values, x, y)
+    if part == "ptf":
+        value = np.angle(value) if np.iscomplexobj(value) else value
+    elif np.iscomplexobj(value):
+        value = np.abs(value)
+    return frequency, np.asarray(value, np.float64)
+
+
+def _bilinear(values: Array, x: Vector, y: Vector) -> Array:
+    """Values at fractional indices of an array in FFT order; negative ones count from its end."""
+    left, top = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
+    tx, ty = x - left, y - top
+    rows, columns = values.shape
+
+    def at(row: NDArray[np.intp], column: NDArray[np.intp]) -> Array:
+        return np.asarray(values[row % rows, column % columns])
+
+    upper = at(top, left) * (1 - tx) + at(top, left + 1) * tx
+    lower = at(top + 1, left) * (1 - tx) + at(top + 1, left + 1) * tx
+    return np.asarray(upper * (1 - ty) + lower * ty)

@@ -1,0 +1,1 @@
+"""What a sensor resolves, detects and how far."""

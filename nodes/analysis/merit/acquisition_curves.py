@@ -1,0 +1,213 @@
+"""Probability against range that a target is acquired, and the figures of merit as a table."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.results import CurveData, Series, TableData, TableRow
+from core.evaluation.work import Work
+from core.physics.acquisition.eye_contrast import CYC_PER_DEG, eye_contrast_threshold
+from core.physics.acquisition.target_acquisition import (
+    apparent_difference,
+    johnson_probability,
+    resolvable_cycles,
+    ttp_probability,
+)
+from core.physics.acquisition.ttp import TtpThreshold, thermal_contrast
+from core.physics.noise.noise_components import COMPONENTS
+from core.physics.numerics.probability_range import range_for_probability
+from core.transfer.grid import Grid
+from nodes.analysis.merit.threshold_curves import Sensitivity, Thresholds
+
+Vector = NDArray[np.float64]
+TASKS = ("detection", "recognition", "identification")
+_POINTS = 201
+_LEAST = 0.1  # of the easiest task, where the curve ends by itself
+_MEANINGS = {
+    "tvh": "random noise",
+    "vh": "fixed pattern of samples",
+    "v": "fixed pattern of rows",
+    "h": "fixed pattern of columns",
+    "t": "flicker of the frame",
+    "tv": "flicker of rows",
+    "th": "flicker of columns",
+}
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be acquired, through which air, how hard it is, and on what display.
+
+    Parameters
+    ----------
+    size_m, delta_K : float
+        Critical dimension and temperature difference of the target.
+    extinction_per_km : float
+        Of the path.
+    n50 : tuple of float
+        Cycles of detection, recognition and identification.
+    v50 : float
+        TTP value of the task.
+    scene_contrast_K : float
+        Difference that the display shows as its mean luminance.
+    luminance_cd_m2, display_deg, magnification : float
+        The display.
+    range_max_km : float or None
+        Where the curve ends; None: where the easiest task has become unlikely.
+    """
+
+    size_m: float
+    delta_K: float
+    extinction_per_km: float
+    n50: tuple[float, float, float]
+    v50: float
+    scene_contrast_K: float
+    luminance_cd_m2: float
+    display_deg: float
+    magnification: float
+    range_max_km: float | None
+
+
+@dataclass(frozen=True)
+class Acquisition:
+    """Probabilities against range by task, and the ranges of one half in m."""
+
+    range_m: Vector
+    johnson: tuple[Vector, ...]
+    ttp: Vector
+    johnson_ranges: tuple[float | None, ...]
+    ttp_range: float | None
+
+
+def acquisition(work: Work, found: Thresholds, *, task: Task) -> Acquisition:
+    """Johnson's and the TTP probability, and the ranges at which they are one half."""
+
+    def johnson(n50: float, range_m: Any) -> Any:
+        if len(found.both) < 2:
+            return np.zeros_like(range_m)
+        cycles = resolvable_cycles(
+            frequency=found.both_frequency,
+            mrtd_K=found.both,
+            delta_K=task.delta_K,
+            target_size_m=task.size_m,
+            range_m=range_m,
+            extinction_per_km=task.extinction_per_km,
+        )
+        return johnson_probability(cycles=cycles, n50=n50)
+
+    limits = [
+        TtpThreshold(found.frequency, _contrast_threshold(found, mrtd, mtf, task))
+        for mrtd, mtf in ((found.horizontal, found.mtf_x), (found.vertical, found.mtf_y))
+    ]
+
+    def ttp(range_m: Any) -> Any:
+        apparent = apparent_difference(
+            delta_K=abs(task.delta_K), extinction_per_km=task.extinction_per_km, range_m=range_m
+        )
+        contrast = thermal_contrast(difference_K=apparent, scene_contrast_K=task.scene_contrast_K)
+        across, along = (limit.value(contrast, task.size_m**2, range_m) for limit in limits)
+        return ttp_probability(value=np.sqrt(across) * np.sqrt(along), v50=task.v50)
+
+    def johnson_reach(n50: float, probability: float) -> float | None:
+        work.check()
+        return range_for_probability(
+            probability_at=lambda range_m: johnson(n50, range_m), probability=probability
+        )
+
+    half = tuple(johnson_reach(n50, 0.5) for n50 in task.n50)
+    work.check()
+    ttp_half = range_for_probability(probability_at=ttp, probability=0.5)
+    if task.range_max_km is not None:
+        farthest = 1000.0 * task.range_max_km
+    else:
+        reach = (johnson_reach(min(task.n50), _LEAST), ttp_half)
+        farthest = max((each for each in reach if each and math.isfinite(each)), default=1000.0)
+    range_m = farthest * np.arange(1, _POINTS + 1) / _POINTS
+    return Acquisition(
+        range_m,
+        tuple(johnson(n50, range_m) for n50 in task.n50),
+        ttp(range_m),
+        half,
+        ttp_half,
+    )
+
+
+def _contrast_threshold(found: Thresholds, mrtd: Vector, mtf: Vector, task: Task) -> Vector:
+    """Threshold of the eye through the sensor, and of its noise, as the root of their squares."""
+    eye = eye_contrast_threshold(
+        frequency_cyc_per_deg=found.frequency * (CYC_PER_DEG / task.magnification),
+        luminance_cd_m2=task.luminance_cd_m2,
+        display_deg=task.display_deg,
+    )
+    noise = thermal_contrast(difference_K=mrtd, scene_contrast_K=task.scene_contrast_K)
+    resolved = np.isfinite(mrtd)
+    through = eye / np.where(resolved, mtf, 1.0)
+    return np.where(resolved, np.hypot(through, noise), np.inf)
+
+
+def probability_curve(work: Work, found: Acquisition) -> CurveData:
+    """Probabilities against range."""
+    km = found.range_m / 1000.0
+    series = [Series(task, km, each) for task, each in zip(TASKS, found.johnson, strict=True)]
+    series.append(Series("TTP", km, found.ttp))
+    return CurveData("Target acquisition", "range (km)", "probability", tuple(series))
+
+
+def merit_table(
+    work: Work,
+    seen: Sensitivity,
+    found: Thresholds,
+    reached: Acquisition,
+    *,
+    grid: Grid,
+    unit: str,
+    frames: float,
+) -> TableData:
+    """All figures in one table."""
+    ner = math.sqrt(max(seen.noise.temporal, 0.0))
+    rows = [
+        TableRow("snr", seen.mean / ner if ner > 0.0 else None, "", "mean over temporal noise"),
+        TableRow("netd_K", seen.netd_K, "K", "temporal noise as a temperature difference"),
+        TableRow("ner", ner, unit, "rms temporal noise"),
+        TableRow("background_K", seen.background_K, "K", "background that gives dL/dT"),
+        TableRow("frames_integrated", frames, "", "frames that the eye averages"),
+    ]
+    for name in COMPONENTS:
+        sigma = math.sqrt(seen.noise_K2.variance(name))
+        rows.append(TableRow(f"sigma_{name}_K", sigma, "K", _MEANINGS[name]))
+    for share in (0.25, 0.5, 0.75):
+        text = f"{share:g} of Nyquist"
+        for axis, nyquist, curve in (
+            ("x", grid.nyquist_x, found.horizontal),
+            ("y", grid.nyquist_y, found.vertical),
+        ):
+            value = at_frequency(found.frequency, curve, share * nyquist)
+            name = f"mrtd_{axis}_{round(100 * share)}_percent_nyquist"
+            rows.append(TableRow(name, value, "K", f"MRTD along {axis} at {text}"))
+    for task, range_m in zip(TASKS, reached.johnson_ranges, strict=True):
+        rows.append(
+            TableRow(f"{task}_range_km", _km(range_m), "km", f"Johnson: half of {task}s succeed")
+        )
+    rows.append(TableRow("ttp_range_km", _km(reached.ttp_range), "km", "TTP: half succeed"))
+    return TableData(tuple(rows))
+
+
+def _km(range_m: float | None) -> float | None:
+    return range_m / 1000.0 if range_m is not None and math.isfinite(range_m) else None
+
+
+def at_frequency(frequency: Vector, curve: Vector, wanted: float) -> float | None:
+    """The curve at a frequency, straight between logarithms; None where nothing is resolved."""
+    upper = int(np.searchsorted(frequency, wanted * (1.0 - 1e-12)))
+    lower = max(upper - 1, 0)
+    if upper >= len(curve) or not np.isfinite(curve[upper]):
+        return None
+    if frequency[upper] == wanted or not curve[lower] > 0.0:
+        return float(curve[upper])
+    logs = np.interp(wanted, frequency[lower : upper + 1], np.log(curve[lower : upper + 1]))
+    return float(np.exp(logs))

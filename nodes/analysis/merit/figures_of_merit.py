@@ -1,0 +1,311 @@
+"""Figures of Merit: what a sensor resolves and detects, and how far."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Annotated, Literal, NamedTuple
+
+from core.chain.wires import Context, Curve, Image, Table
+from core.evaluation.recipes import Step
+from core.modules.caution import Caution
+from core.modules.declaration import Here, Module, readout, warning
+from core.modules.parameters import Param
+from core.physics.acquisition.eye import frames_integrated
+from core.physics.acquisition.mdtd import Window
+from core.transfer.grid import Grid
+from nodes.analysis.lineage import NoiseOf, transfer_of
+from nodes.analysis.merit.acquisition_curves import (
+    Task,
+    acquisition,
+    merit_table,
+    probability_curve,
+)
+from nodes.analysis.merit.threshold_curves import (
+    Model,
+    Observer,
+    mdtd_curve,
+    mrtd_curve,
+    sensitivity,
+    thresholds,
+)
+from nodes.input_output.examine_image import figure
+from nodes.shared.context_defaults import given_band, with_interval
+from nodes.shared.shared_warnings import band_caution, unit_caution
+
+Scanning = Literal["automatic", "parallel_scan", "serial_scan", "staring"]
+
+
+_OF_PLATFORM: dict[str, Scanning] = {
+    "line": "serial_scan",
+    "push": "parallel_scan",
+    "array": "staring",
+}
+_ROWS = {"mrtd_x_K": "mrtd_x_50_percent_nyquist", "mrtd_y_K": "mrtd_y_50_percent_nyquist"}
+
+
+class MeritOutputs(NamedTuple):
+    """Threshold curves, probabilities and figures."""
+
+    mrtd: Curve
+    mdtd: Curve
+    probability: Curve
+    table: Table
+
+
+def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
+    """A read-out that is one figure of the table."""
+    row = _ROWS.get(name, name)
+
+    def method(self: Module, outputs: MeritOutputs) -> Step:
+        return Step.of(figure, outputs.table.recipe, name=row)
+
+    method.__doc__ = meaning
+    return readout(unit, name=name)(method)
+
+
+class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", group="Analysis"):
+    """Tell SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor behind a picture.
+
+    Transfer function and noise are read off the chain that made the picture; nothing is drawn or
+    measured, and the mean that SNR and background come from is that of the picture without noise
+    and without errors of gain and bias. Connect the picture as the sensor samples it, before a
+    frame grabber interpolates it: its samples set Nyquist's frequency and the bandwidth of the
+    noise.
+
+    MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ left after the eye has averaged over
+    a bar and over time. `ratches_1976` takes the temporal noise alone, and knows no limit by
+    sampling; `flir92` takes fixed patterns too, which do not fall with time, and ends at Nyquist
+    where the sensor samples. Temporal noise is averaged with the spectrum it has in the picture.
+    2-D: the root of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the
+    mean of its blurred image.
+
+    `scanning` says where the sensor samples: `staring` in both directions, `serial_scan` between
+    the lines that one detector scans along x, `parallel_scan` between its detectors, which lie
+    along x on platform `push` and else along y. All else that sets them apart is in the picture's
+    noise: bandwidth_Hz (one detector in place of n is n times as fast, and noisier by √n), and what
+    gain and bias do on a uniform field: on `line`, of one detector, nothing; on `push` σ_h, which
+    hides upright bars; on `array` σ_vh. 1/f noise of channels (σ_tv) is not simulated.
+
+    Johnson: cycles across the target up to where ΔT·exp(−extinction·range) reaches the 2-D MRTD,
+    over N50. TTP: the sum of √(contrast/threshold) over frequencies, the threshold being that of
+    the eye through the MTF and of the MRTD, as the root of their squares. Display and eye have no
+    part in the MRTD. The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50
+    of 18.8 is quoted for identifying tracked vehicles, which could not be checked.
+
+    Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
+    1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
+    IEEE Sensors J. 1, 31 (N50); Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806; Barten
+    1990 (eye). The numbers of their equations could not be checked.
+    """
+
+    model: Annotated[
+        Model, Param("temporal noise alone, or three-dimensional noise and a limit by sampling")
+    ] = "flir92"
+    scanning: Annotated[
+        Scanning,
+        Param("automatic: as Init & Trans's platform, line serial, push parallel, array staring"),
+    ] = "automatic"
+    cut_on_um: Annotated[
+        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
+    ] = None
+    cut_off_um: Annotated[
+        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
+    ] = None
+    background_K: Annotated[
+        float | None,
+        Param("background; empty: brightness temperature of the mean", unit="K", low=0),
+    ] = None
+    snr_threshold: Annotated[
+        float,
+        Param(
+            "SNR at which half of the observers resolve or detect",
+            low=0, high=1000, above=True, slider=(1, 5),
+        ),
+    ] = 2.5  # fmt: skip
+    frame_rate_Hz: Annotated[
+        float | None,
+        Param("frames per second; empty: a single still frame", unit="Hz", low=0, slider=(0, 120)),
+    ] = 30.0
+    eye_integration_s: Annotated[
+        float,
+        Param("time over which the eye averages frames", unit="s", low=0, high=10, above=True),
+    ] = 0.2
+    mdtd_window: Annotated[
+        Window, Param("MDTD: the eye averages over the target, or over its blurred image")
+    ] = "target"
+    eye_limit_mrad: Annotated[
+        float | None,
+        Param(
+            "MDTD: largest angle in the scene the eye averages over; empty: no limit",
+            unit="mrad", low=0, slider=(0, 100),
+        ),
+    ] = None  # fmt: skip
+    target_size_m: Annotated[
+        float,
+        Param(
+            "size of the target: the root of its area",
+            unit="m", low=0, above=True, high=1e6, slider=(0.1, 10),
+        ),
+    ] = 2.3  # fmt: skip
+    target_delta_K: Annotated[
+        float, Param("target less background", unit="K", low=-10000, high=10000, slider=(0, 10))
+    ] = 2.0
+    extinction_per_km: Annotated[
+        float,
+        Param("extinction of the air in the band", unit="1/km", low=0, high=1e6, slider=(0, 2)),
+    ] = 0.2
+    n50_detection: Annotated[
+        float,
+        Param(
+            "cycles at which half detect; 1 goes with one direction's MRTD",
+            low=0, above=True, high=1000, slider=(0.1, 10),
+        ),
+    ] = 0.75  # fmt: skip
+    n50_recognition: Annotated[
+        float,
+        Param(
+            "cycles at which half recognize; 4 goes with one direction's MRTD",
+            low=0, above=True, high=1000, slider=(0.1, 10),
+        ),
+    ] = 3.0  # fmt: skip
+    n50_identification: Annotated[
+        float,
+        Param(
+            "cycles at which half identify; 6.4 goes with one direction's MRTD",
+            low=0, above=True, high=1000, slider=(0.1, 10),
+        ),
+    ] = 6.0  # fmt: skip
+    v50: Annotated[
+        float,
+        Param("TTP value at which half succeed", low=0, above=True, high=10000, slider=(1, 40)),
+    ] = 18.8
+    scene_contrast_K: Annotated[
+        float,
+        Param(
+            "TTP: difference shown as the display's mean",
+            unit="K", low=0, above=True, high=1e4, slider=(0.5, 20),
+        ),
+    ] = 5.0  # fmt: skip
+    display_cd_m2: Annotated[
+        float,
+        Param(
+            "TTP: mean luminance of the display",
+            unit="cd/m²", low=0, above=True, high=1e6, slider=(1, 300),
+        ),
+    ] = 34.0  # fmt: skip
+    display_deg: Annotated[
+        float,
+        Param(
+            "TTP: side of the display at the eye",
+            unit="deg", low=0, above=True, high=180, slider=(1, 60),
+        ),
+    ] = 15.0  # fmt: skip
+    magnification: Annotated[
+        float | None,
+        Param(
+            "TTP: angle on the display over that in the scene; empty: it fills the display",
+            low=0, slider=(0, 20),
+        ),
+    ] = None  # fmt: skip
+    range_max_km: Annotated[
+        float | None,
+        Param(
+            "end of the curve; empty: where detection is unlikely",
+            unit="km", low=0, high=1e6, slider=(0, 20),
+        ),
+    ] = None  # fmt: skip
+
+    def run(self, context: Context, image: Image, here: Here) -> MeritOutputs:
+        """Plan each curve as a value of its own: a new task does not repeat the MRTD."""
+        image = with_interval(image, context)
+        known = replace(context, band_um=image.band_um or context.band_um)
+        passed, grid, node = transfer_of(image), image.grid(), here.node
+        sensor = {"stages": passed.part("mtf"), "grid": grid, "observer": self._observer(context)}
+        seen = Step.of(
+            sensitivity,
+            NoiseOf(image, node, uniform=True),
+            node=node,
+            gain=passed.gain,
+            band_um=given_band(self.cut_on_um, self.cut_off_um, known),
+            background_K=self.background_K,
+        )
+        found = Step.of(thresholds, seen, node=node, **sensor)
+        reached = Step.of(acquisition, found, node=node, task=self._task(grid))
+        table = Step.of(
+            merit_table,
+            seen,
+            found,
+            reached,
+            node=node,
+            grid=grid,
+            unit=image.unit,
+            frames=self._frames(),
+        )
+        return MeritOutputs(
+            Curve(Step.of(mrtd_curve, found, node=node)),
+            Curve(Step.of(mdtd_curve, seen, node=node, **sensor)),
+            Curve(Step.of(probability_curve, reached, node=node)),
+            Table(table),
+        )
+
+    @warning
+    def band(self, image: Image) -> Caution | None:
+        """A band that is not the picture's."""
+        return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
+
+    @warning
+    def unit(self, image: Image) -> Caution | None:
+        """A picture that is no radiance."""
+        return unit_caution(image.unit, meant="NETD, MRTD and MDTD")
+
+    def _frames(self) -> float:
+        """Frames averaged by the eye: one of a still frame."""
+        if self.frame_rate_Hz is None:
+            return 1.0
+        return frames_integrated(
+            frame_rate_Hz=self.frame_rate_Hz, eye_integration_s=self.eye_integration_s
+        )
+
+    def _observer(self, context: Context) -> Observer:
+        scanning = self.scanning
+        if scanning == "automatic":
+            scanning = _OF_PLATFORM[context.platform]
+        along_flight = scanning == "parallel_scan" and context.platform == "push"
+        return Observer(
+            model=self.model,
+            sampled_x=scanning == "staring" or along_flight,
+            sampled_y=not along_flight,
+            snr_threshold=self.snr_threshold,
+            frames=self._frames(),
+            window=self.mdtd_window,
+            eye_limit_mrad=self.eye_limit_mrad,
+        )
+
+    def _task(self, grid: Grid) -> Task:
+        field_deg = math.degrees(grid.columns * grid.interval_x_mrad / 1000.0)
+        return Task(
+            size_m=self.target_size_m,
+            delta_K=self.target_delta_K,
+            extinction_per_km=self.extinction_per_km,
+            n50=(self.n50_detection, self.n50_recognition, self.n50_identification),
+            v50=self.v50,
+            scene_contrast_K=self.scene_contrast_K,
+            luminance_cd_m2=self.display_cd_m2,
+            display_deg=self.display_deg,
+            magnification=self.magnification or self.display_deg / field_deg,
+            range_max_km=self.range_max_km,
+        )
+
+    snr = _figure("snr", "", "Noise-free mean over temporal noise; none without noise.")
+    netd_K = _figure("netd_K", "K", "Noise equivalent temperature difference, temporal.")
+    ner = _figure("ner", "W/m²/sr", "Noise equivalent radiance: rms temporal noise.")
+    mrtd_x_K = _figure("mrtd_x_K", "K", "MRTD of upright bars at half of Nyquist, if resolved.")
+    mrtd_y_K = _figure("mrtd_y_K", "K", "MRTD of lying bars at half of Nyquist, if resolved.")
+    detection_range_km = _figure("detection_range_km", "km", "Where half detect (Johnson).")
+    recognition_range_km = _figure("recognition_range_km", "km", "Where half recognize (Johnson).")
+    identification_range_km = _figure(
+        "identification_range_km", "km", "Where half identify (Johnson)."
+    )
+    ttp_range_km = _figure("ttp_range_km", "km", "Range at which half succeed (TTP).")

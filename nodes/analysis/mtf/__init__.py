@@ -1,0 +1,1 @@
+"""Transfer functions measured, expected and compared."""

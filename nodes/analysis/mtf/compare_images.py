@@ -1,0 +1,131 @@
+"""Compare Images: how far a picture is from a reference, and the MTF between them."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.results import TableData, TableRow
+from core.chain.wires import Curve, Image, Table
+from core.errors import DataError
+from core.evaluation.recipes import Recipe, Step, pointwise
+from core.evaluation.work import Work
+from core.filtering.mirrored import mirrored_spectrum
+from core.filtering.periodic import periodic_spectrum
+from core.modules.declaration import Here, Module, readout
+from core.modules.parameters import Param
+from core.transfer.grid import Edges, Grid
+from nodes.analysis.mtf.spectrum_ratio import axes_ratio, radial_ratio
+from nodes.input_output.examine_image import figure
+from nodes.input_output.sample_statistics import blocks
+
+Array = NDArray[Any]
+
+
+class CompareOutputs(NamedTuple):
+    """Figures, image less reference, and the ratio of their spectra."""
+
+    table: Table
+    difference: Image
+    curve: Curve
+
+
+class CompareImages(Module, key="compare_images", title="Compare Images", group="Analysis"):
+    """Tell how far a picture is from a reference of the same size.
+
+    Root mean square, largest and mean difference, and the peak signal to noise ratio, for which
+    the peak is the reference's maximum less its minimum. The MTF ratio is the modulus of the
+    picture's spectrum over that of the reference: on both frequency axes, or as the root of the
+    ratio of powers in rings. Frequencies at which the reference has nothing but rounding are left
+    out. For a frame filtered with mirrored edges it is the MTF itself if `edges` is `reflect`.
+    """
+
+    average: Annotated[
+        Literal["axes", "radial"], Param("MTF ratio on both frequency axes, or in rings")
+    ] = "axes"
+    edges: Annotated[
+        Edges, Param("frame mirrored without end, or repeated as the plain FFT sees it")
+    ] = "reflect"
+
+    def run(self, image: Image, reference: Image, here: Here) -> CompareOutputs:
+        """Plan the comparison."""
+        if image.shape != reference.shape:
+            raise DataError(
+                f"the image is {image.columns} × {image.rows} samples and the reference "
+                f"{reference.columns} × {reference.rows}: only equal sizes compare"
+            )
+        pair = (image.recipe, reference.recipe)
+        table = Step.of(compared, *pair, unit=image.unit, node=here.node)
+        difference = Step.of(subtracted, *pair, node=here.node)
+        return CompareOutputs(
+            Table(table), image.with_recipe(difference), Curve(self._ratio(image, reference, here))
+        )
+
+    def _ratio(self, image: Image, reference: Image, here: Here) -> Recipe:
+        known = image.interval_x_mrad is not None and image.interval_y_mrad is not None
+        grid = image.grid() if known else Grid(image.rows, image.columns, 1.0, 1.0)
+        settings: dict[str, Any] = {
+            "grid": grid,
+            "edges": self.edges,
+            "unit": "cyc/mrad" if known else "cycles/sample",
+        }
+        if self.average == "axes":
+            return Step.of(axes_ratio, image.recipe, reference.recipe, node=here.node, **settings)
+        transform = mirrored_spectrum if self.edges == "reflect" else periodic_spectrum
+        spectra = [Step.of(transform, each.recipe, node=here.node) for each in (image, reference)]
+        return Step.of(radial_ratio, *spectra, node=here.node, **settings)
+
+    @readout()
+    def rmse(self, outputs: CompareOutputs) -> Recipe:
+        """Root mean square difference, in the image's unit."""
+        return Step.of(figure, outputs.table.recipe, name="rmse")
+
+    @readout()
+    def max_error(self, outputs: CompareOutputs) -> Recipe:
+        """Largest difference, in the image's unit."""
+        return Step.of(figure, outputs.table.recipe, name="max_error")
+
+    @readout("dB")
+    def psnr_dB(self, outputs: CompareOutputs) -> Recipe:  # noqa: N802
+        """Peak signal to noise ratio; none for equal pictures or a constant reference."""
+        return Step.of(figure, outputs.table.recipe, name="psnr_dB")
+
+    @readout()
+    def mean_difference(self, outputs: CompareOutputs) -> Recipe:
+        """Mean of image less reference, in the image's unit."""
+        return Step.of(figure, outputs.table.recipe, name="mean_difference")
+
+
+@pointwise
+def subtracted(work: Work, image: Array, reference: Array) -> Array:
+    """Image less reference."""
+    return np.subtract(image, reference, dtype=work.policy.dtype)
+
+
+def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableData:
+    """Figures of the difference, in double precision."""
+    largest, sums = 0.0, []
+    for a, b in zip(blocks(image, work.check), blocks(reference, work.check), strict=True):
+        difference = a - b
+        largest = max(largest, float(np.max(np.abs(difference))))
+        sums.append(float(np.sum(difference)))
+    squares = 0.0
+    if largest > 0.0:
+        # Relative to the largest: squares of huge or tiny differences leave the range of numbers.
+        pairs = zip(blocks(image, work.check), blocks(reference, work.check), strict=True)
+        squares = math.fsum(float(np.sum(((a - b) / largest) ** 2)) for a, b in pairs)
+    rmse = largest * math.sqrt(squares / image.size)
+    peak = float(reference.max()) - float(reference.min())
+    psnr_dB = 20.0 * math.log10(peak / rmse) if rmse > 0.0 and peak > 0.0 else None
+    mean = math.fsum(sums) / image.size
+    return TableData(
+        (
+            TableRow("rmse", rmse, unit, "root mean square difference"),
+            TableRow("max_error", largest, unit, "largest difference"),
+            TableRow("psnr_dB", psnr_dB, "dB", "reference's maximum less minimum over rmse"),
+            TableRow("mean_difference", mean, unit, "mean of image less reference"),
+        )
+    )

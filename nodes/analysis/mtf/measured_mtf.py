@@ -1,0 +1,221 @@
+"""Measured MTF: from an edge or a line in any picture."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, NamedTuple
+
+from core.chain.wires import Curve, Image, Table
+from core.errors import ParameterError
+from core.evaluation.recipes import Recipe, Step
+from core.modules.declaration import Here, Module, readout
+from core.modules.parameters import Param
+from core.physics.measurement.edge_line import Target
+from core.physics.measurement.slanted_edge import Window
+from nodes.analysis.mtf.expected_mtf import chain_behind, expected
+from nodes.analysis.mtf.mtf_measuring import (
+    Direction,
+    Rectangle,
+    measured_rows,
+    measured_slanted,
+)
+from nodes.analysis.mtf.mtf_tables import (
+    Axis,
+    curve_of,
+    expected_figure,
+    figure_of,
+    spread_of,
+    table_of,
+)
+
+_PIXELS = (0, 1024)  # of sliders
+
+
+class MeasuredOutputs(NamedTuple):
+    """MTF, edge and line spread, and figures."""
+
+    curve: Curve
+    spread: Curve
+    table: Table
+
+
+class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analysis"):
+    """Measure the MTF from an edge or a line in a picture.
+
+    `slanted_edge`: the edge's angle is found, the samples are sorted by their distance from it
+    into quarters of a sample, the derivative of their means is windowed and transformed, and the
+    responses of quarters and derivative are taken out; frequencies are along the edge's normal.
+    `row_average`: the mean of the rows is clipped at its ends, its derivative transformed, and the
+    modulus divided by its largest; the differences' own response, 0.64 at Nyquist, stays in.
+    Standard errors come from leaving out rows. `expected` is the MTF of the chain the picture
+    comes from, along the same direction and up to Nyquist: of all stages from the source on, and of
+    a test scene's samples, which are means over their area. How much the scene in a file is blurred
+    is not known, and does not count; a picture straight from a file expects nothing. What
+    `row_average` folds back from beyond Nyquist is no part of it. Source: ISO 12233:2023; Tantalo
+    1996, eqs. 5.67 to 5.70 and appendix B.
+    """
+
+    method: Annotated[
+        Literal["slanted_edge", "row_average"],
+        Param("ISO 12233's way for a slanted edge, or the thesis' way for an upright one"),
+    ] = "slanted_edge"
+    target: Annotated[Target, Param("what is in the region; a line's width counts as blur")] = (
+        "edge"
+    )
+    direction: Annotated[
+        Direction, Param("across (an upright edge), along, or whichever changes most")
+    ] = "automatic"
+    region_x: Annotated[
+        int, Param("first column of the region", unit="px", low=0, slider=_PIXELS)
+    ] = 0
+    region_y: Annotated[int, Param("first row of the region", unit="px", low=0, slider=_PIXELS)] = 0
+    region_width: Annotated[
+        int | None,
+        Param("columns; empty: to the picture's end", unit="px", low=0, slider=_PIXELS),
+    ] = None
+    region_height: Annotated[
+        int | None, Param("rows; empty: to the picture's end", unit="px", low=0, slider=_PIXELS)
+    ] = None
+    window: Annotated[
+        Window, Param("weight of the line spread; tukey: level over its middle half")
+    ] = "tukey"
+    samples: Annotated[int, Param("points of the curve", low=2, high=4096, slider=(32, 1024))] = 129
+    clip_left_px: Annotated[
+        int | None,
+        Param(
+            "first sample across that is not level; empty: found",
+            unit="px",
+            low=0,
+            zero_is_empty=False,
+        ),
+    ] = None
+    clip_right_px: Annotated[
+        int | None,
+        Param(
+            "last sample across that is not level; empty: found",
+            unit="px",
+            low=0,
+            zero_is_empty=False,
+        ),
+    ] = None
+    axis: Annotated[
+        Axis, Param("unit of the frequency; without a sampling interval always per pixel")
+    ] = "cyc_per_mrad"
+
+    def run(self, image: Image, here: Here) -> MeasuredOutputs:
+        """Plan the measurement."""
+        known = image.interval_x_mrad is not None and image.interval_y_mrad is not None
+        settings: dict[str, Any] = {
+            "where": self._where(image),
+            "intervals": (image.interval_x_mrad, image.interval_y_mrad) if known else None,
+            "direction": self.direction,
+            "target": self.target,
+        }
+        if self.method == "slanted_edge":
+            found = Step.of(
+                measured_slanted,
+                image.recipe,
+                node=here.node,
+                window=self.window,
+                samples=self.samples,
+                **settings,
+            )
+        else:
+            found = Step.of(
+                measured_rows,
+                image.recipe,
+                node=here.node,
+                clip_left=self.clip_left_px,
+                clip_right=self.clip_right_px,
+                **settings,
+            )
+        shown = {"axis": self.axis}
+        behind = chain_behind(image)
+        both = [found]
+        if behind is not None:
+            differences = self.method == "row_average" and self.target == "edge"
+            both.append(Step.of(expected, found, node=here.node, differences=differences, **behind))
+        return MeasuredOutputs(
+            Curve(Step.of(curve_of, *both, node=here.node, **shown)),
+            Curve(Step.of(spread_of, found, node=here.node, unit=image.unit)),
+            Table(Step.of(table_of, *both, node=here.node, unit=image.unit, **shown)),
+        )
+
+    def _where(self, image: Image) -> Rectangle:
+        """The region, which must lie in the picture."""
+        ends = []
+        for first, size, start, length, whole in (
+            ("region_x", "region_width", self.region_x, self.region_width, image.columns),
+            ("region_y", "region_height", self.region_y, self.region_height, image.rows),
+        ):
+            if start >= whole:
+                raise ParameterError(first, start, f"0 to {whole - 1}, inside the picture")
+            if length is not None and start + length > whole:
+                raise ParameterError(
+                    size, length, f"at most {whole - start} from {first} = {start}, in the picture"
+                )
+            ends.append(whole - start if length is None else length)
+        return Rectangle(self.region_x, self.region_y, ends[0], ends[1])
+
+    @readout("cyc/mrad")
+    def mtf50(self, outputs: MeasuredOutputs) -> Recipe:
+        """Frequency at which the MTF falls to one half."""
+        return _figure(outputs, "mtf50")
+
+    @readout("cyc/mrad")
+    def mtf50_error(self, outputs: MeasuredOutputs) -> Recipe:
+        """Standard error of mtf50; of a slanted edge only."""
+        return _figure(outputs, "mtf50_error")
+
+    @readout("cyc/pixel")
+    def mtf50_per_pixel(self, outputs: MeasuredOutputs) -> Recipe:
+        """The same in cycles per pixel."""
+        return _figure(outputs, "mtf50_per_pixel")
+
+    @readout("cyc/mrad")
+    def mtf10(self, outputs: MeasuredOutputs) -> Recipe:
+        """Frequency at which the MTF falls to a tenth."""
+        return _figure(outputs, "mtf10")
+
+    @readout("cyc/pixel")
+    def mtf10_per_pixel(self, outputs: MeasuredOutputs) -> Recipe:
+        """The same in cycles per pixel."""
+        return _figure(outputs, "mtf10_per_pixel")
+
+    @readout()
+    def at_nyquist(self, outputs: MeasuredOutputs) -> Recipe:
+        """MTF at half a cycle per pixel."""
+        return _figure(outputs, "at_nyquist")
+
+    @readout()
+    def at_nyquist_error(self, outputs: MeasuredOutputs) -> Recipe:
+        """Standard error of at_nyquist."""
+        return _figure(outputs, "at_nyquist_error")
+
+    @readout("cyc/mrad")
+    def expected_mtf50(self, outputs: MeasuredOutputs) -> Recipe | None:
+        """Frequency at which the MTF of the chain behind the picture falls to one half."""
+        return _expected_figure(outputs, "expected_mtf50")
+
+    @readout()
+    def expected_at_nyquist(self, outputs: MeasuredOutputs) -> Recipe | None:
+        """MTF of the chain behind the picture at half a cycle per pixel."""
+        return _expected_figure(outputs, "expected_at_nyquist")
+
+    @readout()
+    def largest_difference(self, outputs: MeasuredOutputs) -> Recipe | None:
+        """Largest distance of the measured MTF from the expected one, up to Nyquist."""
+        return _expected_figure(outputs, "largest_difference")
+
+    @readout("deg")
+    def edge_angle_deg(self, outputs: MeasuredOutputs) -> Recipe:
+        """Direction of the edge's normal, along which the MTF is: 0 across, 90 along."""
+        return _figure(outputs, "edge_angle_deg")
+
+
+def _figure(outputs: MeasuredOutputs, name: str) -> Recipe:
+    return Step.of(figure_of, outputs.table.recipe.inputs[0], name=name)
+
+
+def _expected_figure(outputs: MeasuredOutputs, name: str) -> Recipe | None:
+    both = outputs.table.recipe.inputs
+    return Step.of(expected_figure, *both, name=name) if len(both) == 2 else None

@@ -1,0 +1,198 @@
+"""Measuring the MTF in a region of a picture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import DataError
+from core.evaluation.work import Work
+from core.physics.measurement.edge_line import Target
+from core.physics.measurement.row_average import row_average
+from core.physics.measurement.slanted_edge import (
+    Window,
+    falls_to,
+    jackknife_error,
+    slanted_edge,
+    spread_to_line,
+)
+
+Array = NDArray[Any]
+Vector = NDArray[np.float64]
+Direction = Literal["automatic", "horizontal", "vertical"]
+_BLOCK = 4
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """Part of a picture, samples."""
+
+    left: int
+    top: int
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure and its standard error, frequencies in cycles per pixel."""
+
+    value: float | None
+    error: float | None = None
+
+
+@dataclass(frozen=True)
+class Measured:
+    """An MTF measured in a picture, whatever the method; frequencies in cycles per pixel."""
+
+    frequency: Vector
+    mtf: Vector
+    error: Vector
+    per_mrad: float | None
+    direction: str
+    angle_deg: float
+    mtf50: Figure
+    mtf10: Figure
+    nyquist: Figure
+    contrast: float
+    noise: float
+    away: Vector
+    spread: Vector
+    line_spread: Vector
+
+
+def measured_slanted(
+    work: Work,
+    image: Array,
+    *,
+    where: Rectangle,
+    intervals: tuple[float, float] | None,
+    direction: Direction,
+    target: Target,
+    window: Window,
+    samples: int,
+) -> Measured:
+    """MTF along the normal of a slanted edge or line, from 0 to 1 cycle per pixel."""
+    region, scale = _region(image, where)
+    across = direction if direction != "automatic" else _direction(region)
+    if across == "vertical":
+        region = region.T
+    frequency = np.linspace(0.0, 1.0, samples)
+    # The figures are those of fine steps, however few points the curve has.
+    fine = np.linspace(0.0, 1.0, 257)
+    found = slanted_edge(
+        picture=np.ascontiguousarray(region),
+        frequency=np.concatenate([frequency, fine]),
+        target=target,
+        window=window,
+        check=work.check,
+    )
+    levels = found.spread.levels
+    lines = spread_to_line(spread=found.spread, target=target)
+    height = levels[1] - levels[0] if target == "edge" else float(lines[np.argmax(np.abs(lines))])
+    away = found.spread.away * math.cos(math.radians(found.line.angle_deg))
+    inner = slice(1, -1) if target == "edge" else slice(None)
+    return Measured(
+        frequency,
+        found.mtf[:samples],
+        found.error[:samples],
+        _per_mrad(intervals, across, found.line.slope),
+        across,
+        -found.line.angle_deg if across == "horizontal" else 90.0 + found.line.angle_deg,
+        _crossing(fine, found.mtf[samples:], found.replicas[:, samples:], 0.5),
+        _crossing(fine, found.mtf[samples:], found.replicas[:, samples:], 0.1),
+        Figure(float(found.mtf[samples + 128]), float(found.error[samples + 128])),
+        abs(height) * scale,
+        found.spread.noise * scale,
+        away[inner],
+        found.spread.values[inner] * scale,
+        lines * scale,
+    )
+
+
+def measured_rows(
+    work: Work,
+    image: Array,
+    *,
+    where: Rectangle,
+    intervals: tuple[float, float] | None,
+    direction: Direction,
+    target: Target,
+    clip_left: int | None,
+    clip_right: int | None,
+) -> Measured:
+    """MTF across an upright edge or line from the mean of rows, from 0 to Nyquist."""
+    region, scale = _region(image, where)
+    across = direction if direction != "automatic" else _direction(region)
+    if across == "vertical":
+        region = region.T
+    work.check()
+    found = row_average(picture=region, target=target, clip_left=clip_left, clip_right=clip_right)
+    spread = np.diff(found.clipped) if target == "edge" else found.clipped
+    from_sample = np.arange(len(spread), dtype=np.float64) + (0.5 if target == "edge" else 0.0)
+    nyquist = len(found.frequency) - 1
+    at_nyquist = Figure(
+        float(np.interp(0.5, found.frequency, found.mtf)), float(found.error[nyquist])
+    )
+    return Measured(
+        found.frequency,
+        found.mtf,
+        found.error,
+        _per_mrad(intervals, across, 0.0),
+        across,
+        0.0 if across == "horizontal" else 90.0,
+        Figure(falls_to(frequency=found.frequency, mtf=found.mtf, level=0.5)),
+        Figure(falls_to(frequency=found.frequency, mtf=found.mtf, level=0.1)),
+        at_nyquist,
+        found.contrast * scale,
+        found.noise * scale,
+        from_sample,
+        np.interp(from_sample, np.arange(len(found.clipped)), found.clipped) * scale,
+        spread * scale,
+    )
+
+
+def _region(image: Array, where: Rectangle) -> tuple[NDArray[np.float64], float]:
+    """The region in double precision from 0 to 1, and the range it had."""
+    rows = slice(where.top, where.top + where.height)
+    columns = slice(where.left, where.left + where.width)
+    region = np.asarray(image[rows, columns], np.float64)
+    if not np.isfinite(region).all():
+        raise DataError("the region has samples that are not finite")
+    lowest, highest = float(region.min()), float(region.max())
+    if not highest - lowest > 1e-12 * max(abs(lowest), abs(highest)):
+        raise DataError("no edge found: the region is uniform")
+    return (region - lowest) / (highest - lowest), highest - lowest
+
+
+def _direction(region: NDArray[np.float64]) -> str:
+    """Across what the picture changes most; means of blocks, which noise changes little."""
+    rows, columns = (size // _BLOCK for size in region.shape)
+    if min(rows, columns) >= 2:
+        whole = region[: rows * _BLOCK, : columns * _BLOCK]
+        region = whole.reshape(rows, _BLOCK, columns, _BLOCK).mean(axis=(1, 3))
+    across, along = (float(np.sum(np.diff(region, axis=axis) ** 2)) for axis in (1, 0))
+    return "horizontal" if across >= along else "vertical"
+
+
+def _per_mrad(intervals: tuple[float, float] | None, across: str, slope: float) -> float | None:
+    """Cycles per mrad in a cycle per pixel, along the normal; pixels may be oblong."""
+    if intervals is None:
+        return None
+    over, down = intervals if across == "horizontal" else intervals[::-1]
+    in_pixels = math.cos(math.atan(slope))
+    in_angle = math.cos(math.atan(slope * over / down))
+    return in_pixels / in_angle / over
+
+
+def _crossing(frequency: Vector, mtf: Vector, replicas: Array, level: float) -> Figure:
+    value = falls_to(frequency=frequency, mtf=mtf, level=level)
+    each = [falls_to(frequency=frequency, mtf=one, level=level) for one in replicas]
+    known = [one for one in each if one is not None]
+    if value is None or len(known) < len(each):
+        return Figure(value)
+    return Figure(value, float(jackknife_error(replicas=np.array(known))))

@@ -1,0 +1,1 @@
+"""Noise predicted and measured, by source and by component."""

@@ -1,0 +1,78 @@
+"""3-D Noise: the seven noise components of a sequence of frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, NamedTuple
+
+from core.chain.wires import Curve, Image, Table
+from core.errors import ParameterError
+from core.evaluation.recipes import Recipe, Step
+from core.modules.declaration import Here, Module, readout
+from core.modules.parameters import Param
+from nodes.analysis.lineage import NoiseOf, noise_free
+from nodes.analysis.noise.frame_noise import FrameNoise, bars_of, sigma_of, table_of
+
+
+class NoiseOutputs(NamedTuple):
+    """Components as bars, and as figures."""
+
+    curve: Curve
+    table: Table
+
+
+def _figure(name: str, meaning: str) -> Callable[..., Recipe]:
+    """A read-out that is one figure of the table."""
+
+    def method(self: Module, outputs: NoiseOutputs) -> Recipe:
+        return Step.of(sigma_of, outputs.table.recipe, name=name)
+
+    method.__doc__ = meaning
+    return readout("W/m²/sr", name=name)(method)
+
+
+class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
+    """Tell noise apart by what it varies with: time (t), rows (v), columns (h), or several.
+
+    Predicted: every noise of the chain is followed to this picture, through the transfer functions,
+    combined pixels and interpolation behind it. Measured: frames of the picture are simulated, each
+    with temporal noise of its own and the same fixed patterns; less the noise-free picture, their
+    variance is split into the seven components by unbiased estimates. One pattern is measured, so a
+    fixed component of few rows or columns scatters about what is predicted for all sensors of this
+    kind. Noise correlated between neighbours shows in σ tv and σ th too. Rounding counts as noise.
+    Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and
+    McCulloch 1992, Variance Components (unbiased estimates).
+    """
+
+    frames: Annotated[
+        int, Param("frames to simulate; 0: prediction alone", low=0, high=100000, slider=(0, 200))
+    ] = 16
+
+    def check(self) -> None:
+        """Refuse a single frame, of which nothing temporal can be told."""
+        if self.frames == 1:
+            raise ParameterError("frames", 1, "0, or 2 and more")
+
+    def run(self, image: Image, here: Here) -> NoiseOutputs:
+        """Plan the prediction, and the frames if any."""
+        predicted: tuple[Recipe, ...] = (NoiseOf(image, node=here.node),)
+        if self.frames:
+            clean = noise_free(image.recipe)
+            measured = FrameNoise(image.recipe, clean, self.frames, node=here.node)
+            predicted = (*predicted, measured)
+        return NoiseOutputs(
+            Curve(Step.of(bars_of, *predicted, node=here.node, unit=image.unit)),
+            Table(Step.of(table_of, *predicted, node=here.node, unit=image.unit)),
+        )
+
+    sigma_tvh = _figure("sigma_tvh", "Random noise, predicted.")
+    sigma_vh = _figure("sigma_vh", "Fixed pattern of samples, predicted.")
+    sigma_v = _figure("sigma_v", "Fixed pattern of rows, predicted.")
+    sigma_h = _figure("sigma_h", "Fixed pattern of columns, predicted.")
+    sigma_t = _figure("sigma_t", "Noise of whole frames, predicted.")
+    sigma_tv = _figure("sigma_tv", "Noise of rows from frame to frame, predicted.")
+    sigma_th = _figure("sigma_th", "Noise of columns from frame to frame, predicted.")
+    temporal = _figure("temporal", "All temporal noise, predicted.")
+    fixed = _figure("fixed", "All fixed-pattern noise, predicted.")
+    temporal_measured = _figure("temporal_measured", "All temporal noise, measured.")
+    fixed_measured = _figure("fixed_measured", "All fixed-pattern noise, measured.")

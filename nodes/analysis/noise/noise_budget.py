@@ -1,0 +1,87 @@
+"""Noise Budget: which source makes how much of a picture's noise, which stage of its blur."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, NamedTuple
+
+from core.chain.wires import Curve, Image, Table
+from core.evaluation.recipes import Recipe, Step
+from core.modules.declaration import Here, Module, readout
+from core.modules.parameters import Param
+from nodes.analysis.lineage import NoiseOf, transfer_of
+from nodes.analysis.noise.budget_shares import Kind, blur_shares, noise_shares, unknown_before
+from nodes.analysis.noise.budget_tables import Show, blur_bars, budget_table, noise_bars
+from nodes.input_output.examine_image import figure
+
+
+class BudgetOutputs(NamedTuple):
+    """Bars of noise and blur, and figures."""
+
+    noise: Curve
+    blur: Curve
+    table: Table
+
+
+def _figure(name: str, unit: str, meaning: str) -> Callable[..., Recipe]:
+    """A read-out that is one figure of the table."""
+
+    def method(self: Module, outputs: BudgetOutputs) -> Recipe:
+        return Step.of(figure, outputs.table.recipe, name=name)
+
+    method.__doc__ = meaning
+    return readout(unit, name=name)(method)
+
+
+class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analysis"):
+    """Tell which source makes how much of the noise, and which stage how much of the blur.
+
+    All is read off the chain that made the picture, and nothing is drawn: each noise is followed
+    to the picture through the filters, combined pixels and interpolation behind it. Variances of
+    independent noises add, so each source has a share of the sum; `fixed` are patterns that stay
+    from frame to frame, as all sensors of this kind have them on average. Rounding counts as noise.
+
+    Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency that of a Gaussian blur is in
+    proportion to its variance. A stage that amplifies has a share below zero: how much of the
+    loss it makes up for. A stage that lets nothing through has all of it. Phases do not blur.
+    """
+
+    frequency: Annotated[
+        float,
+        Param(
+            "frequency of the MTFs, as a share of the picture's Nyquist frequency",
+            unit="Nyquist", low=0, high=1, above=True, slider=(0.05, 1),
+        ),
+    ] = 0.5  # fmt: skip
+    noise: Annotated[Kind, Param("all noise, what changes from frame to frame, or what stays")] = (
+        "all"
+    )
+    show: Annotated[
+        Show, Param("bars: share in percent, or amount: standard deviation, and −ln of the MTF")
+    ] = "share"
+
+    def run(self, image: Image, here: Here) -> BudgetOutputs:
+        """Plan both budgets."""
+        node, grid, passed = here.node, image.grid(), transfer_of(image)
+        noise = Step.of(noise_shares, NoiseOf(image, node), node=node, kind=self.noise)
+        blur = Step.of(
+            blur_shares,
+            node=node,
+            stages=passed.part("mtf"),
+            frequency=(self.frequency * grid.nyquist_x, self.frequency * grid.nyquist_y),
+            before=unknown_before(passed),
+        )
+        told = {"kind": self.noise, "unit": image.unit}
+        return BudgetOutputs(
+            Curve(Step.of(noise_bars, noise, node=node, show=self.show, **told)),
+            Curve(Step.of(blur_bars, blur, node=node, show=self.show)),
+            Table(Step.of(budget_table, noise, blur, node=node, **told)),
+        )
+
+    sigma = _figure("sigma", "W/m²/sr", "All noise together.")
+    sigma_temporal = _figure("sigma_temporal", "W/m²/sr", "All temporal noise.")
+    sigma_fixed = _figure("sigma_fixed", "W/m²/sr", "All fixed patterns.")
+    mtf_x = _figure("mtf_x", "", "|MTF| of all stages across, at the frequency.")
+    mtf_y = _figure("mtf_y", "", "|MTF| of all stages along, at the frequency.")
+    xi = _figure("xi", "cyc/mrad", "The frequency across.")
+    eta = _figure("eta", "cyc/mrad", "The frequency along.")

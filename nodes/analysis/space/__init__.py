@@ -1,0 +1,1 @@
+"""The chain's blur in space instead of frequency."""

@@ -1,0 +1,56 @@
+"""What the MTF and PTF modules of charge transfer share."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from core.chain.wires import Context
+from core.modules.declaration import Module
+from core.modules.parameters import Param
+from core.physics.sampling.detector_sampling import ifov_mrad
+from nodes.shared.context_defaults import of_context
+
+
+class ChargeTransfer(Module):
+    """Parameters of incomplete charge transfer along the read-out direction (x)."""
+
+    detectors_per_line: Annotated[
+        int, Param("number of transfers", low=0, high=10**9, slider=(1, 4096))
+    ] = 640
+    efficiency: Annotated[
+        float, Param("share of the charge that each transfer moves on", low=0, high=1)
+    ] = 0.99999
+    model: Annotated[
+        Literal["exact", "published", "leading"],
+        Param("product of all transfers, eqs. 4.57-4.58, or the leading term of the product"),
+    ] = "exact"
+    nyquist: Annotated[
+        Literal["image", "detector"],
+        Param("charge packets are one image sample apart, or one detector pitch"),
+    ] = "image"
+
+    def neutral(self) -> bool:
+        """Whether all charge moves on."""
+        return self.detectors_per_line == 0 or self.efficiency == 1.0
+
+    def law(self) -> dict[str, Any]:
+        """Arguments of the physics functions but for the phase."""
+        return {
+            "transfers": self.detectors_per_line,
+            "efficiency": self.efficiency,
+            "model": self.model,
+        }
+
+    def phase_per_frequency(self, context: Context) -> float:
+        """2π times the packets' distance in mrad: w per cycle/mrad."""
+        if self.nyquist == "image":
+            return 2 * math.pi * context.grid.interval_x_mrad
+        return (
+            2
+            * math.pi
+            * ifov_mrad(
+                pitch_um=of_context("detector_x_um", context, unit="µm"),
+                focal_length_mm=of_context("focal_length_mm", context, unit="mm"),
+            )
+        )

@@ -1,0 +1,74 @@
+"""Pictures that do not fit: refused by what their header claims, before memory is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from core.errors import FileError
+from core.memory import usable_bytes
+from nodes.files.common.picture_info import PictureInfo, delivered_dtype
+
+# A picture and one copy of it, which every step needs, fit the machine.
+_SHARE = 0.5
+# The most that a byte can become, by compression: of deflate 258 bytes for 2 bits, of PackBits 128
+# for 2 bytes, of LZW 4096 for 12 bits. Others have no such bound.
+_DEFLATE = 1032
+_MOST_BYTES: Mapping[str, float] = {
+    "none": 1.0,
+    "zip": _DEFLATE,
+    "zips": _DEFLATE,
+    "packbits": 64.0,
+    "lzw": 4096 / 1.5,
+}
+
+
+def refuse_oversized(info: PictureInfo, *, available_bytes: int | None = None) -> None:
+    """Refuse a picture one band of which takes more than half of the memory the process may use.
+
+    Raises
+    ------
+    FileError
+        Says the size, what it needs and what is allowed.
+    """
+    memory = usable_bytes() if available_bytes is None else available_bytes
+    needed = info.rows * info.columns * delivered_dtype(np.dtype(info.dtype)).itemsize
+    if memory and needed > _SHARE * memory:
+        raise FileError(
+            f"{info.path}: {info.rows} × {info.columns} samples need {_gb(needed)}; allowed on "
+            f"this machine: {_gb(_SHARE * memory)}, half of the memory this process may use"
+        )
+
+
+def refuse_impossible(info: PictureInfo, *, compression: str, bits: int) -> None:
+    """Refuse a header that claims more samples than the file's bytes can unpack to.
+
+    Parameters
+    ----------
+    info
+        What the header claims.
+    compression
+        How the samples are packed; one without a bound passes.
+    bits
+        Of a stored sample.
+
+    Raises
+    ------
+    FileError
+        Says the claim and the file's length.
+    """
+    most = _DEFLATE if info.kind == "png" else _MOST_BYTES.get(compression)
+    if most is None:
+        return
+    length = info.path.stat().st_size
+    claimed = info.rows * info.columns * info.bands * bits / 8
+    if claimed > most * length:
+        raise FileError(
+            f"{info.path}: is damaged: {info.rows} × {info.columns} × {info.bands} samples of "
+            f"{bits} bits cannot come from a file of {length} bytes"
+        )
+
+
+def _gb(size: float) -> str:
+    return f"{size / 1e9:.3g} GB"

@@ -1,0 +1,1 @@
+"""Headers of ENVI and FITS files, and pictures described by them."""

@@ -1,0 +1,217 @@
+"""ENVI pictures as DIRSIG writes them: raw samples mapped into memory, described by a text header.
+
+Interleave bsq, bil and bip, every real data type (1, 2, 3, 4, 5, 12, 13, 14, 15), both byte
+orders and a header offset. Samples are delivered as stored: gain and offset fields of the header
+are not applied. A sample equal to the header's ``data ignore value`` is missing: NaN. See
+`nodes.files.headers.header_fields` for the header keys that are read besides ENVI's own
+``wavelength``, ``wavelength units`` and ``fwhm``.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import FileError
+from nodes.files.common.paths import checked_band
+from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.common.size_limits import refuse_oversized
+from nodes.files.headers.envi_header import EnviLayout, read_layout
+from nodes.files.headers.header_fields import header_fields
+
+_TO_UM = {
+    "micrometers": 1.0,
+    "micrometer": 1.0,
+    "microns": 1.0,
+    "micron": 1.0,
+    "um": 1.0,
+    "µm": 1.0,
+    "μm": 1.0,
+    "nanometers": 1e-3,
+    "nanometer": 1e-3,
+    "nm": 1e-3,
+    "angstroms": 1e-4,
+    "angstrom": 1e-4,
+    "millimeters": 1e3,
+    "mm": 1e3,
+    "centimeters": 1e4,
+    "cm": 1e4,
+    "meters": 1e6,
+    "m": 1e6,
+}
+# Fields that change what the samples mean, and their value that changes nothing.
+_SCALING = (
+    ("data gain values", 1.0),
+    ("data offset values", 0.0),
+    ("reflectance scale factor", 1.0),
+)
+_WAVENUMBERS = ("wavenumber", "wavenumbers", "cm-1", "1/cm", "cm^-1")
+
+
+def read_info(path: str | os.PathLike[str]) -> PictureInfo:
+    """Read an ENVI header and check it against the size of its data file.
+
+    Parameters
+    ----------
+    path
+        The data file or its header.
+
+    Raises
+    ------
+    FileError
+        See `nodes.files.headers.envi_header.read_layout`; also a wavelength or fwhm list that is
+        not one positive number for each band.
+    """
+    return info_of(read_layout(path))
+
+
+def info_of(layout: EnviLayout) -> PictureInfo:
+    """Describe the picture of a checked header; errors as `read_info`."""
+    description = layout.fields.get("description", "")
+    common = header_fields(
+        layout.fields,
+        description=description if isinstance(description, str) else ", ".join(description),
+        where=str(layout.header),
+    )
+    wavelengths_um, fwhm_um = _wavelengths(layout)
+    info = PictureInfo(
+        path=layout.data,
+        rows=layout.rows,
+        columns=layout.columns,
+        bands=layout.bands,
+        unit=common.unit,
+        wavelengths_um=wavelengths_um,
+        fwhm_um=fwhm_um,
+        focal_length_mm=common.focal_length_mm,
+        fov_x_deg=common.fov_x_deg,
+        fov_y_deg=common.fov_y_deg,
+        dtype=layout.dtype.newbyteorder("=").name,
+        kind="envi",
+        not_applied=_not_applied(layout),
+    )
+    refuse_oversized(info)
+    return info
+
+
+def map_cube(layout: EnviLayout) -> NDArray[np.generic]:
+    """Map the samples read-only as (rows, columns, bands), whatever their order in the file.
+
+    Nothing is read until samples are touched; they have the file's type and byte order.
+    """
+    rows, columns, bands = layout.rows, layout.columns, layout.bands
+    on_disk, axes = {
+        "bsq": ((bands, rows, columns), (1, 2, 0)),
+        "bil": ((rows, bands, columns), (0, 2, 1)),
+        "bip": ((rows, columns, bands), (0, 1, 2)),
+    }[layout.interleave]
+    try:
+        mapped = np.memmap(
+            layout.data, dtype=layout.dtype, mode="r", offset=layout.offset_bytes, shape=on_disk
+        )
+    except (OSError, ValueError) as error:
+        raise FileError(f"{layout.data}: cannot be mapped: {error}") from error
+    return mapped.transpose(axes)
+
+
+def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
+    """Read one band, in native byte order and C order.
+
+    Parameters
+    ----------
+    path
+        The data file or its header.
+    band
+        Counted from 0.
+
+    Returns
+    -------
+    numpy.ndarray
+        (rows, columns); float64 when the file holds doubles or integers of 32 or more bits,
+        else float32. Missing samples are NaN.
+
+    Raises
+    ------
+    FileError
+        As `read_info`, or there is no such band.
+    """
+    layout = read_layout(path)
+    info = info_of(layout)  # a faulty header is refused even where its fault does not matter here
+    band = checked_band(band, info.bands, info.path)
+    stored = map_cube(layout)[:, :, band]
+    samples = np.array(stored, dtype=delivered_dtype(layout.dtype), order="C")
+    if layout.missing is not None:
+        samples[stored == layout.missing] = np.nan
+    return samples
+
+
+def _not_applied(layout: EnviLayout) -> tuple[str, ...]:
+    """Names of the fields by which the header would scale or shift the samples."""
+    found = []
+    for key, neutral in _SCALING:
+        texts = layout.fields.get(key, ())
+        texts = [texts] if isinstance(texts, str) else texts
+        if any(text and not _is_number(text, neutral) for text in texts):
+            found.append(key)
+    return tuple(found)
+
+
+def _is_number(text: str, number: float) -> bool:
+    try:
+        return float(text) == number
+    except ValueError:
+        return False
+
+
+def _wavelengths(
+    layout: EnviLayout,
+) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:
+    """Centres and widths in µm; None where absent or in a unit that is no length."""
+    centres = _numbers(layout, "wavelength")
+    widths = _numbers(layout, "fwhm")
+    unit = str(layout.fields.get("wavelength units", "micrometers")).strip().lower()
+    if unit in _WAVENUMBERS:
+        return _from_wavenumbers(centres, widths)
+    factor = _TO_UM.get(unit)
+    if factor is None:
+        return None, None
+    return (
+        None if centres is None else tuple(value * factor for value in centres),
+        None if widths is None else tuple(value * factor for value in widths),
+    )
+
+
+def _from_wavenumbers(
+    centres: tuple[float, ...] | None, widths: tuple[float, ...] | None
+) -> tuple[tuple[float, ...] | None, tuple[float, ...] | None]:
+    if centres is None:
+        return None, None
+    centres_um = tuple(1e4 / value for value in centres)
+    if widths is None:
+        return centres_um, None
+    # d(1/k) = dk/k²: the width of a narrow band; both edges would shift the centre as well.
+    return centres_um, tuple(1e4 * w / k**2 for k, w in zip(centres, widths, strict=True))
+
+
+def _numbers(layout: EnviLayout, key: str) -> tuple[float, ...] | None:
+    texts = layout.fields.get(key)
+    if texts is None:
+        return None
+    texts = [texts] if isinstance(texts, str) else texts
+    texts = [text for text in texts if text]
+    if not texts:
+        return None
+    if len(texts) != layout.bands:
+        raise FileError(
+            f"{layout.header}: {key} has {len(texts)} values; allowed: one for each of the "
+            f"{layout.bands} bands"
+        )
+    try:
+        values = tuple(float(text) for text in texts)
+    except ValueError as error:
+        raise FileError(f"{layout.header}: {key} holds what is no number: {error}") from error
+    if not all(math.isfinite(value) and value > 0 for value in values):
+        raise FileError(f"{layout.header}: {key} = {texts}; allowed: positive numbers")
+    return values

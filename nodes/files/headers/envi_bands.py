@@ -1,0 +1,180 @@
+"""Band-integrated radiance from the spectral bands of an ENVI picture."""
+
+from __future__ import annotations
+
+import math
+import os
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import DataError, FileError, ParameterError
+from core.physics.radiometry.radiance_units import radiance_unit
+from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.headers.envi import info_of, map_cube
+from nodes.files.headers.envi_header import read_layout
+
+_BLOCK_SAMPLES = 1 << 21
+
+
+def integrate_bands(
+    path: str | os.PathLike[str],
+    cut_on_um: float,
+    cut_off_um: float,
+    *,
+    min_coverage: float = 0.99,
+) -> Samples:
+    """Integrate spectral radiance over an interval of wavelength: L = Σ L_k·w_k.
+
+    The weights are those of `band_weights_um`. The result has the file's unit times µm, with no
+    other conversion: DIRSIG's W cm⁻² sr⁻¹ µm⁻¹ gives W cm⁻² sr⁻¹, and a scale of 1e4 brings that
+    to W m⁻² sr⁻¹. A file without a unit is taken to be per µm, as DIRSIG's are; a unit per nm is
+    allowed for.
+
+    Parameters
+    ----------
+    path
+        The data file or its header.
+    cut_on_um, cut_off_um
+        The interval, µm.
+    min_coverage
+        The least part of the interval the bands must cover, 0 to 1; 0 accepts any overlap.
+
+    Returns
+    -------
+    numpy.ndarray
+        (rows, columns), summed in double precision, delivered as
+        `nodes.files.headers.envi.read_band`.
+
+    Raises
+    ------
+    FileError
+        As `nodes.files.headers.envi.read_info`; no usable wavelengths; samples that by their unit
+        are not spectral.
+    ParameterError
+        The interval is empty or less of it than `min_coverage` is covered.
+    """
+    layout = read_layout(path)
+    info = info_of(layout)
+    weights = band_weights_um(info, cut_on_um=cut_on_um, cut_off_um=cut_off_um)
+    _check_coverage(info, weights, cut_on_um, cut_off_um, min_coverage)
+    weights = weights * _per_um(info)
+    used = np.flatnonzero(weights)
+    cube = map_cube(layout)
+    total = np.empty((info.rows, info.columns), dtype=delivered_dtype(layout.dtype))
+    # Blocks hold whole rows of all bands, so that an interleaved file is read from disk once.
+    step = max(1, _BLOCK_SAMPLES // (info.columns * info.bands))
+    for start in range(0, info.rows, step):
+        rows = slice(start, start + step)
+        block = np.zeros(total[rows].shape)
+        for band in used:
+            stored = cube[rows, :, band]
+            block += weights[band] * stored.astype(np.float64)
+            if layout.missing is not None:
+                block[stored == layout.missing] = np.nan
+        total[rows] = block
+    return total
+
+
+def band_weights_um(
+    info: PictureInfo, *, cut_on_um: float, cut_off_um: float
+) -> NDArray[np.float64]:
+    """Width of each band's share of the interval, µm.
+
+    A band reaches over wavelength ± fwhm/2. Without ``fwhm`` it reaches half-way to its
+    neighbours (the outer ones as far outward), which inside the spectrum is the trapezoid rule.
+    Where bands overlap they share the width equally, so that a constant spectrum L gives
+    L·(covered width) whatever the widths; gaps between bands count nothing.
+
+    Parameters
+    ----------
+    info
+        Description with wavelengths.
+    cut_on_um, cut_off_um
+        The interval, µm.
+
+    Returns
+    -------
+    numpy.ndarray
+        (bands,); the sum is the covered part of the interval.
+
+    Raises
+    ------
+    FileError
+        No wavelengths in a unit of length, or a single or repeated one without ``fwhm``.
+    ParameterError
+        `cut_on_um` is not below `cut_off_um`, or either is not positive and finite.
+    """
+    if not (math.isfinite(cut_on_um) and cut_on_um >= 0):
+        raise ParameterError("cut_on_um", cut_on_um, "a finite number of 0 or more", unit="um")
+    if not (math.isfinite(cut_off_um) and cut_off_um > cut_on_um):
+        allowed = f"a finite number above cut_on_um = {cut_on_um:g}"
+        raise ParameterError("cut_off_um", cut_off_um, allowed, unit="um")
+    low, high = _edges_um(info)
+    low, high = np.maximum(low, cut_on_um), np.minimum(high, cut_off_um)
+    high = np.maximum(low, high)
+    edges = np.unique(np.concatenate([low, high]))
+    middle, width = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
+    covers = (low[:, None] < middle) & (middle < high[:, None])
+    sharing = covers.sum(axis=0)
+    shares = np.divide(width, sharing, out=np.zeros_like(width), where=sharing > 0)
+    return np.asarray(covers @ shares, dtype=np.float64)
+
+
+def _edges_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    if info.wavelengths_um is None:
+        raise FileError(
+            f"{info.path}: the header gives no wavelengths in a unit of length, "
+            "so that its bands cannot be integrated"
+        )
+    centres = np.asarray(info.wavelengths_um)
+    if info.fwhm_um is not None:
+        half = np.asarray(info.fwhm_um) / 2
+        return centres - half, centres + half
+    order = np.argsort(centres)
+    spacing = np.diff(centres[order])
+    if centres.size < 2 or not np.all(spacing > 0):
+        raise FileError(
+            f"{info.path}: the header gives no fwhm, and without it the bands can be integrated "
+            "only where there are two or more of different wavelength"
+        )
+    low, high = np.empty_like(centres), np.empty_like(centres)
+    low[order] = centres[order] - np.concatenate([spacing[:1], spacing]) / 2
+    high[order] = centres[order] + np.concatenate([spacing, spacing[-1:]]) / 2
+    return low, high
+
+
+def _check_coverage(
+    info: PictureInfo,
+    weights: NDArray[np.float64],
+    cut_on_um: float,
+    cut_off_um: float,
+    min_coverage: float,
+) -> None:
+    covered = float(weights.sum())
+    if covered > 0 and covered >= min_coverage * (cut_off_um - cut_on_um):
+        return
+    low, high = _edges_um(info)
+    raise ParameterError(
+        "cut_on_um, cut_off_um",
+        (cut_on_um, cut_off_um),
+        f"an interval within the bands of {info.path.name}, {low.min():.6g} to "
+        f"{high.max():.6g} um, which cover {covered:.6g} um of it",
+        unit="um",
+    )
+
+
+def _per_um(info: PictureInfo) -> float:
+    """Factor that makes the samples per µm."""
+    if not info.unit:
+        return 1.0
+    try:
+        unit = radiance_unit(info.unit)
+    except DataError as error:
+        raise FileError(f"{info.path}: {error.message}") from error
+    if unit is None or unit.spectral != "µm":
+        raise FileError(
+            f"{info.path}: its samples are in {info.unit}, which is not per wavelength; "
+            "read a band instead of integrating"
+        )
+    return unit.per_um

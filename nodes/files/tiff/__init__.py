@@ -1,0 +1,1 @@
+"""Tagged image files read without OpenImageIO, strip by strip."""

@@ -1,0 +1,1 @@
+"""What declarations of modules share: ports, defaults from the context, factors, warnings."""

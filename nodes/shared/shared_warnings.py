@@ -1,0 +1,141 @@
+"""What modules warn of: values that two places tell differently, and units that do not fit."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from core.errors import DataError
+from core.modules.caution import Caution
+from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
+
+Band = tuple[float, float]
+NEAR = 0.01  # values that were meant to be the same differ by rounding alone
+F_NUMBER_NEAR = 0.05  # nominal F numbers are rounded: F/5.6 is 5.657
+_BANDS_ALIKE = 0.9  # overlap over both bands together
+_TEMPERATURES = ("K", "°C", "C", "degC", "kelvin", "mK", "°F")
+
+
+@lru_cache(maxsize=64)
+def is_radiance(unit: str) -> bool:
+    """Whether a unit, however it is worded, is W/m²/sr: of radiance integrated over a band."""
+    try:
+        return radiance_unit(unit) == RadianceUnit(1.0)
+    except DataError:
+        return False
+
+
+def is_temperature(unit: str) -> bool:
+    """Whether a unit is that of a temperature."""
+    return unit.strip() in _TEMPERATURES
+
+
+def unit_caution(unit: str, *, meant: str) -> Caution | None:
+    """A picture that is no radiance, where a module takes it for one.
+
+    Parameters
+    ----------
+    unit : str
+        Of the picture.
+    meant : str
+        What the module takes it for, or makes of it.
+    """
+    if is_radiance(unit):
+        return None
+    named = f"is in {unit!r:.40}" if unit.strip() else "has no unit"
+    return Caution(
+        f"the picture {named}, and {meant} would need radiance in W/m²/sr",
+        "convert it by scale and unit on Read Image",
+    )
+
+
+def band_caution(
+    picture: Band | None, cut_on_um: float | None, cut_off_um: float | None
+) -> Caution | None:
+    """A band of a module that is not the picture's, whose radiance it takes.
+
+    Parameters
+    ----------
+    picture : (float, float) or None
+        Band of the picture, µm; None where it does not say.
+    cut_on_um, cut_off_um : float or None
+        The module's own band; an empty end is the picture's.
+    """
+    if picture is None or (cut_on_um is None and cut_off_um is None):
+        return None
+    low = picture[0] if cut_on_um is None else cut_on_um
+    high = picture[1] if cut_off_um is None else cut_off_um
+    both = min(high, picture[1]) - max(low, picture[0])
+    whole = max(high, picture[1]) - min(low, picture[0])
+    if both >= _BANDS_ALIKE * whole:
+        return None
+    apart = "do not overlap" if both <= 0 else f"share {100 * both / whole:.0f} % of their width"
+    return Caution(
+        f"the picture's radiance is that of {_band(picture)} and cut_on_um to cut_off_um are "
+        f"{_band((low, high))}: the bands {apart}",
+        "leave cut_on_um and cut_off_um empty for the picture's band, or give the picture this one",
+    )
+
+
+def wavelength_caution(
+    picture: Band | None, wavelength_um: float | None, *, name: str
+) -> Caution | None:
+    """A wavelength outside the picture's band."""
+    if picture is None or wavelength_um is None:
+        return None
+    low, high = picture
+    if low * (1 - NEAR) <= wavelength_um <= high * (1 + NEAR):
+        return None
+    return Caution(
+        f"{name} = {wavelength_um:g} µm lies outside the picture's band, {_band(picture)}",
+        "leave it empty for the band's middle, or correct the band",
+    )
+
+
+def apart_caution(
+    name: str,
+    own: float | None,
+    other: float | None,
+    *,
+    unit: str,
+    where: str,
+    near: float = NEAR,
+    remedy: str = "",
+) -> Caution | None:
+    """A value that two places tell differently; none where one of them is empty or 0.
+
+    Parameters
+    ----------
+    name : str
+        Of the parameter here.
+    own, other : float or None
+        Both values.
+    unit : str
+        Of both.
+    where : str
+        Where the other stands.
+    near : float
+        Share of the larger by which they may differ.
+    remedy : str
+        What to do; to leave this one empty, if not given.
+    """
+    if not own or not other or alike(own, other, near=near):
+        return None
+    unit = f" {unit}" if unit else ""
+    return Caution(
+        f"{name} = {own:.4g}{unit} here, {other:.4g}{unit} {where}",
+        remedy or f"leave {name} empty to take that one, unless both are meant",
+    )
+
+
+def alike(one: float, other: float, *, near: float = NEAR) -> bool:
+    """Whether two values differ by no more than that share of the larger."""
+    return abs(one - other) <= near * max(abs(one), abs(other))
+
+
+def first(*found: Caution | None) -> Caution | None:
+    """The first that there is."""
+    return next((each for each in found if each is not None), None)
+
+
+def _band(band: Band) -> str:
+    return f"{band[0]:g} to {band[1]:g} µm"

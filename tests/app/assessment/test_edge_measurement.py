@@ -1,0 +1,227 @@
+"""The MTF measured in the final picture against closed forms written out here."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.assessment.edge_measurement import judged
+from app.run.evaluation import TimedWork, evaluate, planned
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
+from core.network.file import load_network
+from core.network.network import Link, Network
+from linked_network import linked_network
+from nodes.library import standard_library
+
+NETWORKS = Path(__file__).parents[3] / "networks"
+
+
+def evaluated(network, folder=NETWORKS, precision="double"):
+    engine = Engine(standard_library())
+    plan = planned(engine, network, folder)
+    return evaluate(engine, plan, TimedWork(Policy(precision), engine.store), folder)
+
+
+def attempts(found):
+    told = judged(found)
+    assert not isinstance(told, str), told
+    return {(each.direction, each.method): each for each in told.attempts}
+
+
+def disc_mtf(share):
+    """Diffraction by a round aperture, at shares of its cutoff."""
+    share = np.minimum(np.abs(share), 1.0)
+    return 2 / np.pi * (np.arccos(share) - share * np.sqrt(1 - share**2))
+
+
+def linear_where_it_runs(f, old, new, crossed):
+    """|Mean response| of linear interpolation at the middle `crossed` new samples."""
+    place = (np.arange(new // 2 - crossed // 2, new // 2 + crossed // 2) + 0.5) * old / new - 0.5
+    t = place % 1.0
+    f = np.asarray(f)[:, None]
+    mean = (1 - t) * np.exp(-2j * np.pi * f * t) + t * np.exp(2j * np.pi * f * (1 - t))
+    return np.abs(mean.mean(axis=1))
+
+
+@pytest.fixture(scope="module", params=["single", "double"])
+def kodak(request):
+    network = load_network(NETWORKS / "kodak_kir310.json", library=standard_library())
+    return attempts(evaluated(network, precision=request.param))
+
+
+def kodak_stages(f, *, charge):
+    """Tantalo 1996, table 5.3: 90 mm at 4 µm, 0.1 mrad, 25 µm/200 mm·0.95, 640 transfers."""
+    mtf = disc_mtf(f * 4e-3 / 90 * 1e3) * np.exp(-2 * (np.pi * 0.1 * f) ** 2)
+    mtf = mtf * np.sinc(25 / 200 * 0.95 * f)
+    if charge:
+        turn = np.exp(-2j * np.pi * f * math.radians(25) * 1e3 / 1024)
+        mtf = mtf * np.abs(0.99999 / (1 - 1e-5 * turn)) ** 640
+    return mtf
+
+
+def test_kodak_across(kodak):
+    """Two samples of 0.426 mrad a pixel, whose number across the frame grabber leaves alone."""
+    measured = kodak["horizontal", "slanted_edge"].found
+    f = measured.frequency * measured.per_mrad
+    pixel = 2 * math.radians(25) * 1e3 / 1024
+    true = kodak_stages(f, charge=True) * np.sinc(pixel * f)
+    np.testing.assert_allclose(measured.mtf, true, atol=0.005)
+    np.testing.assert_allclose(measured.expected, true, atol=0.005)
+    assert np.max(np.abs(measured.mtf - measured.expected)) < 1e-3
+    assert measured.nyquist.value == pytest.approx(0.564, abs=0.005)
+
+
+def test_kodak_along(kodak):
+    """512 rows become 486: the edge runs through 32 of them, some between two rows."""
+    measured = kodak["vertical", "slanted_edge"].found
+    f = measured.frequency * measured.per_mrad
+    pixel = 2 * math.radians(25) * 1e3 / 1024
+    grabbed = linear_where_it_runs(pixel * f, 512, 486, 32)
+    true = kodak_stages(f, charge=False) * np.sinc(pixel * f) * grabbed
+    np.testing.assert_allclose(measured.mtf, true, atol=0.01)
+    assert np.max(np.abs(measured.mtf - measured.expected)) < 0.01
+
+
+@pytest.mark.parametrize("direction", ["horizontal", "vertical"])
+def test_inframetrics(direction):
+    """Three samples a pixel and a frame grabber of three samples a pixel; table 5.1.
+
+    Pixels of 3.07 mrad alias what passes beyond their Nyquist frequency, 0.163 cycles/mrad. An edge
+    meets them in eleven places only, which leaves some thousandths. The pre-amplifier filters
+    pixels: its phase jumps there, over which the measurement's window smooths.
+    """
+    network = load_network(NETWORKS / "inframetrics.json", library=standard_library())
+    both = attempts(evaluated(network))
+    assert abs(both[direction, "row_average"].found.largest[0]) < 1e-9  # its phase counts too
+    measured = both[direction, "slanted_edge"].found
+    f = measured.frequency * measured.per_mrad
+    sample = math.radians(30) * 1e3 / 512
+    true = disc_mtf(f * 10e-3 / 26.4 * 1e3) * np.exp(-2 * (np.pi * 0.5 * f) ** 2)
+    true = true * np.exp(-2 * (np.pi * 0.02 * f) ** 2) * np.sinc(600 / 130 * 0.95 * f)
+    new, crossed = (512, 34) if direction == "horizontal" else (480, 32)
+    grabbed = linear_where_it_runs(3 * sample * f, 170, new, crossed)
+    true = true * np.sinc(3 * sample * f) * grabbed
+    if direction == "horizontal":  # the pre-amplifier: τ·v is one sample of the scene
+        alias = f - np.rint(f * 3 * sample) / (3 * sample)
+        true = true / np.hypot(1, 2 * np.pi * sample * alias)
+    jump = np.abs(f - 0.5 / (3 * sample)) < 0.01
+    np.testing.assert_allclose(measured.mtf[~jump], np.abs(true)[~jump], atol=0.01)
+    np.testing.assert_allclose(measured.mtf[jump], np.abs(true)[jump], atol=0.02)
+    # The horizontal MTF falls earlier, as the thesis says of fig. 5.27.
+    assert measured.mtf50.value * measured.per_mrad == pytest.approx(
+        {"horizontal": 0.0803, "vertical": 0.0869}[direction], abs=0.001
+    )
+
+
+INTERVAL = math.radians(10) * 1e3 / 256
+SCENE = {"kind": "dormitory", "width": 256, "height": 192, "fov_x_deg": 10, "fov_y_deg": 7.5}
+
+
+def blurred(sigma_px=1.2, scene=SCENE, edges="reflect", **more):
+    """A Gaussian blur, pixels combined two by two, and 128 columns resampled to 150."""
+    sigma = sigma_px * INTERVAL
+    nodes = {
+        "scene": ("test_scene", scene),
+        "init": ("init_trans", {"edges": edges}),
+        "blur": ("gaussian_mtf", {"sigma_x_mrad": sigma, "sigma_y_mrad": 0.75 * sigma}),
+        "back": ("back_transform", {}),
+        "pixels": ("combine_pixels", {"factor_x": 2, "factor_y": 2}),
+        "grabber": ("interpolate", {"width": 150}),
+        **more,
+    }
+    links = [
+        ("scene.image", "init.image"), ("init.context", "blur.context"),
+        ("init.magnitude", "blur.magnitude"), ("blur.magnitude", "back.magnitude"),
+        ("init.phase", "back.phase"), ("back.image", "pixels.image"),
+        ("pixels.image", "grabber.image"),
+    ]  # fmt: skip
+    return linked_network(nodes, links)
+
+
+@pytest.mark.parametrize("edges", ["reflect", "periodic"])
+@pytest.mark.parametrize(("across", "sigma_px"), [(True, 1.2), (False, 0.9)])
+def test_row_average(across, sigma_px, edges):
+    """One row in space: the step summed with Gaussian weights, averaged by two, interpolated."""
+    size = 256 if across else 192
+    step = (np.arange(size) >= size / 2).astype(float)
+    lags = np.arange(-20, 21)
+    # The chain's own Gaussian is cut off at the samples' Nyquist frequency.
+    f = (np.arange(4096) + 0.5) / 8192
+    passed = np.exp(-2 * (np.pi * sigma_px * f) ** 2)
+    weights = np.array([np.mean(np.cos(2 * np.pi * f * lag) * passed) for lag in lags])
+    row = np.convolve(np.pad(step, 20, mode="edge"), weights, "valid").reshape(-1, 2).mean(axis=1)
+    if across:
+        places = np.clip((np.arange(150) + 0.5) * 128 / 150 - 0.5, 0, 127)
+        row = np.interp(places, np.arange(128), row)
+    measured = attempts(evaluated(blurred(edges=edges)))[
+        "horizontal" if across else "vertical", "row_average"
+    ].found
+    half = max(len(row) // 2, 64)
+    first = (len(row) - half) // 2
+    spread = np.diff(row[first : first + half])
+    n = np.arange(len(spread))
+    true = np.array([abs(np.sum(spread * np.exp(-2j * np.pi * f * n))) for f in measured.frequency])
+    # The ends that are cut off hold little of the blur.
+    np.testing.assert_allclose(measured.mtf, true / true[0], atol=2e-4)
+    np.testing.assert_allclose(measured.expected, measured.mtf, atol=1e-9)
+
+
+@pytest.mark.parametrize("order", [0, 1, 3])
+def test_other_interpolations_are_expected_too(order):
+    """Blurred enough that pixels alias nothing: the rest is the interpolation's own.
+
+    Nearest samples make stairs of a slanted edge, which no line describes.
+    """
+    grabber = ("interpolate", {"width": 400, "height": 170, "order": order})
+    network = blurred(sigma_px=2.4, grabber=grabber)
+    for (_, method), each in attempts(evaluated(network)).items():
+        if method == "row_average":
+            assert abs(each.found.largest[0]) < 1e-9
+        elif order:
+            assert abs(each.found.largest[0]) < 0.01
+
+
+def test_another_chain_in_between():
+    """Anti-aliasing between the back transform and the pixels."""
+    network = blurred(smooth=("anti_alias", {"kernel": "gaussian", "factor": 2}))
+    links = [link for link in network.links if link.target != "pixels"]
+    links += [
+        Link.between("back.image", "smooth.image"),
+        Link.between("smooth.image", "pixels.image"),
+    ]
+    found = attempts(evaluated(Network(nodes=network.nodes, links=tuple(links))))
+    for (_, method), each in found.items():
+        assert abs(each.found.largest[0]) < (1e-9 if method == "row_average" else 0.01), each
+
+
+def test_a_way_that_fails_says_why():
+    """12 × 12 pixels are enough for the mean of rows, and not for a slanted edge."""
+    small = {**SCENE, "width": 24, "height": 24}
+    told = attempts(evaluated(blurred(scene=small, grabber=("interpolate", {}))))
+    assert told["horizontal", "slanted_edge"].found is None
+    assert "too small" in told["horizontal", "slanted_edge"].reason
+    assert told["horizontal", "row_average"].found is not None
+
+
+def test_reasons_not_to_measure():
+    alone = linked_network({"scene": ("test_scene", SCENE)})
+    assert "no chain of transfer functions" in judged(evaluated(alone))
+    pupil = linked_network({"pupil": ("exit_pupil", {"shape": "clear"})})
+    assert judged(evaluated(pupil)) == "the network has no final picture"
+    two = load_network(
+        NETWORKS / "magnitude_of_one_phase_of_another.json", library=standard_library()
+    )
+    assert "star.image, building.image" in judged(evaluated(two))
+    only = blurred(
+        blur=("gaussian_mtf", {"sigma_x_mrad": 0.5, "sigma_y_mrad": 0.5, "apply": "filter_only"})
+    )
+    assert judged(evaluated(only)).startswith("what back does to the picture is not known")
+
+
+def test_a_uniform_scene_has_an_edge_put_in_all_the_same():
+    found = attempts(evaluated(blurred(scene={**SCENE, "kind": "uniform"})))
+    assert all(each.found is not None for each in found.values())

@@ -1,0 +1,244 @@
+"""Every fault of a command line: exit code 2, one line that names it, nothing written."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from app.command.cli import main
+from child_process import ROOT, finished
+
+USAGE = {
+    "unknown command": (["evaluate", "net.json"], "evaluate"),
+    "command like another": (["chekc", "net.json"], "chekc; did you mean check?"),
+    "option before the command": (["--vesrion"], "--vesrion; did you mean --version?"),
+    "no network": (["run"], "NETWORK (imagechain run --help)"),
+    "option like another": (["run", "net.json", "--reprot=a.html"], "--reprot; did you mean --re"),
+    "too many words": (["run", "net.json", "kodak"], "kodak is one word too many"),
+    "check no such network": (["check", "nosuch"], "nosuch is neither a file nor the name of"),
+    "unknown option": (["run", "net.json", "--fast"], "--fast"),
+    "abbreviated option": (["run", "net.json", "--prec", "double"], "--prec"),
+    "precision": (["run", "net.json", "--precision", "half"], "half"),
+    "seed is no number": (["run", "net.json", "--seed", "x"], "--seed"),
+    "negative seed": (["run", "net.json", "--seed", "-1"], "seed = -1"),
+    "huge seed": (["run", "net.json", "--seed", "9" * 500], "--seed"),
+    "threads": (["run", "net.json", "--threads", "100000"], "threads = 100000"),
+    "tolerance is no number": (["run", "net.json", "--tolerance", "low"], "--tolerance 'low'"),
+    "negative tolerance": (["run", "net.json", "--tolerance", "-1"], "from 0 to below 1"),
+    "tolerance of all": (["run", "net.json", "--tolerance", "1"], "from 0 to below 1"),
+    "tolerance not finite": (["run", "net.json", "--tolerance", "nan"], "from 0 to below 1"),
+    "tolerance twice": (
+        ["run", "net.json", "--tolerance", "0", "--tolerance", "0"],
+        "--tolerance is given more than once",
+    ),
+    "no such network": (["run", "nothing.json"], "nothing.json"),
+    "a folder": (["run", "."], "folder"),
+    "empty name": (["run", ""], "''"),
+    "impossible name": (["run", "a" * 5000], "aaa"),
+    "set without value": (["run", "net.json", "--set", "blur"], "NODE.PARAM=VALUE"),
+    "set unknown node": (["run", "net.json", "--set", "blurr.sigma_x_mrad=1"], "mean blur?"),
+    "set unknown parameter": (["run", "net.json", "--set", "blur.sigma_x=1"], "sigma_x_mrad?"),
+    "set wrong kind": (["run", "net.json", "--set", "blur.sigma_x_mrad=soft"], "'soft' mrad"),
+    "set out of range": (["run", "net.json", "--set", "blur.sigma_x_mrad=-1"], "at least 0"),
+    "set not finite": (["run", "net.json", "--set", "blur.sigma_x_mrad=NaN"], "nan mrad"),
+    "set deep": (["run", "net.json", "--set", "blur.sigma_x_mrad=" + "[" * 9000], "sigma_x"),
+    "set needless": (["run", "net.json", "--set", "pixels.factor_x=100"], "100 × 2"),
+    "save without file": (["run", "net.json", "--save", "pixels.image"], "NODE.PORT=FILE"),
+    "save unknown suffix": (["run", "net.json", "--save", "pixels.image=a.jpg"], "'a.jpg'"),
+    "save unknown node": (["run", "net.json", "--save", "pixel.image=a.npy"], "mean pixels?"),
+    "save unknown port": (["run", "net.json", "--save", "pixels.imag=a.npy"], "mean image?"),
+    "save context": (["run", "net.json", "--save", "init.context=a.npy"], "context"),
+    "save into nothing": (["run", "net.json", "--save", "pixels.image=no/a.npy"], "no folder no"),
+    "save twice": (
+        ["run", "net.json", "--save", "pixels.image=a.npy", "--save", "back.image=./a.npy"],
+        "two outputs",
+    ),
+    "save over the network": (["run", "net.json", "--report", "net.json"], "input of this run"),
+    "report suffix": (["run", "net.json", "--report", "a.pdf"], "'a.pdf'"),
+    "output folder is a file": (["run", "net.json", "--output-dir", "net.json"], "not a folder"),
+    "output below a file": (["run", "net.json", "--output-dir", "net.json/x"], "not a folder"),
+    "output folder empty": (["run", "net.json", "--output-dir", ""], "--output-dir"),
+    "device": (["run", "net.json", "--save", "pixels.image=pipe.npy"], "not a regular file"),
+    "check nothing": (["check"], "NETWORK"),
+    "unknown module": (["modules", "jiter_mtf"], "mean jitter_mtf?"),
+    "modules too much": (["modules", "jitter_mtf", "x"], "x"),
+    "final picture twice": (
+        ["run", "net.json", "--output-dir", ".", "--save", "pixels.image=./final.png"],
+        "two outputs are to go to final.png",
+    ),
+    "read-outs twice": (
+        ["run", "net.json", "--output-dir", ".", "--report", "readouts.json"],
+        "two outputs are to go to readouts.json",
+    ),
+    "table twice": (
+        ["run", "net.json", "--output-dir", ".", "--save", "blur.mtf=mtf.csv"],
+        "two outputs are to go to mtf.csv",
+    ),
+    "long folder": (
+        ["run", "net.json", "--output-dir", "a" * 300],
+        "cannot write to " + "a" * 300,
+    ),
+    "output folder twice": (
+        ["run", "net.json", "--output-dir", "a", "--output-dir", "a"],
+        "--output-dir is given more than once",
+    ),
+    "seed twice": (["run", "net.json", "--seed", "1", "--seed", "1"], "--seed is given more"),
+    "threads twice": (["run", "net.json", "--threads", "1", "--threads=2"], "--threads is given"),
+    "precision twice": (
+        ["run", "net.json", "--precision", "single", "--precision", "double"],
+        "--precision is given more than once",
+    ),
+    "seed beyond the range": (["run", "net.json", "--seed", "9" * 23], f"0 to {2**63 - 1}"),
+    "set no number": (["run", "net.json", "--set", "blur.sigma_x_mrad=.e3"], "'.e3' mrad"),
+}
+
+
+@pytest.fixture(autouse=True)
+def _network(write, small):
+    write(small)
+
+
+@pytest.mark.parametrize(("words", "told"), USAGE.values(), ids=USAGE.keys())
+def test_usage(words, told, fails, tmp_path):
+    if "pipe.npy" in words[-1]:
+        # Not one of the files compared: reading a pipe would wait for ever.
+        (tmp_path / "pipe.npy").symlink_to("/dev/null")
+    assert told in fails(*words)
+
+
+NO_DISPLAY = {"DISPLAY": "", "WAYLAND_DISPLAY": "", "QT_QPA_PLATFORM": ""}
+
+
+@pytest.mark.parametrize("words", [(), ("edit",), ("edit", "kodak_kir310")])
+def test_the_editor_without_a_display(imagechain, words):
+    done = imagechain(*words, env=NO_DISPLAY)
+    assert done.returncode == 2
+    assert done.stderr.startswith("imagechain: the editor needs a display: DISPLAY and WAYLAND_")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("display", [":4711", "nowhere", ":x", "::1:99999999"])
+def test_the_editor_with_a_display_that_does_not_answer(imagechain, display):
+    done = imagechain("edit", env={**NO_DISPLAY, "DISPLAY": display})
+    assert done.returncode == 2
+    assert done.stderr == (
+        f"imagechain: the editor needs a display: DISPLAY = {display} does not answer\n"
+    )
+
+
+def test_a_slip_comes_before_a_display_that_is_not_there(imagechain):
+    for words, told in ((["kodak_kir31"], "mean kodak_kir310?"), (["--sice=1x1"], "mean --size?")):
+        done = imagechain("edit", *words, env=NO_DISPLAY)
+        assert done.returncode == 2
+        assert told in done.stderr
+        assert "display" not in done.stderr
+
+
+@pytest.mark.parametrize("words", [["run"], ["check", "nosuch"], ["edit", "nosuch"]])
+def test_a_process_ends_as_the_command_in_this_one(words, imagechain, imagechain_process):
+    """The other tests of this kind start none."""
+    here, process = imagechain(*words), imagechain_process(*words)
+    assert process.returncode == here.returncode == 2
+    assert (process.stdout, process.stderr) == (here.stdout, here.stderr)
+    assert here.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("size", ["", "1600", "1600x", "x900", "16x9", "1e3x900", "٣٢٠x٣٢٠"])
+def test_the_size_of_a_window(fails, size):
+    assert "whole numbers from 320 to 16384" in fails("edit", "--size", size)
+
+
+def test_a_screenshot_is_a_png(fails):
+    assert "ends in .png" in fails("edit", "--screenshot", "window.jpg")
+
+
+def test_line_breaks_and_escapes_stay_out_of_the_line(fails):
+    line = fails("run", "a\nb\x1b[31m\u2028.json")
+    assert "\x1b" not in line
+
+
+def shell(line, folder):
+    """Run a line of shell in which ``imagechain`` is the command."""
+    command = f'imagechain() {{ "{sys.executable}" -m app.command.cli "$@"; }}; {line}'
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return finished(["bash", "-c", command], folder=folder, env=environment)
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "out", "errors"),
+    [
+        ("imagechain modules >/dev/full", 1, "", 1),
+        ("imagechain --help >/dev/full", 1, "", 1),
+        ("imagechain --help >&-", 0, "", 0),
+        ("imagechain run net.json >&-", 0, "", 0),
+        ("imagechain run net.json >/dev/full", 1, "", 1),
+        ("imagechain run net.json 2>&-", 0, "net-output: ", 0),
+        ("imagechain run nothing 2>&-", 2, "", 0),
+        ("imagechain run nothing 2>/dev/full", 2, "", 0),
+        ("imagechain run nothing >&- 2>&-", 2, "", 0),
+        ("imagechain check net.json >/dev/full", 1, "", 1),
+        ("imagechain check nothing >/dev/full", 2, "", 1),  # which prints nothing there
+    ],
+)
+def test_streams_closed_or_full(line, code, out, errors, tmp_path):
+    done = shell(line, tmp_path)
+    assert done.returncode == code, done.stderr
+    assert done.stderr.count("\n") == errors
+    assert out in done.stdout
+    assert out or not done.stdout
+    assert (tmp_path / "net-output/final.png").is_file() == ("run net.json" in line)
+
+
+def test_what_is_written_is_said_where_it_cannot_be_printed(tmp_path):
+    """As `cp -v` does: the files stand, and the exit code is no fault of the input's."""
+    done = shell("imagechain run net.json --report r.json >/dev/full", tmp_path)
+    assert done.returncode == 1
+    assert done.stderr == (
+        "imagechain: cannot write to standard output: No space left on device; "
+        "the files are written\n"
+    )
+    assert (tmp_path / "r.json").is_file()
+    done = shell("imagechain modules >/dev/full", tmp_path)
+    assert done.stderr == ("imagechain: cannot write to standard output: No space left on device\n")
+
+
+def test_current_folder_removed(tmp_path):
+    (tmp_path / "gone").mkdir()
+    done = shell("cd gone; rmdir ../gone; imagechain run first_steps", tmp_path)
+    assert done.returncode == 2
+    assert done.stderr == (
+        "imagechain: cannot write to first_steps-output: No such file or directory\n"
+    )
+
+
+def test_folder_not_to_be_entered(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    stat = Path.stat
+
+    def closed(path, **options):
+        if path.name == "inside":
+            raise PermissionError(13, "Permission denied")
+        return stat(path, **options)
+
+    monkeypatch.setattr(Path, "stat", closed)  # root may enter everything
+    assert main(["run", "net.json", "--output-dir", "inside"]) == 2
+    told = "imagechain: cannot write to inside: Permission denied\n"
+    assert capsys.readouterr().err == told
+
+
+def test_sinks_to_one_place(fails, write, small):
+    for name, path in (("one", "a.tif"), ("two", "./a.tif")):
+        small["nodes"][name] = {"module": "write_image", "params": {"path": path}}
+        small["links"].append(["back.image", f"{name}.image"])
+    write(small)
+    assert "two: cannot write: two outputs are to go to a.tif" in fails("run", "net.json")
+    del small["nodes"]["two"], small["links"][-1]
+    write(small)
+    twice = "one: cannot write: two outputs are to go to a.tif"
+    assert twice in fails("run", "net.json", "--save", "pixels.image=./a.tif")
+    small["nodes"]["one"]["params"]["path"] = "final.png"
+    write(small)
+    assert "final.png" in fails("run", "net.json", "--output-dir", ".")

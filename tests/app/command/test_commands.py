@@ -1,0 +1,227 @@
+"""`check`, `modules`, help, and ends that are not the user's fault."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pty
+import select
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import app.command.run
+import app.run.evaluation
+from app.command.cli import main
+from app.run.png import encode_png, grey_levels, robust_limits
+from app.run.responses import response
+from child_process import PATIENCE_S, ROOT, catches, finished, wait_for
+from core.modules.declaration import declaration
+from core.network.file import load_network
+from nodes.files.read import read_pixels
+from nodes.library import standard_library
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
+
+
+def test_modules_for_programs(capsys):
+    assert main(["modules", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert [each["key"] for each in listed] == list(standard_library())
+    for each in listed:
+        declared = declaration(standard_library()[each["key"]])
+        assert each["title"] == declared.title
+        assert [p["name"] for p in each["parameters"]] == [p.name for p in declared.parameters]
+        assert [p["name"] for p in each["inputs"]] == [p.name for p in declared.inputs]
+        assert [r["name"] for r in each["readouts"]] == [r.name for r in declared.readouts]
+    jitter = next(each for each in listed if each["key"] == "jitter_mtf")
+    sigma = next(each for each in jitter["parameters"] if each["name"] == "sigma_mrad")
+    assert (sigma["unit"], sigma["low"], sigma["low_exclusive"]) == ("mrad", 0, False)
+    assert sigma["default"] == 0.02
+
+
+def test_modules_for_people(capsys):
+    assert main(["modules"]) == 0
+    text = capsys.readouterr().out
+    assert "jitter_mtf · Jitter MTF" in text
+    assert all(key in text for key in standard_library())
+
+
+def test_check(capsys, write, small, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["check", write(small)]) == 0
+    assert capsys.readouterr().out == (
+        "net: no errors (6 nodes, 8 links)\n"
+        "run writes net-output/final.png, net-output/mtf.csv, net-output/readouts.json\n"
+    )
+    assert not (tmp_path / "net-output").exists()
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "networks").glob("*.json")), ids=lambda p: p.stem)
+def test_shipped_networks_are_valid(path, capsys):
+    load_network(path, library=standard_library())
+    assert main(["check", path.stem]) == 0
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize("words", [["--help"], ["run", "--help"], ["--version"]])
+def test_help_goes_to_stdout(words, capsys):
+    assert main(words) == 0
+    out, err = capsys.readouterr()
+    assert out
+    assert not err
+
+
+def test_a_bug_is_one_line_and_exit_1(capsys, write, small, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for kind, told in ((MemoryError, "memory"), (ZeroDivisionError, "internal error")):
+
+        def broken(*_, kind=kind):
+            raise kind("of\ntwo lines")
+
+        monkeypatch.setattr("app.command.run.evaluate", broken)
+        assert main(["run", write(small)]) == 1
+        err = capsys.readouterr().err
+        assert err.count("\n") == 1
+        assert told in err
+    assert [path.name for path in tmp_path.iterdir()] == ["net.json"]
+
+
+# Frames without number: nothing but a signal ends it, and its one file stays small.
+ENDLESS = ["run", "kodak_kir310", "--frames", "1000000", "--save"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("moment", ["starting", "writing"])
+def test_stopped(number, moment, tmp_path):
+    words = [sys.executable, "-m", "app.command.cli", *ENDLESS, "frame_grabber.image[:1,:1]=a.npy"]
+    process = subprocess.Popen(
+        words, cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    last = signal.SIGHUP  # of those it listens to
+    wait_for(lambda: catches(process.pid, last), "it listens to signals", child=process)
+    if moment == "writing":
+        wait_for(lambda: [*tmp_path.rglob("*.npy")], "a file is begun", child=process)
+    process.send_signal(number)
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 1
+    assert err == b"imagechain: cancelled; nothing was written\n"
+    assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.parametrize("place", ["standard_library", "source_images"])
+def test_a_stop_that_was_swallowed(place, write, small, tmp_path, monkeypatch, capsys):
+    """As by an import, or a callback, that catches every exception."""
+    monkeypatch.chdir(tmp_path)
+    module = app.command.run if place == "standard_library" else app.run.evaluation
+    real = getattr(module, place)
+
+    def deaf(*words):
+        with contextlib.suppress(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(PATIENCE_S)  # ended by the signal
+        return real(*words)
+
+    monkeypatch.setattr(module, place, deaf)
+    assert main(["run", write(small)]) == 1
+    assert capsys.readouterr().err == "imagechain: cancelled; nothing was written\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["net.json"]
+
+
+def test_one_module(capsys):
+    assert main(["modules", "jitter_mtf"]) == 0
+    text = capsys.readouterr().out
+    assert "jitter_mtf · Jitter MTF" in text
+    assert "gaussian_mtf" not in text
+    assert main(["modules", "jitter_mtf", "--json"]) == 0
+    assert [each["key"] for each in json.loads(capsys.readouterr().out)] == ["jitter_mtf"]
+
+
+def test_networks_are_listed(capsys):
+    assert main(["networks"]) == 0
+    text = capsys.readouterr().out
+    for path in (ROOT / "networks").glob("*.json"):
+        told = json.loads(path.read_text(encoding="utf-8"))
+        assert f"{path.stem} · {told['name']}\n" in text
+        assert told["description"] in " ".join(text.split())
+
+
+def test_help_says_what_there_is(capsys):
+    main(["--help"])
+    text = capsys.readouterr().out
+    assert all(path.stem in text for path in (ROOT / "networks").glob("*.json"))
+    assert "exit codes" in text
+    assert "--vary be given twice" in text
+    main(["run", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    assert text.count("may be repeated") == 4
+    assert "null" in text
+
+
+def test_reader_that_has_seen_enough():
+    line = f"{sys.executable} -m app.command.cli modules | head -n 1; echo ${{PIPESTATUS[0]}}"
+    done = finished(["bash", "-c", line], env=ENVIRONMENT)
+    assert done.stdout.endswith("\n0\n")
+    assert done.stderr == ""
+
+
+PATIENT = """
+import sys
+import app.options.progress
+from app.command.cli import main
+app.options.progress.PATIENCE_S = float(sys.argv[1])
+sys.exit(main(["run", "net.json"]))
+"""
+
+
+@pytest.mark.parametrize(("patience_s", "shown"), [("0", True), ("inf", False)])
+def test_progress_on_a_terminal(patience_s, shown, write, small, tmp_path):
+    """A terminal sees a bar once work takes long, and nothing of it stays."""
+    write(small)
+    outer, inner = pty.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-c", PATIENT, patience_s],
+        cwd=tmp_path,
+        env={**ENVIRONMENT, "TERM": "xterm"},
+        stdout=subprocess.DEVNULL,
+        stderr=inner,
+    )
+    os.close(inner)
+    seen = b""
+    with contextlib.suppress(OSError):  # the terminal's other end is closed
+        while select.select([outer], [], [], PATIENCE_S)[0] and (part := os.read(outer, 4096)):
+            seen += part
+    os.close(outer)
+    assert process.wait(timeout=PATIENCE_S) == 0
+    assert (b"/6" in seen) is shown
+    assert seen.endswith(b"\x1b[2K") if shown else not seen  # the line is cleared
+
+
+def test_png_reads_back(tmp_path):
+    levels = np.random.default_rng(0).integers(0, 256, (37, 53), np.uint8)
+    (tmp_path / "a.png").write_bytes(encode_png(levels))
+    np.testing.assert_array_equal(read_pixels(tmp_path / "a.png"), levels)
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1.0, 1e300, 1.7e308])
+def test_grey_levels_of_any_range(scale):
+    samples = np.array([[-1.0, 0.0, 1.0]]) * scale
+    np.testing.assert_array_equal(grey_levels(-scale, scale, samples), [[0, 128, 255]])
+    assert np.all(grey_levels(scale, scale, samples) == 128)
+
+
+def test_limits_of_a_point():
+    samples = np.zeros((100, 100))
+    samples[3, 4] = 7.0
+    assert robust_limits(samples) == (0.0, 7.0)
+
+
+def test_response_of_nothing():
+    got = response(None, [], np.arange(3.0), "x")
+    assert got.mtf.tolist() == [1, 1, 1]
+    assert got.ptf.tolist() == [0, 0, 0]

@@ -1,0 +1,201 @@
+"""What a run writes, against arrays computed by other means."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from app.options.option_values import Assignment
+from app.options.overrides import with_settings
+from app.run.readout_tables import number_text, without_rounding
+from core.network.file import parse_network
+from nodes.files.read import read_pixels
+from nodes.library import standard_library
+
+
+def columns(path):
+    with path.open() as file:
+        rows = list(csv.reader(file))
+    return {
+        name: np.array([float(row[i]) for row in rows[1:] if row[i] != ""])
+        for i, name in enumerate(rows[0])
+    }
+
+
+def test_writes_three_files(imagechain_process, write, small, tmp_path):
+    done = imagechain_process("run", write(small))
+    assert (done.returncode, done.stderr) == (0, "")
+    written = {path.name for path in (tmp_path / "net-output").iterdir()}
+    assert written == {"final.png", "mtf.csv", "readouts.json"}
+    assert {path.name for path in tmp_path.iterdir()} == {"net.json", "net-output"}
+    assert "nyquist_x" in done.stdout
+    readouts = json.loads((tmp_path / "net-output/readouts.json").read_text())
+    interval = 1000 * np.radians(3.0) / 48
+    assert readouts["init"]["nyquist_x"] == pytest.approx(0.5 / interval, rel=1e-14)
+
+
+def test_final_picture(imagechain, write, small, tmp_path):
+    imagechain("run", write(small), "--save", "pixels.image=p.npy")
+    levels = read_pixels(tmp_path / "net-output/final.png")
+    exact = np.load(tmp_path / "p.npy").astype(float)
+    assert levels.shape == (20, 24)
+    low, high = np.percentile(exact, (0.1, 99.9))
+    wanted = 255 * (np.clip(exact, low, high) - low) / (high - low)
+    assert np.abs(levels - wanted).max() <= 0.5 + 1e-3
+
+
+def test_mtf_csv(imagechain, write, small, tmp_path):
+    imagechain("run", write(small))
+    found = columns(tmp_path / "net-output/mtf.csv")
+    dx, dy = 1000 * np.radians(3.0) / 48, 1000 * np.radians(2.5) / 40
+    xi, eta = np.fft.rfftfreq(48, dx), np.fft.rfftfreq(40, dy)
+    np.testing.assert_allclose(found["xi_cyc_per_mrad"], xi, rtol=1e-14)
+    np.testing.assert_allclose(found["eta_cyc_per_mrad"], eta, rtol=1e-14)
+
+    def blur(frequency, sigma):
+        return np.exp(-2 * np.pi**2 * sigma**2 * frequency**2)
+
+    for axis, frequency, sigma in (("x", xi, 0.5), ("y", eta, 0.3)):
+        stages = {"blur": blur(frequency, sigma), "jitter": blur(frequency, 0.2)}
+        stages["total"] = stages["blur"] * stages["jitter"]
+        for name, wanted in stages.items():
+            np.testing.assert_allclose(found[f"{name}.mtf_{axis}"], wanted, rtol=1e-12)
+            assert not found[f"{name}.ptf_{axis}_rad"].any()
+
+
+def test_stages_at_their_neutral_setting_are_listed(imagechain, write, small, tmp_path):
+    imagechain("run", write(small), "--set", "jitter.sigma_mrad=0")
+    found = columns(tmp_path / "net-output/mtf.csv")
+    assert set(found["jitter.mtf_x"]) == {1.0}
+
+
+@pytest.mark.parametrize(("precision", "dtype"), [("single", np.float32), ("double", np.float64)])
+def test_saves_every_format(precision, dtype, imagechain, write, small, tmp_path):
+    names = ["p.npy", "p.tif", "p.exr", "p.csv", "p.png"]
+    words = [word for name in names for word in ("--save", f"pixels.image={name}")]
+    done = imagechain("run", write(small), "--precision", precision, *words)
+    assert (done.returncode, done.stderr) == (0, "")
+    exact = np.load(tmp_path / "p.npy")
+    assert exact.dtype == dtype
+    assert exact.flags.c_contiguous
+    assert exact.shape == (20, 24)
+    np.testing.assert_array_equal(read_pixels(tmp_path / "p.tif"), exact)
+    np.testing.assert_array_equal(read_pixels(tmp_path / "p.exr"), exact.astype(np.float32))
+    np.testing.assert_array_equal(read_pixels(tmp_path / "p.csv").astype(dtype), exact)
+    levels = read_pixels(tmp_path / "p.png")
+    assert (levels.min(), levels.max()) == (0, 255)
+
+
+def test_saves_every_port(imagechain, write, small, tmp_path):
+    ports = ["scene.image", "init.magnitude", "init.phase", "blur.magnitude", "blur.mtf"]
+    words = [word for port in ports for word in ("--save", f"{port}={port}.npy")]
+    imagechain("run", write(small), "--precision", "double", *words, "--save", "init.context=c.csv")
+    got = {port: np.load(tmp_path / f"{port}.npy") for port in ports}
+    spectrum = np.fft.fft2(got["scene.image"])
+    scale = np.abs(spectrum).max()
+    np.testing.assert_allclose(got["init.magnitude"], np.abs(spectrum), atol=1e-13 * scale)
+    rebuilt = got["init.magnitude"] * np.exp(1j * got["init.phase"])
+    np.testing.assert_allclose(rebuilt, spectrum, atol=1e-13 * scale)
+    xi = np.fft.fftfreq(48, 1000 * np.radians(3.0) / 48)
+    eta = np.fft.fftfreq(40, 1000 * np.radians(2.5) / 40)[:, np.newaxis]
+    mtf = np.exp(-2 * np.pi**2 * ((0.5 * xi) ** 2 + (0.3 * eta) ** 2))
+    np.testing.assert_allclose(got["blur.mtf"], mtf, rtol=1e-12)
+    np.testing.assert_allclose(got["blur.magnitude"], mtf * np.abs(spectrum), atol=1e-13 * scale)
+    assert "focal_length_mm,100.0" in (tmp_path / "c.csv").read_text()
+
+
+def test_settings(imagechain, write, small, tmp_path):
+    small["nodes"]["scene"]["params"]["kind"] = "uniform"
+    words = ["scene.kind=point", "scene.width=36", "blur.sigma_x_mrad=1e-1", "init.f_number="]
+    sets = [word for each in words for word in ("--set", each)]
+    done = imagechain("run", write(small), *sets, "--save", "scene.image=s.npy")
+    assert done.returncode == 0, done.stderr
+    samples = np.load(tmp_path / "s.npy")
+    assert samples.shape == (40, 36)
+    assert samples.max() > samples.min()
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [(".5", 0.5), ("+0.3", 0.3), ("1.", 1.0), ("+2e-1", 0.2), ("007", 7.0)]
+)
+def test_numbers_as_people_write_them(text, value, small):
+    network = with_settings(
+        parse_network(json.dumps(small), library=standard_library()),
+        [Assignment("blur", "sigma_x_mrad", text)],
+        library=standard_library(),
+    )
+    assert network.nodes["blur"].params["sigma_x_mrad"] == value
+
+
+def test_files_of_nodes_are_named(imagechain, write, small, tmp_path):
+    small["nodes"]["out"] = {"module": "write_image", "params": {"path": "out.tif"}}
+    small["links"].append(["back.image", "out.image"])
+    done = imagechain("run", write(small), "--save", "pixels.image=p.npy")
+    assert done.stdout.endswith("also p.npy, out.tif\n")
+    assert (tmp_path / "out.tif").is_file()
+
+
+def test_terminal_shows_ascii_and_no_rounding():
+    assert number_text(-0.25) == "-0.25"
+    assert without_rounding(-3.6e-18, "rad") == 0
+    assert without_rounding(-3.6e-18, "W") == -3.6e-18
+
+
+def test_threads_change_no_bit_and_seed_only_noise(imagechain, write, small, tmp_path):
+    small["nodes"]["noise"] = {"module": "poisson_noise"}
+    small["links"][0] = ["scene.image", "noise.image"]
+    small["links"].append(["noise.image", "init.image"])
+    write(small)
+    for name, words in {
+        "one": ["--threads", "1"],
+        "two": ["--threads", "2"],
+        "other": ["--seed", "4"],
+        "same": ["--seed", "3"],
+    }.items():
+        imagechain("run", "net.json", *words, "--save", f"pixels.image={name}.npy")
+    got = {n: (tmp_path / f"{n}.npy").read_bytes() for n in ("one", "two", "other", "same")}
+    assert got["one"] == got["two"] == got["same"]
+    assert got["one"] != got["other"]
+
+
+def test_paths_are_relative_to_where_they_belong(imagechain, write, small, tmp_path):
+    (tmp_path / "nets").mkdir()
+    frame = np.random.default_rng(1).random((40, 48))
+    np.save(tmp_path / "nets/frame.npy", frame)
+    small["nodes"]["scene"] = {
+        "module": "read_image",
+        "params": {"path": "frame.npy", "fov_x_deg": 3.0, "fov_y_deg": 2.5},
+    }
+    small["nodes"]["out"] = {"module": "write_image", "params": {"path": "out.tif"}}
+    small["links"].append(["back.image", "out.image"])
+    write(small, "nets/net.json")
+    words = ["--save", "scene.image=copy.npy", "--output-dir", "a/b", "--precision", "double"]
+    done = imagechain("run", "nets/net.json", *words)
+    assert done.returncode == 0, done.stderr
+    np.testing.assert_array_equal(np.load(tmp_path / "copy.npy"), frame)
+    assert (tmp_path / "nets/out.tif").is_file()
+    assert (tmp_path / "a/b/final.png").is_file()
+
+
+def test_a_failed_run_leaves_everything_as_it_was(fails, imagechain, write, small, tmp_path):
+    assert imagechain("run", write(small), "--save", "pixels.image=p.npy").returncode == 0
+    small["nodes"]["out"] = {"module": "write_image", "params": {"path": "missing/out.tif"}}
+    small["links"].append(["back.image", "out.image"])
+    write(small)
+    line = fails("run", "net.json", "--set", "blur.sigma_x_mrad=3", "--save", "pixels.image=p.npy")
+    assert "missing" in line
+
+
+def test_shipped_network_by_name(imagechain_process, tmp_path):
+    done = imagechain_process("run", "first_steps")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "first_steps-output/final.png").is_file()
+
+
+def test_stderr_is_silent_with_warnings_on(imagechain_process, write, small):
+    small["nodes"]["scene"]["params"] |= {"kind": "uniform"}
+    done = imagechain_process("run", write(small), "--set", "blur.sigma_x_mrad=1e6")
+    assert (done.returncode, done.stderr) == (0, "")

@@ -1,0 +1,212 @@
+"""The canvas shows what the document holds, and follows each change of it."""
+
+import pytest
+from PySide6.QtGui import QColor
+
+from app.editor.evaluation.queries import Badge
+from app.editor.theme import LIGHT
+from core.editing.document import Document
+from core.editing.fields import SetNode, SetParameter
+from core.editing.nodes import Add, Move, Placed, Remove, Rename
+from core.editing.wiring import Rewire
+from core.network.network import Link, Network, Node
+
+pytestmark = pytest.mark.usefixtures("qtbot")
+
+
+def shown(canvas):
+    """What the items show, as a document would say it."""
+    content = canvas.content
+    nodes = {name: item.face.title for name, item in content.nodes.items()}
+    places = {name: (item.x(), item.y()) for name, item in content.nodes.items()}
+    return nodes, set(content.wires), places
+
+
+def drawn_items(canvas):
+    """Nodes and wires in the scene, whatever the canvas's lists say."""
+    from app.editor.canvas.items.node_item import NodeItem
+    from app.editor.canvas.items.wire_item import WireItem
+
+    items = canvas.view.scene().items()
+    return (
+        sum(isinstance(item, NodeItem) for item in items),
+        sum(isinstance(item, WireItem) for item in items),
+    )
+
+
+def test_a_network_is_shown_as_its_file_says(opened, canvas):
+    opened("first_steps")
+    nodes, links, places = shown(canvas)
+    assert nodes == {
+        "scene": "Test Scene",
+        "init": "Init & Trans",
+        "blur": "Gaussian MTF",
+        "back": "Back Transform",
+        "picture": "Examine Image",
+    }
+    assert links == {
+        Link.between("scene.image", "init.image"),
+        Link.between("init.context", "blur.context"),
+        Link.between("init.magnitude", "blur.magnitude"),
+        Link.between("blur.magnitude", "back.magnitude"),
+        Link.between("init.phase", "back.phase"),
+        Link.between("back.image", "picture.image"),
+    }
+    assert places["blur"] == (480.0, 0.0)
+    assert drawn_items(canvas) == (5, 6)
+
+
+def test_ports_are_the_modules_from_top_to_bottom(opened, canvas):
+    opened("kodak_kir310")
+    ports = canvas.content.nodes["electronics"].ports
+    inputs = [name for side, name in ports if side == "input"]
+    outputs = [name for side, name in ports if side == "output"]
+    assert inputs == ["image", "context"]
+    assert outputs[:2] == ["image", "noise"]
+    heights = [ports["output", name].pos().y() for name in outputs]
+    assert heights == sorted(heights)
+    assert len(set(heights)) == 7
+
+
+def test_undo_and_redo_are_followed(opened, canvas):
+    session = opened("first_steps")
+    before = shown(canvas)
+    session.do(Add((Placed(Node("jitter", "jitter_mtf"), (100.0, 300.0)),)))
+    session.do(Rewire(add=(Link.between("init.magnitude", "jitter.magnitude"),)))
+    session.do(Move({"scene": (-50.0, 20.0)}))
+    session.do(Rename("blur", "haze"))
+    session.do(Remove(("back",)))
+    after = shown(canvas)
+    assert after[0].keys() == {"scene", "init", "haze", "picture", "jitter"}
+    assert after[2]["scene"] == (-50.0, 20.0)
+    assert drawn_items(canvas) == (5, 4)
+    for _ in range(5):
+        session.undo()
+    assert shown(canvas) == before
+    assert drawn_items(canvas) == (5, 6)
+    for _ in range(5):
+        session.redo()
+    assert shown(canvas) == after
+
+
+def test_only_what_has_changed_is_drawn_anew(opened, canvas):
+    session = opened("first_steps")
+    items = dict(canvas.content.nodes)
+    wires = dict(canvas.content.wires)
+    session.do(SetParameter("blur", "sigma_x_mrad", 0.3))
+    session.do(SetNode("blur", "disabled", True))
+    session.do(Move({"blur": (480.0, 90.0)}))
+    assert canvas.content.nodes == items
+    assert canvas.content.wires == wires
+    assert canvas.content.nodes["blur"].disabled
+    session.do(Rewire(remove=(Link.between("init.context", "blur.context"),)))
+    assert canvas.content.nodes == items
+
+
+def test_wires_end_at_their_ports_after_a_move(opened, canvas):
+    session = opened("first_steps")
+    session.do(Move({"blur": (520.0, 260.0)}))
+    for wire in canvas.content.wires.values():
+        path = wire.path()
+        assert path.pointAtPercent(0) == wire.output_port.scenePos()
+        assert path.pointAtPercent(1) == wire.input_port.scenePos()
+
+
+def test_wires_have_the_colour_of_what_they_carry(opened, canvas):
+    opened("first_steps")
+    wires = canvas.content.wires
+    image = wires[Link.between("scene.image", "init.image")]
+    phase = wires[Link.between("init.phase", "back.phase")]
+    assert QColor(*image.color).name() == "#e8c35a"
+    assert QColor(*phase.color).name() == "#c58af0"
+    canvas.set_theme(LIGHT)
+    assert QColor(*image.color).name() == "#a57a00"
+
+
+def test_an_unknown_module_shows_its_key_and_the_ports_of_its_links(session, canvas, library):
+    links = (
+        Link.between("scene.image", "odd.picture"),
+        Link.between("odd.result", "show.image"),
+    )
+    network = Network(
+        nodes={
+            "scene": Node("scene", "test_scene"),
+            "odd": Node("odd", "module_of_tomorrow"),
+            "show": Node("show", "examine_image"),
+        },
+        links=links,
+        layout={"scene": (0, 0), "odd": (240, 0), "show": (480, 0)},
+    )
+    session.open(Document(network, library=library))
+    face = canvas.content.nodes["odd"].face
+    assert not face.known
+    assert face.title == "module_of_tomorrow"
+    assert [port.name for port in face.inputs] == ["picture"]
+    assert [port.name for port in face.outputs] == ["result"]
+    assert set(canvas.content.wires) == set(links)
+    session.do(Rewire(add=(Link.between("odd.other", "show.image"),)))
+    face = canvas.content.nodes["odd"].face
+    assert [port.name for port in face.outputs] == ["other"]
+    assert Link.between("odd.other", "show.image") in canvas.content.wires
+
+
+def test_nodes_without_a_point_stand_beside_each_other(session, canvas, library):
+    names = ("scene", "init", "second")
+    modules = ("test_scene", "init_trans", "test_scene")
+    nodes = {name: Node(name, key) for name, key in zip(names, modules, strict=True)}
+    network = Network(nodes=nodes, links=(Link.between("scene.image", "init.image"),))
+    session.open(Document(network, library=library))
+    frames = [item.frame() for item in canvas.content.nodes.values()]
+    assert not any(one.intersects(other) for one in frames for other in frames if one is not other)
+    assert canvas.content.nodes["init"].x() > canvas.content.nodes["scene"].x()
+    assert not session.document.modified
+
+
+def test_the_id_is_shown_where_it_says_more_than_the_title(opened, canvas):
+    session = opened("kodak_kir310")
+    session.do(Add((Placed(Node("jitter_mtf", "jitter_mtf"), (0.0, 900.0)),)))
+    assert canvas.content.nodes["aberration"].face.subtitle == "aberration"
+    assert canvas.content.nodes["jitter_mtf"].face.subtitle == ""
+
+
+def test_badges_come_change_and_go(opened, canvas):
+    opened("first_steps")
+    nodes = canvas.content.nodes
+    canvas.set_badges({"blur": Badge("stale", "waits for its turn")})
+    assert nodes["blur"].badge == Badge("stale", "waits for its turn")
+    assert [child.toolTip() for child in nodes["blur"].childItems()].count(
+        "waits for its turn"
+    ) == 1
+    canvas.set_badges(
+        {"blur": Badge("error", "sigma: give a number"), "scene": Badge("skipped", "")}
+    )
+    assert nodes["blur"].badge.kind == "error"
+    canvas.set_badges({})
+    assert all(item.badge is None for item in nodes.values())
+    assert all(child.toolTip() != "sigma: give a number" for child in nodes["blur"].childItems())
+
+
+def test_a_badge_outlives_its_item_being_drawn_anew(opened, canvas):
+    session = opened("first_steps")
+    canvas.set_badges({"blur": Badge("error", "no")})
+    session.do(Rename("blur", "haze"))
+    session.undo()
+    assert canvas.content.nodes["blur"].badge == Badge("error", "no")
+
+
+def test_the_tooltips_say_what_there_is(opened, canvas):
+    opened("kodak_kir310")
+    optics = canvas.content.nodes["optics"]
+    assert optics.ports["input", "phase"].toolTip() == "phase: input, phase, optional"
+    assert optics.ports["input", "pupil"].toolTip() == "pupil: input, pupil, required"
+    picture = canvas.content.nodes["picture"]
+    assert "image or magnitude" in picture.ports["input", "image"].toolTip()
+    assert "Take the image to magnitude and phase" in canvas.content.nodes["init"].toolTip()
+
+
+def test_sizes_leave_room_on_the_grid_of_the_layouts(opened, canvas):
+    for name in ("kodak_kir310", "inframetrics", "pupils"):
+        opened(name)
+        for width, height in canvas.sizes().values():
+            assert width <= 240 - 32
+            assert height < 160

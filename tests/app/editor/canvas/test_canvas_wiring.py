@@ -1,0 +1,243 @@
+"""Wires drawn, moved, refused and taken away with the mouse."""
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QLabel
+
+from core.editing.document import Document
+from core.network.network import Link, Network, Node
+
+ALT_SHIFT = Qt.KeyboardModifier.AltModifier | Qt.KeyboardModifier.ShiftModifier
+
+
+@pytest.fixture
+def pair(session, canvas, library):
+    """A scene, its transform and two blurs, not wired."""
+    nodes = {
+        "scene": Node("scene", "test_scene"),
+        "init": Node("init", "init_trans"),
+        "one": Node("one", "jitter_mtf"),
+        "two": Node("two", "detector_mtf"),
+    }
+    layout = {"scene": (0, 0), "init": (240, 0), "one": (480, 0), "two": (480, 160)}
+    session.open(Document(Network(nodes=nodes, layout=layout), library=library))
+    return session
+
+
+@pytest.fixture
+def told(session):
+    found = []
+    session.told.connect(lambda kind, text: found.append((kind, text)))
+    return found
+
+
+def link(start, end):
+    return Link.between(start, end)
+
+
+def history(session):
+    return session.document.history.position
+
+
+def test_a_wire_from_an_output_to_an_input(pair, hand):
+    hand.drag(hand.port("scene", "image", "output"), hand.port("init", "image", "input"))
+    assert pair.network.links == (link("scene.image", "init.image"),)
+    assert history(pair) == 1
+
+
+def test_a_wire_from_an_input_back_to_an_output(pair, hand):
+    hand.drag(hand.port("one", "magnitude", "input"), hand.port("init", "magnitude", "output"))
+    assert pair.network.links == (link("init.magnitude", "one.magnitude"),)
+
+
+def test_a_wrong_wire_is_refused_with_the_reason(pair, hand, told):
+    before = pair.network
+    hand.drag(hand.port("scene", "image", "output"), hand.port("one", "magnitude", "input"))
+    assert pair.network is before
+    assert told == [("error", "scene.image gives image, but one.magnitude takes magnitude")]
+
+
+def test_the_reason_is_shown_while_the_wire_hovers(pair, canvas, hand):
+    start, end = hand.port("scene", "image", "output"), hand.port("one", "magnitude", "input")
+    hand.press(start)
+    hand.move(start, end)
+    hint = canvas.findChild(QLabel, "canvas.hint")
+    assert hint.isVisible()
+    assert "one.magnitude takes magnitude" in hint.text()
+    assert canvas.view.viewport().cursor().shape() == Qt.CursorShape.ForbiddenCursor
+    assert canvas.content.nodes["init"].ports["input", "image"].fits is True
+    assert canvas.content.nodes["one"].ports["input", "magnitude"].fits is False
+    hand.release(end)
+    assert not hint.isVisible()
+    assert canvas.view.viewport().cursor().shape() == Qt.CursorShape.ArrowCursor
+    assert canvas.content.nodes["init"].ports["input", "image"].fits is None
+
+
+def test_a_wire_from_output_to_output_is_refused(pair, hand, told):
+    hand.drag(hand.port("one", "magnitude", "output"), hand.port("init", "magnitude", "output"))
+    assert not pair.network.links
+    assert told[0][0] == "error"
+    assert "from an output to an input" in told[0][1]
+
+
+def test_a_cycle_is_refused(pair, hand, told):
+    hand.drag(hand.port("one", "magnitude", "output"), hand.port("two", "magnitude", "input"))
+    hand.drag(hand.port("two", "magnitude", "output"), hand.port("one", "magnitude", "input"))
+    assert pair.network.links == (link("one.magnitude", "two.magnitude"),)
+    assert "cycle" in told[0][1]
+
+
+def test_a_wire_dropped_on_a_nodes_body_takes_the_port_that_fits(pair, hand):
+    hand.drag(hand.port("init", "magnitude", "output"), hand.head("one"))
+    assert pair.network.links == (link("init.magnitude", "one.magnitude"),)
+
+
+def test_a_node_that_has_no_such_port_refuses(pair, hand, told):
+    hand.drag(hand.port("scene", "image", "output"), hand.head("two"))
+    assert not pair.network.links
+    assert told == [("error", "two has no input for image")]
+
+
+def test_a_new_wire_takes_the_place_of_the_old_in_one_step(pair, hand):
+    hand.drag(hand.port("init", "magnitude", "output"), hand.port("two", "magnitude", "input"))
+    hand.drag(hand.port("one", "magnitude", "output"), hand.port("two", "magnitude", "input"))
+    assert pair.network.links == (link("one.magnitude", "two.magnitude"),)
+    pair.undo()
+    assert pair.network.links == (link("init.magnitude", "two.magnitude"),)
+
+
+def wired(session, hand):
+    hand.drag(hand.port("init", "magnitude", "output"), hand.port("one", "magnitude", "input"))
+    return session.network
+
+
+def test_a_picked_up_wire_can_be_put_into_another_input(pair, hand):
+    wired(pair, hand)
+    hand.drag(hand.port("one", "magnitude", "input"), hand.port("two", "magnitude", "input"))
+    assert pair.network.links == (link("init.magnitude", "two.magnitude"),)
+    pair.undo()
+    assert pair.network.links == (link("init.magnitude", "one.magnitude"),)
+
+
+def test_a_wire_put_back_changes_nothing(pair, canvas, hand):
+    before = wired(pair, hand)
+    start = hand.port("one", "magnitude", "input")
+    away = start + QPoint(-60, 90)
+    hand.press(start)
+    hand.move(start, away)
+    wire = canvas.content.wires[link("init.magnitude", "one.magnitude")]
+    assert not wire.isVisible()
+    hand.move(away, start)
+    hand.release(start)
+    assert pair.network is before
+    assert wire.isVisible()
+    assert not canvas.search_is_open()
+
+
+def test_a_wire_taken_to_a_wrong_input_goes_back(pair, canvas, hand, told):
+    before = wired(pair, hand)
+    hand.drag(hand.port("one", "magnitude", "input"), hand.port("init", "image", "input"))
+    assert pair.network is before
+    assert told
+    assert canvas.content.wires[link("init.magnitude", "one.magnitude")].isVisible()
+
+
+def test_a_picked_up_wire_that_is_let_go_is_disconnected(pair, canvas, hand):
+    wired(pair, hand)
+    hand.drag(hand.port("one", "magnitude", "input"), hand.at(300, 330))
+    assert canvas.search_is_open()
+    assert pair.network.links
+    hand.key(Qt.Key.Key_Escape)
+    assert not canvas.search_is_open()
+    assert not pair.network.links
+    pair.undo()
+    assert pair.network.links == (link("init.magnitude", "one.magnitude"),)
+    assert canvas.content.wires[link("init.magnitude", "one.magnitude")].isVisible()
+
+
+def test_a_picked_up_wire_can_be_led_to_a_new_node(pair, canvas, hand):
+    wired(pair, hand)
+    steps = history(pair)
+    hand.drag(hand.port("one", "magnitude", "input"), hand.at(300, 330))
+    hand.type("vibration")
+    hand.key(Qt.Key.Key_Return)
+    links = pair.network.links
+    assert link("init.magnitude", "vibration_mtf.magnitude") in links
+    assert link("init.magnitude", "one.magnitude") not in links
+    assert history(pair) == steps + 1
+    pair.undo()
+    assert pair.network.links == (link("init.magnitude", "one.magnitude"),)
+
+
+def test_a_wire_on_empty_ground_lists_what_fits_and_wires_the_chosen(pair, canvas, hand, library):
+    hand.drag(hand.port("init", "magnitude", "output"), hand.at(300, 330))
+    assert canvas.search_is_open()
+    titles = [canvas.popup.list.item(row).text() for row in range(canvas.popup.list.count())]
+    assert "Jitter MTF" in titles
+    assert "Back Transform" in titles
+    assert "Test Scene" not in titles
+    assert "Combine Pixels" not in titles
+    hand.type("jitter")
+    hand.key(Qt.Key.Key_Return)
+    assert link("init.magnitude", "jitter_mtf.magnitude") in pair.network.links
+    assert link("init.context", "jitter_mtf.context") in pair.network.links
+    assert pair.selection == ("jitter_mtf",)
+    assert history(pair) == 1
+    # The port it was drawn to is where the wire ended.
+    port = canvas.content.nodes["jitter_mtf"].ports["input", "magnitude"]
+    assert (port.centre() - canvas.view.mapToScene(hand.at(300, 330))).manhattanLength() < 3
+
+
+def test_a_wire_from_an_input_lists_what_gives_it(pair, canvas, hand):
+    hand.drag(hand.port("init", "image", "input"), hand.at(100, 330))
+    titles = [canvas.popup.list.item(row).text() for row in range(canvas.popup.list.count())]
+    assert "Read Image" in titles
+    assert "Write Image" not in titles
+    hand.key(Qt.Key.Key_Escape)
+    assert not pair.network.links
+    assert history(pair) == 0
+
+
+def test_escape_gives_a_wire_up(pair, canvas, hand):
+    start, end = hand.port("scene", "image", "output"), hand.port("init", "image", "input")
+    hand.press(start)
+    hand.move(start, end)
+    hand.key(Qt.Key.Key_Escape)
+    hand.release(end)
+    assert not pair.network.links
+    assert not canvas.search_is_open()
+
+
+def test_a_wire_is_selected_by_a_click_and_forgotten_by_another(pair, canvas, hand):
+    wired(pair, hand)
+    pair.select(["one"])
+    hand.click(hand.wire(link("init.magnitude", "one.magnitude")))
+    assert canvas.selected_link() == link("init.magnitude", "one.magnitude")
+    assert pair.selection == ()
+    hand.click(hand.at(300, 350))
+    assert canvas.selected_link() is None
+
+
+def test_a_selected_wire_that_goes_is_no_longer_selected(pair, canvas, hand):
+    wired(pair, hand)
+    hand.click(hand.wire(link("init.magnitude", "one.magnitude")))
+    pair.undo()
+    assert canvas.selected_link() is None
+
+
+def test_a_cut_takes_every_wire_it_crosses_in_one_step(pair, hand):
+    wired(pair, hand)
+    hand.drag(hand.port("init", "context", "output"), hand.port("one", "context", "input"))
+    assert len(pair.network.links) == 2
+    steps = history(pair)
+    hand.drag(hand.at(444, -60), hand.at(444, 200), keys=ALT_SHIFT)
+    assert not pair.network.links
+    assert history(pair) == steps + 1
+    pair.undo()
+    assert len(pair.network.links) == 2
+
+
+def test_a_cut_beside_the_wires_takes_none(pair, hand):
+    before = wired(pair, hand)
+    hand.drag(hand.at(444, 220), hand.at(444, 330), keys=ALT_SHIFT)
+    assert pair.network is before

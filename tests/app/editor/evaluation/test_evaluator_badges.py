@@ -1,0 +1,255 @@
+"""What the worker says of the nodes' state, and of a pass that takes long."""
+
+import numpy as np
+import pytest
+
+from app.editor.evaluation.badges import IDENTITY, STALE
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.evaluation.queries import Badge
+from app.editor.session import Session
+from core.editing.document import Document
+from core.editing.fields import SetNode, SetParameter
+from core.network.network import Link, Network, Node
+from editor_wants import Readouts, Samples, SlowCopy
+from nodes.library import standard_library
+
+SCENE = Node("scene", "test_scene", {"kind": "two_panel", "width": 48, "height": 40})
+GEOMETRY = {"detector_x_um": 25.0, "detector_y_um": 25.0, "focal_length_mm": 200.0}
+
+
+def network(*nodes, links=()):
+    ends = [Link.between(*each.split(" > ")) for each in links]
+    return Network(nodes={node.id: node for node in nodes}, links=tuple(ends))
+
+
+def chain(**jitter):
+    """A scene through one MTF and back."""
+    return network(
+        SCENE,
+        Node("init", "init_trans", GEOMETRY),
+        Node("jitter", "jitter_mtf", jitter),
+        Node("back", "back_transform"),
+        links=(
+            "scene.image > init.image",
+            "init.context > jitter.context",
+            "init.magnitude > jitter.magnitude",
+            "jitter.magnitude > back.magnitude",
+            "init.phase > back.phase",
+        ),
+    )
+
+
+@pytest.fixture
+def slow_session(qtbot):
+    made = Session({**standard_library(), "slow_copy": SlowCopy})
+    yield made
+    made.deleteLater()
+
+
+@pytest.fixture
+def evaluator(slow_session):
+    made = Evaluator(slow_session)
+    yield made
+    made.close()
+    made.deleteLater()
+
+
+@pytest.fixture
+def open_network(qtbot, slow_session, evaluator):
+    """Open a network, and wait until nothing is left to do."""
+
+    def opened(what, *wants):
+        evaluator.ask("viewer", wants)
+        slow_session.open(Document(what, library=slow_session.library))
+        settle(qtbot, evaluator)
+        return slow_session
+
+    return opened
+
+
+def settle(qtbot, evaluator):
+    qtbot.waitUntil(lambda: evaluator.idle)
+
+
+def test_a_sound_chain_has_no_badges(evaluator, open_network):
+    open_network(chain(sigma_mrad=1.0), Samples("back.image"))
+    assert evaluator.badges == {}
+
+
+def test_an_error_stands_on_its_node_and_the_rest_goes_on(evaluator, open_network, qtbot):
+    answers = []
+    evaluator.answered.connect(answers.append)
+    session = open_network(chain(sigma_mrad=1.0), Samples("back.image"), Samples("scene.image"))
+    answers.clear()
+    session.do(SetParameter("jitter", "sigma_mrad", -1.0))
+    session.do(SetParameter("scene", "delta_K", 3.0))
+    settle(qtbot, evaluator)
+    errors = {answer.want.port: answer.error for answer in answers}
+    assert "sigma_mrad = -1.0 mrad is not allowed" in str(errors["back.image"])
+    assert errors["back.image"].node == "jitter"
+    assert errors["scene.image"] is None
+    badges = evaluator.badges
+    assert badges["jitter"].kind == "error"
+    assert "sigma_mrad = -1.0 mrad is not allowed" in badges["jitter"].text
+    assert badges["back"] == Badge("incomplete", "waits for jitter")
+    assert set(badges) == {"jitter", "back"}
+    session.undo()
+    session.undo()
+    settle(qtbot, evaluator)
+    assert evaluator.badges == {}
+
+
+def test_an_error_met_while_computing_stands_on_its_node(evaluator, open_network, tmp_path, qtbot):
+    path = tmp_path / "broken.npy"
+    np.save(path, np.array([[1.0, np.nan], [2.0, 3.0]]))
+    reading = network(
+        Node("file", "read_image", {"path": str(path)}),
+        Node("bits", "interpolate", {"width": 5}),
+        Node("other", "test_scene", {"width": 8, "height": 8, "kind": "uniform"}),
+        links=("file.image > bits.image",),
+    )
+    session = open_network(reading, Samples("bits.image"), Samples("other.image"))
+    badges = evaluator.badges
+    assert badges["file"].kind == "error"
+    assert badges["bits"] == Badge("incomplete", "waits for file")
+    assert set(badges) == {"file", "bits"}
+    session.do(SetParameter("other", "delta_K", 3.0))  # the error stands, unasked again
+    settle(qtbot, evaluator)
+    assert evaluator.badges == badges
+    session.do(SetParameter("file", "missing", "mean"))
+    settle(qtbot, evaluator)
+    assert evaluator.badges == {}
+
+
+def test_inputs_that_are_not_connected_are_named(evaluator, open_network):
+    open_network(
+        network(
+            Node("jitter", "jitter_mtf"),
+            Node("back", "back_transform"),
+            links=("jitter.magnitude > back.magnitude",),
+        )
+    )
+    text = "not connected: context needs a context, magnitude needs a magnitude"
+    assert evaluator.badges == {
+        "jitter": Badge("incomplete", text),
+        "back": Badge("incomplete", "waits for jitter"),
+    }
+
+
+def test_what_changes_nothing_is_skipped(evaluator, open_network, qtbot):
+    session = open_network(chain(sigma_mrad=0.0), Samples("back.image"))
+    assert evaluator.badges["jitter"] == Badge("skipped", IDENTITY)
+    session.do(SetParameter("jitter", "sigma_mrad", 1.0))
+    settle(qtbot, evaluator)
+    assert "jitter" not in evaluator.badges
+
+
+def test_what_changes_too_little_is_skipped_with_its_bound(evaluator, open_network, qtbot):
+    session = open_network(chain(sigma_mrad=1e-6), Samples("back.image"))
+    badge = evaluator.badges["jitter"]
+    assert badge.kind == "skipped"
+    assert "changes less than the error budget" in badge.text
+    bound = float(badge.text.split("(")[1].split()[0])
+    assert 0 < bound < np.finfo(np.float32).eps / 8
+    # Looked at in the pass before this, it is known still when nobody asks for the picture anew.
+    evaluator.ask("panel", [Readouts("init")])
+    settle(qtbot, evaluator)
+    assert evaluator.badges["jitter"] == badge
+    session.do(SetParameter("jitter", "sigma_mrad", 1.0))
+    settle(qtbot, evaluator)
+    assert "jitter" not in evaluator.badges
+
+
+def test_a_disabled_node_says_so(evaluator, open_network, qtbot):
+    session = open_network(chain(sigma_mrad=1.0), Samples("back.image"))
+    session.do(SetNode("jitter", "disabled", True))
+    settle(qtbot, evaluator)
+    assert {name: badge.kind for name, badge in evaluator.badges.items()} == {"jitter": "disabled"}
+
+
+def test_badges_are_told_only_when_they_change(evaluator, open_network, qtbot):
+    told = []
+    evaluator.badges_changed.connect(told.append)
+    session = open_network(chain(sigma_mrad=0.0), Samples("back.image"))
+    assert [set(each) for each in told] == [{"jitter"}]
+    for temperature in (290.0, 291.0, 292.0):
+        session.do(SetParameter("scene", "temperature_K", temperature))
+        settle(qtbot, evaluator)
+    assert len(told) == 1
+    session.do(SetParameter("jitter", "sigma_mrad", 1.0))
+    settle(qtbot, evaluator)
+    assert told[1:] == [{}]
+
+
+def test_a_node_held_back_keeps_its_picture_until_all_is_generated(evaluator, open_network, qtbot):
+    answers = []
+    evaluator.answered.connect(answers.append)
+    port = Samples("back.image")
+    session = open_network(chain(sigma_mrad=1.0), port)
+    first = answers[-1].value
+    session.do(SetNode("jitter", "auto", False))
+    session.do(SetParameter("jitter", "sigma_mrad", 3.0))
+    settle(qtbot, evaluator)
+    assert evaluator.badges == {"jitter": Badge("stale", STALE)}
+    assert len(answers) == 1
+    evaluator.generate()
+    settle(qtbot, evaluator)
+    assert evaluator.badges == {}
+    assert len(answers) == 2
+    assert not np.array_equal(answers[-1].value, first)
+    session.do(SetParameter("jitter", "sigma_mrad", 5.0))
+    session.do(SetParameter("jitter", "sigma_mrad", 3.0))  # as it was generated: stale no more
+    settle(qtbot, evaluator)
+    assert evaluator.badges == {}
+    assert len(answers) == 2
+
+
+def test_what_is_held_back_is_stale_if_something_before_it_changes(evaluator, open_network, qtbot):
+    session = open_network(chain(sigma_mrad=1.0), Samples("back.image"))
+    session.do(SetNode("back", "auto", False))
+    session.do(SetParameter("jitter", "sigma_mrad", 3.0))
+    settle(qtbot, evaluator)
+    assert evaluator.badges == {"back": Badge("stale", STALE)}
+    session.do(SetNode("back", "auto", True))
+    settle(qtbot, evaluator)
+    assert evaluator.badges == {}
+
+
+def test_opening_generates_what_is_held_back(evaluator, open_network, qtbot):
+    answers = []
+    evaluator.answered.connect(answers.append)
+    held = chain(sigma_mrad=1.0)
+    nodes = {**held.nodes, "jitter": Node("jitter", "jitter_mtf", {"sigma_mrad": 2.0}, auto=False)}
+    open_network(Network(nodes=nodes, links=held.links), Samples("back.image"))
+    assert answers[-1].error is None
+    assert evaluator.badges == {}
+
+
+def test_a_cycle_is_told_to_everyone(evaluator, open_network):
+    answers = []
+    evaluator.answered.connect(answers.append)
+    sound = chain(sigma_mrad=1.0)
+    links = [link for link in sound.links if link.input != "image"]
+    cycle = Network(nodes=sound.nodes, links=(*links, Link("back", "image", "init", "image")))
+    open_network(cycle, Samples("back.image"), Samples("scene.image"))
+    assert ["the links form a cycle" in str(answer.error) for answer in answers] == [True, True]
+    open_network(sound, Samples("back.image"))
+    assert answers[-1].error is None
+
+
+def test_a_long_pass_says_where_it_is(evaluator, open_network, qtbot):
+    told, badges = [], []
+    evaluator.busy_changed.connect(told.append)
+    evaluator.badges_changed.connect(badges.append)
+    slow = network(
+        SCENE,
+        Node("slow", "slow_copy", {"ns_per_sample": 4e5}),  # 1920 samples: 0.77 s
+        links=("scene.image > slow.image",),
+    )
+    open_network(slow, Samples("scene.image"), Samples("slow.image"))
+    assert told[-1] is None
+    during = told[:-1]
+    assert 1 <= len(during) <= 6  # ten a second at most
+    assert all(busy.node == "slow" and busy.seconds > 0.33 for busy in during)
+    assert all((busy.done, busy.wanted) == (1, 2) for busy in during)
+    assert badges == [{"slow": Badge("running", "computing")}, {}]

@@ -1,0 +1,85 @@
+"""Warnings in the window: a badge of their own on the node, and the text in its panel."""
+
+import pytest
+
+from app.editor.canvas.items.badge_item import BadgeItem
+from app.editor.evaluation.badges import STALE, badges
+from app.editor.evaluation.queries import Badge
+from app.editor.panels.head import PanelHead
+from app.editor.theme import DARK, LIGHT
+from core.chain.engine import Engine
+from core.editing.fields import SetNode, SetParameter
+from core.errors import DataError
+from viewer_bench import ViewerBench
+
+
+@pytest.fixture
+def bench(qtbot, opened):
+    made = ViewerBench(qtbot, opened("measured_mtf"))
+    yield made
+    made.close()
+
+
+def shown(bench):
+    bench.settle()
+    return bench.evaluator.badges
+
+
+def test_a_warning_comes_and_goes_with_what_brings_it_about(bench, canvas):
+    bench.evaluator.badges_changed.connect(canvas.set_badges)
+    assert "electronics" not in shown(bench)
+    bench.do(SetParameter("electronics", "cut_on_um", 3.0))
+    bench.do(SetParameter("electronics", "cut_off_um", 5.0))
+    badge = shown(bench)["electronics"]
+    assert badge.kind == "warning"
+    assert "8 to 12 µm" in badge.text
+    assert "3 to 5 µm" in badge.text
+    assert canvas.content.nodes["electronics"].badge == badge
+    bench.session.undo()
+    bench.session.undo()
+    assert "electronics" not in shown(bench)
+
+
+def planned(session, library):
+    return Engine(library).plan(session.network)
+
+
+def test_what_else_there_is_to_say_stands_beside_it(opened, library):
+    plan = planned(opened("inframetrics"), library)
+    warned = plan.nodes["optics"].warnings[0].text
+    assert badges(plan, library)["optics"] == Badge("warning", warned)
+    found = badges(plan, library, skipped={"optics": "left out: below the budget"})
+    assert found["optics"] == Badge("warning", f"{warned}\nleft out: below the budget")
+    assert badges(plan, library, stale=["optics"])["optics"] == Badge("stale", f"{STALE}\n{warned}")
+    met = DataError("no such number", node="optics")
+    assert badges(plan, library, met=[met])["optics"] == Badge("error", "no such number")
+
+
+def test_a_disabled_node_warns_of_nothing(opened, library):
+    session = opened("inframetrics")
+    session.do(SetNode("optics", "disabled", True))
+    assert badges(planned(session, library), library)["optics"].kind == "disabled"
+
+
+@pytest.mark.parametrize("theme", [DARK, LIGHT])
+def test_the_panel_says_it_in_the_warnings_colour(qtbot, theme):
+    head = PanelHead("Exit Pupil MTF", "Optics", "", theme)
+    qtbot.addWidget(head)
+    head.set_badge(Badge("warning", "the bands do not overlap"))
+    assert head.problem.text() == "the bands do not overlap"
+    assert not head.problem.isHidden()
+    ink = head.problem.palette().color(head.problem.foregroundRole())
+    assert ink.name() == theme.badges["warning"]
+
+
+def test_its_form_is_not_that_of_an_error(canvas, opened):
+    opened("first_steps")
+    item = canvas.content.nodes["back"]
+    canvas.frame_all()
+    pictures = []
+    for kind in ("error", "warning", "stale"):
+        item.set_badge(Badge(kind, "text"))
+        assert any(isinstance(child, BadgeItem) for child in item.childItems())
+        pictures.append(canvas.grab().toImage())
+    assert pictures[0] != pictures[1]
+    assert pictures[1] != pictures[2]

@@ -1,0 +1,89 @@
+"""A person builds the Inframetrics chain in a real window, loses power, and starts again."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from app.run.shipped import shipped_networks
+from child_process import PATIENCE_S, ROOT, wait_for
+from command_line import run_here
+from core.network.file import load_network
+from nodes.library import standard_library
+from virtual_screen import screenshot_folder, virtual_screen
+
+SCRIPT = ROOT / "tests" / "support" / "inframetrics_by_hand.py"
+BUILDING_S = 1000  # two hundred gestures, each waited for
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """The folder that the hands leave behind, their process having been killed."""
+    folder = tmp_path_factory.mktemp("by_hand")
+    with virtual_screen(2560, 1440) as environment:
+        run = start("build", folder, environment)
+        wait_for((folder / "ready").exists, "all is built", child=run, seconds=BUILDING_S)
+        run.send_signal(signal.SIGKILL)
+        run.communicate(timeout=PATIENCE_S)
+        again = start("recover", folder, environment)
+        told, _ = again.communicate(timeout=PATIENCE_S)
+        assert again.returncode == 0, told
+    return folder
+
+
+def start(what, folder, environment):
+    path = os.pathsep.join([str(ROOT), str(SCRIPT.parent)])
+    return subprocess.Popen(
+        [sys.executable, str(SCRIPT), what, str(folder), str(screenshot_folder())],
+        env={**environment, "PYTHONPATH": path, "XDG_CONFIG_HOME": str(folder)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def evaluated(file, folder):
+    """What the command line makes of it."""
+    words = ["--save", "frame_grabber.image=run.npy", "--output-dir", "run"]
+    done = run_here("run", file, *words, folder=folder)
+    assert done.returncode == 0, done.stderr
+    return np.load(folder / "run.npy"), json.loads((folder / "run" / "readouts.json").read_text())
+
+
+def test_the_saved_network_is_the_shipped_one(built):
+    """But for values that are the defaults: to choose what is chosen already is no change."""
+    library = standard_library()
+    saved = load_network(built / "by_hand.json", library=library)
+    shipped = load_network(shipped_networks()["inframetrics"], library=library)
+    assert saved.nodes.keys() == shipped.nodes.keys() == saved.layout.keys()
+    for name, node in shipped.nodes.items():
+        module = library[node.module]
+        assert saved.nodes[name].module == node.module
+        assert module.build(saved.nodes[name].params) == module.build(node.params)
+    assert saved.links == shipped.links
+    assert (saved.seed, saved.name) == (shipped.seed, shipped.name)
+
+
+def test_picture_and_figures_are_those_of_the_command_line(built):
+    picture, readouts = evaluated(built / "by_hand.json", built)
+    np.testing.assert_array_equal(np.load(built / "shown.npy"), picture)
+    figures = json.loads((built / "figures.json").read_text())
+    assert figures
+    for name, value in figures.items():
+        assert value == readouts["electronics"][name], name
+
+
+def test_work_that_no_file_held_comes_back_after_a_kill(built):
+    recovered = (built / "recovered.json").read_text()
+    assert recovered == (built / "unsaved.json").read_text()
+    assert recovered != (built / "by_hand.json").read_text()
+    assert json.loads(recovered)["nodes"]["jitter"]["params"]["sigma_mrad"] == 0.5
+
+
+def test_screenshots_are_left_to_be_looked_at(built):
+    left = {path.name for path in screenshot_folder().glob("*.png")}
+    assert {"1_welcome.png", "5_picture.png", "7_recovered_work.png"} <= left

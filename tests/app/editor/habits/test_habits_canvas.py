@@ -1,0 +1,303 @@
+"""What a person's hands expect of the canvas, in the window as it is: real keys and mouse."""
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QGuiApplication
+from PySide6.QtWidgets import QMenu
+
+from canvas_networks import chain_and_free_blur
+from core.editing.document import Document
+from core.network.network import Link
+from window_hands import CTRL, KEY, SHIFT, WindowHands, add
+
+
+@pytest.fixture
+def hand(window):
+    """Hands on a window with an empty network."""
+    made = WindowHands(window)
+    made.begin()
+    return made
+
+
+@pytest.fixture
+def chain(window, hand, library):
+    """A short chain and a free blur, laid out, in a document that counts as saved."""
+    window.session.open(Document(chain_and_free_blur(), library=library))
+    window.canvas.frame_all()
+    hand.focus()
+    return window.session
+
+
+def steps(window):
+    return window.session.document.history.position
+
+
+# --- adding ------------------------------------------------------------------------------------
+
+
+def test_tab_searches_and_adds_under_the_mouse(window, hand):
+    hand.click(hand.at(60, 30))
+    hand.key(KEY.Key_Tab)
+    hand.type("jitter")
+    hand.key(KEY.Key_Return)
+    assert list(window.session.network.nodes) == ["jitter_mtf"]
+    assert window.session.network.layout["jitter_mtf"] == (60.0, 30.0)
+    assert steps(window) == 1
+
+
+def test_double_click_searches_and_adds_there(window, hand):
+    hand.double_click(hand.at(-50, 40))
+    hand.type("read image")
+    hand.key(KEY.Key_Return)
+    assert window.session.network.layout["read_image"] == (-50.0, 40.0)
+
+
+def test_letters_typed_into_the_search_are_no_shortcuts(window, hand):
+    """F, L, D, 1 and ? are shortcuts of the canvas and the window."""
+    hand.key(KEY.Key_Tab)
+    hand.type("fld1?")
+    assert window.canvas.popup.field.text() == "fld1?"
+    hand.key(KEY.Key_Z, CTRL)
+    assert not window.session.network.nodes
+
+
+def test_escape_closes_the_search_before_it_cancels_anything(window, hand):
+    cancelled = []
+    window.actions_by_name["cancel"].triggered.connect(lambda: cancelled.append(1))
+    hand.key(KEY.Key_Tab)
+    assert window.canvas.search_is_open()
+    hand.key(KEY.Key_Escape)
+    assert not window.canvas.search_is_open()
+    assert not cancelled
+    hand.key(KEY.Key_Escape)
+    assert len(cancelled) == 1
+
+
+def test_a_double_click_in_the_library_adds(window, hand):
+    tree = window.library_view.tree
+    spot = tree.viewport().mapFromGlobal(window.library_view.module_on_screen("test_scene"))
+    hand.double_click_on(tree.viewport(), spot)
+    assert list(window.session.network.nodes) == ["test_scene"]
+
+
+# --- wires -------------------------------------------------------------------------------------
+
+
+def test_a_wire_of_the_wrong_type_is_refused_with_the_reason(window, hand, chain):
+    before = chain.network
+    hand.drag(hand.port("scene", "image", "output"), hand.port("back", "magnitude", "input"))
+    assert chain.network is before
+    for word in ("image", "magnitude", "back"):
+        assert word in window.status.error
+
+
+def test_a_wire_that_would_make_a_circle_is_refused_with_the_reason(window, hand, chain):
+    hand.drag(hand.port("back", "image", "output"), hand.port("init", "image", "input"))
+    assert Link.between("back.image", "init.image") not in chain.network.links
+    assert "cycle" in window.status.error or "circle" in window.status.error
+
+
+def test_a_wire_dropped_on_empty_ground_offers_what_fits(window, hand, chain):
+    hand.drag(hand.port("back", "image", "output"), hand.at(900, 200))
+    assert window.canvas.search_is_open()
+    hand.type("init trans")
+    hand.key(KEY.Key_Return)
+    (added,) = set(chain.network.nodes) - set(chain_and_free_blur().nodes)
+    assert Link("back", "image", added, "image") in chain.network.links
+    assert steps(window) == 1
+
+
+def test_escape_leaves_a_dropped_wire_undone(window, hand, chain):
+    before = chain.network
+    hand.drag(hand.port("back", "image", "output"), hand.at(900, 200))
+    hand.key(KEY.Key_Escape)
+    assert not window.canvas.search_is_open()
+    assert chain.network is before
+    assert not window.isWindowModified()
+
+
+def test_a_node_dropped_on_a_wire_is_led_through_with_its_context(window, hand, chain):
+    wire = Link.between("init.magnitude", "back.magnitude")
+    hand.drag(hand.head("blur"), hand.wire(wire))
+    assert wire not in chain.network.links
+    assert {
+        Link.between("init.magnitude", "blur.magnitude"),
+        Link.between("init.context", "blur.context"),
+        Link.between("blur.magnitude", "back.magnitude"),
+    } <= set(chain.network.links)
+    hand.key(KEY.Key_Z, CTRL)
+    assert chain.network == chain_and_free_blur(), "one step"
+
+
+def test_a_pupil_module_dropped_on_a_wire_gets_the_one_pupil_there_is(window, hand, chain):
+    add(window, "exit_pupil", (240, 500))
+    name = add(window, "exit_pupil_mtf", (480, 500))
+    window.canvas.frame_all()
+    hand.drag(hand.head(name), hand.wire(Link.between("init.magnitude", "back.magnitude")))
+    assert Link("exit_pupil", "pupil", name, "pupil") in chain.network.links
+    assert Link("init", "context", name, "context") in chain.network.links
+
+
+# --- deleting, copying, undoing ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("key", [KEY.Key_Delete, KEY.Key_Backspace])
+def test_delete_takes_the_selected_nodes(hand, chain, key):
+    hand.select("scene", "blur")
+    hand.key(key)
+    assert set(chain.network.nodes) == {"init", "back"}
+    hand.key(KEY.Key_Z, CTRL)
+    assert chain.network == chain_and_free_blur()
+
+
+def test_delete_takes_a_selected_wire(hand, chain):
+    wire = Link.between("init.magnitude", "back.magnitude")
+    hand.click(hand.wire(wire))
+    hand.key(KEY.Key_Delete)
+    assert wire not in chain.network.links
+    assert len(chain.network.nodes) == 4
+
+
+def test_copy_and_paste_bring_nodes_with_the_wires_among_them(hand, chain):
+    hand.select("init", "back")
+    hand.key(KEY.Key_C, CTRL)
+    hand.click(hand.at(300, 400))
+    hand.key(KEY.Key_V, CTRL)
+    assert {"init_2", "back_2"} <= set(chain.network.nodes)
+    assert Link("init_2", "magnitude", "back_2", "magnitude") in chain.network.links
+    assert set(chain.selection) == {"init_2", "back_2"}
+    hand.key(KEY.Key_Z, CTRL)
+    assert chain.network == chain_and_free_blur()
+    hand.key(KEY.Key_Z, CTRL | SHIFT)
+    assert "init_2" in chain.network.nodes
+
+
+def test_cut_and_paste_move_nodes(hand, chain):
+    hand.select("blur")
+    hand.key(KEY.Key_X, CTRL)
+    assert "blur" not in chain.network.nodes
+    hand.key(KEY.Key_V, CTRL)
+    assert chain.network.nodes["blur"].module == "jitter_mtf"
+
+
+def test_duplicate_is_fed_by_the_same_wires(hand, chain):
+    hand.select("init")
+    hand.key(KEY.Key_D, CTRL)
+    assert Link("scene", "image", "init_2", "image") in chain.network.links
+    assert chain.selection == ("init_2",)
+
+
+def test_paste_of_something_else_is_said_and_changes_nothing(window, hand, chain):
+    QGuiApplication.clipboard().setText("a shopping list")
+    hand.key(KEY.Key_V, CTRL)
+    assert "nothing was pasted" in window.status.error
+    assert chain.network == chain_and_free_blur()
+
+
+def test_undo_straight_after_opening_a_shipped_network_does_nothing(window, hand):
+    window.files.open_now("kodak_kir310")
+    hand.focus()
+    before = window.session.document.text()
+    hand.key(KEY.Key_Z, CTRL)
+    hand.key(KEY.Key_Z, CTRL | SHIFT)
+    assert window.session.document.text() == before
+    assert not window.isWindowModified()
+
+
+def test_undo_and_redo_go_across_a_rename(hand, chain):
+    hand.select("blur")
+    hand.key(KEY.Key_F2)
+    hand.key(KEY.Key_A, CTRL)
+    hand.type("shake")
+    hand.key(KEY.Key_Return)
+    assert "shake" in chain.network.nodes
+    assert chain.selection == ("shake",)
+    hand.focus()
+    hand.key(KEY.Key_D, CTRL)
+    assert "shake_2" in chain.network.nodes
+    for _ in range(2):
+        hand.key(KEY.Key_Z, CTRL)
+    assert chain.network == chain_and_free_blur()
+    for _ in range(2):
+        hand.key(KEY.Key_Y, CTRL)
+    assert {"shake", "shake_2"} <= set(chain.network.nodes)
+
+
+# --- looking around ----------------------------------------------------------------------------
+
+
+def visible(window):
+    return window.canvas.view.visible_rect()
+
+
+def test_f_shows_all_and_with_a_selection_that(window, hand, chain):
+    window.canvas.view.pan(QPoint(5000, 3000))
+    hand.key(KEY.Key_F)
+    assert visible(window).contains(window.canvas.content.bounds())
+    hand.select("blur")
+    window.canvas.view.pan(QPoint(5000, 3000))
+    hand.key(KEY.Key_F)
+    assert visible(window).contains(window.canvas.content.nodes["blur"].frame())
+
+
+def test_l_lays_out_so_that_wires_lead_right_as_one_step(window, hand, chain):
+    for number, name in enumerate(chain.network.nodes):
+        hand.drag(hand.head(name), hand.at(-80.0 * number, 200.0 - 130 * number))
+    before = steps(window)
+    hand.click(hand.at(300, 330))
+    assert not chain.selection
+    hand.key(KEY.Key_L)
+    layout = chain.network.layout
+    for link in chain.network.links:
+        assert layout[link.source][0] < layout[link.target][0]
+    assert steps(window) == before + 1
+
+
+def test_d_lets_nodes_pass_their_input_through_and_again_not(hand, chain):
+    hand.select("init", "back")
+    hand.key(KEY.Key_D)
+    assert [chain.network.nodes[name].disabled for name in ("init", "back")] == [True, True]
+    hand.key(KEY.Key_D)
+    assert not chain.network.nodes["init"].disabled
+    assert not chain.network.nodes["blur"].disabled
+
+
+def test_the_middle_button_pans(window, hand, chain):
+    before = visible(window).center()
+    start = hand.at(300, 330)
+    hand.drag(start, start + QPoint(80, -50), button=Qt.MouseButton.MiddleButton)
+    moved = (visible(window).center() - before) * window.canvas.view.zoom
+    assert (round(moved.x()), round(moved.y())) == (-80, 50)
+    assert not chain.selection
+
+
+def test_the_wheel_zooms_at_the_pointer(window, hand, chain):
+    spot = hand.middle("back")
+    held = window.canvas.view.scene_point(spot)
+    before = window.canvas.view.zoom
+    hand.wheel(spot, 120)
+    assert window.canvas.view.zoom > before
+    assert (window.canvas.view.pixel(held) - spot).manhattanLength() <= 2
+    hand.wheel(spot, -120)
+    assert window.canvas.view.zoom == pytest.approx(before)
+
+
+def test_the_right_button_opens_the_menu_of_what_is_there(window, hand, chain):
+    hand.ask_for_menu(hand.middle("blur"))
+    menu = window.findChild(QMenu, "canvas.menu.node")
+    assert menu.isVisible()
+    assert chain.selection == ("blur",)
+    menu.hide()
+
+
+def test_the_keyboard_alone_builds_a_chain(window, hand):
+    """Two nodes and the wire between them, without the mouse."""
+    for typed in ("test scene", "init trans"):
+        hand.key(KEY.Key_Tab)
+        hand.type(typed)
+        hand.key(KEY.Key_Return)
+    hand.key(KEY.Key_C)
+    assert window.canvas.search_is_open()
+    hand.type("test_scene image init_trans")
+    hand.key(KEY.Key_Return)
+    assert Link("test_scene", "image", "init_trans", "image") in window.session.network.links

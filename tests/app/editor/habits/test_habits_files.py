@@ -1,0 +1,301 @@
+"""What a person expects of files, in the window as it is: real keys, dialogs and drops."""
+
+import json
+import os
+import stat
+import sys
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
+
+from app.editor.recovery.recovery_files import recoverable
+from app.run.shipped import shipped_networks
+from child_process import finished
+from window_hands import CTRL, KEY, SHIFT, WindowHands, add, answer, give_focus
+
+_BUTTON = QMessageBox.StandardButton
+
+
+@pytest.fixture
+def hand(window):
+    """Hands on a window with an empty network."""
+    made = WindowHands(window)
+    made.begin()
+    return made
+
+
+def dialog_of(window):
+    found = [each for each in window.findChildren(QFileDialog, "file_dialog") if each.isVisible()]
+    assert len(found) == 1
+    return found[0]
+
+
+def type_name(window, path):
+    """Type a file's name in the dialog that is open, and press Enter."""
+    edit = dialog_of(window).findChild(QLineEdit, "fileNameEdit")
+    give_focus(edit)
+    edit.setText(str(path))
+    QTest.keyClick(edit, KEY.Key_Return)
+    QApplication.processEvents()
+
+
+@pytest.fixture
+def files(tmp_path):
+    """A picture and a network in a folder."""
+    np.save(tmp_path / "scene.npy", np.ones((4, 6)))
+    text = shipped_networks()["first_steps"].read_text()
+    (tmp_path / "mine.json").write_text(text)
+    return tmp_path
+
+
+# --- keys --------------------------------------------------------------------------------------
+
+
+def test_ctrl_s_asks_once_for_a_file_and_then_no_more(window, hand, tmp_path):
+    add(window, "test_scene")
+    assert window.windowTitle().startswith("untitled[*]")
+    hand.key(KEY.Key_S, CTRL)
+    type_name(window, tmp_path / "mine.json")
+    assert not window.isWindowModified()
+    add(window, "init_trans")
+    assert window.isWindowModified()
+    hand.focus()
+    hand.key(KEY.Key_S, CTRL)
+    assert not window.isWindowModified()
+    stored = json.loads((tmp_path / "mine.json").read_text())
+    assert list(stored["nodes"]) == ["test_scene", "init_trans"]
+
+
+def test_ctrl_shift_s_saves_to_another_file(window, hand, files):
+    window.files.open_now(str(files / "mine.json"))
+    add(window, "test_scene")
+    before = (files / "mine.json").read_bytes()
+    hand.key(KEY.Key_S, CTRL | SHIFT)
+    type_name(window, files / "other")
+    assert (files / "mine.json").read_bytes() == before
+    assert window.session.document.path == files / "other.json"
+    assert "other.json" in window.windowTitle()
+
+
+def test_ctrl_o_opens(window, hand, files):
+    hand.key(KEY.Key_O, CTRL)
+    type_name(window, files / "mine.json")
+    assert window.session.document.path == files / "mine.json"
+
+
+def test_ctrl_n_asks_for_unsaved_work_and_begins_anew(window, hand, qtbot):
+    add(window, "test_scene")
+    hand.key(KEY.Key_N, CTRL)
+    answer(qtbot, window, _BUTTON.Cancel)
+    assert window.session.network.nodes
+    hand.focus()
+    hand.key(KEY.Key_N, CTRL)
+    answer(qtbot, window, _BUTTON.Discard)
+    qtbot.waitUntil(lambda: not window.session.network.nodes)
+
+
+def test_giving_up_the_name_gives_up_the_closing(window, hand, qtbot):
+    """Close, Save, then Esc in the dialog: the window stays, and so does the work."""
+    add(window, "test_scene")
+    window.close()
+    answer(qtbot, window, _BUTTON.Save)
+    qtbot.waitUntil(lambda: window.findChild(QFileDialog, "file_dialog") is not None)
+    dialog_of(window).reject()
+    assert window.isVisible()
+    assert window.isWindowModified()
+
+
+# --- drops -------------------------------------------------------------------------------------
+
+
+def test_a_picture_dropped_on_the_canvas_becomes_read_image_there(window, hand, files):
+    viewport = window.canvas.view.viewport()
+    assert hand.drop_files(viewport, hand.at(60, 40), [files / "scene.npy"])
+    (node,) = window.session.network.nodes.values()
+    assert node.module == "read_image"
+    assert window.session.network.layout[node.id] == (60.0, 40.0)
+
+
+def test_a_network_dropped_on_the_canvas_is_opened(window, hand, files):
+    viewport = window.canvas.view.viewport()
+    assert hand.drop_files(viewport, hand.at(0, 0), [files / "mine.json"])
+    assert window.session.document.path == files / "mine.json"
+
+
+def test_a_network_dropped_asks_for_unsaved_work(window, hand, files, qtbot):
+    add(window, "test_scene")
+    hand.drop_files(window.canvas.view.viewport(), hand.at(0, 0), [files / "mine.json"])
+    answer(qtbot, window, _BUTTON.Cancel)
+    assert "test_scene" in window.session.network.nodes
+
+
+def test_a_network_dropped_on_the_welcome_page_is_opened(window, files):
+    hand = WindowHands(window)
+    assert window.welcome.isVisible()
+    spot = window.welcome.viewport().rect().center()
+    assert hand.drop_files(window.welcome.viewport(), spot, [files / "mine.json"])
+    assert window.session.document.path == files / "mine.json"
+    assert window.canvas.isVisible()
+
+
+def test_a_picture_dropped_on_the_welcome_page_begins_a_network(window, files):
+    hand = WindowHands(window)
+    spot = window.welcome.viewport().rect().center()
+    assert hand.drop_files(window.welcome.viewport(), spot, [files / "scene.npy"])
+    assert [node.module for node in window.session.network.nodes.values()] == ["read_image"]
+    assert window.canvas.isVisible()
+
+
+@pytest.mark.parametrize("part", ["panels", "library_view", "figures", "viewer"])
+def test_a_network_dropped_anywhere_in_the_window_is_opened(window, hand, files, part):
+    where = window.viewers.images[1] if part == "viewer" else getattr(window, part)
+    assert hand.drop_files(where, where.rect().center(), [files / "mine.json"])
+    assert window.session.document.path == files / "mine.json"
+
+
+def test_a_file_dropped_in_a_type_in_does_not_become_its_text(window, hand, files):
+    field = window.library_view.filter
+    hand.drop_files(field, field.rect().center(), [files / "mine.json"])
+    assert field.text() == ""
+
+
+def test_what_is_no_file_is_not_taken(window, hand):
+    from PySide6.QtCore import QMimeData
+
+    data = QMimeData()
+    data.setText("just words")
+    assert not hand.drop(window.welcome.viewport(), QPoint(5, 5), data)
+    assert not hand.drop(window.canvas.view.viewport(), QPoint(5, 5), data)
+
+
+# --- saving that fails -------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(os.access("/etc/shadow", os.W_OK), reason="root may write every file")
+def test_a_file_that_may_only_be_read_is_not_written_over(window, hand, files):
+    """Its owner has said so; the name is not to be taken by another file either."""
+    path = files / "mine.json"
+    path.chmod(0o444)
+    before = path.read_bytes()
+    window.files.open_now(str(path))
+    add(window, "test_scene")
+    hand.focus()
+    hand.key(KEY.Key_S, CTRL)
+    assert path.read_bytes() == before
+    assert stat.S_IMODE(path.stat().st_mode) == 0o444
+    assert "not saved" in window.status.error
+    assert window.isWindowModified()
+
+
+def test_a_network_whose_file_was_removed_is_saved_again(window, hand, files, qtbot):
+    path = files / "mine.json"
+    window.files.open_now(str(path))
+    path.unlink()
+    add(window, "test_scene")
+    hand.focus()
+    hand.key(KEY.Key_S, CTRL)
+    box = window.findChild(QMessageBox, "changed_file")
+    assert "has been removed" in box.text()
+    QTest.mouseClick(box.findChild(QPushButton, "overwrite"), Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: not window.isWindowModified())
+    assert "test_scene" in json.loads(path.read_text())["nodes"]
+
+
+def test_a_network_whose_folder_was_removed_is_kept_in_the_window(window, hand, files):
+    folder = files / "deep"
+    folder.mkdir()
+    (files / "mine.json").rename(folder / "mine.json")
+    window.files.open_now(str(folder / "mine.json"))
+    (folder / "mine.json").unlink()
+    folder.rmdir()
+    add(window, "test_scene")
+    hand.focus()
+    hand.key(KEY.Key_S, CTRL)
+    box = window.findChild(QMessageBox, "changed_file")
+    QTest.mouseClick(box.findChild(QPushButton, "overwrite"), Qt.MouseButton.LeftButton)
+    assert "not saved" in window.status.error
+    assert window.isWindowModified()
+    hand.focus()
+    hand.key(KEY.Key_S, CTRL | SHIFT)
+    type_name(window, files / "elsewhere.json")
+    assert not window.isWindowModified()
+
+
+def test_a_recent_file_that_is_gone_is_said_when_it_is_clicked(window, hand, files):
+    path = files / "mine.json"
+    window.files.open_now(str(path))
+    window.show_welcome()
+    row = window.findChild(QPushButton, "welcome.recent.mine.json")
+    path.unlink()
+    QTest.mouseClick(row, Qt.MouseButton.LeftButton)
+    assert "is neither a file" in window.status.error
+
+
+# --- what a crash leaves -----------------------------------------------------------------------
+
+
+def test_two_windows_keep_their_work_apart(make_window, qtbot, tmp_path):
+    one, two = make_window(), make_window()
+    add(one, "test_scene")
+    add(two, "init_trans")
+    folder = tmp_path / "recovery"
+    qtbot.waitUntil(lambda: len(list(folder.glob("*.recovery"))) == 2)
+    assert recoverable(folder) == (), "both are alive"
+    one.close_for_good()
+    (left,) = folder.glob("*.recovery")
+    assert b"init_trans" in left.read_bytes()
+
+
+def test_another_process_sees_only_what_the_dead_have_left(window, hand, qtbot, tmp_path):
+    add(window, "test_scene")
+    folder = tmp_path / "recovery"
+    qtbot.waitUntil(lambda: any(folder.glob("*.recovery")))
+    program = (
+        "import sys; from pathlib import Path\n"
+        "from app.editor.recovery.recovery_files import recoverable\n"
+        "print(len(recoverable(Path(sys.argv[1]))))"
+    )
+    words = [sys.executable, "-c", program, str(folder)]
+    told = finished(words)
+    assert told.stdout.strip() == "0", told.stderr
+    assert list(folder.glob("*.recovery")), "it was left alone"
+
+
+def test_recovered_work_is_offered_opened_and_modified(make_window, qtbot, tmp_path):
+    from app.editor.recovery.recovery_files import Autosave
+    from core.editing.document import Document
+
+    window = make_window()
+    add(window, "test_scene")
+    library = window.session.library
+    document = Document(window.session.network, library=library, saved=False)
+    kept = Autosave(document, tmp_path / "recovery")
+    kept.write_if_changed()
+    kept._lock.let_go()  # its process is dead
+    text = json.loads(kept.path.read_text())
+    kept.path.write_text(json.dumps({**text, "pid": 2**22 + 1, "started": "another boot:1"}))
+    again = make_window()
+    button = again.findChild(QPushButton, "welcome.recover")
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    assert list(again.session.network.nodes) == ["test_scene"]
+    assert again.isWindowModified()
+    qtbot.waitUntil(lambda: not kept.path.exists())
+
+
+# --- the layout --------------------------------------------------------------------------------
+
+
+def test_a_part_that_was_closed_can_be_shown_again_from_the_menu(window, hand, idle):
+    window.files.open_now("first_steps")
+    idle(window)
+    parts = [window.library_dock, window.panel_dock, window.viewers.plot_dock]
+    parts += window.viewers.docks.values()
+    for dock in parts:
+        dock.close()
+        action = dock.toggleViewAction()
+        assert action in window.menus["&View"].actions(), dock.windowTitle()
+        action.trigger()
+        assert dock.isVisible()

@@ -1,0 +1,140 @@
+"""The library: every module by group, found by typing, chosen and dragged."""
+
+import pytest
+from PySide6.QtCore import QMimeData, Qt
+from PySide6.QtTest import QTest
+
+from app.editor.library.library_view import MIME_TYPE, LibraryView, dragged_module
+from app.editor.theme import DARK, LIGHT
+from core.modules.declaration import declaration
+
+NONE, LEFT = Qt.KeyboardModifier.NoModifier, Qt.MouseButton.LeftButton
+
+
+@pytest.fixture
+def view(qtbot, library):
+    made = LibraryView(library)
+    qtbot.addWidget(made)
+    made.resize(240, 500)
+    made.show()
+    qtbot.waitExposed(made)
+    made.activateWindow()
+    made.setFocus()
+    return made
+
+
+@pytest.fixture
+def chosen(view):
+    found = []
+    view.chosen.connect(found.append)
+    return found
+
+
+def visible(view):
+    return [key for key, item in view.tree.modules.items() if not item.isHidden()]
+
+
+def test_every_module_stands_under_its_group_in_the_librarys_order(view, library):
+    groups = [view.tree.topLevelItem(n).text(0) for n in range(view.tree.topLevelItemCount())]
+    assert groups == list(dict.fromkeys(declaration(module).group for module in library.values()))
+    for group, item in view.tree.groups.items():
+        there = [item.child(row).text(0) for row in range(item.childCount())]
+        wanted = [declaration(m).title for m in library.values() if declaration(m).group == group]
+        assert there == wanted
+
+
+def test_the_tooltip_is_the_modules_text(view, library):
+    for key, module in library.items():
+        assert view.tree.modules[key].toolTip(0) == declaration(module).text
+
+
+def test_typing_leaves_what_fits(view):
+    QTest.keyClicks(view.filter, "line transfer")
+    assert visible(view) == []
+    view.filter.setText("jitter")
+    assert visible(view) == ["jitter_mtf"]
+    assert [name for name, item in view.tree.groups.items() if not item.isHidden()] == ["Motion"]
+    view.filter.setText("MOTION mtf")
+    assert set(visible(view)) > {"jitter_mtf", "vibration_mtf"}
+    view.filter.clear()
+    assert len(visible(view)) == len(view.tree.modules)
+
+
+def test_enter_in_the_field_chooses_the_first(view, chosen):
+    QTest.keyClicks(view.filter, "jitter")
+    QTest.keyClick(view.filter, Qt.Key.Key_Return)
+    assert chosen == ["jitter_mtf"]
+
+
+def test_enter_in_an_empty_field_chooses_nothing(view, chosen):
+    QTest.keyClick(view.filter, Qt.Key.Key_Return)
+    assert chosen == []
+
+
+def test_the_arrows_lead_from_the_field_to_the_modules(view, chosen):
+    QTest.keyClick(view.filter, Qt.Key.Key_Down)
+    assert view.tree.hasFocus()
+    QTest.keyClick(view.tree, Qt.Key.Key_Down)
+    QTest.keyClick(view.tree, Qt.Key.Key_Return)
+    assert chosen == [list(view.tree.modules)[1]]
+
+
+def test_a_double_click_chooses_and_a_group_does_not(view, chosen):
+    viewport = view.tree.viewport()
+    pos = viewport.mapFromGlobal(view.module_on_screen("detector_mtf"))
+    QTest.mouseClick(viewport, LEFT, NONE, pos)
+    QTest.mouseDClick(viewport, LEFT, NONE, pos)
+    assert chosen == ["detector_mtf"]
+    group = view.tree.visualItemRect(view.tree.groups["Detector"]).center()
+    QTest.mouseDClick(viewport, LEFT, NONE, group)
+    assert chosen == ["detector_mtf"]
+
+
+def test_what_is_dragged_is_the_modules_key(view):
+    data = view.tree.mimeData([view.tree.modules["exit_pupil"]])
+    assert bytes(data.data(MIME_TYPE).data()) == b"exit_pupil"
+    assert dragged_module(data) == "exit_pupil"
+    assert view.tree.mimeTypes() == [MIME_TYPE]
+    assert not view.tree.groups["Optics"].flags() & Qt.ItemFlag.ItemIsDragEnabled
+    assert dragged_module(QMimeData()) == ""
+
+
+def test_the_groups_wear_the_themes_colours(view):
+    def mark(group):
+        icon = view.tree.groups[group].icon(0)
+        return icon.pixmap(icon.availableSizes()[0]).toImage().pixelColor(0, 0).name()
+
+    view.set_theme(DARK)
+    assert mark("Motion") == DARK.groups["Motion"]
+    view.set_theme(LIGHT)
+    assert mark("Motion") == LIGHT.groups["Motion"]
+
+
+@pytest.mark.parametrize(
+    ("typed", "best", "also"),
+    [
+        ("NETD", "figures_of_merit", {"electronics_noise"}),
+        ("mrtd", "figures_of_merit", set()),
+        ("ROI", "measured_mtf", set()),
+        ("edge", "measured_mtf", {"test_scene"}),
+        ("3D noise", "noise_3d", set()),
+        ("noise 3-d", "noise_3d", set()),
+        ("banding", "electronics_noise", {"periodic_noise", "noise_3d"}),
+        ("fixed pattern", "electronics_noise", {"noise_3d"}),
+        ("pushbroom", "camera_geometry", set()),
+        ("budget", "noise_budget", set()),
+        ("gsd", "camera_geometry", set()),
+    ],
+)
+def test_words_of_the_trade_find_their_module(view, chosen, typed, best, also):
+    """What fits best is marked, so that Enter adds it; the others stay in sight."""
+    QTest.keyClicks(view.filter, typed)
+    assert {best, *also} <= set(visible(view))
+    QTest.keyClick(view.filter, Qt.Key.Key_Return)
+    assert chosen == [best]
+
+
+def test_analysis_begins_with_what_judges_a_sensor(view):
+    group = view.tree.groups["Analysis"]
+    titles = [group.child(row).text(0) for row in range(group.childCount())]
+    assert titles[:4] == ["MTF Slices", "Measured MTF", "Figures of Merit", "Noise Budget"]

@@ -1,0 +1,270 @@
+"""Which panels are open, what stands on them beside the parameters, and that they go away."""
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QContextMenuEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+
+from app.editor.evaluation.queries import Badge
+from core.editing.document import Document
+from core.editing.fields import SetNodeExtra, SetParameter
+from core.editing.nodes import Remove, Rename
+from core.network.network import Network, Node
+from panel_hands import LEFT, LIBRARY, drop, field_of, panel_area, type_in, undo_to
+
+
+def test_panels_follow_the_document_without_editing_it(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "gaussian_mtf")
+    position = session.document.history.position
+    x, y = (field_of(area, session, f"sigma_{axis}_mrad") for axis in "xy")
+    QTest.mouseClick(y.edit, LEFT)
+    QTest.keyClicks(y.edit, "7")  # being typed
+    session.do(SetParameter("node", "sigma_x_mrad", 2.5))
+    assert x.edit.text() == "2.5"
+    assert x.slider.value() == x.slider.maximum() / 2  # of 0 … 5
+    assert x.changed
+    assert "7" in y.edit.text()
+    assert y.edit.isModified()
+    assert session.document.history.position == position + 1
+    session.undo()
+    assert x.edit.text() == "0"
+    assert x.slider.value() == 0
+    assert not x.changed
+    assert session.document.history.position == position
+
+
+def test_esc_restores_and_leaving_takes_what_was_typed(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "gaussian_mtf")
+    x, y = (field_of(area, session, f"sigma_{axis}_mrad") for axis in "xy")
+    before = session.document.text()
+    type_in(x.edit, "3", key=Qt.Key.Key_Escape)
+    assert x.edit.text() == "0"
+    assert session.document.text() == before
+    type_in(x.edit, "3", key=Qt.Key.Key_Tab)
+    assert session.network.nodes["node"].params["sigma_x_mrad"] == 3.0
+    type_in(x.edit, "4", key=None)
+    area.finish_typing()
+    assert session.network.nodes["node"].params["sigma_x_mrad"] == 4.0
+    type_in(y.edit, "5", key=None)
+    session.select([])
+    assert session.network.nodes["node"].params["sigma_y_mrad"] == 5.0
+
+
+def test_undo_keys_go_to_the_document_where_nothing_is_typed(qtbot, session):
+    area = panel_area(qtbot, session)
+    undo = area.addAction("Undo", "Ctrl+Z")
+    undo.triggered.connect(session.undo)
+    drop(session, "gaussian_mtf")
+    field = field_of(area, session, "sigma_x_mrad")
+    type_in(field.edit, "3")
+    QTest.keyClicks(field.edit, "9")
+    QTest.keyClick(area.windowHandle(), Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert session.network.nodes["node"].params["sigma_x_mrad"] == 3.0  # undid the typing
+    QTest.keyClick(field.edit, Qt.Key.Key_Escape)
+    QTest.keyClick(area.windowHandle(), Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert "sigma_x_mrad" not in session.network.nodes["node"].params
+    assert field.edit.text() == "0"
+
+
+# What the offscreen platform says of menus.
+@pytest.mark.qt_log_ignore("This plugin does not support (raise|grabbing)")
+def test_a_value_set_by_hand_to_the_default_is_stored_and_reset_by_the_menu_key(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "jitter_mtf")
+    field = field_of(area, session, "sigma_mrad")
+    before, position = session.document.text(), session.document.history.position
+    type_in(field.edit, "0.02")
+    assert session.network.nodes["node"].params["sigma_mrad"] == 0.02
+    assert not field.changed
+    reset_by_menu_key(qtbot, field, field.edit)
+    assert session.document.text() == before
+    type_in(field.edit, "0.5")
+    assert field.changed
+    reset_by_menu_key(qtbot, field, field.slider)
+    assert session.document.text() == before
+    assert not field.changed
+    assert field.edit.text() == "0.02"
+    undo_to(session, position)
+    assert session.document.text() == before
+
+
+def reset_by_menu_key(qtbot, field, widget):
+    widget.setFocus()
+    event = QContextMenuEvent(
+        QContextMenuEvent.Reason.Keyboard, widget.rect().center(), widget.mapToGlobal(widget.pos())
+    )
+    QApplication.sendEvent(widget, event)
+    qtbot.waitUntil(lambda: QApplication.activePopupWidget() is not None)
+    menu = QApplication.activePopupWidget()
+    assert "Reset to default (0.02 mrad)" in [action.text() for action in menu.actions()]
+    QTest.keyClick(menu, Qt.Key.Key_Up)  # the last one
+    QTest.keyClick(menu, Qt.Key.Key_Return)
+    qtbot.waitUntil(lambda: QApplication.activePopupWidget() is None)
+
+
+def test_a_name_is_edited_in_place_and_refusals_are_said(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "jitter_mtf", "other")
+    drop(session, "jitter_mtf", "shake")
+    area.edit_name()
+    name = area.panels["shake"].head.name
+    assert name.hasFocus()
+    for bad, why in (("a.b", "must not"), ("other", "already"), ("", "must not")):
+        type_in(name, bad)
+        assert "shake" in session.network.nodes
+        assert why in area.panels["shake"].head.name_problem.text()
+        assert area.panels["shake"].head.name_problem.isVisible()
+    QTest.keyClick(name, Qt.Key.Key_Escape)
+    assert name.text() == "shake"
+    type_in(name, "wobble")
+    assert list(session.network.nodes) == ["other", "wobble"]
+    assert list(area.panels) == ["wobble"]
+    assert session.selection == ("wobble",)
+    assert area.panels["wobble"].head.name.hasFocus()
+    session.undo()
+    assert list(area.panels) == ["shake"]
+    assert session.selection == ("shake",)
+
+
+def test_toggles_of_the_head(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "jitter_mtf")
+    head = area.panels["node"].head
+    before = session.document.text()
+    assert head.auto.isChecked()  # nobody has said
+    assert session.network.nodes["node"].auto is None
+    QTest.mouseClick(head.auto, LEFT)
+    assert session.network.nodes["node"].auto is False
+    QTest.mouseClick(head.auto, LEFT)
+    assert session.network.nodes["node"].auto is True
+    QTest.mouseClick(head.disable, LEFT)
+    assert session.network.nodes["node"].disabled
+    undo_to(session, 1)
+    assert session.document.text() == before
+    assert head.auto.isChecked()
+    assert not head.disable.isChecked()
+    with qtbot.waitSignal(area.generate_requested) as asked:
+        QTest.mouseClick(head.generate, LEFT)
+    assert asked.args == ["node"]
+    assert not head.text.isVisible()
+    QTest.mouseClick(head.help, LEFT)
+    assert head.text.isVisible()
+    assert head.text.text().startswith("Blur by random line-of-sight motion")
+
+
+def test_pinned_panels_stay_open_below_and_are_closed(qtbot, session):
+    area = panel_area(qtbot, session)
+    for name in ("one", "two", "three"):
+        drop(session, "jitter_mtf", name)
+    session.select(["one"])
+    QApplication.processEvents()
+    QTest.mouseClick(area.panels["one"].head.pin, LEFT)
+    assert session.network.nodes["one"].extra["pinned"] is True
+    kept = area.panels["one"]
+    session.select(["three"])
+    assert order(area) == ["three", "one"]
+    assert area.panels["one"] is kept
+    session.select(["one"])
+    assert order(area) == ["one"]
+    session.select([])
+    assert order(area) == ["one"]
+    assert area.network_panel.isVisible()
+    QTest.mouseClick(kept.head.bar.fold, LEFT)
+    assert not kept.body.isVisible()
+    QTest.mouseClick(kept.head.bar.fold, LEFT)
+    QTest.mouseClick(kept.head.close_button, LEFT)
+    assert "pinned" not in session.network.nodes["one"].extra
+    assert order(area) == []
+    session.undo()
+    assert order(area) == ["one"]
+    session.do(SetNodeExtra("two", "pinned", True))
+    session.do(Remove(("one",)))
+    assert order(area) == ["two"]
+    session.select(["three"])
+    QApplication.processEvents()
+    QTest.mouseClick(area.panels["three"].head.close_button, LEFT)
+    assert session.selection == ()
+    assert order(area) == ["two"]
+
+
+def order(area):
+    """The panels from top to bottom."""
+    QApplication.processEvents()
+    return sorted(area.panels, key=lambda name: area.panels[name].y())
+
+
+def test_a_renamed_pinned_panel_stays_folded(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "jitter_mtf")
+    session.do(SetNodeExtra("node", "pinned", True))
+    session.select([])
+    area.panels["node"].folded = True
+    session.do(Rename("node", "new"))
+    assert list(area.panels) == ["new"]
+    assert area.panels["new"].folded
+
+
+def test_another_document_takes_all_panels_along(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "jitter_mtf")
+    old = session.document
+    type_in(field_of(area, session, "sigma_mrad").edit, "3", key=None)
+    fresh = Network(nodes={"node": Node("node", "jitter_mtf")}, name="fresh", seed=7)
+    session.open(Document(fresh, library=LIBRARY))
+    assert area.panels == {}
+    assert area.network_panel.name.text() == "fresh"
+    assert area.network_panel.seed.text() == "7"
+    assert session.network.nodes["node"].params == {}
+    assert old.network.nodes["node"].params == {}
+
+
+def test_what_is_wrong_with_a_node_stands_on_its_panel(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "jitter_mtf")
+    problem = area.panels["node"].head.problem
+    assert not problem.isVisible()
+    area.set_badges({"node": Badge("incomplete", "not connected: context needs a context")})
+    assert problem.isVisible()
+    assert "context needs a context" in problem.text()
+    area.set_badges({"node": Badge("running", "computing")})
+    assert "context needs a context" in problem.text()  # does not flicker
+    session.select([])
+    session.select(["node"])
+    area.set_badges({})
+    assert not area.panels["node"].head.problem.isVisible()
+
+
+def test_pages_are_turned_by_keys(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "electronics_noise")
+    sections = area.panels["node"].body.sections
+    buttons = sections.tabs.buttons
+    assert len(buttons) > 1
+    seen = []
+    buttons[0].setFocus()
+    for _ in buttons:
+        QApplication.processEvents()
+        shown = {field.parameter.name for field in sections.fields if field.isVisible()}
+        assert all(sections.page_of(name) in ("", sections.tabs.page) for name in shown)
+        seen.append((sections.tabs.page, frozenset(shown)))
+        QTest.keyClick(QApplication.focusWidget(), Qt.Key.Key_Right)
+    assert len(set(seen)) == len(buttons)
+    assert all(names for _, names in seen)
+
+
+def test_a_section_is_shown_only_while_its_parameters_count(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "exit_pupil")
+    sections = area.panels["node"].body.sections
+    conditional = [section for section in sections.sections if section.shown_when]
+    assert conditional
+    for section in conditional:
+        name, values = section.shown_when
+        for choice in sections.field(name).choices:
+            session.do(SetParameter("node", name, choice))
+            QApplication.processEvents()
+            for inside in section.parameters:
+                assert sections.field(inside).isVisible() == (choice in values)

@@ -1,0 +1,153 @@
+"""Every parameter of every module, changed on its panel with mouse and keys."""
+
+import html
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractButton, QComboBox, QLineEdit, QSlider
+
+from core.errors import ParameterError
+from core.modules.declaration import declaration
+from core.names import thaw
+from panel_hands import (
+    LIBRARY,
+    NUMBERS,
+    change,
+    drag,
+    drop,
+    field_of,
+    panel_area,
+    type_in,
+    undo_to,
+)
+
+RANGED = [
+    (key, parameter.name)
+    for key, module in LIBRARY.items()
+    for parameter in declaration(module).parameters
+    if parameter.param.low is not None or parameter.param.high is not None
+]
+
+
+def stored(session, name):
+    return thaw(session.network.nodes["node"].params[name])
+
+
+def outside(parameter):
+    """Values just outside the declared range."""
+    param = parameter.param
+    if param.low is not None:
+        below = int(param.low) if param.above else int(param.low) - 1
+        yield -1 if below == 0 and parameter.empty and param.zero_is_empty else below
+    if param.high is not None:
+        yield int(param.high) if param.below else int(param.high) + 1
+
+
+@pytest.mark.parametrize("key", LIBRARY)
+def test_every_parameter_is_changed_by_its_widget_and_undone(qtbot, session, key):
+    area = panel_area(qtbot, session)
+    drop(session, key)
+    before, position = session.document.text(), session.document.history.position
+    for parameter in declaration(LIBRARY[key]).parameters:
+        field = field_of(area, session, parameter.name)
+        steps = session.document.history.position
+        value = change(field)
+        assert session.document.history.position == steps + 1
+        assert stored(session, parameter.name) == value
+        assert type(stored(session, parameter.name)) is type(value)
+        assert field.changed == (parameter.coerce(value) != parameter.default)
+        assert field.marked_label().font().bold() == field.changed
+    undo_to(session, position)
+    assert session.document.text() == before
+    assert not any(field.changed for field in area.panels["node"].body.sections.fields)
+
+
+@pytest.mark.parametrize("key", LIBRARY)
+def test_every_parameter_says_what_it_is(qtbot, session, key):
+    area = panel_area(qtbot, session)
+    drop(session, key)
+    names = set()
+    for parameter in declaration(LIBRARY[key]).parameters:
+        field = field_of(area, session, parameter.name)
+        names.add(field.marked_label().text())
+        assert field.marked_label().isVisible()
+        assert field.unit.text() == parameter.param.unit
+        assert field.unit.isVisible() == bool(parameter.param.unit) or not parameter.param.unit
+        tip = html.unescape(field.toolTip())
+        assert parameter.param.text[1:] in tip
+        assert parameter.name in tip
+        editors = [
+            editor
+            for kind in (QAbstractButton, QComboBox, QLineEdit, QSlider)
+            for editor in field.findChildren(kind)
+        ]
+        assert editors
+        for editor in editors:
+            assert editor.accessibleName().startswith(field.title)
+            assert editor.objectName().endswith(parameter.name)
+            assert editor.focusPolicy() & Qt.FocusPolicy.TabFocus
+        if parameter.kind not in ("switch", "choice"):
+            assert parameter.allowed() in tip
+    assert len(names) == len(declaration(LIBRARY[key]).parameters)  # no two alike
+    assert "" not in names
+
+
+@pytest.mark.parametrize(("key", "name"), RANGED, ids=map(".".join, RANGED))
+def test_what_is_out_of_range_is_marked_and_refused(qtbot, session, key, name):
+    area = panel_area(qtbot, session)
+    drop(session, key)
+    parameter = declaration(LIBRARY[key]).parameter(name)
+    field = field_of(area, session, name)
+    shown, before = field.edit.text(), session.document.text()
+    bad = list(outside(parameter))
+    assert bad
+    for value in bad:
+        type_in(field.edit, str(value))
+        given = [value] if parameter.kind == "numbers" else value
+        why = ParameterError(name, given, parameter.allowed(), unit=parameter.param.unit)
+        assert session.document.text() == before
+        assert field.message.text() == why.message
+        assert field.message.isVisible()
+        frame = field.edit.grab().toImage().pixelColor(1, field.edit.height() // 2)
+        assert frame == QColor(area._theme.error)
+    QTest.keyClick(field.edit, Qt.Key.Key_Escape)
+    assert field.edit.text() == shown
+    assert not field.edit.marked
+    assert not field.message.isVisible()
+    assert session.document.text() == before
+
+
+@pytest.mark.parametrize(("key", "name"), NUMBERS, ids=map(".".join, NUMBERS))
+def test_a_drag_of_the_slider_is_one_step(qtbot, session, key, name):
+    area = panel_area(qtbot, session)
+    drop(session, key)
+    field = field_of(area, session, name)
+    before, position = session.document.text(), session.document.history.position
+    seen = []
+    session.changed.connect(lambda _, after: seen.append(after.nodes["node"].params.get(name)))
+    up = field.slider.value() < field.slider.maximum() / 2
+    drag(field.slider, 0.4 if up else -0.4)
+    assert len(set(seen)) > 2
+    assert session.document.history.position == position + 1
+    assert float(field.edit.text()) == stored(session, name) == seen[-1]
+    session.undo()
+    assert session.document.text() == before
+
+
+@pytest.mark.parametrize(("key", "name"), NUMBERS, ids=map(".".join, NUMBERS))
+def test_arrow_keys_step_up_and_down(qtbot, session, key, name):
+    area = panel_area(qtbot, session)
+    drop(session, key)
+    field = field_of(area, session, name)
+    before, position = session.document.text(), session.document.history.position
+    for widget in (field.slider, field.edit):
+        widget.setFocus()
+        start = field.value or 0
+        at_end = field.slider.value() == field.slider.maximum()
+        QTest.keyClick(widget, Qt.Key.Key_Down if at_end else Qt.Key.Key_Up)
+        assert (stored(session, name) < start) if at_end else (stored(session, name) > start)
+        assert session.document.history.position == position + 1
+        session.undo()
+        assert session.document.text() == before

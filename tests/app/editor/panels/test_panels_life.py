@@ -1,0 +1,81 @@
+"""Panels come and go, at any width and in both looks."""
+
+import weakref
+
+import pytest
+import shiboken6
+from PySide6.QtWidgets import QApplication, QWidget
+
+from app.editor.panels.panel_area import PanelArea
+from app.editor.theme import DARK, LIGHT
+from core.editing.fields import SetParameter
+from core.modules.declaration import declaration
+from panel_hands import LIBRARY, change, drop, field_of, let_go, panel_area, type_in
+
+
+def change_what_is_shown(panel):
+    for field in panel.body.sections.fields:
+        if field.isVisible():
+            change(field)
+
+
+@pytest.mark.parametrize("key", LIBRARY)
+def test_no_widget_outlives_its_panel(qtbot, session, key):
+    area = panel_area(qtbot, session)
+    drop(session, key)
+    panel = area.panels["node"]
+    widgets = [panel, *panel.findChildren(QWidget)]
+    change_what_is_shown(panel)
+    kept = [weakref.ref(widget) for widget in widgets]
+    assert len(kept) > 15
+    del panel, widgets
+    session.select([])
+    let_go()
+    alive = [ref() for ref in kept if ref() is not None]
+    assert not [widget for widget in alive if shiboken6.isValid(widget)]
+    assert not alive
+
+
+def test_the_area_goes_with_all_it_has(qtbot, session):
+    area = PanelArea(session, None, DARK)
+    area.show()
+    drop(session, "electronics_noise")
+    kept = [weakref.ref(widget) for widget in (area, *area.findChildren(QWidget))]
+    area.close()
+    area.deleteLater()
+    del area
+    let_go()
+    assert not [ref() for ref in kept if ref() is not None and shiboken6.isValid(ref())]
+    session.do(SetParameter("node", "bits", 8))  # nobody listens any more
+
+
+@pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
+@pytest.mark.parametrize("width", [300, 480])
+def test_nothing_is_clipped(qtbot, session, width, theme):
+    area = panel_area(qtbot, session, width=width)
+    area.set_theme(theme)
+    for key, module in LIBRARY.items():
+        drop(session, key, key)
+        QApplication.processEvents()
+        panel = area.panels[key]
+        assert area.widget().width() <= area.viewport().width(), key
+        for part in panel.findChildren(QWidget):
+            if part.isVisible() and part.parentWidget() is not None and not part.isWindow():
+                inside = part.parentWidget().rect()
+                assert inside.contains(part.geometry()) or "scroll" in part.objectName(), (
+                    key,
+                    part.objectName(),
+                    part.geometry(),
+                )
+        titles = [panel.head.bar.title.text(), panel.head.name.text()]
+        assert titles == [declaration(module).title, key]
+
+
+def test_colours_follow_the_theme(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "jitter_mtf")
+    field = field_of(area, session, "sigma_mrad")
+    type_in(field.edit, "3")
+    for theme in (LIGHT, DARK):
+        area.set_theme(theme)
+        assert field.label.palette().windowText().color().name() == theme.changed

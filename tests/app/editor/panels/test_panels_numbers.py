@@ -1,0 +1,179 @@
+"""Numbers on panels: shown without loss, read as they are meant, placed on sliders."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from app.editor.number_text import number_of, numbers_of, shown_figure, shown_number
+from app.editor.panels.fields.slider_scale import Scale, scale_of
+from app.editor.panels.panel_area import PanelArea
+from app.editor.session import Session
+from app.editor.theme import DARK
+from core.editing.document import Document
+from core.editing.fields import SetParameter
+from core.errors import ParameterError
+from core.modules.declaration import declaration
+from core.modules.parameters import Param, Parameter
+from core.network.network import Network
+from panel_hands import LIBRARY, NUMBERS, drop, field_of, panel_area, type_in
+
+ANY = Parameter("x", "number", 0.0, (), False, Param("any number", unit="m"))
+FINITE = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@given(FINITE)
+def test_a_number_is_read_as_it_was_shown(value):
+    again = ANY.coerce(number_of(shown_number(value), ANY))
+    assert again == value
+    assert len(shown_number(value)) <= 24
+
+
+@given(st.integers(-(2**63), 2**63 - 1))
+def test_a_whole_number_is_read_as_it_was_shown(value):
+    assert number_of(shown_number(value), ANY) == value
+
+
+@given(st.integers(-9_999_999_999, 9_999_999_999), st.integers(-12, 12))
+def test_ten_digits_are_shown_as_they_are(digits, power):
+    """No more digits are shown than a person would have typed."""
+    value = float(f"{digits}e{power}")
+    shown = shown_number(value).lstrip("-").split("e")[0].replace(".", "").strip("0")
+    assert shown == str(abs(digits)).strip("0")
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [
+        ("1e-3", 0.001),
+        ("1,5", 1.5),
+        ("1,5e3", 1500.0),
+        (" 2.50 ", 2.5),
+        ("\N{MINUS SIGN}3", -3),
+        ("0,125", 0.125),
+        ("+7", 7),
+        (".5", 0.5),
+        ("9223372036854775807", 2**63 - 1),
+        ("", None),
+    ],
+)
+def test_friendly_spellings_are_understood(text, number):
+    assert number_of(text, ANY) == number
+
+
+@pytest.mark.parametrize("text", ["1,000", "abc", "nan", "inf", "1e999", "1_000", "1 2", "1.5,2"])
+def test_senseless_texts_are_refused(text):
+    with pytest.raises(ParameterError, match=r"x = .* m is not allowed"):
+        ANY.coerce(number_of(text, ANY))
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers"),
+    [
+        ("0, 0.1", [0, 0.1]),
+        ("0,0.1,2", [0, 0.1, 2]),
+        ("0,1; 0,5", [0.1, 0.5]),
+        ("1 2.5", [1, 2.5]),
+        ("[1, 2]", [1, 2]),
+        ("", []),
+    ],
+)
+def test_lists_are_understood(text, numbers):
+    assert numbers_of(text, ANY) == numbers
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "—"),
+        (True, "yes"),
+        (False, "no"),
+        (294912.0, "294912"),
+        (0.96836766, "0.96837"),
+        (3e13, "3e13"),
+        (4.2992e-14, "4.2992e-14"),
+        (12, "12"),
+        (0.0, "0"),
+    ],
+)
+def test_figures_are_brief(value, text):
+    assert shown_figure(value) == text
+
+
+@pytest.mark.parametrize(("key", "name"), NUMBERS, ids=map(".".join, NUMBERS))
+def test_all_positions_of_a_slider_are_allowed_and_in_order(key, name):
+    parameter = declaration(LIBRARY[key]).parameter(name)
+    scale = scale_of(parameter)
+    values = [scale.value_at(position) for position in range(scale.positions + 1)]
+    for value in values:
+        parameter.coerce(value)
+    assert values == sorted(values)
+    assert len(set(values)) > min(len(values), 200) / 4
+    if parameter.param.slider is not None and parameter.param.slider[1] <= 1e6:
+        low, high = parameter.param.slider
+        assert values[-1] == high
+        assert values[0] in (low, 0) or math.isclose(values[0], low, abs_tol=high / 500)
+
+
+@given(st.floats(0.5, 5e5))
+def test_a_logarithmic_slider_places_numbers_by_their_factor(value):
+    scale = Scale(1.0, 1e6, zero=True)
+    share = scale.position_of(value) / scale.positions
+    assert math.isclose(share, max(math.log10(value) / 6, 0), abs_tol=0.51 / scale.positions)
+
+
+@pytest.mark.parametrize("text", ["1.23456789012345678", "0.1234567890123456", "1e-7", "4.9999999"])
+def test_the_slider_never_rounds_what_was_typed(qtbot, session, text):
+    area = panel_area(qtbot, session)
+    drop(session, "gaussian_mtf")
+    field = field_of(area, session, "sigma_x_mrad")
+    type_in(field.edit, text)
+    assert session.network.nodes["node"].params["sigma_x_mrad"] == float(text)
+    before, position = session.document.text(), session.document.history.position
+    for widget in (field.slider, field.edit, field.slider):
+        widget.setFocus()
+    type_in(area.panels["node"].body.sections.field("sigma_y_mrad").edit, "2")
+    assert session.document.history.position == position + 1
+    session.undo()
+    assert session.document.text() == before
+    assert float(field.edit.text()) == float(text)
+
+
+def test_a_step_keeps_the_digits_that_were_typed(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "gaussian_mtf")
+    field = field_of(area, session, "sigma_x_mrad")
+    type_in(field.edit, "1.2345")
+    QTest.keyClick(field.edit, Qt.Key.Key_Up)
+    assert field.edit.text() == "1.2845"  # a hundredth of 0 … 5
+    QTest.keyClick(field.edit, Qt.Key.Key_PageDown)
+    assert field.edit.text() == "0.7845"
+
+
+@given(value=FINITE)
+def test_a_field_shows_any_number_without_changing_it(shared_field, value):
+    session, field = shared_field
+    session.do(SetParameter("node", "scale", value))
+    position = session.document.history.position
+    assert float(field.edit.text()) == session.network.nodes["node"].params["scale"]
+    field.edit.setFocus()
+    QTest.keyClick(field.edit, Qt.Key.Key_Return)
+    field.slider.setFocus()
+    assert session.document.history.position == position
+
+
+@pytest.fixture(scope="module")
+def shared_field(qapp):
+    """One field for many numbers."""
+    session = Session(LIBRARY)
+    session.open(Document(Network(), library=LIBRARY))
+    area = PanelArea(session, None, DARK)
+    drop(session, "noise_file")
+    area.show()
+    yield session, area.panels["node"].body.sections.field("scale")
+    area.close()
+    area.deleteLater()
+    session.deleteLater()

@@ -1,0 +1,332 @@
+"""Read-outs and ports on panels, with a real evaluation behind them; and files chosen for them."""
+
+import html
+import math
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QFontMetricsF, QKeySequence
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
+
+from app.editor.evaluation.evaluator import Evaluator
+from app.editor.panels.readouts import ReadoutsWant
+from app.permission.write_record import read_record
+from core.chain.engine import Engine
+from core.editing.document import Document
+from core.editing.fields import SetNode, SetParameter
+from core.editing.operation import ABSENT
+from core.editing.wiring import Rewire
+from core.evaluation.policy import Policy
+from core.modules.declaration import declaration
+from core.network.network import Link
+from linked_network import linked_network
+from panel_hands import LEFT, LIBRARY, drop, field_of, panel_area, type_in
+
+WITH_READOUTS = [key for key, module in LIBRARY.items() if declaration(module).readouts]
+
+# A small chain that has something of every type of port.
+CHAIN = {
+    "scene": ("test_scene", {"width": 64, "height": 64}),
+    "init": (
+        "init_trans",
+        {"detector_x_um": 50.0, "detector_y_um": 50.0, "focal_length_mm": 50.0, "f_number": 2.0},
+    ),
+    "blur": ("gaussian_mtf", {"sigma_x_mrad": 0.5}),
+    "pupil": ("exit_pupil", {}),
+    "back": ("back_transform", {}),
+}
+LINKS = (
+    ("scene.image", "init.image"),
+    ("init.context", "blur.context"),
+    ("init.magnitude", "blur.magnitude"),
+    ("blur.magnitude", "back.magnitude"),
+    ("init.phase", "back.phase"),
+)
+SOURCES = {
+    "image": "back.image",
+    "context": "init.context",
+    "magnitude": "blur.magnitude",
+    "phase": "init.phase",
+    "pupil": "pupil.pupil",
+    "transfer": "blur.mtf",
+}
+PARAMS = {
+    "read_image": {"path": "picture.npy", "fov_x_deg": 10.0, "fov_y_deg": 10.0},
+    "noise_file": {"path": "picture.npy"},
+    "electronics_noise": {
+        "cut_on_um": 8.0,
+        "cut_off_um": 12.0,
+        "bandwidth_Hz": 1000.0,
+        "d_star": 1e10,
+        "bits": 8,
+    },
+}
+
+
+@pytest.fixture
+def evaluator(session):
+    made = Evaluator(session)
+    yield made
+    made.close()
+    made.deleteLater()
+
+
+# What a module needs to see to have anything to tell.
+SCENES = {"measured_mtf": "slanted_edge"}
+
+
+def chain_with(key, folder):
+    """The chain with one more node, whose inputs all are linked."""
+    np.save(folder / "picture.npy", np.arange(64.0 * 64).reshape(64, 64))
+    inputs = [(SOURCES[p.types[0]], f"node.{p.name}") for p in declaration(LIBRARY[key]).inputs]
+    scene = ("test_scene", {"kind": SCENES.get(key, "dormitory"), "width": 64, "height": 64})
+    nodes = {**CHAIN, "scene": scene, "node": (key, PARAMS.get(key, {}))}
+    return linked_network(nodes, (*LINKS, *inputs))
+
+
+def open_chain(session, key, folder):
+    network = chain_with(key, folder)
+    session.open(Document(network, library=LIBRARY, path=folder / "network.json"))
+    session.select(["node"])
+    return network
+
+
+def texts(area):
+    return {name: label.text() for name, label in area.panels["node"].body.readouts.values.items()}
+
+
+@pytest.mark.parametrize("key", WITH_READOUTS)
+def test_read_outs_appear_where_the_inputs_are_there(qtbot, session, evaluator, tmp_path, key):
+    area = panel_area(qtbot, session, evaluator)
+    network = open_chain(session, key, tmp_path)
+    engine = Engine(LIBRARY)
+    wanted = engine.readouts(engine.plan(network, folder=tmp_path), "node", engine.work(Policy()))
+    assert set(texts(area)) == set(wanted)
+    there = {name for name, value in wanted.items() if value is not None}
+    assert there
+    qtbot.waitUntil(lambda: all(texts(area)[name] != "—" for name in there))
+    for readout in declaration(LIBRARY[key]).readouts:
+        text, value = texts(area)[readout.name], wanted[readout.name]
+        if value is None:
+            assert text == "—"
+        elif isinstance(value, str):
+            assert text == value
+        else:
+            assert math.isclose(float(text), value, rel_tol=5e-5)
+        label = area.panels["node"].body.readouts.values[readout.name]
+        assert readout.meaning in html.unescape(label.toolTip())
+        assert label.isVisible()
+
+
+def test_a_read_out_can_be_copied_and_stays_where_it_is(qtbot, session):
+    area = panel_area(qtbot, session)
+    drop(session, "jitter_mtf")
+    value = area.panels["node"].body.readouts.values["half_contrast"]
+    value.show_text("0.12345")
+    QApplication.processEvents()
+    size, where = value.size(), value.geometry()
+    value.show_text("0.11111")  # narrower
+    QApplication.processEvents()
+    assert (value.size(), value.geometry()) == (size, where)
+    assert value.isReadOnly()
+    QTest.mouseClick(value, LEFT)
+    QTest.keySequence(value, QKeySequence.StandardKey.SelectAll)
+    QTest.keySequence(value, QKeySequence.StandardKey.Copy)
+    assert QApplication.clipboard().text() == "0.11111"
+    value.show_text("0.111111111111111")
+    QApplication.processEvents()
+    room = value.width() - QFontMetricsF(value.font()).horizontalAdvance(value.text())
+    assert room >= 2
+
+
+def test_read_outs_follow_edits_and_go_where_they_cannot_be(qtbot, session, evaluator, tmp_path):
+    area = panel_area(qtbot, session, evaluator)
+    open_chain(session, "jitter_mtf", tmp_path)
+    qtbot.waitUntil(lambda: texts(area)["half_contrast"] != "—")
+    type_in(field_of(area, session, "sigma_mrad").edit, "0.5")
+    # exp(−2(π·0.5·f)²) = 1/2
+    expected = math.sqrt(math.log(2) / 2) / (math.pi * 0.5)
+    qtbot.waitUntil(
+        lambda: math.isclose(float(texts(area)["half_contrast"]), expected, rel_tol=1e-4)
+    )
+    session.do(Rewire(remove=(Link("init", "context", "node", "context"),)))
+    qtbot.waitUntil(lambda: set(texts(area).values()) == {"—"})
+    session.undo()
+    qtbot.waitUntil(lambda: texts(area)["half_contrast"] != "—")
+
+
+def read_outs_answered(evaluator):
+    """A list that grows by each answer; the pictures on panels ask questions of their own."""
+    answers = []
+
+    def note(answer):
+        if isinstance(answer.want, ReadoutsWant):
+            answers.append(answer)
+
+    evaluator.answered.connect(note)
+    return answers
+
+
+def test_nothing_is_asked_for_a_panel_out_of_sight(qtbot, session, evaluator, tmp_path):
+    area = panel_area(qtbot, session, evaluator)
+    open_chain(session, "jitter_mtf", tmp_path)
+    qtbot.waitUntil(lambda: texts(area)["half_contrast"] != "—")
+    area.panels["node"].folded = True
+    answers = read_outs_answered(evaluator)
+    with qtbot.waitSignal(evaluator.pass_done):
+        session.do(SetParameter("node", "sigma_mrad", 0.25))
+    qtbot.waitUntil(lambda: evaluator.idle)
+    assert answers == []
+    area.panels["node"].folded = False
+    qtbot.waitUntil(lambda: len(answers) == 1)
+    session.select([])
+    with qtbot.waitSignal(evaluator.pass_done):
+        session.do(SetParameter("node", "sigma_mrad", 0.5))
+    qtbot.waitUntil(lambda: evaluator.idle)
+    assert len(answers) == 1
+
+
+def test_what_does_not_concern_a_node_does_not_have_its_read_outs_made_again(
+    qtbot, session, evaluator, tmp_path
+):
+    area = panel_area(qtbot, session, evaluator)
+    open_chain(session, "jitter_mtf", tmp_path)
+    qtbot.waitUntil(lambda: texts(area)["half_contrast"] != "—")
+    want = area.panels["node"].body.readouts.want
+    engine = Engine(LIBRARY)
+
+    def key():
+        return want.key(engine.plan(session.network, folder=tmp_path))
+
+    before = key()
+    assert hash(before) == hash(key())
+    session.do(SetParameter("pupil", "radius", 50.0))
+    assert key() == before
+    session.do(SetParameter("node", "sigma_mrad", 0.5))
+    assert key() != before
+    session.do(SetParameter("node", "sigma_mrad", ABSENT))
+    assert key() == before
+    session.do(SetParameter("init", "focal_length_mm", 60.0))
+    assert key() != before
+    session.undo()
+    session.do(SetNode("node", "disabled", True))
+    assert key() != before
+
+
+def test_ports_show_what_is_linked_and_are_viewed(qtbot, session, tmp_path):
+    area = panel_area(qtbot, session)
+    open_chain(session, "jitter_mtf", tmp_path)
+    QApplication.processEvents()
+    ports = area.panels["node"].body.ports
+    labels = [row.label.text() for row in ports._rows]
+    assert labels == [
+        "context ← init.context",
+        "magnitude ← blur.magnitude",
+        "magnitude",
+        "mtf",
+    ]
+    view = ports.findChild(QWidget, "view.output.mtf")
+    with qtbot.waitSignal(area.view_requested) as asked:
+        QTest.mouseClick(view, LEFT, pos=view.rect().center() / 2)
+    assert asked.args == ["node", "mtf", 1]
+    with qtbot.waitSignal(area.view_requested) as asked:
+        view.menu().actions()[2].trigger()
+    assert asked.args == ["node", "mtf", 3]
+    brought = ports.findChild(QWidget, "view.input.magnitude")
+    with qtbot.waitSignal(area.view_requested) as asked:
+        brought.setFocus()
+        QTest.keyClick(brought, Qt.Key.Key_Space)
+    assert asked.args == ["blur", "magnitude", 1]
+    session.do(Rewire(remove=(Link("blur", "magnitude", "node", "magnitude"),)))
+    assert ports._rows[1].label.text() == "magnitude ← not connected"
+    assert not brought.isEnabled()
+
+
+def choose(qtbot, field, path):
+    """Open the dialog, type a file's name and press Enter."""
+    QTest.mouseClick(field.browse, LEFT)
+    dialog = field.findChild(QFileDialog)
+    qtbot.waitUntil(dialog.isVisible)
+    line = dialog.findChild(QLineEdit, "fileNameEdit")
+    line.setText(str(path))
+    QTest.keyClick(line, Qt.Key.Key_Return)
+    qtbot.waitUntil(lambda: field.findChild(QFileDialog) is None)
+
+
+def test_a_file_is_chosen_and_named_from_the_networks_folder(qtbot, session, tmp_path):
+    home = tmp_path / "networks"
+    (home / "pictures").mkdir(parents=True)
+    inside, outside = home / "pictures" / "a.npy", tmp_path / "b.npy"
+    for path in (inside, outside):
+        np.save(path, np.ones((4, 4)))
+    area = panel_area(qtbot, session)
+    session.open(Document(linked_network({}), library=LIBRARY, path=home / "n.json"))
+    drop(session, "read_image")
+    field = field_of(area, session, "path")
+    choose(qtbot, field, inside)
+    assert session.network.nodes["node"].params["path"] == "pictures/a.npy"
+    assert field.edit.text() == "pictures/a.npy"
+    choose(qtbot, field, outside)
+    assert session.network.nodes["node"].params["path"] == outside.as_posix()
+
+
+def test_a_network_without_a_folder_names_files_in_full(qtbot, session, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    np.save(tmp_path / "a.npy", np.ones((4, 4)))
+    area = panel_area(qtbot, session)
+    drop(session, "read_image")
+    field = field_of(area, session, "path")
+    choose(qtbot, field, tmp_path / "a.npy")
+    assert session.network.nodes["node"].params["path"] == (tmp_path / "a.npy").as_posix()
+
+
+def test_a_file_to_write_need_not_be_there_and_is_not_asked_about(qtbot, session, tmp_path):
+    (tmp_path / "there.png").write_bytes(b"not touched")
+    area = panel_area(qtbot, session)
+    session.open(Document(linked_network({}), library=LIBRARY, path=tmp_path / "n.json"))
+    drop(session, "write_image")
+    field = field_of(area, session, "path")
+    for name in ("new.png", "there.png"):
+        choose(qtbot, field, tmp_path / name)
+        assert session.network.nodes["node"].params["path"] == name
+    assert (tmp_path / "there.png").read_bytes() == b"not touched"
+
+
+def test_a_file_chosen_to_be_written_is_allowed_to_later_runs(
+    qtbot, session, tmp_path, monkeypatch
+):
+    """Kept in the user's own record, under the file that the network is saved in."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    home, other = tmp_path / "nets" / "n.json", tmp_path / "copies" / "m.json"
+    for path in (home, other):
+        path.parent.mkdir()
+    target = tmp_path / "results.png"
+    area = panel_area(qtbot, session)
+    session.open(Document(linked_network({}), library=LIBRARY))
+    drop(session, "write_image")
+    field = field_of(area, session, "path")
+    choose(qtbot, field, target)
+    assert read_record(home).chosen == frozenset()
+    assert session.save(home)
+    assert read_record(home).chosen == {target}
+    choose(qtbot, field, tmp_path / "more.png")
+    assert read_record(home).chosen == {target, tmp_path / "more.png"}
+    session.open(Document(session.network, library=LIBRARY, path=home))
+    assert session.save(other)
+    assert read_record(other).chosen == {target, tmp_path / "more.png"}
+    session.open(Document(linked_network({}), library=LIBRARY))
+    assert session.save(tmp_path / "nets" / "new.json")
+    assert read_record(tmp_path / "nets" / "new.json").chosen == frozenset()
+
+
+def test_a_file_chosen_to_be_read_is_not_one_to_be_written(qtbot, session, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    np.save(tmp_path / "a.npy", np.ones((4, 4)))
+    area = panel_area(qtbot, session)
+    session.open(Document(linked_network({}), library=LIBRARY, path=tmp_path / "n.json"))
+    drop(session, "read_image")
+    choose(qtbot, field_of(area, session, "path"), tmp_path / "a.npy")
+    assert read_record(tmp_path / "n.json").chosen == frozenset()
+    assert not (tmp_path / "state").exists()

@@ -1,0 +1,160 @@
+"""Recovery files as they may be found: without locks, damaged, strange, among other files."""
+
+from __future__ import annotations
+
+import json
+import os
+
+import pytest
+
+from app.editor.recovery.recovery_files import recoverable
+from child_process import run_program
+from core.errors import NetworkError
+from core.file_lock import is_held, take
+from core.network.network import Network
+from core.process_token import own_token, runs
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "state" / "recovery"
+
+
+def left_behind(folder, name="0123", **changes):
+    """A recovery file without a lock, as on a file system that knows none."""
+    fields = {
+        "format": "imagechain-recovery", "version": 1, "original": None, "pid": os.getpid(),
+        "started": "another process", "time": 1e9,
+        "network": '{"format": "imagechain-network", "version": 1, "nodes": {}}',
+    }  # fmt: skip
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / f"{name}.recovery"
+    file.write_text(json.dumps({**fields, **changes}))
+    return file
+
+
+def test_without_a_lock_the_number_of_a_process_is_not_enough(folder, library):
+    left_behind(folder)
+    (work,) = recoverable(folder)
+    assert work.document(library).network == Network()
+
+
+def test_without_a_lock_a_living_process_is_told_by_number_and_start(folder):
+    left_behind(folder, started=own_token())
+    assert recoverable(folder) == ()
+
+
+def test_where_there_is_a_lock_it_alone_decides(folder):
+    """Numbers of processes in a container say nothing outside of it."""
+    file = left_behind(folder)
+    lock = take(file.with_suffix(".lock"))
+    assert lock is not None
+    assert recoverable(folder) == ()
+    lock.let_go()
+    left_behind(folder, started=own_token())
+    file.with_suffix(".lock").touch()
+    assert len(recoverable(folder)) == 1
+
+
+def test_a_process_is_known_by_its_start():
+    assert runs(os.getpid(), own_token())
+    assert not runs(1, own_token())  # the first process of all did not start just now
+    assert not runs(os.getpid(), "")
+    told = run_program("from core.process_token import own_token; print(own_token())")
+    assert told.stdout.strip() not in ("", own_token())
+
+
+def test_a_lock_is_held_until_it_is_let_go(tmp_path):
+    path = tmp_path / "a.lock"
+    assert is_held(path) is None
+    lock = take(path)
+    assert lock is not None
+    assert is_held(path) is True
+    assert take(path) is None
+    assert is_held(path) is True
+    lock.let_go()
+    assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\0" * 4096,
+        b"{",
+        b"[1]",
+        b"\xff\xfe\x00garbage",
+        b"[" * 200_000,
+        b'{"format": "imagechain-recovery"}',
+    ],
+)
+def test_a_damaged_file_is_told_and_can_be_discarded(folder, library, content):
+    good = left_behind(folder, "good")
+    bad = folder / "bad.recovery"
+    bad.write_bytes(content)
+    works = {work.file: work for work in recoverable(folder)}
+    assert works.keys() == {good, bad}
+    assert not works[good].problem
+    assert "damaged" in works[bad].problem
+    assert works[bad].original is None
+    with pytest.raises(NetworkError, match=r"bad\.recovery: the recovery file is damaged"):
+        works[bad].document(library)
+    works[bad].discard()
+    assert [work.file for work in recoverable(folder)] == [good]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"format": "other"},
+        {"version": 2},
+        {"original": 5},
+        {"original": "a\0b"},
+        {"time": 1e300},
+        {"time": "now"},
+        {"time": float("nan")},
+        {"network": {}},
+        {"pid": "1"},
+    ],
+)
+def test_strange_fields_are_told(folder, changes):
+    left_behind(folder, **changes)
+    (work,) = recoverable(folder)
+    assert work.problem
+    assert "\n" not in work.problem
+
+
+@pytest.mark.parametrize(
+    "network",
+    [
+        "no network",
+        '{"format": "imagechain-network", "version": 1, "nodes": {}, "links": [["a.b", "c.d"]]}',
+    ],
+)
+def test_a_network_that_cannot_be_worked_on_is_refused(folder, library, network):
+    left_behind(folder, network=network)
+    (work,) = recoverable(folder)
+    with pytest.raises(NetworkError):
+        work.document(library)
+
+
+def test_the_latest_comes_first(folder):
+    for name, moment in (("a", 3e8), ("b", 9e8), ("c", 5e8)):
+        left_behind(folder, name, time=moment)
+    assert [work.file.stem for work in recoverable(folder)] == ["b", "c", "a"]
+
+
+def test_other_files_are_left_alone(folder):
+    folder.mkdir(parents=True)
+    names = ["notes.txt", ".hidden.recovery", "strange [*.lock", "sub.recovery"]
+    for name in names[:3]:
+        (folder / name).write_text("x")
+    (folder / names[3]).mkdir()
+    assert [work.file.name for work in recoverable(folder)] == ["sub.recovery"]
+    assert sorted(path.name for path in folder.iterdir()) == sorted(names)
+
+
+def test_no_folder_has_nothing(tmp_path):
+    assert recoverable(tmp_path / "nowhere") == ()
+    (tmp_path / "file").write_text("x")
+    assert recoverable(tmp_path / "file") == ()

@@ -1,0 +1,27 @@
+"""A plot viewer of data that need no network."""
+
+import pytest
+
+from app.editor.evaluation.queries import Answer
+from app.editor.theme import DARK
+from app.editor.viewers.plot.curves_query import PortDataWant
+from app.editor.viewers.plot.plot_viewer import PlotViewer
+
+PORT = "a.curve"
+
+
+@pytest.fixture
+def shown(session, qtbot):
+    """A viewer of data that need no network; gives it."""
+
+    def show(data, theme=DARK, size=(640, 360)):
+        viewer = PlotViewer(session, None, theme)
+        viewer.look_at(PORT)
+        qtbot.addWidget(viewer)
+        viewer.resize(*size)
+        viewer.show()
+        viewer.take(Answer(1, viewer.owner, PortDataWant(PORT), data))
+        qtbot.wait(20)
+        return viewer
+
+    return show

@@ -1,0 +1,204 @@
+"""The row of figures: the electronics' read-outs, and the run time."""
+
+import pytest
+from PySide6.QtCore import QEvent, QObject
+from PySide6.QtGui import QFontMetricsF
+
+from app.editor.evaluation.queries import PassDone, Passing
+from app.editor.theme import DARK, LIGHT
+from app.editor.viewers.figures.figures_query import SHOWN, FiguresWant
+from app.editor.viewers.figures.figures_strip import FiguresStrip, figure_text
+from app.editor.widgets.elided_label import ElidedLabel
+from core.editing.fields import SetNode, SetParameter
+from core.editing.nodes import Add, Placed, Remove
+from core.network.network import Link, Node
+from viewer_bench import ViewerBench, is_freed
+
+NAMES = [name for name, _ in SHOWN]
+
+
+@pytest.fixture
+def bench(qtbot, opened):
+    made = ViewerBench(qtbot, opened("inframetrics"))
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def strip(bench):
+    return bench.show(FiguresStrip(bench.session, bench.evaluator, DARK), 820, 40)
+
+
+def figures(bench, preferred=None):
+    engine, plan, work = bench.truth()
+    return FiguresWant(preferred).answer(Passing(engine, plan, work))
+
+
+def test_figures_are_the_read_outs(bench):
+    engine, plan, work = bench.truth()
+    truth = engine.readouts(plan, "electronics", work)
+    found = figures(bench)
+    assert found.node == "electronics"
+    assert {each.name: each.value for each in found.figures} == {n: truth[n] for n in NAMES}
+    declared = {each.name: each for each in plan.node("electronics").declaration.readouts}
+    for each in found.figures:
+        assert (each.unit, each.meaning) == (declared[each.name].unit, declared[each.name].meaning)
+
+
+def test_the_published_figures_stand_there(strip):
+    """Tantalo 1996, table 5.2: G# 5.207, bandwidth 49152 Hz."""
+    assert strip.text("g_number") == "5.207 1/sr"
+    assert strip.text("bandwidth_Hz") == "49.15 kHz"
+    assert strip.text("run_time").endswith("s")
+    assert "NETD" in strip._values["netd_system_K"].toolTip()
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (None, "K", "—"),
+        (0.0, "K", "0 K"),
+        (0.0040711, "K", "4.071 mK"),
+        (49152.0, "Hz", "49.15 kHz"),
+        (1.19, "K", "1.19 K"),
+        (999.96, "Hz", "1 kHz"),
+        (46.4637, "", "46.46"),
+        (2e-15, "s", "2e−06 ns"),
+        (5.2069, "1/sr", "5.207 1/sr"),
+        (float("inf"), "K", "inf K"),
+        (-0.002, "W/m²/sr", "−2 mW/m²/sr"),
+    ],
+)
+def test_figures_as_text(value, unit, text):
+    assert figure_text(value, unit) == text
+
+
+def test_follows_edits(bench, strip):
+    before = strip.text("snr")
+    bench.do(SetParameter("electronics", "amplifier_snr", 40.0))
+    assert strip.text("snr") != before
+    truth = {each.name: each.value for each in figures(bench).figures}
+    assert strip.text("snr") == f"{truth['snr']:.4g}"
+
+
+def test_without_electronics_there_are_dashes(bench, strip):
+    bench.do(Remove(("electronics",)))
+    assert {strip.text(name) for name in NAMES} == {"—"}
+    assert "Electronics & Noise" in strip._values["snr"].toolTip()
+
+
+def test_a_disabled_electronics_has_no_figures(bench, strip):
+    bench.do(SetNode("electronics", "disabled", True))
+    assert {strip.text(name) for name in NAMES} == {"—"}
+
+
+def test_why_there_are_none_is_told(bench, strip):
+    bench.do(SetParameter("electronics", "material", "manual"))
+    assert {strip.text(name) for name in NAMES} == {"—"}
+    assert "d_star" in strip._values["snr"].toolTip()
+
+
+def second(bench):
+    node = Node("more", "electronics_noise", bench.session.network.nodes["electronics"].params)
+    links = (
+        Link("pixels", "image", "more", "image"),
+        Link("init", "context", "more", "context"),
+    )
+    bench.do(Add((Placed(node),), links))
+    bench.do(SetParameter("more", "amplifier_snr", 100.0))
+
+
+def test_of_several_that_of_the_final_picture_or_the_selected_one(bench, strip):
+    second(bench)
+    assert figures(bench).node == "electronics"  # more leads to nothing
+    before = strip.text("snr")
+    bench.session.select(["more"])
+    bench.settle()
+    other = {each.name: each.value for each in figures(bench, "more").figures}
+    assert strip.text("snr") == f"{other['snr']:.4g}"
+    assert strip.text("snr") != before
+    bench.session.select(["scene"])
+    bench.settle()
+    assert strip.text("snr") == before
+
+
+def test_the_key_tells_whether_figures_would_change(bench):
+    engine, plan, _ = bench.truth()
+    key = FiguresWant().key(plan)
+    network = bench.session.network
+    changed = engine.plan(network.with_parameter("electronics", "amplifier_snr", 9.0))
+    assert FiguresWant().key(changed) != key
+    same = engine.plan(network.with_parameter("frame_grabber", "width", 300))
+    assert FiguresWant().key(same) == key
+
+
+def test_a_broken_network_still_has_its_figures(bench):
+    engine, _, work = bench.truth()
+    plan = engine.plan(bench.session.network.with_parameter("frame_grabber", "width", -3))
+    found = FiguresWant().answer(Passing(engine, plan, work))
+    assert found.node == "electronics"
+    assert all(each.value is not None for each in found.figures)
+
+
+def test_run_time_of_the_last_pass_after_a_change(bench, strip):
+    bench.evaluator.pass_done.emit(PassDone(99, 0.0123, after_edit=True))
+    assert strip.text("run_time") == "12.3 ms"
+    bench.evaluator.pass_done.emit(PassDone(100, 5.0, cancelled=True, after_edit=True))
+    bench.evaluator.pass_done.emit(PassDone(101, 0.0012))  # for a panel opened meanwhile
+    assert strip.text("run_time") == "12.3 ms"
+
+
+def test_a_figure_of_like_length_lays_nothing_out_anew(bench, strip, qtbot):
+    class Layouts(QObject):
+        number = 0
+
+        def eventFilter(self, _watched, event):  # noqa: N802
+            self.number += event.type() == QEvent.Type.LayoutRequest
+            return False
+
+    def laid_out(seconds):
+        counting.number = 0
+        bench.evaluator.pass_done.emit(PassDone(99, seconds, after_edit=True))
+        qtbot.wait(30)
+        return counting.number
+
+    counting = Layouts(strip)
+    strip.installEventFilter(counting)
+    label = strip.findChild(ElidedLabel, "figures_strip.run_time")
+    label.tell("—")
+    assert laid_out(0.01233) > 0
+    assert laid_out(0.01122) == 0
+    assert strip.text("run_time") == "11.22 ms"
+    assert laid_out(0.01) == 0
+    needed = QFontMetricsF(label.font()).horizontalAdvance("12.33 ms")
+    assert needed <= label.sizeHint().width() < needed + 2
+
+
+def test_asks_only_while_visible(bench, strip):
+    strip.hide()
+    bench.settle()
+    del bench.answers[:]
+    bench.do(SetParameter("electronics", "amplifier_snr", 40.0))
+    assert not bench.answers
+
+
+def test_another_document(bench, strip, opened):
+    opened("first_steps")
+    bench.settle()
+    assert {strip.text(name) for name in NAMES} == {"—"}
+
+
+def test_captions_have_the_themes_colour(strip):
+    strip.set_theme(LIGHT)
+    label = strip._captions[0]
+    assert label.palette().color(label.foregroundRole()).name() == LIGHT.faint_text
+
+
+def test_nothing_is_left_of_a_closed_strip(bench):
+    def used():
+        strip = FiguresStrip(bench.session, bench.evaluator, DARK)
+        strip.show()
+        bench.settle()
+        return strip
+
+    assert is_freed(used)

@@ -1,0 +1,119 @@
+"""Samples as 8-bit levels, their histogram and quantiles, against double precision. No Qt."""
+
+import math
+
+import numpy as np
+import pytest
+
+from app.editor.viewers.pixels.grey_levels import (
+    BINS,
+    extremes,
+    grey_levels,
+    quantiles,
+    spread_of,
+)
+from core.threads import Workers
+
+DRAW = np.random.default_rng(7)
+PICTURES = {
+    "noise": (DRAW.normal(size=(37, 53)) * 3 + 20).astype(np.float32),
+    "on a high level": (1e6 + DRAW.random((40, 31)) * 8).astype(np.float32),
+    "huge": (DRAW.random((20, 21)) * 6e38 - 3e38).astype(np.float32),
+    "tiny": (DRAW.random((20, 21)) * 1e-42).astype(np.float32),
+    "double": DRAW.normal(size=(64, 3)),
+    "huge doubles": (2 * DRAW.random((9, 9)) - 1) * 1.7e308,
+    "bytes": DRAW.integers(0, 256, (17, 19)).astype(np.uint8),
+    "signed": DRAW.integers(-3000, 3000, (17, 20)).astype(np.int16),
+    "turned": (DRAW.normal(size=(53, 37))).astype(np.float32).T,
+    "one row": DRAW.random((1, 7)).astype(np.float32),
+    "two values": (DRAW.random((30, 30)) > 0.3).astype(np.float32),
+}
+
+
+def exact_share(samples, low, high):
+    """(sample − low)/(high − low) in the longest floating point there is."""
+    wide = samples.astype(np.longdouble)
+    return (wide - np.longdouble(low)) / (np.longdouble(high) - np.longdouble(low))
+
+
+@pytest.mark.parametrize("name", PICTURES)
+@pytest.mark.parametrize("levels", ["extremes", "inside"])
+def test_levels_are_the_nearest_of_256(name, levels):
+    samples = PICTURES[name]
+    low, high = float(samples.min()), float(samples.max())
+    if levels == "inside":
+        low, high = low * 0.7 + high * 0.3, low * 0.2 + high * 0.8
+    found = grey_levels(samples, low, high)
+    wanted = np.clip(exact_share(samples, low, high) * 255, 0, 255)
+    assert found.dtype == np.uint8
+    # Half a level, and what single precision makes of a sample between two levels.
+    assert np.abs(found - wanted).max() <= 0.5 + 1e-4
+
+
+def test_levels_of_a_constant_picture_are_mid_grey():
+    assert (grey_levels(np.full((3, 4), 5.0, np.float32), 5.0, 5.0) == 128).all()
+
+
+def test_levels_far_inside_the_samples_only_clip():
+    samples = np.array([[-3e38, 0.0, 1e-3, 3e38]], np.float32)
+    assert grey_levels(samples, 0.0, 1e-3).tolist() == [[0, 0, 255, 255]]
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_spread_counts_every_sample_in_its_bin(name):
+    samples = PICTURES[name]
+    found = spread_of(samples)
+    assert (found.low, found.high) == (float(samples.min()), float(samples.max()))
+    share = exact_share(samples, found.low, found.high) * BINS
+    bins = np.minimum(np.floor(share), BINS - 1).astype(int)
+    wanted = np.bincount(bins.ravel(), minlength=BINS)
+    assert found.counts.sum() == samples.size
+    # A sample next to the edge of a bin may be rounded over it.
+    near = (np.abs(share - np.rint(share)) < 1e-3) & (share > 0.5) & (share < BINS - 0.5)
+    assert np.abs(found.counts - wanted).sum() <= 2 * np.count_nonzero(near)
+
+
+def test_spread_of_a_constant_picture_is_one_bin():
+    found = spread_of(np.full((5, 7), -2.5, np.float32))
+    assert (found.low, found.high, found.counts[0], found.counts.sum()) == (-2.5, -2.5, 35, 35)
+
+
+def test_centres_of_bins():
+    found = spread_of(np.array([[0.0, 256.0]], np.float32))
+    assert found.centres[[0, 1, 255]].tolist() == [0.5, 1.5, 255.5]
+    assert found.counts[[0, 255]].tolist() == [1, 1]
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_quantiles_are_those_of_the_sorted_samples(name):
+    samples = PICTURES[name]
+    shares = (0.0, 0.005, 0.25, 0.5, 0.995, 1.0)
+    found = quantiles(samples, spread_of(samples), shares)
+    ordered = np.sort(samples.astype(np.float64).ravel())
+    for value, share in zip(found, shares, strict=True):
+        rank = share * (samples.size - 1)
+        lower, part = math.floor(rank), rank - math.floor(rank)
+        upper = min(lower + 1, samples.size - 1)
+        assert value == ordered[lower] * (1 - part) + ordered[upper] * part
+
+
+def test_quantiles_beside_an_outlier():
+    samples = np.arange(10000, dtype=np.float32).reshape(100, 100)
+    samples[3, 3] = 1e30
+    low, high = quantiles(samples, spread_of(samples), (0.25, 0.75))
+    ordered = np.sort(samples.ravel().astype(float))
+    assert low == pytest.approx(ordered[2499] * 0.25 + ordered[2500] * 0.75, rel=1e-15)
+    assert high == pytest.approx(ordered[7499] * 0.75 + ordered[7500] * 0.25, rel=1e-15)
+
+
+def test_threads_change_nothing():
+    samples = DRAW.normal(size=(1100, 1003)).astype(np.float32)
+    workers = Workers()
+
+    def each(function, items):
+        workers.each(function, items, 4)
+
+    assert extremes(samples, each=each) == (float(samples.min()), float(samples.max()))
+    alone, many = spread_of(samples), spread_of(samples, each=each)
+    assert (alone.counts == many.counts).all()
+    assert (grey_levels(samples, -1, 1) == grey_levels(samples, -1, 1, each=each)).all()

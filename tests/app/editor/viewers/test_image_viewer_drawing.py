@@ -1,0 +1,221 @@
+"""How an image viewer draws, compares and writes a picture."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QEvent, QObject, QPointF
+from PySide6.QtGui import QImage
+
+from app.editor.theme import DARK
+from app.editor.viewers.picture.image_viewer import ImageViewer
+from app.editor.viewers.pixels.colour_maps import NAMES, colour_table
+from app.editor.viewers.pixels.grey_levels import Spread, grey_levels
+from app.editor.viewers.pixels.picture_query import Picture
+from core.editing.fields import SetParameter
+from core.errors import ImagechainError
+from nodes.files.read import read_pixels
+from viewer_bench import ViewerBench
+
+FINAL = "back.image"
+
+
+@pytest.fixture
+def bench(qtbot, opened):
+    made = ViewerBench(qtbot, opened("first_steps"))
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def viewer(bench):
+    made = ImageViewer(bench.session, bench.evaluator, DARK, 1)
+    made.look_at(FINAL)
+    return bench.show(made)
+
+
+def shown(viewer):
+    return viewer.status.title.text()
+
+
+def test_levels_are_dragged_on_the_histogram(bench, viewer):
+    samples = viewer.picture.samples.astype(float)
+    low, high = np.quantile(samples, 0.1), np.quantile(samples, 0.9)
+    viewer.canvas.levels.region.setRegion((low, high))
+    bench.settle()
+    assert viewer.picture.levels == pytest.approx((low, high), rel=1e-9)
+    assert (viewer.canvas.first.image == grey_levels(samples, low, high)).mean() > 0.999
+    viewer.bar.display.levels.chosen.emit("extremes")
+    bench.settle()
+    assert viewer.picture.levels == (samples.min(), samples.max())
+    assert viewer.canvas.levels.getLevels() == pytest.approx((samples.min(), samples.max()))
+
+
+def test_the_histogram_is_that_of_the_samples(viewer):
+    counts, _ = np.histogram(viewer.picture.samples.astype(float), 256)
+    _, drawn = viewer.canvas.levels.plot.getData()
+    assert drawn.max() == 1.0  # of the logarithm of the largest count
+    shown = np.expm1(drawn * np.log1p(counts.max()))
+    assert np.abs(shown - counts).sum() <= 0.02 * counts.sum()
+
+
+def test_the_histogram_stays_in_view_but_does_not_jitter(viewer):
+    levels = viewer.canvas.levels
+    counts = np.arange(256)
+
+    def seen(low, high):
+        levels.show_spread(Spread(low, high, counts), (low, high))
+        return tuple(levels.vb.viewRange()[1])
+
+    whole = seen(10.0, 20.0)
+    assert whole[0] < 10.0
+    assert whole[1] > 20.0
+    assert seen(10.1, 19.9) == whole
+    assert seen(9.9, 20.2) == whole
+    higher = seen(9.9, 25.0)
+    assert higher[0] < 9.9
+    assert higher[1] > 25.0
+    narrow = seen(14.0, 15.0)
+    assert 13.5 < narrow[0] < 14.0
+    assert 15.0 < narrow[1] < 15.5
+
+
+def test_a_picture_is_painted_once(bench, viewer, qtbot):
+    class Paints(QObject):
+        number = 0
+
+        def eventFilter(self, _watched, event):  # noqa: N802
+            self.number += event.type() == QEvent.Type.Paint
+            return False
+
+    counting = Paints(viewer)
+    viewer.canvas.viewport().installEventFilter(counting)
+    for sigma in (1.0, 1.02, 1.04):
+        counting.number = 0
+        bench.answers.clear()
+        bench.do(SetParameter("blur", "sigma_x_mrad", sigma))
+        qtbot.wait(50)
+        pictures = sum(isinstance(each.value, Picture) for each in bench.answers)
+        # On a slow machine a preview comes first; the two may be painted as one.
+        assert 1 <= counting.number <= pictures
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_colours(viewer, name):
+    viewer.bar.display.colours.chosen.emit(name)
+    viewer.canvas.grab()
+    drawn, table = viewer.canvas.first.qimage, colour_table(name)
+    level = viewer.picture.grey[9, 9]
+    assert drawn.pixelColor(9, 9).getRgb()[:3] == tuple(table[level].tolist())
+    assert table.shape == (256, 3)
+
+
+def test_inverted_grey_is_the_grey_turned_round():
+    assert (colour_table("inverted") == 255 - colour_table("grey")).all()
+
+
+def test_centred_spectrum_is_shown_on_frequencies(bench, viewer):
+    viewer.bar.display.mapping.chosen.emit("spectrum")
+    bench.settle()
+    assert viewer.picture.facts.kind == "plane"
+    assert "cyc/mrad" in viewer.canvas.plot.getAxis("bottom").labelText
+    assert "log" in shown(viewer)
+    seen, facts = viewer.canvas.view.viewRect(), viewer.picture.facts
+    assert seen.contains(QPointF(facts.across.at(0), facts.along.at(0)))
+    assert seen.width() < 20 * facts.across.step * facts.columns
+
+
+def test_wipe(bench, viewer):
+    viewer.compare_with("blur.mtf")
+    bench.settle()
+    canvas, picture = viewer.canvas, viewer.picture
+    assert canvas.second.isVisible()
+    assert (picture.other.samples == np.fft.fftshift(bench.value("blur.mtf"))).all()
+    canvas.set_split(0.25)
+    drawn = canvas.grab().toImage()
+    rows, columns = picture.grey.shape
+    for share, left in ((0.2, True), (0.3, False)):
+        row, column = int(0.6 * rows), int(share * columns)
+        around = slice(row - 2, row + 3), slice(column - 2, column + 3)
+        here, there = picture.grey[around], picture.other.grey[around]
+        assert here.min() > there.max() + 20  # which of the two it is can be told
+        place = canvas.view.mapViewToScene(QPointF(column, row))
+        dot = canvas.mapFromScene(place) * drawn.devicePixelRatio()
+        found = drawn.pixelColor(dot).red()
+        wanted = here if left else there
+        assert wanted.min() <= found <= wanted.max()
+    viewer.compare_with(None)
+    bench.settle()
+    assert not canvas.second.isVisible()
+
+
+def test_both_sides_of_a_wipe_are_written(bench, viewer, tmp_path):
+    viewer.compare_with("blur.mtf")
+    bench.settle()
+    viewer.canvas.set_split(0.25)
+    viewer.save_as(tmp_path / "both.png")
+    written = QImage(str(tmp_path / "both.png"))
+    rows, columns = viewer.picture.grey.shape
+    for column, picture in ((10, viewer.picture), (columns - 10, viewer.picture.other)):
+        assert written.pixelColor(column, rows // 2).red() == picture.grey[rows // 2, column]
+
+
+def test_the_wipe_is_dragged(bench, viewer):
+    viewer.compare_with("scene.image")
+    bench.settle()
+    place = viewer.picture.facts.columns * 0.75 - 0.5
+    viewer.canvas.wipe.setValue(place)
+    assert viewer.canvas.split == pytest.approx(0.75)
+
+
+def test_difference(bench, viewer):
+    viewer.compare_with("scene.image", "difference")
+    bench.settle()
+    wanted = bench.value(FINAL) - bench.value("scene.image")
+    assert (viewer.picture.samples == wanted).all()
+    assert "−" in shown(viewer)
+
+
+def test_line_profile(bench, viewer):
+    viewer.bar.display.profile.setChecked(True)
+    viewer.canvas.profile.show(True, (0.25, 0.5, 0.75, 0.5))
+    rows, columns = viewer.picture.samples.shape
+    distance, value = viewer.canvas.profile._curve.getData()
+    assert distance[-1] == pytest.approx(columns / 2)
+    samples = viewer.picture.samples.astype(float)
+    above, below = samples[rows // 2 - 1], samples[rows // 2]
+    middle = (above + below) / 2 if rows % 2 == 0 else below
+    wanted = np.interp(0.25 * columns - 0.5 + distance, np.arange(columns), middle)
+    assert value == pytest.approx(wanted, rel=1e-6)
+    viewer.bar.display.profile.setChecked(False)
+    assert not viewer.canvas.profile.shown
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".tif", ".exr"])
+def test_samples_are_written(bench, viewer, tmp_path, suffix):
+    path = tmp_path / f"out{suffix}"
+    viewer.save_as(path)
+    assert (read_pixels(path) == bench.value(FINAL)).all()
+
+
+def test_planes_are_written_in_the_order_of_the_transform(bench, viewer, tmp_path):
+    viewer.look_at("init.magnitude")
+    bench.settle()
+    viewer.save_as(tmp_path / "plane.npy")
+    assert (np.load(tmp_path / "plane.npy") == bench.value("init.magnitude")).all()
+
+
+def test_a_picture_is_written_as_it_looks(viewer, tmp_path):
+    viewer.bar.display.colours.chosen.emit("viridis")
+    viewer.save_as(tmp_path / "look.png")
+    written = QImage(str(tmp_path / "look.png")).convertToFormat(QImage.Format.Format_RGB888)
+    rows, columns = viewer.picture.grey.shape
+    assert (written.height(), written.width()) == (rows, columns)
+    wanted = colour_table("viridis")[viewer.picture.grey]
+    for row, column in ((0, 0), (5, 9), (rows - 1, columns - 1)):
+        assert written.pixelColor(column, row).getRgb()[:3] == tuple(wanted[row, column].tolist())
+
+
+def test_what_cannot_be_written_is_told(viewer, tmp_path):
+    with pytest.raises(ImagechainError, match=r"\.jpg.*\.png"):
+        viewer.save_as(tmp_path / "x.jpg")
+    with pytest.raises(ImagechainError, match="cannot write"):
+        viewer.save_as(tmp_path / "nowhere" / "x.npy")

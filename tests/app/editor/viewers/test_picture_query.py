@@ -1,0 +1,171 @@
+"""What an image viewer asks and is answered: samples, mapping, comparison, keys. No Qt."""
+
+import json
+
+import numpy as np
+import pytest
+
+from app.editor.viewers.pixels.grey_levels import grey_levels
+from app.editor.viewers.pixels.picture_query import PictureWant
+from core.errors import ImagechainError
+from core.network.file import parse_network
+from picture_bench import PictureBench
+
+
+def share(samples, low, high):
+    return (samples.astype(np.longdouble) - low) / (high - low)
+
+
+@pytest.fixture
+def bench():
+    return PictureBench()
+
+
+def test_samples_are_those_of_the_wire_and_not_copied(bench):
+    picture = bench.answer(PictureWant("back.image"))
+    assert picture.samples is bench.value("back.image")
+    for array in (picture.samples, picture.grey):
+        assert not array.flags.writeable
+    facts = picture.facts
+    assert (facts.rows, facts.columns, facts.unit) == (41, 48, "W/m²/sr")
+    assert facts.band_um == (8.0, 12.0)
+    assert picture.levels == (float(picture.samples.min()), float(picture.samples.max()))
+    assert not picture.logarithmic
+
+
+def test_percentiles_as_levels(bench):
+    picture = bench.answer(PictureWant("scene.image", levels="percentiles"))
+    samples = bench.value("scene.image").astype(float)
+    low, high = np.percentile(samples, (0.5, 99.5))
+    if low == high:
+        low, high = samples.min(), samples.max()
+    assert picture.levels == pytest.approx((low, high), rel=1e-12)
+
+
+def test_levels_that_are_given(bench):
+    picture = bench.answer(PictureWant("back.image", levels=(1.0, 30.0)))
+    assert picture.levels == (1.0, 30.0)
+    wanted = np.clip(share(picture.samples, 1.0, 30.0) * 255, 0, 255)
+    assert np.abs(picture.grey - wanted).max() <= 0.5001
+
+
+def test_logarithm(bench):
+    picture = bench.answer(PictureWant("back.image", mapping="log"))
+    assert picture.samples is bench.value("back.image")
+    logarithm = np.log10(np.abs(picture.samples.astype(float)))
+    assert picture.levels == pytest.approx((logarithm.min(), logarithm.max()), abs=1e-6)
+    assert picture.logarithmic
+
+
+def test_centred_spectrum_of_a_picture(bench):
+    picture = bench.answer(PictureWant("back.image", mapping="spectrum"))
+    samples = bench.value("back.image").astype(float)
+    modulus = np.fft.fftshift(np.abs(np.fft.fft2(samples)))
+    assert np.allclose(picture.samples, modulus, rtol=1e-4, atol=1e-6 * modulus.max())
+    assert picture.samples[41 // 2, 48 // 2] == pytest.approx(samples.sum(), rel=1e-6)
+    assert picture.levels[1] == pytest.approx(np.log10(modulus.max()), abs=1e-6)
+    assert picture.logarithmic
+
+
+@pytest.mark.parametrize("port", ["jitter.magnitude", "init.phase", "jitter.mtf"])
+def test_planes_have_zero_frequency_in_the_middle(bench, port):
+    picture = bench.answer(PictureWant(port))
+    plane = bench.value(port)
+    assert (picture.samples == np.fft.fftshift(plane)).all()
+    facts, grid = picture.facts, bench.plan.output(port).grid
+    assert facts.kind == "plane"
+    for axis, frequencies in ((facts.across, grid.xi()), (facts.along, grid.eta())):
+        ordered = np.fft.fftshift(frequencies)
+        places = [axis.at(index) for index in range(len(ordered))]
+        assert places == pytest.approx(ordered.tolist(), abs=1e-12)
+        assert axis.unit == "cyc/mrad"
+        assert "cyc/mrad" in axis.title
+
+
+def test_a_plane_is_its_own_spectrum(bench):
+    linear = bench.answer(PictureWant("jitter.mtf"))
+    spectrum = bench.answer(PictureWant("jitter.mtf", mapping="spectrum"))
+    assert (linear.grey == spectrum.grey).all()
+    assert not spectrum.logarithmic
+
+
+def test_pupil(bench):
+    picture = bench.answer(PictureWant("pupil.pupil"))
+    assert (picture.facts.rows, picture.facts.columns) == (24, 32)
+    assert (picture.samples == bench.value("pupil.pupil")).all()
+
+
+def test_difference(bench):
+    picture = bench.answer(PictureWant("back.image", "scene.image", "difference"))
+    wanted = bench.value("back.image") - bench.value("scene.image")
+    assert (picture.samples == wanted).all()
+    reach = float(np.abs(wanted).max())
+    assert picture.levels == (-reach, reach)
+    middle = grey_levels(np.zeros((1, 1), np.float32), *picture.levels)[0, 0]
+    assert middle in (127, 128)
+
+
+def test_wipe_has_the_same_levels_on_both_sides(bench):
+    picture = bench.answer(PictureWant("scene.image", "pixels.image", "wipe"))
+    assert picture.other.levels == picture.levels
+    assert (picture.other.samples == bench.value("pixels.image")).all()
+    assert picture.other.grey.shape == (41, 24)
+
+
+def test_wipe_of_different_quantities_has_levels_of_their_own(bench):
+    picture = bench.answer(PictureWant("scene.image", "jitter.mtf", "wipe", levels=(3.0, 4.0)))
+    mtf = bench.value("jitter.mtf")
+    assert picture.levels == (3.0, 4.0)
+    assert picture.other.levels == (float(mtf.min()), float(mtf.max()))
+
+
+@pytest.mark.parametrize(
+    ("want", "words"),
+    [
+        (PictureWant("init.context"), "init.context is a context"),
+        (PictureWant("nothing.image"), "no node 'nothing'"),
+        (PictureWant("scene.magnitude"), "no output 'magnitude'"),
+        (PictureWant("lonely.image"), "input"),
+        (PictureWant("scene.image", "pixels.image", "difference"), "48 × 41 .* 24 × 41"),
+        (PictureWant("scene.image", "jitter.mtf", "difference"), "a picture .* a plane"),
+        (PictureWant("init.phase", "jitter.mtf", "difference"), "in rad.* in no unit"),
+    ],
+)
+def test_what_cannot_be_shown_says_why(bench, want, words):
+    with pytest.raises(ImagechainError, match=words) as caught:
+        bench.answer(want)
+    assert "\n" not in str(caught.value)
+
+
+def test_samples_that_are_not_finite_are_told(bench, tmp_path):
+    picture = np.ones((8, 9), np.float32)
+    picture[3, 4] = np.nan
+    np.save(tmp_path / "bad.npy", picture)
+    document = {
+        "format": "imagechain-network",
+        "version": 1,
+        "nodes": {"file": {"module": "read_image", "params": {"path": "bad.npy"}}},
+        "links": [],
+    }
+    network = parse_network(json.dumps(document), library=bench.engine.library)
+    plan = bench.engine.plan(network, folder=tmp_path)
+    with pytest.raises(ImagechainError, match="not finite"):
+        bench.answer(PictureWant("file.image"), plan)
+
+
+def test_the_key_tells_whether_the_picture_would_change(bench):
+    want = PictureWant("scene.image")
+    key = want.key(bench.plan)
+    assert want.key(bench.changed("jitter", "sigma_mrad", 0.1)) == key
+    assert want.key(bench.changed("scene", "temperature_K", 250.0)) != key
+    assert want.key(bench.changed("scene", "fov_x_deg", 4.0)) != key
+    assert PictureWant("scene.image", mapping="log").key(bench.plan) != key
+    both = PictureWant("scene.image", "back.image", "wipe")
+    assert both.key(bench.changed("jitter", "sigma_mrad", 0.1)) != both.key(bench.plan)
+    alone = PictureWant("scene.image", "back.image", "alone")
+    assert alone.key(bench.changed("jitter", "sigma_mrad", 0.1)) == alone.key(bench.plan)
+
+
+def test_a_want_is_a_picture_of_a_pass_that_previews_may_answer():
+    assert (PictureWant.urgency, PictureWant.from_preview) == (0, True)
+    assert hash(PictureWant("a.image")) == hash(PictureWant("a.image"))

@@ -1,0 +1,321 @@
+"""Curves of the chain and of ports, with a real worker behind the viewer."""
+
+import csv
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pyqtgraph as pg
+import pytest
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QImage
+from PySide6.QtSvg import QSvgRenderer
+
+from app.editor.evaluation.queries import Passing
+from app.editor.theme import DARK, LIGHT
+from app.editor.viewers.plot.curves_query import CurvesWant
+from app.editor.viewers.plot.plot_viewer import PlotViewer
+from core.chain.results import CurveData
+from core.editing.fields import SetParameter
+from core.editing.nodes import Add, Placed, Remove, Rename
+from core.errors import ImagechainError
+from core.network.network import Link, Node
+from viewer_bench import ViewerBench, is_freed
+
+SIGMA = 0.02  # jitter of the Inframetrics network, mrad
+
+
+@pytest.fixture
+def bench(qtbot, opened):
+    made = ViewerBench(qtbot, opened("inframetrics"))
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def viewer(bench):
+    return bench.show(PlotViewer(bench.session, bench.evaluator, DARK))
+
+
+def curves(bench, angle=0.0, plan=None):
+    engine, whole, work = bench.truth()
+    return CurvesWant(angle).answer(Passing(engine, plan or whole, work))
+
+
+def named(found):
+    return {curve.name: curve for curve in found.curves}
+
+
+def test_an_empty_network_has_nothing_to_plot(session, qtbot):
+    bench = ViewerBench(qtbot, session)
+    viewer = bench.show(PlotViewer(session, bench.evaluator, DARK))
+    title = viewer.status.title
+    assert "no transfer function" in title.text()
+    assert title.palette().color(title.foregroundRole()).name() == DARK.text  # no error
+    bench.close()
+
+
+def test_an_edit_draws_only_what_it_changes(bench, viewer):
+    plot, drawn = viewer.canvas._plots[0], viewer.canvas._curves[0]
+    items = [item.curve for item in drawn.values()]
+    before = [id(item.xData) for item in items]
+    axes = [id(plot.getAxis(name).picture) for name in ("left", "bottom")]
+    bench.do(SetParameter("jitter", "sigma_mrad", 2 * SIGMA))
+    assert viewer.canvas._plots[0] is plot
+    totals = {each.name for each in curves(bench).curves if each.kind == "total"}
+    now = [id(item.xData) for item in items]
+    changed = {name for name, one, other in zip(drawn, before, now, strict=True) if one != other}
+    assert changed == {"jitter", *totals}
+    assert axes == [id(plot.getAxis(name).picture) for name in ("left", "bottom")]
+
+
+def test_a_mark_moves_without_the_plot_being_made_anew(bench, viewer):
+    plot = viewer.canvas._plots[0]
+    (mark,) = curves(bench).marks[:1]
+    assert mark.frequency in marks_of(plot)
+    drawing = viewer.canvas.drawing
+    moved = replace(drawing, marks=(replace(mark, frequency=mark.frequency / 2),))
+    viewer.canvas.show_drawing(moved, viewer.canvas.shown)
+    assert viewer.canvas._plots[0] is plot
+    assert marks_of(plot) == {mark.frequency / 2: f"{mark.text} {mark.frequency / 2:.4g}"}
+    viewer.canvas.show_drawing(replace(drawing, marks=()), viewer.canvas.shown)
+    assert marks_of(plot) == {}
+    viewer.canvas.show_drawing(drawing, viewer.canvas.shown)
+    assert viewer.canvas._plots[0] is plot
+    assert marks_of(plot)[mark.frequency] == f"{mark.text} {mark.frequency:.4g}"
+
+
+def marks_of(plot):
+    """Abscissae and names of the marks that are to be seen."""
+    lines = [item for item in plot.items if isinstance(item, pg.InfiniteLine) and item.isVisible()]
+    return {line.value(): child.toPlainText() for line in lines for child in line.childItems()}
+
+
+def test_draws_every_stage_and_the_totals(bench, viewer):
+    (panel,) = viewer.canvas.drawing.panels
+    assert panel.y_label == "MTF"
+    drawn = viewer.canvas._curves[0]
+    found = curves(bench)
+    for curve in found.curves:
+        x, y = drawn[curve.name].getData()
+        assert (x == found.frequency).all()
+        assert (y == curve.mtf).all()
+    texts = [viewer.list.item(row).text() for row in range(viewer.list.count())]
+    assert texts[-2:] == ["Total", "Total with electronics"]
+    assert "2.64" in viewer.status.title.text()  # the cutoff, beyond Nyquist
+
+
+def test_buttons_and_angle(bench, viewer, qtbot):
+    qtbot.mouseClick(viewer.bar._y, Qt.MouseButton.LeftButton)
+    bench.settle()
+    assert viewer.angle_deg == 90.0
+    assert viewer.canvas.drawing.x_label == "η (cyc/mrad)"
+    viewer.bar.angle.setValue(37.0)
+    bench.settle()
+    assert "37°" in viewer.canvas.drawing.x_label
+    wanted = named(curves(bench, 37.0))["detector"].mtf
+    assert (viewer.canvas._curves[0]["detector"].getData()[1] == wanted).all()
+    qtbot.mouseClick(viewer.bar._x, Qt.MouseButton.LeftButton)
+    bench.settle()
+    assert viewer.angle_deg == 0.0
+
+
+def test_both_parts_share_their_abscissa(bench, viewer):
+    viewer.set_parts("both")
+    assert [panel.y_label for panel in viewer.canvas.drawing.panels] == ["MTF", "PTF (rad)"]
+    upper, lower = (plot.getViewBox() for plot in viewer.canvas._plots)
+    assert upper.viewRange()[0] == pytest.approx(lower.viewRange()[0])
+    lower.setXRange(0.1, 0.2, padding=0)
+    assert upper.viewRange()[0] == pytest.approx([0.1, 0.2])
+    names = {line.name for line in viewer.canvas.drawing.panels[1].lines}
+    assert names == {"electronics", "total_with_electronics"}  # the others have no phase
+
+
+def test_the_legend_switches_curves(viewer):
+    row = next(r for r in range(viewer.list.count()) if "Jitter" in viewer.list.item(r).text())
+    curve = viewer.canvas._curves[0]["jitter"]
+    assert curve.isVisible()
+    viewer.list.item(row).setCheckState(Qt.CheckState.Unchecked)
+    assert not curve.isVisible()
+    assert viewer.state()["switched"] == {"jitter": False}
+
+
+def test_stages_that_do_nothing_are_not_shown_at_first(bench, viewer):
+    bench.do(SetParameter("jitter", "sigma_mrad", 0.0))
+    drawing = viewer.canvas.drawing
+    assert not next(entry.shown for entry in drawing.entries if entry.name == "jitter")
+
+
+def test_follows_edits_without_building_anew(bench, viewer):
+    item = viewer.canvas._curves[0]["jitter"]
+    bench.do(SetParameter("jitter", "sigma_mrad", 0.4))
+    assert viewer.canvas._curves[0]["jitter"] is item
+    x, y = item.getData()
+    assert y == pytest.approx(np.exp(-2 * math.pi**2 * 0.4**2 * x**2), abs=1e-12)
+
+
+def test_the_cursor_reads_the_nearest_curve(bench, viewer):
+    canvas, box = viewer.canvas, viewer.canvas._plots[0].getViewBox()
+    found = curves(bench)
+    x = 0.3
+    y = np.interp(x, found.frequency, named(found)["detector"].mtf)
+    place = box.mapViewToScene(QPointF(x, float(y)))
+    canvas.scene().sigMouseMoved.emit(place)
+    told = viewer.status.more.text().replace("\N{MINUS SIGN}", "-")
+    assert "Detector MTF" in told
+    assert "cyc/mrad" in told
+    frequency, value = float(told.split()[0]), float(told.split()[-1])
+    assert frequency == pytest.approx(x, abs=1e-3)
+    assert value == pytest.approx(y, abs=1e-2)
+    canvas.scene().sigMouseMoved.emit(QPointF(-9, -9))
+    assert viewer.status.more.text() == ""
+
+
+def test_keys_read_along_curves(bench, viewer, qtbot):
+    qtbot.keyClick(viewer.canvas, Qt.Key.Key_Right)
+    first = viewer.status.more.text()
+    assert "Exit Pupil MTF" in first
+    qtbot.keyClick(viewer.canvas, Qt.Key.Key_Down)
+    assert "Gaussian MTF" in viewer.status.more.text()
+    assert viewer.status.more.text().split()[0] == first.split()[0]
+
+
+def test_a_curve_of_a_node(bench, viewer):
+    viewer.look_at("picture.curve")
+    bench.settle()
+    truth = bench.value("picture.curve")
+    x, y = viewer.canvas._curves[0]["0"].getData()
+    assert (x == truth.series[0].x).all()
+    assert (y == truth.series[0].y).all()
+    assert viewer.canvas.drawing.x_label == truth.x_label
+    assert not viewer.bar.angle.isEnabled()
+
+
+def test_a_table_of_a_node(bench, viewer):
+    viewer.look_at("electronics.table")
+    bench.settle()
+    truth = bench.value("electronics.table")
+    table = viewer.table
+    assert table.isVisible()
+    assert table.rowCount() == len(truth.rows)
+    for row, figure in enumerate(truth.rows):
+        cells = [table.item(row, column).text() for column in range(4)]
+        assert cells[0] == figure.name
+        assert float(cells[1].replace("−", "-")) == pytest.approx(figure.value, rel=1e-5)
+        assert cells[2:] == [figure.unit, figure.meaning]
+
+
+def test_follows_renamed_and_removed_nodes(bench, viewer):
+    viewer.look_at("picture.curve")
+    bench.do(Rename("picture", "look"))
+    assert viewer.port == "look.curve"
+    bench.do(Remove(("look",)))
+    assert viewer.port is None
+    bench.session.undo()
+    bench.settle()
+    assert viewer.port == "look.curve"
+    assert isinstance(viewer.data, CurveData)
+
+
+def test_numbers_are_written_in_full(bench, viewer, tmp_path):
+    viewer.export(tmp_path / "curves.csv")
+    with (tmp_path / "curves.csv").open(newline="") as file:
+        heads, *rows = list(csv.reader(file))
+    found = curves(bench)
+    columns = dict(zip(heads, zip(*rows, strict=True), strict=True))
+    assert [float(cell) for cell in columns["frequency_cyc_per_mrad"]] == found.frequency.tolist()
+    for curve in found.curves:
+        assert [float(cell) for cell in columns[f"{curve.name}.mtf"]] == curve.mtf.tolist()
+        assert [float(cell) for cell in columns[f"{curve.name}.ptf_rad"]] == curve.ptf.tolist()
+
+
+def test_tables_are_written(bench, viewer, tmp_path):
+    viewer.look_at("electronics.table")
+    bench.settle()
+    viewer.export(tmp_path / "table.csv")
+    with (tmp_path / "table.csv").open(newline="") as file:
+        rows = list(csv.reader(file))[1:]
+    truth = bench.value("electronics.table")
+    assert [float(row[1]) for row in rows] == [figure.value for figure in truth.rows]
+
+
+def test_pictures_of_the_plot_are_written(viewer, tmp_path):
+    viewer.export(tmp_path / "plot.png")
+    viewer.export(tmp_path / "plot.svg")
+    raster = QImage(str(tmp_path / "plot.png"))
+    assert raster.width() >= 1200  # twice the window's dots
+    drawing = QSvgRenderer(str(tmp_path / "plot.svg"))
+    assert drawing.isValid()
+    text = (tmp_path / "plot.svg").read_text()
+    for word in ("MTF", "cyc/mrad", "Jitter MTF"):
+        assert word in text
+    colour = DARK.curves[1]
+    assert colour in text
+
+
+def test_what_cannot_be_written_is_told(viewer, tmp_path, session):
+    with pytest.raises(ImagechainError, match=r"\.pdf.*\.png"):
+        viewer.export(tmp_path / "x.pdf")
+    with pytest.raises(ImagechainError, match="cannot write"):
+        viewer.export(tmp_path / "nowhere" / "x.csv")
+    with pytest.raises(ImagechainError, match="no curves"):
+        PlotViewer(session, None, DARK, viewer).export(tmp_path / "x.csv")
+
+
+def test_state_comes_back(bench, viewer):
+    viewer.set_angle(12.5)
+    viewer.set_parts("both")
+    viewer.list.item(0).setCheckState(Qt.CheckState.Unchecked)
+    bench.settle()
+    state = json.loads(json.dumps(viewer.state()))
+    other = PlotViewer(bench.session, bench.evaluator, LIGHT)
+    other.restore(state)
+    bench.show(other)
+    assert other.state() == state
+    assert other.bar.angle.value() == 12.5
+    other.restore({"port": 3, "angle_deg": "x", "parts": 1, "switched": []})
+    assert other.state() == {**state}
+
+
+def test_asks_only_while_visible(bench, viewer):
+    viewer.hide()
+    bench.settle()
+    del bench.answers[:]
+    bench.do(SetParameter("jitter", "sigma_mrad", 0.4))
+    assert not bench.answers
+
+
+def test_themes(viewer):
+    viewer.set_theme(LIGHT)
+    assert viewer.canvas.pen("jitter").color().name() in LIGHT.curves
+    assert viewer.canvas.pen("total").color().name() == LIGHT.text
+    assert viewer.grab().toImage().pixelColor(3, 60).lightness() > 200
+
+
+def test_what_stands_beside_is_named_so_and_not_shown_at_first(bench, viewer):
+    node = Node("aside", "jitter_mtf", {"sigma_mrad": 0.3})
+    links = (
+        Link("init", "context", "aside", "context"),
+        Link("init", "magnitude", "aside", "magnitude"),
+    )
+    bench.do(Add((Placed(node),), links))
+    (entry,) = [entry for entry in viewer.canvas.drawing.entries if entry.name == "aside"]
+    assert not entry.shown
+    assert entry.title == "Jitter MTF (aside) (beside)"
+    titles = [entry.title for entry in viewer.canvas.drawing.entries]
+    assert "Jitter MTF (jitter)" in titles
+    assert not viewer.canvas._curves[0]["aside"].isVisible()
+
+
+def test_nothing_is_left_of_a_closed_viewer(bench):
+    def used():
+        viewer = PlotViewer(bench.session, bench.evaluator, DARK)
+        viewer.show()
+        viewer.set_parts("both")
+        bench.settle()
+        viewer.look_at("electronics.table")
+        bench.settle()
+        return viewer
+
+    assert is_freed(used)

@@ -1,0 +1,167 @@
+"""Two windows on one file: whoever saves second is asked."""
+
+import json
+
+import pytest
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
+
+from app.run.shipped import shipped_networks
+from window_hands import KEY, add, give_focus
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "mine.json"
+    path.write_text(shipped_networks()["first_steps"].read_text())
+    return path
+
+
+@pytest.fixture
+def two(make_window, file):
+    """Two windows on the file; the first has saved since, both have work of their own."""
+    one, other = make_window(), make_window()
+    for window in (one, other):
+        assert window.files.open_now(str(file))
+    add(one, "jitter_mtf")
+    one.files.save()
+    assert not one.isWindowModified()
+    add(other, "test_scene")
+    other.activateWindow()
+    return one, other
+
+
+def question(window):
+    found = [box for box in window.findChildren(QMessageBox, "changed_file") if box.isVisible()]
+    assert len(found) <= 1
+    return found[0] if found else None
+
+
+def click(qtbot, window, answer):
+    box = question(window)
+    box.findChild(QPushButton, answer).click()
+    qtbot.waitUntil(lambda: question(window) is None)
+
+
+def modules(path):
+    return [node["module"] for node in json.loads(path.read_text())["nodes"].values()]
+
+
+def test_the_second_to_save_is_asked_and_nothing_is_written_yet(two, file):
+    _, other = two
+    before = file.read_bytes()
+    other.files.save()
+    box = question(other)
+    assert "mine.json has been changed by somebody else" in box.text()
+    texts = {button.text().replace("&", "") for button in box.findChildren(QPushButton)}
+    assert texts == {"Reload", "Overwrite", "Save As…", "Cancel"}
+    assert file.read_bytes() == before
+    assert other.isWindowModified()
+
+
+def test_cancel_leaves_both_as_they_are(two, file, qtbot):
+    _, other = two
+    before = file.read_bytes()
+    other.files.save()
+    QTest.keyClick(question(other), KEY.Key_Escape)
+    qtbot.waitUntil(lambda: question(other) is None)
+    assert file.read_bytes() == before
+    assert other.isWindowModified()
+    other.files.save()
+    assert question(other) is not None, "it asks again"
+
+
+def test_overwrite_writes_and_asks_no_more(two, file, qtbot):
+    _, other = two
+    other.files.save()
+    click(qtbot, other, "overwrite")
+    assert "test_scene" in modules(file)
+    assert "jitter_mtf" not in modules(file)
+    assert not other.isWindowModified()
+    add(other, "init_trans")
+    other.files.save()
+    assert question(other) is None
+    assert not other.isWindowModified()
+
+
+def test_overwriting_is_noticed_by_the_other_in_its_turn(two, qtbot):
+    one, other = two
+    other.files.save()
+    click(qtbot, other, "overwrite")
+    add(one, "init_trans")
+    one.files.save()
+    assert question(one) is not None
+
+
+def test_reload_shows_what_the_file_holds(two, file, qtbot):
+    _, other = two
+    other.files.save()
+    click(qtbot, other, "reload")
+    assert "jitter_mtf" in [node.module for node in other.session.network.nodes.values()]
+    assert other.session.document.path == file
+    assert not other.isWindowModified()
+
+
+def test_save_as_leaves_the_file_to_the_other(two, file, qtbot):
+    _, other = two
+    before = file.read_bytes()
+    other.files.save()
+    click(qtbot, other, "save_as")
+    (dialog,) = (each for each in other.findChildren(QFileDialog) if each.isVisible())
+    edit = dialog.findChild(QLineEdit, "fileNameEdit")
+    give_focus(edit)
+    edit.setText(str(file.with_name("other.json")))
+    QTest.keyClick(edit, KEY.Key_Return)
+    QApplication.processEvents()
+    assert file.read_bytes() == before
+    assert modules(file.with_name("other.json"))[-1] == "test_scene"
+    assert other.session.document.path == file.with_name("other.json")
+
+
+def test_closing_saves_only_once_that_is_answered(two, file, qtbot):
+    _, other = two
+    before = file.read_bytes()
+    assert not other.close()
+    (box,) = other.findChildren(QMessageBox, "save_changes")
+    box.button(QMessageBox.StandardButton.Save).click()
+    qtbot.waitUntil(lambda: question(other) is not None)
+    assert other.isVisible()
+    assert file.read_bytes() == before
+    click(qtbot, other, "overwrite")
+    qtbot.waitUntil(lambda: not other.isVisible())
+    assert modules(file)[-1] == "test_scene"
+
+
+def test_giving_it_up_gives_up_the_closing(two, qtbot):
+    _, other = two
+    other.close()
+    (box,) = other.findChildren(QMessageBox, "save_changes")
+    box.button(QMessageBox.StandardButton.Save).click()
+    qtbot.waitUntil(lambda: question(other) is not None)
+    click(qtbot, other, "cancel")
+    assert other.isVisible()
+    assert other.isWindowModified()
+
+
+def test_of_a_removed_file_there_is_nothing_to_reload(two, file, qtbot):
+    one, _ = two
+    file.unlink()
+    add(one, "init_trans")
+    one.files.save()
+    box = question(one)
+    assert "has been removed" in box.text()
+    assert box.findChild(QPushButton, "reload") is None
+    click(qtbot, one, "overwrite")
+    assert "init_trans" in modules(file)
+    assert not one.isWindowModified()
+
+
+def test_a_file_that_broke_meanwhile_leaves_the_work_in_the_window(two, file, qtbot):
+    one, _ = two
+    add(one, "init_trans")
+    file.write_text("{")
+    one.files.save()
+    click(qtbot, one, "reload")
+    assert "not opened" in one.status.error
+    assert "init_trans" in [node.module for node in one.session.network.nodes.values()]
+    assert one.isWindowModified()

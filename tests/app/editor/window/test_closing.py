@@ -1,0 +1,271 @@
+"""Closing the window: it ends, or it asks and stays as alive as before."""
+
+import pytest
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox
+
+from app.editor.recovery.recovery_files import recoverable
+from core.editing.fields import SetParameter
+from window_hands import CTRL, KEY, SHIFT, WindowHands, add, answer, give_focus
+
+_BUTTON = QMessageBox.StandardButton
+
+
+@pytest.fixture
+def hand(window):
+    """Hands on a window with an empty network."""
+    made = WindowHands(window)
+    made.begin()
+    return made
+
+
+def questions(window):
+    return [box for box in window.findChildren(QMessageBox, "save_changes") if box.isVisible()]
+
+
+def dialogs(window):
+    return [each for each in window.findChildren(QDialog) if each.isVisible()]
+
+
+def assert_alive(window, qtbot, folder):
+    """Whatever is edited is computed and kept against a crash."""
+    name = add(window, "test_scene")
+    window.session.select([name])
+    kept = [path.read_bytes() for path in folder.glob("*.recovery")]
+    qtbot.waitUntil(
+        lambda: [path.read_bytes() for path in folder.glob("*.recovery")] not in ([], kept),
+        timeout=5000,
+    )
+    done = []
+    window.evaluator.pass_done.connect(done.append)
+    window.session.do(SetParameter(name, "width", 96))
+    qtbot.waitUntil(lambda: bool(done) and window.evaluator.idle, timeout=20_000)
+    assert window.status.error == ""
+
+
+# --- unmodified --------------------------------------------------------------------------------
+
+
+def test_a_scripted_close_of_an_unmodified_window_closes_it(window, qtbot):
+    assert window.close()
+    assert not window.isVisible()
+
+
+def test_the_keys_to_quit_close_an_unmodified_network(window, hand, qtbot, idle):
+    window.files.open_now("first_steps")
+    idle(window)
+    hand.focus()
+    hand.key(KEY.Key_Q, CTRL)
+    qtbot.waitUntil(lambda: not window.isVisible())
+
+
+def test_the_menu_closes_an_unmodified_network(window, qtbot):
+    window.actions_by_name["quit"].trigger()
+    assert not window.isVisible()
+
+
+def test_an_accepted_close_shuts_down_once(window, tmp_path):
+    add(window, "test_scene")
+    window.session.save(tmp_path / "mine.json")
+    assert window.close()
+    window.close_for_good()
+    window.stop()
+    assert recoverable(tmp_path / "recovery") == ()
+
+
+# --- modified ----------------------------------------------------------------------------------
+
+
+def test_cancel_leaves_a_window_that_computes_and_keeps_work(window, qtbot, tmp_path):
+    add(window, "init_trans")
+    assert not window.close()
+    answer(qtbot, window, _BUTTON.Cancel)
+    assert window.isVisible()
+    assert_alive(window, qtbot, tmp_path / "recovery")
+    assert not window.close()
+    assert len(questions(window)) == 1, "it asks again"
+
+
+def test_escape_is_cancel(window, qtbot, tmp_path):
+    add(window, "init_trans")
+    window.close()
+    (box,) = questions(window)
+    QTest.keyClick(box, KEY.Key_Escape)
+    qtbot.waitUntil(lambda: not questions(window))
+    assert window.isVisible()
+    assert_alive(window, qtbot, tmp_path / "recovery")
+
+
+def test_closing_again_and_again_asks_once(window, qtbot):
+    add(window, "test_scene")
+    for _ in range(3):
+        assert not window.close()
+    assert len(questions(window)) == 1
+    answer(qtbot, window, _BUTTON.Discard)
+    qtbot.waitUntil(lambda: not window.isVisible())
+    assert not questions(window)
+
+
+def test_a_close_that_comes_with_the_question_of_another_closes(window, qtbot):
+    add(window, "test_scene")
+    window.actions_by_name["new"].trigger()
+    assert not window.close()
+    assert len(questions(window)) == 1
+    answer(qtbot, window, _BUTTON.Discard)
+    qtbot.waitUntil(lambda: not window.isVisible())
+
+
+def test_what_is_being_typed_counts_as_work(window, hand, qtbot, idle):
+    """Quitting in the middle of a number asks for it: it has not been entered yet."""
+    name = add(window, "jitter_mtf")
+    window.session.save(window.settings.path.parent.parent / "mine.json")
+    window.session.select([name])
+    idle(window)
+    type_sigma(window, name, "0.75")
+    assert not window.close()
+    assert len(questions(window)) == 1
+
+
+def type_sigma(window, name, text):
+    """Type in a panel, without Enter."""
+    edit = window.panels.panels[name].body.sections.field("sigma_mrad").edit
+    give_focus(edit)
+    edit.selectAll()
+    QTest.keyClicks(edit, text)
+
+
+# --- with a dialog open ------------------------------------------------------------------------
+
+DIALOGS = {
+    "open": ("open", "file_dialog"),
+    "save as": ("save_as", "file_dialog"),
+    "export": ("export", "export_dialog"),
+    "shortcuts": ("shortcuts", "shortcuts"),
+    "module": ("module_help", "module_help"),
+    "about": ("about", "message"),
+}
+
+
+@pytest.mark.parametrize(("action", "name"), DIALOGS.values(), ids=DIALOGS)
+@pytest.mark.parametrize("modified", [False, True], ids=["unmodified", "modified"])
+def test_no_dialog_is_in_the_way(window, hand, qtbot, tmp_path, action, name, modified):
+    """The window takes a close as its manager sends it, which a modal dialog would swallow."""
+    window.session.select([add(window, "test_scene")])
+    if not modified:
+        window.session.save(tmp_path / "mine.json")
+    window.actions_by_name[action].trigger()
+    assert [each.objectName() for each in dialogs(window)] == [name]
+    assert QApplication.activeModalWidget() is None
+    assert window.close() is not modified
+    if modified:
+        answer(qtbot, window, _BUTTON.Discard)
+    qtbot.waitUntil(lambda: not window.isVisible())
+    assert not dialogs(window)
+
+
+@pytest.mark.parametrize(("action", "name"), DIALOGS.values(), ids=DIALOGS)
+def test_the_keys_to_quit_work_in_a_dialog(window, hand, qtbot, tmp_path, action, name):
+    window.session.select([add(window, "test_scene")])
+    window.session.save(tmp_path / "mine.json")
+    window.actions_by_name[action].trigger()
+    (dialog,) = dialogs(window)
+    dialog.activateWindow()
+    qtbot.waitUntil(dialog.isActiveWindow)
+    QTest.keyClick(dialog.focusWidget() or dialog, KEY.Key_Q, CTRL)
+    qtbot.waitUntil(lambda: not window.isVisible())
+
+
+def test_the_keys_to_quit_work_while_a_module_is_searched(window, hand, qtbot):
+    hand.key(KEY.Key_Tab)
+    popup = window.canvas.findChild(object, "canvas.popup")
+    assert popup.is_open
+    hand.key(KEY.Key_Q, CTRL)
+    qtbot.waitUntil(lambda: not window.isVisible())
+
+
+def test_the_keys_to_quit_work_with_a_menu_open(window, hand, qtbot):
+    menu = window.menus["&File"]
+    menu.popup(window.mapToGlobal(window.rect().center()))
+    qtbot.waitUntil(menu.isVisible)
+    QTest.keyClick(menu, KEY.Key_Q, CTRL)
+    qtbot.waitUntil(lambda: not window.isVisible())
+
+
+def test_one_dialog_of_a_kind_at_a_time(window, hand, qtbot):
+    for action in ("open", "save_as", "save_as", "shortcuts", "shortcuts", "about", "about"):
+        window.actions_by_name[action].trigger()
+    QApplication.processEvents()
+    names = sorted(each.objectName() for each in dialogs(window))
+    assert names == ["file_dialog", "message", "shortcuts"]
+
+
+def test_a_dialog_to_save_goes_with_its_document(window, hand, qtbot, tmp_path):
+    """It would otherwise give the name meant for one network to the next."""
+    add(window, "test_scene")
+    window.session.save(tmp_path / "one.json")
+    hand.focus()
+    hand.key(KEY.Key_S, CTRL | SHIFT)
+    window.files.open_now("first_steps")
+    assert not [each for each in dialogs(window) if isinstance(each, QFileDialog)]
+
+
+def test_saving_as_asked_at_the_close_ends_the_window(window, qtbot, tmp_path):
+    add(window, "test_scene")
+    window.close()
+    answer(qtbot, window, _BUTTON.Save)
+    qtbot.waitUntil(lambda: bool(dialogs(window)))
+    (dialog,) = (each for each in dialogs(window) if isinstance(each, QFileDialog))
+    dialog.fileSelected.emit(str(tmp_path / "mine.json"))
+    qtbot.waitUntil(lambda: not window.isVisible())
+    assert b"test_scene" in (tmp_path / "mine.json").read_bytes()
+
+
+def test_closing_while_the_name_is_asked_for_asks_anew(window, qtbot, tmp_path):
+    add(window, "test_scene")
+    window.close()
+    answer(qtbot, window, _BUTTON.Save)
+    qtbot.waitUntil(lambda: any(isinstance(each, QFileDialog) for each in dialogs(window)))
+    assert not window.close()
+    assert len(questions(window)) == 1
+    answer(qtbot, window, _BUTTON.Discard)
+    qtbot.waitUntil(lambda: not window.isVisible())
+
+
+# --- told to end -------------------------------------------------------------------------------
+
+
+def test_told_to_end_while_it_asks_keeps_the_work(window, qtbot, tmp_path):
+    add(window, "test_scene")
+    window.close()
+    assert len(questions(window)) == 1
+    window.stop()
+    assert not window.isVisible()
+    (left,) = (tmp_path / "recovery").glob("*.recovery")
+    assert b"test_scene" in left.read_bytes()
+
+
+def test_told_to_end_it_keeps_what_is_being_typed(window, hand, idle, tmp_path):
+    name = add(window, "jitter_mtf")
+    window.session.save(tmp_path / "mine.json")
+    window.session.select([name])
+    idle(window)
+    type_sigma(window, name, "0.75")
+    window.stop()
+    (left,) = (tmp_path / "recovery").glob("*.recovery")
+    assert b"0.75" in left.read_bytes()
+
+
+def test_told_to_end_it_says_what_could_not_be_kept(make_window, tmp_path):
+    (tmp_path / "file").write_text("")
+    window = make_window(recovery=tmp_path / "file" / "below")
+    add(window, "test_scene")
+    assert "cannot write" in str(window.stop())
+    assert not window.isVisible()
+
+
+def test_a_floating_part_closes_along(window, hand, qtbot):
+    window.panel_dock.setFloating(True)
+    qtbot.waitUntil(window.panel_dock.isVisible)
+    assert window.close()
+    shown = [each for each in QApplication.topLevelWidgets() if each.isVisible()]
+    assert not [each for each in shown if each is window or each.parent() is window]

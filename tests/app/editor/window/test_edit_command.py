@@ -1,0 +1,140 @@
+"""``imagechain edit`` as a person starts it: screenshots, a real window, signals."""
+
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+
+import pytest
+
+from child_process import PATIENCE_S, ROOT, finished, wait_for
+from virtual_screen import virtual_screen
+
+
+def words(*arguments):
+    return [sys.executable, "-m", "app.command.cli", "edit", *map(str, arguments)]
+
+
+def environment(folder, base=os.environ):
+    homes = {"XDG_CONFIG_HOME": str(folder), "XDG_DATA_HOME": str(folder)}
+    return {**base, **homes, "PYTHONPATH": str(ROOT)}
+
+
+def size_of_png(path):
+    head = path.read_bytes()[:24]
+    assert head.startswith(b"\x89PNG")
+    return struct.unpack(">II", head[16:])
+
+
+SHOTS = {
+    "window.png": (("first_steps",), (1600, 900)),
+    "smaller.png": (("first_steps", "--size", "1366x768", "--look", "light"), (1366, 768)),
+    "picture.png": (("kodak_kir310", "--part", "picture", "--size", "320x320"), None),
+}
+FAULTS = {
+    "no such network": (("nowhere.json", "w.png"), "neither a file nor the name of a shipped"),
+    "no such folder": (("first_steps", "no/folder/w.png"), "there is no folder"),
+    "broken": (("broken.json", "w.png"), "broken.json"),
+}
+# One application for all of them: the screenshots are tested, not its start.
+IN_A_ROW = """
+import contextlib, io, json, sys
+from app.command.cli import main
+ends = []
+for words in json.loads(sys.argv[1]):
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        ends.append([main(["edit", *words]), out.getvalue(), err.getvalue()])
+print(json.dumps(ends))
+"""
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
+    """The folder of the screenshots, and how each command ended."""
+    folder = tmp_path_factory.mktemp("drawn")
+    (folder / "broken.json").write_text("[1, 2")
+    asked = {name: [*words, "--screenshot", name] for name, (words, _) in SHOTS.items()}
+    for name, ((network, file), _) in FAULTS.items():
+        asked[name] = [network, "--screenshot", file]
+    program = [sys.executable, "-c", IN_A_ROW, json.dumps(list(asked.values()))]
+    done = finished(program, folder=folder, env=environment(folder))
+    assert (done.returncode, done.stderr) == (0, "")
+    return folder, dict(zip(asked, json.loads(done.stdout), strict=True))
+
+
+@pytest.mark.parametrize("name", SHOTS)
+def test_a_screenshot(name, drawn):
+    folder, ends = drawn
+    assert ends[name] == [0, "", ""]
+    width, height = size_of_png(folder / name)
+    wanted = SHOTS[name][1]
+    if wanted is None:  # no larger than asked for, and as wide as the picture is
+        assert max(width, height) == 320
+        assert height / width == pytest.approx(486 / 512, abs=0.01)
+    else:
+        assert (width, height) == wanted
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_what_cannot_be_drawn_is_one_line(name, drawn):
+    code, out, err = drawn[1][name]
+    assert (code, out) == (2, "")
+    assert FAULTS[name][1] in err
+    assert err.count("\n") == 1
+
+
+def test_nothing_else_is_written(drawn):
+    folder, _ = drawn
+    assert {path.name for path in folder.iterdir()} == {*SHOTS, "broken.json"}
+
+
+def test_a_screenshot_by_a_process_of_its_own(tmp_path):
+    done = finished(
+        words("first_steps", "--screenshot", "window.png"),
+        folder=tmp_path,
+        env=environment(tmp_path),
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert [path.name for path in tmp_path.iterdir()] == ["window.png"]
+
+
+@pytest.fixture(scope="module")
+def screen():
+    with virtual_screen(1366, 768) as found:
+        yield found
+
+
+def started(command, folder, screen):
+    """The editor's process, once its window is there."""
+    env = environment(folder, screen)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    run = subprocess.Popen(command, cwd=folder, env=env, **pipes)
+    search = ["xdotool", "search", "--onlyvisible", "--name", "Imagechain"]
+    wait_for(lambda: finished(search, env=env).returncode == 0, "a window came", child=run)
+    return run
+
+
+def ended(run, number):
+    """How it ends when it is told to."""
+    run.send_signal(number)
+    told = run.communicate(timeout=PATIENCE_S)
+    return (run.returncode, *told)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_told_to_end_the_window_closes_quietly(number, tmp_path, screen):
+    assert ended(started(words("first_steps"), tmp_path, screen), number) == (0, "", "")
+
+
+def test_a_network_that_cannot_be_opened_leaves_a_window_that_says_so(tmp_path, screen):
+    (tmp_path / "broken.json").write_text("{")
+    run = started(words("broken.json"), tmp_path, screen)
+    assert ended(run, signal.SIGTERM) == (0, "", "")
+
+
+def test_without_words_the_first_page_opens(tmp_path, screen):
+    run = started([sys.executable, "-m", "app.command.cli"], tmp_path, screen)
+    assert ended(run, signal.SIGTERM) == (0, "", "")

@@ -1,0 +1,107 @@
+"""What the editor makes of files: documents to work on, or one clear line."""
+
+import json
+
+import pytest
+
+from app.editor.window.documents.opening import is_network_file, open_named, open_network_file
+from app.run.shipped import shipped_networks
+from core.errors import ImagechainError
+
+
+def network_file(folder, nodes, links=(), **fields):
+    document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": list(links)}
+    path = folder / "network.json"
+    path.write_text(json.dumps({**document, **fields}))
+    return path
+
+
+@pytest.mark.parametrize("name", sorted(shipped_networks()))
+def test_a_shipped_network_opens_as_a_copy_whose_file_is_not_written_over(name, library):
+    found = open_named(name, library=library)
+    assert found.document.path is None
+    assert not found.document.modified
+    assert found.remark == ""
+    assert found.document.text() == shipped_networks()[name].read_text()
+
+
+def test_unknown_modules_stay_with_all_they_hold(tmp_path, library):
+    nodes = {
+        "scene": {"module": "test_scene"},
+        "star": {"module": "starlight", "params": {"magnitude": [1, {"deep": None}]}, "colour": 3},
+    }
+    path = network_file(tmp_path, nodes, [["scene.image", "star.image"]], future={"kept": True})
+    found = open_network_file(path, library=library)
+    assert "1 unknown module kept as they are: starlight" in found.remark
+    saved = tmp_path / "again.json"
+    found.document.save(saved)
+    again = json.loads(saved.read_text())
+    assert again["nodes"]["star"] == nodes["star"]
+    assert again["links"] == [["scene.image", "star.image"]]
+    assert again["future"] == {"kept": True}
+
+
+def test_a_value_that_is_not_allowed_opens_to_be_mended(tmp_path, library):
+    path = network_file(tmp_path, {"j": {"module": "jitter_mtf", "params": {"sigma_mrad": -1}}})
+    found = open_network_file(path, library=library)
+    assert "1 value not allowed" in found.remark
+    assert found.document.network.nodes["j"].params["sigma_mrad"] == -1
+
+
+BROKEN = {
+    "two links into one input": (
+        [["a.image", "i.image"], ["b.image", "i.image"]],
+        "the input image has 2 links",
+    ),
+    "wrong types": ([["a.image", "j.magnitude"]], "image into magnitude"),
+    "no such port": ([["a.picture", "i.image"]], "no output picture"),
+    "no such node": ([["c.image", "i.image"]], "no node of this network"),
+    "a cycle": ([["j.magnitude", "j.magnitude"]], "cycle"),
+}
+
+
+@pytest.mark.parametrize(("links", "told"), BROKEN.values(), ids=BROKEN)
+def test_wiring_that_no_canvas_can_show_is_refused(links, told, tmp_path, library):
+    nodes = {
+        "a": {"module": "test_scene"},
+        "b": {"module": "test_scene"},
+        "i": {"module": "init_trans"},
+        "j": {"module": "jitter_mtf"},
+    }
+    with pytest.raises(ImagechainError, match=told):
+        open_network_file(network_file(tmp_path, nodes, links), library=library)
+
+
+FILES = {
+    "newer": ('{"format": "imagechain-network", "version": 99, "nodes": {}}', "newer Imagechain"),
+    "no network": ('{"format": "something"}', "not an Imagechain network"),
+    "no JSON": ("{'a': 1", "network.json"),
+    "NaN": ('{"format": "imagechain-network", "version": 1, "nodes": {}, "seed": NaN}', "NaN"),
+    "nested": ("[" * 100_000, "nested"),
+    "empty": ("", "network.json"),
+}
+
+
+@pytest.mark.parametrize(("text", "told"), FILES.values(), ids=FILES)
+def test_a_broken_file_is_one_clear_line(text, told, tmp_path, library):
+    path = tmp_path / "network.json"
+    path.write_text(text)
+    with pytest.raises(ImagechainError, match=told) as caught:
+        open_network_file(path, library=library)
+    assert "\n" not in str(caught.value)
+
+
+def test_opening_writes_nothing_and_reads_no_input(tmp_path, library):
+    """A hostile file names files everywhere; none of them is touched by opening it."""
+    nodes = {
+        "in": {"module": "read_image", "params": {"path": "/dev/zero"}},
+        "out": {"module": "write_image", "params": {"path": str(tmp_path / "written.png")}},
+    }
+    path = network_file(tmp_path, nodes, [["in.image", "out.image"]])
+    open_network_file(path, library=library)
+    assert [each.name for each in tmp_path.iterdir()] == ["network.json"]
+
+
+def test_which_dropped_files_are_networks(tmp_path):
+    assert is_network_file(tmp_path / "A.JSON")
+    assert not is_network_file(tmp_path / "scene.exr")

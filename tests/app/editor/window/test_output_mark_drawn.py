@@ -1,0 +1,163 @@
+"""The mark of the output in the window: key, menu, panel, canvas, figures and legend."""
+
+import pytest
+
+from app.editor.panels.node_panel import NodePanel
+from app.editor.theme import DARK
+from app.editor.viewers.figures.figures_strip import FiguresStrip
+from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.run.shipped import shipped_networks
+from core.editing.document import Document
+from core.editing.nodes import Add, Placed
+from core.editing.output_mark import SetOutput
+from core.network.file import load_network
+from core.network.network import Link, Node
+from panel_hands import panel_area
+from viewer_bench import ViewerBench
+from window_hands import KEY, WindowHands
+
+SECOND = Add(
+    (
+        Placed(Node("other", "test_scene", {"width": 16, "height": 16}), (0.0, 900.0)),
+        Placed(Node("noisy", "poisson_noise"), (240.0, 900.0)),
+    ),
+    (Link("other", "image", "noisy", "image"),),
+)
+
+
+def marked(session):
+    return [name for name, node in session.network.nodes.items() if node.final]
+
+
+@pytest.fixture
+def hand(window, library):
+    made = WindowHands(window)
+    made.begin()
+    path = shipped_networks()["first_steps"]
+    window.session.open(Document(load_network(path, library=library), library=library, path=path))
+    made.focus()
+    return made
+
+
+def test_the_key_marks_and_unmarks(window, hand):
+    session = window.session
+    hand.select("back")
+    hand.key(KEY.Key_O)
+    assert marked(session) == ["back"]
+    assert window.canvas.content.nodes["back"].face.output
+    assert "output" in window.canvas.content.nodes["back"].toolTip()
+    hand.key(KEY.Key_O)
+    assert marked(session) == []
+    assert not window.canvas.content.nodes["back"].face.output
+    session.undo()
+    assert marked(session) == ["back"]
+
+
+def test_the_mark_moves_from_node_to_node(window, hand):
+    hand.select("back")
+    hand.key(KEY.Key_O)
+    hand.select("scene")
+    hand.key(KEY.Key_O)
+    nodes = window.canvas.content.nodes
+    assert [name for name, item in nodes.items() if item.face.output] == ["scene"]
+
+
+def test_what_has_no_picture_is_refused_in_words(window, hand):
+    told = []
+    window.session.told.connect(lambda *words: told.append(words))
+    hand.select("init")
+    hand.key(KEY.Key_O)
+    assert marked(window.session) == []
+    assert told == [("error", "init cannot be the output: it makes no picture")]
+
+
+def test_it_is_in_the_nodes_menu_and_in_the_list_of_shortcuts(window):
+    action = window.actions_by_name["mark_output"]
+    assert action in window.canvas.menus.node_menu.actions()
+    assert any(row[1] == "Mark as Output" for row in window.actions_by_name.listed())
+
+
+def test_the_networks_own_field_is_drawn_as_well(canvas, opened):
+    opened("inframetrics")
+    assert canvas.content.nodes["frame_grabber"].face.output
+
+
+def test_the_mark_is_painted(canvas, opened):
+    session = opened("inframetrics")
+    session.do(SetOutput(()))
+    item = canvas.content.nodes["frame_grabber"]
+    canvas.frame_all()
+
+    def colours():
+        shot = canvas.grab().toImage()
+        return {shot.pixel(x, y) for x in range(shot.width()) for y in range(0, shot.height(), 2)}
+
+    before = colours()
+    session.do(SetOutput(("frame_grabber",)))
+    assert item.face.output
+    assert colours() != before
+
+
+def test_the_panel_has_a_switch(qtbot, opened):
+    session = opened("first_steps")
+    area = panel_area(qtbot, session)
+    session.select(["back"])
+    panel = area.findChild(NodePanel, "panel.back")
+    assert not panel.head.output.isHidden()
+    panel.head.output.click()
+    assert marked(session) == ["back"]
+    assert panel.head.output.isChecked()
+    session.undo()
+    assert not panel.head.output.isChecked()
+    session.select(["init"])
+    panel = area.findChild(NodePanel, "panel.init")
+    assert panel.head.output.isHidden()
+
+
+@pytest.fixture
+def bench(qtbot, opened):
+    made = ViewerBench(qtbot, opened("measured_mtf"))
+    yield made
+    made.close()
+
+
+def test_the_strip_names_the_output_or_says_how_to_mark_it(bench):
+    strip = bench.show(FiguresStrip(bench.session, bench.evaluator, DARK), 1000, 40)
+    assert strip.text("output") == "electronics.image"
+    bench.do(SECOND)
+    assert strip.text("output") == "2 pictures"
+    told = strip._values["output"].toolTip()
+    assert "electronics.image, noisy.image" in told
+    assert "press O" in told
+    assert strip.text("snr") != "—"  # there is one electronics: no doubt which is meant
+    bench.do(SetOutput(("noisy",)))
+    assert strip.text("output") == "noisy.image"
+
+
+def test_the_figures_of_two_electronics_wait_for_a_mark(bench):
+    strip = bench.show(FiguresStrip(bench.session, bench.evaluator, DARK), 1000, 40)
+    params = bench.session.network.nodes["electronics"].params
+    wires = (Link("back", "image", "more", "image"), Link("init", "context", "more", "context"))
+    bench.do(Add((Placed(Node("more", "electronics_noise", params)),), wires))
+    assert strip.text("snr") == "—"
+    assert "electronics.image, more.image" in strip._values["snr"].toolTip()
+    bench.do(SetOutput(("more",)))
+    assert "(more)" in strip._values["snr"].toolTip()
+
+
+def test_the_legend_says_why_there_is_no_total(bench):
+    viewer = bench.show(PlotViewer(bench.session, bench.evaluator, DARK))
+
+    def texts():
+        return [viewer.list.item(row).text() for row in range(viewer.list.count())]
+
+    assert "Total" in texts()
+    bench.do(SECOND)
+    assert "Total" not in texts()
+    assert texts()[0].startswith("no Total: 2 pictures end this network")
+    assert "press O" in viewer.status.title.text()
+    bench.do(SetOutput(("electronics",)))
+    assert "Total" in texts()
+    assert not texts()[0].startswith("no Total")
+    bench.do(SetOutput(("noisy",)))
+    assert texts()[0] == "no Total: no Back Transform leads to the output, noisy.image"

@@ -1,0 +1,335 @@
+"""The window as a whole: files, questions, themes, keys, and that nothing is lost."""
+
+import json
+import stat
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractScrollArea, QApplication, QMessageBox, QPushButton, QWidget
+
+from app.editor.recovery.autosaving import DELAY_MS
+from app.editor.recovery.recovery_files import recoverable
+from app.editor.theme import DARK, LIGHT
+from app.editor.window.documents.remembered_settings import Settings
+from app.editor.window.main_window import MainWindow
+from app.run.shipped import shipped_networks
+from core.editing.fields import SetParameter
+from window_hands import add, answer
+
+# --- beginning, opening ------------------------------------------------------------------------
+
+
+def test_it_begins_with_the_welcome_page(window):
+    assert window.welcome.isVisible()
+    for name in shipped_networks():
+        assert window.findChild(QWidget, f"welcome.{name}") is not None
+
+
+def test_a_shipped_network_is_one_click_away(window, idle):
+    QTest.mouseClick(window.findChild(QWidget, "welcome.first_steps"), Qt.MouseButton.LeftButton)
+    assert window.canvas.isVisible()
+    assert window.session.network.nodes
+    assert window.session.document.path is None
+    idle(window)
+    assert window.viewers.images[1].choices.port is not None
+
+
+def test_every_shipped_network_opens_and_shows_a_picture(window, idle):
+    for name in shipped_networks():
+        assert window.files.open_now(name)
+        idle(window)
+        assert window.status.error == "", name
+        assert window.viewers.images[1].picture is not None, name
+
+
+def test_a_broken_file_leaves_the_open_network_as_it_is(window, tmp_path):
+    window.files.open_now("first_steps")
+    before = window.session.network
+    broken = tmp_path / "broken.json"
+    broken.write_text("{")
+    assert not window.files.open_now(str(broken))
+    assert window.session.network is before
+    assert "broken.json" in window.status.error
+
+
+def test_files_dropped_become_nodes_or_networks(window, tmp_path):
+    np.save(tmp_path / "scene.npy", np.ones((4, 4)))
+    window.canvas.files_dropped.emit([str(tmp_path / "scene.npy")], QPointF(30, 40))
+    (node,) = window.session.network.nodes.values()
+    assert node.module == "read_image"
+    assert Path(node.params["path"]) == tmp_path / "scene.npy"
+    assert window.session.network.layout[node.id] == (30.0, 40.0)
+    window.session.undo()
+    network = tmp_path / "mine.json"
+    network.write_text(shipped_networks()["first_steps"].read_text())
+    window.canvas.files_dropped.emit([str(network)], QPointF(0, 0))
+    assert window.session.document.path == network
+
+
+# --- saving ------------------------------------------------------------------------------------
+
+
+def test_the_title_tells_what_is_not_saved(window, tmp_path):
+    add(window, "test_scene")
+    assert window.isWindowModified()
+    window.session.save(tmp_path / "mine.json")
+    assert not window.isWindowModified()
+    assert "mine.json" in window.windowTitle()
+    window.session.undo()
+    assert window.isWindowModified()
+
+
+def test_closing_asks_and_cancel_keeps_the_window(window, qtbot):
+    add(window, "test_scene")
+    window.close()
+    answer(qtbot, window, QMessageBox.StandardButton.Cancel)
+    qtbot.wait(20)
+    assert window.isVisible()
+    assert window.session.document.modified
+
+
+def test_closing_and_discarding_leaves_nothing_behind(window, qtbot, tmp_path):
+    add(window, "test_scene")
+    window.close()
+    answer(qtbot, window, QMessageBox.StandardButton.Discard)
+    qtbot.waitUntil(lambda: not window.isVisible())
+    assert recoverable(tmp_path / "recovery") == ()
+
+
+def test_closing_and_saving_saves_first(window, qtbot, tmp_path):
+    path = tmp_path / "mine.json"
+    window.session.save(path)
+    add(window, "test_scene")
+    window.close()
+    answer(qtbot, window, QMessageBox.StandardButton.Save)
+    qtbot.waitUntil(lambda: not window.isVisible())
+    assert "test_scene" in json.loads(path.read_text())["nodes"]
+
+
+def test_new_asks_for_unsaved_work_too(window, qtbot):
+    add(window, "test_scene")
+    window.actions_by_name["new"].trigger()
+    assert window.session.network.nodes
+    answer(qtbot, window, QMessageBox.StandardButton.Discard)
+    qtbot.waitUntil(lambda: not window.session.network.nodes)
+
+
+def test_a_folder_that_cannot_be_written_is_said_and_the_work_kept(window, tmp_path):
+    add(window, "test_scene")
+    window.files.save_to(tmp_path / "nowhere" / "mine.json")
+    assert "not saved" in window.status.error
+    assert "nowhere" in window.status.error
+    assert window.session.document.modified
+    assert window.session.document.path is None
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no full disk to offer")
+def test_a_full_disk_is_said_and_the_old_file_stays(window, tmp_path, monkeypatch):
+    """Every write to the temporary file goes to a device that is full."""
+    import core.atomic
+
+    path = tmp_path / "mine.json"
+    window.session.save(path)
+    before = path.read_bytes()
+    add(window, "test_scene")
+    create = core.atomic._create_beside
+
+    def on_a_full_disk(target):
+        temporary = create(target)
+        temporary.unlink()
+        temporary.symlink_to("/dev/full")
+        return temporary
+
+    monkeypatch.setattr(core.atomic, "_create_beside", on_a_full_disk)
+    assert not window.session.save()
+    assert "No space left" in window.status.error
+    assert path.read_bytes() == before
+    assert window.session.document.modified
+
+
+def test_files_named_in_a_network_are_found_after_saving_elsewhere(window, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "deep").mkdir()
+    np.save(tmp_path / "scene.npy", np.ones((8, 8)))
+    window.drops.files([str(tmp_path / "scene.npy")], (0.0, 0.0))
+    (name,) = window.session.network.nodes
+    assert window.session.network.nodes[name].params["path"] == "scene.npy"
+    window.files.save_to(tmp_path / "deep" / "mine.json")
+    stored = json.loads((tmp_path / "deep" / "mine.json").read_text())
+    assert stored["nodes"][name]["params"]["path"] == "../scene.npy"
+
+
+# --- work that is not saved --------------------------------------------------------------------
+
+
+def test_unsaved_work_is_soon_on_the_disk(window, qtbot, tmp_path):
+    assert DELAY_MS < 2000  # and the writing takes milliseconds
+    add(window, "test_scene")
+    folder = tmp_path / "recovery"
+
+    def kept():
+        try:
+            return any(b"test_scene" in each.read_bytes() for each in folder.glob("*.recovery"))
+        except FileNotFoundError:  # taken away between being listed and being read
+            return False
+
+    qtbot.waitUntil(kept)
+    assert stat.S_IMODE(folder.stat().st_mode) & 0o077 == 0, "others could read it"
+    window.session.save(tmp_path / "mine.json")
+    qtbot.waitUntil(lambda: not kept())
+
+
+def test_a_recovery_folder_that_cannot_be_written_is_said_once(qtbot, library, settings, tmp_path):
+    (tmp_path / "file").write_text("")
+    window = MainWindow(library=library, settings=settings, recovery=tmp_path / "file" / "below")
+    add(window, "test_scene")
+    qtbot.waitUntil(lambda: "not kept against a crash" in window.status.error)
+    window.close_for_good()
+    window.deleteLater()
+
+
+# --- looks, keys -------------------------------------------------------------------------------
+
+
+def test_light_and_dark_are_remembered(make_window, settings):
+    window = make_window()
+    assert window.theme is DARK
+    window.actions_by_name["light"].trigger()
+    assert window.theme is LIGHT
+    assert QApplication.palette().window().color().name() == LIGHT.window
+    assert make_window().theme is LIGHT
+
+
+def test_size_and_docks_are_remembered(make_window):
+    window = make_window()
+    window.resize(780, 640)
+    window.library_dock.hide()
+    window.close_for_good()
+    again = make_window()
+    assert (again.width(), again.height()) == (780, 640)
+    assert not again.library_dock.isVisible()
+
+
+def test_damaged_settings_count_as_none(qtbot, library, tmp_path):
+    path = tmp_path / "editor.ini"
+    path.write_bytes(b"[%General\nlook=\xff\xfe@ByteArray(\ngeometry=3\nrecent=@Invalid()\n")
+    settings = Settings(path)
+    window = MainWindow(library=library, settings=settings, recovery=tmp_path / "recovery")
+    assert window.theme is DARK
+    window.close_for_good()
+    window.deleteLater()
+
+
+HABITS = {
+    "Tab": "Add Module",
+    "Del": "Delete",
+    "Ctrl+C": "Copy",
+    "Ctrl+X": "Cut",
+    "Ctrl+V": "Paste",
+    "Ctrl+D": "Duplicate",
+    "Ctrl+Z": "Undo",
+    "Ctrl+Shift+Z": "Redo",
+    "Ctrl+S": "Save",
+    "Ctrl+Shift+S": "Save As",
+    "Ctrl+O": "Open",
+    "Ctrl+N": "New",
+    "F": "Frame",
+    "L": "Lay Out",
+    "D": "Disable",
+    **{str(number): f"Show in Viewer {number}" for number in range(1, 10)},
+    "Ctrl+Return": "Generate Image",
+    "Esc": "Cancel",
+    "?": "Shortcuts",
+}
+
+
+@pytest.mark.parametrize(("keys", "text"), HABITS.items())
+def test_every_habit_has_its_keys_in_the_list(window, keys, text):
+    rows = {
+        key: row[1] for row in window.actions_by_name.listed() for key in row[2].split("  or  ")
+    }
+    assert rows[keys] == text
+
+
+def test_no_keys_are_given_twice(window):
+    keys = [key for row in window.actions_by_name.listed() for key in row[2].split("  or  ")]
+    assert len(keys) == len(set(keys))
+
+
+def test_the_list_of_shortcuts_shows_every_action_with_keys(window, qtbot):
+    window.actions_by_name["shortcuts"].trigger()
+    table = window.findChild(QWidget, "shortcuts.table")
+    shown = {table.item(row, 1).text() for row in range(table.rowCount())}
+    assert {row[1] for row in window.actions_by_name.listed()} <= shown
+    table.window().reject()
+
+
+def test_every_action_is_in_a_menu_with_a_tip(window):
+    in_menus = {action for menu in window.menus.values() for action in menu.actions()}
+    for spec in window.actions_by_name.specs:
+        action = window.actions_by_name[spec.name]
+        assert action in in_menus
+        assert action.toolTip()
+
+
+def test_the_keyboard_reaches_every_part(window, idle):
+    window.files.open_now("first_steps")
+    idle(window)
+    window.activateWindow()
+    parts = [window.canvas, window.library_view, window.panels, window.viewers.images[1]]
+    reached = set()
+    for _ in range(8):
+        window.actions_by_name["next_part"].trigger()
+        focus = QApplication.focusWidget()
+        reached |= {part for part in parts if part is focus or part.isAncestorOf(focus)}
+    assert reached == set(parts)
+
+
+def test_every_control_has_an_accessible_name(window, idle):
+    window.files.open_now("kodak_kir310")
+    idle(window)
+    window.session.select(["electronics"])
+    idle(window)
+    nameless = [
+        widget
+        for widget in window.findChildren(QWidget)
+        if widget.isVisible()
+        and widget.focusPolicy() & Qt.FocusPolicy.TabFocus
+        and not widget.accessibleName()
+        and not (isinstance(widget, QPushButton) and widget.text())
+        and not widget.objectName().startswith("qt_")
+        and not isinstance(widget.parent(), QAbstractScrollArea)  # a viewport: its owner has one
+    ]
+    assert not nameless, [(type(w).__name__, w.objectName(), w.parent()) for w in nameless]
+
+
+def test_undo_says_what_it_would_undo(window):
+    name = add(window, "jitter_mtf")
+    window.session.do(SetParameter(name, "sigma_mrad", 0.5))
+    assert window.actions_by_name["undo"].text() == f"&Undo Set {name}.sigma_mrad"
+    window.actions_by_name["undo"].trigger()
+    assert window.actions_by_name["redo"].text() == f"&Redo Set {name}.sigma_mrad"
+
+
+def test_single_letters_typed_in_a_field_are_text(window, qtbot, idle):
+    """D would disable the node, 1 open a viewer: not while one types."""
+    name = add(window, "test_scene")
+    window.session.select([name])
+    idle(window)
+    window.activateWindow()
+    field = window.library_view.filter
+    field.setFocus()
+    QTest.keyClicks(field, "dlf1")
+    assert field.text() == "dlf1"
+    assert not window.session.network.nodes[name].disabled
+
+
+def test_a_signal_to_end_keeps_unsaved_work(make_window, qtbot, tmp_path):
+    window = make_window()
+    add(window, "test_scene")
+    window.stop()
+    left = list((tmp_path / "recovery").glob("*"))
+    assert any(b"test_scene" in path.read_bytes() for path in left)

@@ -1,0 +1,102 @@
+"""A signal at any moment gives one line or nothing, and that line is true."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+CANCELLED = "imagechain: cancelled; nothing was written\n"
+START = """
+import os, signal, sys
+import app.command.cli, app.command.run, app.run.staging
+
+def told(number=signal.SIGTERM):
+    os.kill(os.getpid(), number)
+    for _ in range(1000):  # Python sees a signal between two steps
+        pass
+
+def before(module, name, number=signal.SIGTERM):
+    real = getattr(module, name)
+    def disturbed(*words, **options):
+        told(number)
+        return real(*words, **options)
+    setattr(module, name, disturbed)
+
+sys.argv = ["imagechain", "run", "net.json"]
+"""
+
+
+@pytest.fixture
+def disturbed(tmp_path, write, small):
+    """Run the command in a process of its own, with lines before that disturb it."""
+    write(small)
+
+    def run(lines):
+        return subprocess.run(
+            [sys.executable, "-c", f"{START}{lines}\nsys.exit(app.command.cli.main())"],
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+
+    return run
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_a_stop_while_an_object_is_deleted(disturbed, tmp_path):
+    """Python cannot raise out of a destructor, and prints what it cannot raise."""
+    done = disturbed("""
+class Disturbing:
+    def __del__(self):
+        told()
+
+real = app.command.run.evaluate
+def evaluate(*words):
+    thing = Disturbing()
+    del thing
+    return real(*words)
+app.command.run.evaluate = evaluate
+""")
+    assert (done.returncode, done.stderr) == (1, CANCELLED)
+    assert names(tmp_path) == ["net.json"]
+
+
+def test_a_second_stop_while_the_first_is_told(disturbed, tmp_path):
+    done = disturbed('before(app.command.run, "evaluate"); before(app.command.cli, "tell")')
+    assert (done.returncode, done.stderr) == (1, CANCELLED)
+    assert names(tmp_path) == ["net.json"]
+
+
+def test_a_second_stop_while_files_are_cleared_away(disturbed, tmp_path):
+    done = disturbed(
+        'before(app.command.run, "_write_reports"); before(app.run.staging.shutil, "rmtree")'
+    )
+    assert (done.returncode, done.stderr) == (1, CANCELLED)
+    assert names(tmp_path) == ["net.json"]
+
+
+@pytest.mark.parametrize("late", ["app.command.run, '_print'", "app.run.staging, '_put'"])
+def test_a_stop_once_files_appear_comes_too_late(late, disturbed, tmp_path):
+    done = disturbed(f"before({late})")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "net-output: final.png, mtf.csv, readouts.json\n" in done.stdout
+    assert names(tmp_path / "net-output") == ["final.png", "mtf.csv", "readouts.json"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_stop_while_the_interpreter_ends(number, disturbed, tmp_path):
+    done = disturbed(f"import atexit; atexit.register(told, {int(number)})")
+    assert (done.returncode, done.stderr) == (-number, "")
+    assert names(tmp_path / "net-output") == ["final.png", "mtf.csv", "readouts.json"]

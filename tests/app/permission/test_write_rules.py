@@ -1,0 +1,423 @@
+"""What a network that came from elsewhere may write."""
+
+from __future__ import annotations
+
+import json
+import os
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.command.cli import main
+from app.options.command_options import parse
+from app.permission import write_rules
+from app.permission.state_folder import state_folder
+from app.permission.write_record import WriteRecord, read_record, remember_chosen, write_record
+from app.run.shipped import find_network
+from app.run.staging import Staging
+from core.atomic import write_text
+from core.errors import FileError
+from nodes.files.read import read_pixels
+
+OWN = ["final.png", "mtf.csv", "readouts.json"]
+
+
+@pytest.fixture(autouse=True)
+def _place(tmp_path, monkeypatch):
+    """The network in a folder of its own, below the one where the command is given."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    (tmp_path / "nets").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def network(small, write):
+    """Write a network with a sink of that path."""
+
+    def save(path, module="write_image"):
+        small["nodes"]["out"] = {"module": module, "params": {"path": str(path)}}
+        small["links"] = [link for link in small["links"] if link[1] != "out.image"]
+        small["links"].append(["back.image", "out.image"])
+        return write(small, "nets/net.json")
+
+    return save
+
+
+@pytest.fixture
+def run(capsys):
+    """Run in this process: exit code, what it printed, and its line of error."""
+
+    def command(*words):
+        code = main(list(map(str, words)))
+        done = capsys.readouterr()
+        return code, done.out, done.err
+
+    return command
+
+
+@pytest.fixture
+def refused(run, tmp_path):
+    """A run that must be refused, and leave everything as it is."""
+
+    def command(*words):
+        before = contents(tmp_path)
+        code, _, line = run("run", *words)
+        assert code == 2, line
+        assert line.count("\n") == 1
+        assert contents(tmp_path) == before
+        return line
+
+    return command
+
+
+def contents(folder):
+    return {
+        str(path): path.read_bytes() if path.is_file() else path.is_symlink()
+        for path in folder.rglob("*")
+    }
+
+
+OUTSIDE = "it lies outside the network's folder and the output folder"
+CHANGED = "the file that is there was not written by this network, or has changed since"
+
+
+@pytest.mark.parametrize("module", ["write_image", "write_matrix"])
+@pytest.mark.parametrize("way", ["in full", "upwards", "through a link", "as a link"])
+def test_outside_is_refused_unless_allowed(way, module, network, run, refused, tmp_path):
+    elsewhere = tmp_path / "elsewhere"
+    name = {"write_image": "a.tif", "write_matrix": "a.csv"}[module]
+    target = {"in full": elsewhere / name, "upwards": f"../elsewhere/{name}"}.get(way)
+    if way == "through a link":
+        (tmp_path / "nets/sub").symlink_to(elsewhere, target_is_directory=True)
+        target = f"sub/{name}"
+    if way == "as a link":
+        (tmp_path / "nets" / name).symlink_to(elsewhere / name)
+        target = name
+    net = network(target, module)
+    line = refused(net)
+    assert line.startswith("imagechain: out: cannot write ")
+    assert str(target) in line
+    assert OUTSIDE in line
+    assert f"--allow-writes-to {elsewhere} allows it" in line
+    refused(net, "--allow-writes-to", tmp_path / "nets")
+    words = ("--allow-writes-to", tmp_path / "nets", "--allow-writes-to", elsewhere)
+    assert run("run", net, *words)[::2] == (0, "")
+    assert (elsewhere / name).is_file()
+
+
+def test_an_existing_file_is_refused_unless_allowed_or_written_before(
+    network, run, refused, tmp_path
+):
+    target = tmp_path / "nets/a.csv"
+    target.write_text("my own work")
+    net = network("a.csv", "write_matrix")
+    assert CHANGED in refused(net)
+    assert run("run", net, "--allow-writes-to", "nets")[0] == 0
+    assert "my own" not in target.read_text()
+    for _ in range(2):  # it is the network's from now on, also with other content
+        assert run("run", net)[::2] == (0, "")
+        assert run("run", net, "--set", "blur.sigma_x_mrad=2")[0] == 0
+    target.write_text("my own work again")
+    assert CHANGED in refused(net)
+
+
+def test_another_network_s_file_is_refused(network, run, refused, tmp_path):
+    assert run("run", network("a.tif"))[0] == 0
+    (tmp_path / "nets/net.json").rename(tmp_path / "nets/other.json")
+    assert CHANGED in refused("nets/other.json")
+
+
+def test_a_record_that_came_along_counts_nothing(network, run, refused, tmp_path):
+    """All that an archive can bring lies in its own folder."""
+    net = network("a.tif")
+    assert run("run", net)[0] == 0
+    (tmp_path / "state").rename(tmp_path / "nets/.local")
+    assert CHANGED in refused(net)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"network": 3}', "5" * 5000])
+def test_a_damaged_record_counts_as_empty(text, network, run, refused, tmp_path):
+    net = network("a.tif")
+    assert run("run", net)[0] == 0
+    [record] = (tmp_path / "state").rglob("*.json")
+    record.write_text(text)
+    assert CHANGED in refused(net)
+    known = json.dumps({"network": str(tmp_path / "nets/net.json")})
+    record.write_text(known)
+    assert CHANGED in refused(net)
+
+
+def test_without_a_place_for_the_record_it_is_said(network, run, refused, monkeypatch):
+    monkeypatch.delenv("XDG_STATE_HOME")
+    monkeypatch.delenv("HOME")
+    net = network("a.tif")
+    code, out, line = run("run", net)
+    assert (code, line) == (0, "")
+    assert out.endswith(
+        "not remembered for the next run, which needs --allow-writes-to: "
+        "there is no folder of the user's to keep it in\n"
+    )
+    assert CHANGED in refused(net)
+
+
+def test_a_run_killed_while_it_put_files_in_place_is_known(tmp_path):
+    """Whichever of the two files is there afterwards, the network has written it."""
+    target = tmp_path / "nets/a.txt"
+    record = WriteRecord(tmp_path / "nets/net.json")
+    found = []
+
+    class Killed(Staging):
+        def commit(self):
+            found.append(read_record(record.network))
+            super().commit()
+
+    for text in ("one", "two"):
+        rules = write_rules.WriteRules((tmp_path,), (), frozenset(), read_record(record.network))
+        with Killed(None) as staging:
+            staging.claim(target, partial(rules.check, "out"))
+            staging.write(target, partial(write_text, content=text))
+            assert rules.commit(staging) == ""
+    assert found[1].holds(target)
+    target.write_text("one")
+    assert found[1].holds(target)
+    assert not read_record(record.network).holds(target)
+    target.write_text("six")
+    assert not found[1].holds(target)
+
+
+def test_runs_of_one_network_at_once_do_not_disown_each_other(tmp_path):
+    """Neither refuses what the other wrote meanwhile, nor forgets it, nor what was chosen."""
+    network, target, other = (tmp_path / "nets" / name for name in ("net.json", "a.txt", "b.txt"))
+    chosen = tmp_path / "elsewhere/c.txt"
+
+    def rules():
+        return write_rules.WriteRules((tmp_path,), (), frozenset(), read_record(network))
+
+    def prepare(known, staging, path, text):
+        staging.claim(path, partial(known.check, "out"))
+        staging.write(path, partial(write_text, content=text))
+
+    late, early = rules(), rules()
+    with Staging(None) as last, Staging(None) as first:
+        prepare(late, last, target, "late")
+        prepare(early, first, target, "early")
+        prepare(early, first, other, "other")
+        assert early.commit(first) == ""
+        remember_chosen(network, [chosen])
+        assert late.commit(last) == ""
+    known = read_record(network)
+    assert target.read_text() == "late"
+    assert known.holds(target)
+    assert known.holds(other)
+    assert known.chosen == {chosen}
+
+
+def test_records_are_changed_in_turn(tmp_path):
+    """None of the files that many choose at once is lost."""
+    network = tmp_path / "nets/net.json"
+    files = {tmp_path / f"elsewhere/{number}.txt" for number in range(20)}
+    with ThreadPoolExecutor(len(files)) as workers:
+        list(workers.map(lambda file: remember_chosen(network, [file]), files))
+    assert read_record(network).chosen == files
+
+
+def test_what_changes_while_it_computes_is_seen(tmp_path):
+    target = tmp_path / "nets/a.txt"
+    rules = write_rules.WriteRules((tmp_path / "nets",), (), frozenset(), WriteRecord(tmp_path))
+
+    def disturbed(change):
+        with Staging(None) as staging:
+            staging.claim(target, partial(rules.check, "out"))
+            staging.write(target, partial(write_text, content="new"))
+            change()
+            with pytest.raises(FileError) as caught:
+                staging.commit()
+        return str(caught.value)
+
+    assert "become a link" in disturbed(lambda: target.symlink_to(tmp_path / "elsewhere/a.txt"))
+    target.unlink()
+    assert CHANGED in disturbed(lambda: target.write_text("my own work"))
+    assert target.read_text() == "my own work"
+    assert not list((tmp_path / "elsewhere").iterdir())
+
+
+def test_a_file_named_on_the_command_line_is_the_user_s_word(network, run, tmp_path):
+    target = tmp_path / "elsewhere/a.tif"
+    target.write_bytes(b"old")
+    assert run("run", network("b.tif"), "--set", f"out.path={target}")[::2] == (0, "")
+    assert read_pixels(target).shape == (40, 48)
+
+
+def test_a_file_chosen_in_a_dialog_is_the_user_s_word(network, run, refused, tmp_path):
+    target = tmp_path / "elsewhere/a.tif"
+    net = network(target)
+    remember_chosen(Path(net), [target])
+    assert run("run", net)[::2] == (0, "")
+    assert run("run", net)[::2] == (0, "")
+    target.write_bytes(b"retouched")
+    assert run("run", net)[::2] == (0, "")
+    assert OUTSIDE in refused(network(tmp_path / "elsewhere/b.tif"))
+    assert OUTSIDE in refused(network(tmp_path / "b.tif"))
+    (tmp_path / "nets/net.json").rename(tmp_path / "nets/other.json")
+    network(target)
+    (tmp_path / "nets/net.json").rename(tmp_path / "nets/third.json")
+    assert OUTSIDE in refused("nets/third.json")
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_an_output_that_is_a_link_is_not_followed(name, network, run, refused, tmp_path):
+    net = network("a.tif")
+    (tmp_path / "net-output").mkdir()
+    kept = tmp_path / "elsewhere/kept.txt"
+    kept.write_text("my own work")
+    (tmp_path / "net-output" / name).symlink_to(kept)
+    line = refused(net)
+    assert f"cannot write net-output/{name} (a link to {kept}): {OUTSIDE}" in line
+    kept.unlink()
+    assert OUTSIDE in refused(net)  # nor is a new file made there
+    assert run("run", net, "--allow-writes-to", "elsewhere")[0] == 0
+    assert kept.stat().st_size
+
+
+def test_an_output_folder_that_is_a_link_is_not_followed_unless_named(
+    network, run, refused, tmp_path
+):
+    net = network("a.tif")
+    (tmp_path / "net-output").symlink_to(tmp_path / "elsewhere", target_is_directory=True)
+    line = refused(net)
+    assert f"cannot write to net-output: it is a link to {tmp_path}/elsewhere" in line
+    assert "--output-dir net-output allows it" in line
+    assert run("run", net, "--output-dir", "net-output")[0] == 0
+    assert sorted(path.name for path in (tmp_path / "elsewhere").iterdir()) == OWN
+
+
+def test_outputs_of_earlier_runs_are_replaced(network, run, tmp_path):
+    (tmp_path / "net-output").mkdir()
+    for name in OWN:
+        (tmp_path / "net-output" / name).write_text("of an earlier version")
+    assert run("run", network("a.tif"))[::2] == (0, "")
+    assert b"earlier" not in b"".join((tmp_path / "net-output" / name).read_bytes() for name in OWN)
+
+
+def test_the_output_folder_may_be_written_to(network, run, tmp_path):
+    net = network(tmp_path / "net-output/a.tif")
+    assert run("run", net)[::2] == (0, "")
+    assert (tmp_path / "net-output/a.tif").is_file()
+    assert run("run", net)[::2] == (0, "")
+
+
+def test_the_other_name_of_a_replaced_file_keeps_what_it_holds(network, run, tmp_path):
+    """A file is replaced and never written through, so a hard link leads nowhere."""
+    kept = tmp_path / "elsewhere/kept.csv"
+    kept.write_text("my own work")
+    os.link(kept, tmp_path / "nets/a.csv")
+    net = network("a.csv", "write_matrix")
+    assert run("run", net)[0] == 2
+    assert run("run", net, "--allow-writes-to", "nets")[0] == 0
+    assert kept.read_text() == "my own work"
+    assert np.loadtxt(tmp_path / "nets/a.csv", delimiter=",").shape == (40, 48)
+
+
+def test_names_that_differ_by_case_alone(tmp_path, monkeypatch):
+    """Where the system takes A for a, as told by the folder itself."""
+    monkeypatch.setattr(Path, "samefile", lambda one, other: str(one).lower() == str(other).lower())
+    rules = write_rules.WriteRules((tmp_path / "NETS",), (), frozenset(), WriteRecord(tmp_path))
+    rules.check("out", tmp_path / "nets/new.tif")
+    with pytest.raises(FileError, match="outside"):
+        rules.check("out", tmp_path / "elsewhere/new.tif")
+
+
+def test_several_refusals_are_counted_and_listed(small, write, run, refused):
+    for number in (1, 2):
+        params = {"path": f"../elsewhere/{number}.tif"}
+        small["nodes"][f"out{number}"] = {"module": "write_image", "params": params}
+        small["links"].append(["back.image", f"out{number}.image"])
+    net = write(small, "nets/net.json")
+    assert refused(net).endswith("(and 1 more: imagechain check)\n")
+    code, out, _ = run("check", net)
+    assert code == 2
+    lines = out.splitlines()
+    assert (
+        lines[0] == "run writes net-output/final.png, net-output/mtf.csv, net-output/readouts.json"
+    )
+    assert lines[1:3] == [f"out{n}: run writes nets/../elsewhere/{n}.tif" for n in (1, 2)]
+    assert all(f"out{n}: cannot write" in lines[2 + n] for n in (1, 2))
+    assert all(OUTSIDE in line for line in lines[3:])
+
+
+@pytest.mark.parametrize("paths", [("same.tif", "sub/../same.tif"), ("../net-output/final.png",)])
+def test_two_outputs_in_one_file_are_told_by_check_too(paths, small, write, run, refused, tmp_path):
+    (tmp_path / "nets/sub").mkdir()
+    for number, path in enumerate(paths):
+        small["nodes"][f"out{number}"] = {"module": "write_image", "params": {"path": path}}
+        small["links"].append(["back.image", f"out{number}.image"])
+    net = write(small, "nets/net.json")
+    line = f"out{len(paths) - 1}: cannot write: two outputs are to go to nets/{paths[-1]}"
+    assert refused(net) == f"imagechain: {line}\n"
+    code, out, _ = run("check", net)
+    assert (code, out.splitlines()[-1]) == (2, line)
+
+
+def test_check_lists_what_run_writes(network, run, tmp_path):
+    net = network("a.tif")
+    before = contents(tmp_path)
+    code, out, line = run("check", net, "--output-dir", "there")
+    assert (code, line) == (0, "")
+    assert out.splitlines()[1:] == [
+        "run writes there/final.png, there/mtf.csv, there/readouts.json",
+        "out: run writes nets/a.tif",
+    ]
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("words", [("nothing",), ("nets/net.json",), ("",)])
+def test_a_folder_to_allow_must_be_there(words, network, refused):
+    assert "--allow-writes-to" in refused(network("a.tif"), "--allow-writes-to", *words)
+
+
+@pytest.mark.parametrize(
+    ("platform", "environment", "place"),
+    [
+        ("linux", {"HOME": "/h"}, "/h/.local/state/imagechain"),
+        ("linux", {"HOME": "/h", "XDG_STATE_HOME": "/s"}, "/s/imagechain"),
+        ("linux", {"HOME": "/h", "XDG_STATE_HOME": "s"}, "/h/.local/state/imagechain"),
+        ("darwin", {"HOME": "/h"}, "/h/Library/Application Support/imagechain"),
+        ("win32", {"LOCALAPPDATA": "/l"}, "/l/imagechain"),
+        ("win32", {}, None),
+        ("linux", {"HOME": "h"}, None),
+        ("linux", {}, None),
+    ],
+)
+def test_where_records_lie(platform, environment, place):
+    found = state_folder(environment, platform)
+    assert (found and found.as_posix()) == place
+
+
+def test_the_options_are_those_of_run_and_check():
+    for command in ("run", "check"):
+        found = parse([command, "x", "--allow-writes-to", "a", "--allow-writes-to", "b"])
+        assert found.allowed == (Path("a"), Path("b"))
+
+
+def test_a_record_comes_back_as_it_was(tmp_path):
+    place = find_network("first_steps")
+    odd = Path(os.fsdecode(b"/odd\xff name"))
+    kept = WriteRecord(place.path.resolve(), {odd: ((3, "a"), (4, "b"))}, frozenset([odd]))
+    write_record(kept)
+    assert read_record(place.path) == kept
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/fd"), reason="a system without /dev/fd")  # noqa: PTH110
+def test_a_network_on_standard_input_has_no_folder_to_write_in(network, run):
+    """As in ``imagechain check /dev/stdin <net.json``."""
+    opened = os.open(network(f"shm/imagechain-test-{os.getpid()}.png"), os.O_RDONLY)
+    try:
+        code, _, line = run("check", f"/dev/fd/{opened}")
+    finally:
+        os.close(opened)
+    assert code == 2
+    assert "outside the network's folder" in line

@@ -1,0 +1,134 @@
+"""The budget of noise and blur in reports, and what they say where it cannot be told."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from app.report.budget_section import bars_png
+from budget_chain import (
+    ELECTRONICS,
+    PHOTONS,
+    SCENE,
+    SENSOR,
+)
+
+
+def test_it_is_in_both_reports(imagechain, tmp_path):
+    done = imagechain("run", "inframetrics", "--report", "r.json", "--report", "r.html")
+    assert (done.returncode, done.stderr) == (0, "")
+    found = json.loads((tmp_path / "r.json").read_text())["budget"]
+    noise, sources = found["noise"], found["noise"]["sources"]
+    names = ["photons", "gain", "bias", "detector", "amplifier", "quantization"]
+    assert [each["name"] for each in sources] == names
+    assert sum(each["share"] for each in sources) == pytest.approx(1)
+    assert noise["together"] == pytest.approx(noise["summed"], rel=0.02)
+    for axis in ("x", "y"):
+        shares = [each[f"share_{axis}"] for each in found["blur"]["stages"]]
+        assert sum(shares) == pytest.approx(1)
+    # One detector reads every line: its error of bias shifts the picture and spreads nothing.
+    (bias,) = [each for each in sources if each["name"] == "bias"]
+    assert (bias["fixed"], bias["temporal"]) == (0.0, None)
+    assert abs(noise["together_mean"]) > 0.01
+    page = (tmp_path / "r.html").read_text()
+    assert 'alt="shares of noise and blur"' in page
+    for words in ("What contributes how much", "Quantization", "All together", "Detector MTF"):
+        assert words in page
+
+
+def test_of_a_small_periodic_frame(imagechain, tmp_path):
+    """Photon noise is known on the frame's own waves, what the electronics adds on none."""
+    small = [f"--set={node}={size}" for node, size in (
+        ("scene.width", 128), ("scene.height", 128), ("frame_grabber.width", 80),
+        ("frame_grabber.height", 80), ("init.edges", "periodic"),
+    )]  # fmt: skip
+    done = imagechain("run", "kodak_kir310", *small, "--report", "r.json")
+    assert (done.returncode, done.stderr) == (0, "")
+    noise = json.loads((tmp_path / "r.json").read_text())["budget"]["noise"]
+    assert sum(each["share"] for each in noise["sources"]) == pytest.approx(1)
+    assert noise["together"] == pytest.approx(noise["summed"], rel=0.1)  # of 6,400 samples
+
+
+def test_a_phase_does_not_blur(imagechain, tmp_path):
+    done = imagechain("run", "spatial_blur", "--report", "r.json")
+    assert (done.returncode, done.stderr) == (0, "")
+    found = json.loads((tmp_path / "r.json").read_text())["budget"]
+    assert found["noise"] is None
+    assert [each["node"] for each in found["blur"]["stages"]] == ["blur"]
+
+
+def test_two_bars_of_one_name_tell_their_node():
+    row = {"title": "Gaussian MTF", "share_x": 0.5, "share_y": -0.2}
+    blur = {"stages": [{**row, "node": "a"}, {**row, "node": "b"}]}
+    assert bars_png(None, blur).startswith(b"\x89PNG")
+
+
+def test_what_cannot_be_followed_says_why(imagechain, write, tmp_path):
+    """Magnitude and phase of different pictures: neither noise nor blur can be told apart."""
+    scene = {"module": "test_scene", "params": {**SCENE, "width": 32, "height": 32}}
+    document = {
+        "format": "imagechain-network",
+        "version": 1,
+        "nodes": {
+            "one": scene,
+            "other": {"module": "test_scene", "params": {**scene["params"], "kind": "sine"}},
+            "photons": {"module": "poisson_noise", "params": PHOTONS},
+            "init_one": {"module": "init_trans", "params": SENSOR},
+            "init_other": {"module": "init_trans", "params": SENSOR},
+            "back": {"module": "back_transform"},
+        },
+        "links": [
+            ["one.image", "photons.image"], ["photons.image", "init_one.image"],
+            ["other.image", "init_other.image"], ["init_one.magnitude", "back.magnitude"],
+            ["init_other.phase", "back.phase"],
+        ],
+    }  # fmt: skip
+    done = imagechain("run", write(document), "--report", "r.json", "--report", "r.html")
+    assert (done.returncode, done.stderr) == (0, "")
+    found = json.loads((tmp_path / "r.json").read_text())["budget"]
+    assert (found["noise"], found["blur"]) == (None, None)
+    assert found["noise_reason"].startswith("noise cannot be followed through back")
+    assert found["blur_reason"] == "what back does is not known as transfer functions"
+    page = (tmp_path / "r.html").read_text()
+    assert "Noise is not shared out: noise cannot be followed through back" in page
+    assert "Blur is not shared out: what back does is not known" in page
+
+
+def test_a_picture_of_nothing_but_noise_is_shared_out(imagechain, write, tmp_path):
+    np.save(tmp_path / "dark.npy", np.zeros((32, 32)))
+    np.save(tmp_path / "glow.npy", np.tile([29.0, 31.0], (32, 16)))
+    document = {
+        "format": "imagechain-network",
+        "version": 1,
+        "nodes": {
+            "scene": {
+                "module": "read_image",
+                "params": {"path": "dark.npy", "fov_x_deg": 3.0, "fov_y_deg": 3.0},
+            },
+            "glow": {"module": "noise_file", "params": {"path": "glow.npy"}},
+            "init": {"module": "init_trans", "params": {**SENSOR}},
+            "back": {"module": "back_transform"},
+            "electronics": {
+                "module": "electronics_noise",
+                "params": {
+                    **ELECTRONICS, "amplifier_snr": 30.0, "cut_on_um": 8.0, "cut_off_um": 12.0,
+                },
+            },
+        },
+        "links": [
+            ["scene.image", "glow.image"], ["glow.image", "init.image"],
+            ["init.magnitude", "back.magnitude"], ["init.phase", "back.phase"],
+            ["back.image", "electronics.image"], ["init.context", "electronics.context"],
+        ],
+    }  # fmt: skip
+    done = imagechain("run", write(document), "--report", "r.json", "--report", "r.html")
+    assert (done.returncode, done.stderr) == (0, "")
+    found = json.loads((tmp_path / "r.json").read_text())["budget"]
+    by_name = {each["name"]: each for each in found["noise"]["sources"]}
+    # ±1 about 30, as the estimate of 32 columns about their mean that is right on average.
+    assert by_name["file"]["fixed"] == pytest.approx(math.sqrt(32 / 31), rel=1e-6)
+    assert by_name["amplifier"]["temporal"] == pytest.approx(1.0, rel=0.01)  # 30 over 30
+    assert "Noise file" in (tmp_path / "r.html").read_text()

@@ -1,0 +1,87 @@
+"""Names, units and descriptions from anybody in reports: drawn letter by letter, and harmless."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from app.report.drawing.node_curves import curves_png
+from app.report.drawing.picture_drawing import figure
+from app.run.readout_tables import columns
+from core.chain.results import CurveData, Series
+from core.names import printable
+
+FORMULA = r"$\frac{$"  # begins a formula that never ends
+ORDERS = "\x1b]0;title\x07\x1b[31mred\x9b2J\u202eback\u2028\x7f"
+
+
+@pytest.fixture
+def unruly(small):
+    """The small network under names that are no formulas and give a terminal orders."""
+    nodes = {f"{name}{FORMULA}": node for name, node in small["nodes"].items()}
+    links = [
+        [f"{node}{FORMULA}.{port}" for node, port in (end.split(".") for end in link)]
+        for link in small["links"]
+    ]
+    nodes["slices"] = {"module": "mtf_slices"}
+    links.append([f"blur{FORMULA}.mtf", "slices.transfer"])
+    told = {"name": f"{FORMULA} {ORDERS}", "description": f"a{ORDERS}z\tand\nmore"}
+    return {**small, **told, "nodes": nodes, "links": links}
+
+
+def test_a_report_of_unruly_names(imagechain, write, unruly, tmp_path):
+    done = imagechain("run", write(unruly), "--report", "r.html", "--report", "r.json")
+    assert (done.returncode, done.stderr) == (0, "")
+    page, facts = (tmp_path / "r.html").read_text(), (tmp_path / "r.json").read_text()
+    for text in (page, facts, done.stdout):
+        assert not [letter for letter in text if letter in ORDERS and not letter.isprintable()]
+    assert json.loads(facts)["network"]["description"] == unruly["description"]
+    assert r"\u001b]0;title\u0007" in page
+
+
+@pytest.mark.parametrize("text", [FORMULA, "$x$", "US$", r"\$", r"a\b", "$$"])
+def test_texts_are_drawn_as_they_are_written(text):
+    def png(formula: bool) -> bytes:
+        with figure(3.0, 2.0) as (drawn, out):
+            axis = drawn.subplots()
+            shown = axis.set_title(text)
+            if not formula:
+                shown.set_parse_math(False)
+        return out.getvalue()
+
+    assert png(formula=True) == png(formula=False)
+
+
+def test_named_ticks_and_legends_too():
+    places = np.arange(2.0)
+    bars = CurveData(
+        FORMULA, FORMULA, FORMULA,
+        (Series(FORMULA, places, places + 1.0), Series(FORMULA, places, places)),
+        (FORMULA, FORMULA),
+    )  # fmt: skip
+    assert curves_png([(FORMULA, bars)]).startswith(b"\x89PNG")
+
+
+def test_powers_of_ten_are_still_formulas():
+    with figure(3.0, 2.0) as (drawn, _):
+        axis = drawn.subplots()
+        axis.set_yscale("log")
+        axis.set_ylim(1.0, 1e6)
+    labels = [label for label in axis.get_yticklabels() if label.get_text()]
+    assert r"$\mathdefault{10^{4}}$" in [label.get_text() for label in labels]
+    assert all(label.get_parse_math() for label in labels)
+
+
+def test_what_a_terminal_would_obey_becomes_an_escape():
+    assert printable("a\tb\nc\r\n") == "a\tb\nc\r\n"
+    assert printable("é 視 🔭 µm²") == "é 視 🔭 µm²"
+    assert printable("\x1b[31m") == r"\u001b[31m"
+    assert printable(ORDERS).isprintable()
+    assert json.loads(printable(json.dumps(ORDERS, ensure_ascii=False))) == ORDERS
+    assert printable("\udc80") == r"\udc80"
+
+
+def test_a_cell_of_a_table_stays_in_its_line():
+    assert columns([("a\nb", "\x1b[2J", "c")]).splitlines() == [r"a b  \u001b[2J  c"]

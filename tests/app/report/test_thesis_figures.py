@@ -1,0 +1,156 @@
+"""The thesis' figures in the reports of its two sensors, and the same for other networks."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import sys
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from child_process import ROOT, finished
+from command_line import run_here
+
+FIGURES = {
+    "inframetrics": ("fig. 5.26", "fig. 5.27", "figs. 5.56 and 5.57"),
+    "inframetrics_1996": ("fig. 5.26", "fig. 5.27", "figs. 5.56 and 5.57"),
+    "kodak_kir310": ("fig. 5.53", "fig. 5.54", "figs. 5.58 and 5.59"),
+    "kodak_kir310_1996": ("fig. 5.53", "fig. 5.54", "figs. 5.58 and 5.59"),
+}
+
+
+class Page(HTMLParser):
+    """Figures as (alt, caption, picture's bytes), and headings."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.figures, self.heads, self._open, self._alt = [], [], "", ("", b"")
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self._open = tag
+        given = dict(attrs)
+        if tag == "img":
+            self._alt = given["alt"], base64.b64decode(given["src"].partition("base64,")[2])
+
+    def handle_data(self, data):
+        if self._open == "figcaption":
+            self.figures.append((self._alt[0], data, self._alt[1]))
+        if self._open == "h2":
+            self.heads.append(data)
+        self._open = ""
+
+
+@pytest.fixture(scope="module", params=FIGURES)
+def report(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("report")
+    words = ["run", request.param, "--report", "r.json", "--report", "r.html"]
+    done = run_here(*words, folder=folder)
+    assert (done.returncode, done.stderr) == (0, "")
+    facts = json.loads((folder / "r.json").read_text(encoding="utf-8"))
+    return request.param, facts, Page((folder / "r.html").read_text(encoding="utf-8"))
+
+
+def test_the_figures_are_there(report):
+    name, facts, page = report
+    stages, total, judged = FIGURES[name]
+    captions = {alt: (caption, picture) for alt, caption, picture in page.figures}
+    for alt, figure in (
+        ("MTF of every stage", stages),
+        ("product of the MTFs", total),
+        ("measured and expected MTF", judged),
+    ):
+        caption, picture = captions[alt]
+        assert caption.startswith(f"As Tantalo 1996, {figure}. ")
+        assert picture.startswith(b"\x89PNG")
+    assert facts["drawn_as"]["judged"] == f"Tantalo 1996, {judged}"
+    assert "Judged by measurement" in page.heads
+
+
+def test_measured_and_expected_agree(report):
+    """To what pixels alias that are too far apart for what they see."""
+    name, facts, _ = report
+    judged = facts["judged"]
+    assert judged["reason"] is None
+    assert judged["picture"] == "frame_grabber.image"
+    assert judged["silenced"] == ["photons", "electronics"]
+    assert len(judged["measurements"]) == 4
+    within = {"row_average": 1e-4, "slanted_edge": 0.02 if "infra" in name else 0.01}
+    for each in judged["measurements"]:
+        assert each["reason"] is None
+        measured, expected = np.array(each["mtf"]), np.array(each["expected"])
+        away = measured - expected
+        assert np.max(np.abs(away)) < within[each["method"]]
+        assert each["largest_difference"] == pytest.approx(away[np.argmax(np.abs(away))])
+        assert measured[0] == pytest.approx(1.0)
+        assert each["at_nyquist"] == pytest.approx(measured[-1])
+        assert each["frequency_cyc_per_sample"][-1] == pytest.approx(0.5, abs=0.01)
+
+
+def test_what_the_thesis_says_of_its_curves(report):
+    """Fig. 5.27: the horizontal MTF falls earlier. Fig. 5.54: nearly identical, it slightly so."""
+    name, facts, _ = report
+    total = facts["transfer"]["products"][-1]
+    across, along = np.array(total["mtf_x"]), np.array(total["mtf_y"])
+    positive = (across > 0.01) & (along > 0.01)
+    positive[0] = False
+    apart = along[: len(across)] - across
+    assert np.all(apart[positive & (np.cumsum(~positive) <= 1)] > 0)
+    if "infra" in name:
+        assert np.max(apart) > 0.08
+        minima = across.min(), along.min()  # the axis of fig. 5.26 goes down to −0.25
+        assert all(-0.25 < each < -0.02 for each in minima)
+    else:
+        assert np.max(apart) < 0.02
+
+
+def test_other_networks_name_no_thesis(imagechain, write, small, tmp_path):
+    done = imagechain("run", write(small), "--report", "r.json", "--report", "r.html")
+    assert (done.returncode, done.stderr) == (0, "")
+    facts = json.loads((tmp_path / "r.json").read_text())
+    assert facts["drawn_as"] == {}
+    assert facts["judged"]["source"] == "scene.image"
+    assert facts["judged"]["silenced"] == []
+    page = Page((tmp_path / "r.html").read_text())
+    captions = " ".join(caption for _, caption, _ in page.figures)
+    assert "Tantalo" not in captions
+    assert "thesis" not in captions
+    assert "measured and expected MTF" in [alt for alt, _, _ in page.figures]
+
+
+def test_a_network_that_cannot_be_measured_says_why(imagechain, tmp_path):
+    done = imagechain("run", "poisson_two_panel", "--report", "r.json", "--report", "r.html")
+    assert (done.returncode, done.stderr) == (0, "")
+    reason = json.loads((tmp_path / "r.json").read_text())["judged"]["reason"]
+    assert reason.startswith("no chain of transfer functions leads to the final picture")
+    page = re.sub(r"<[^>]*>", " ", (tmp_path / "r.html").read_text())
+    assert f"Not measured: {reason}." in page
+
+
+def test_without_a_report_nothing_is_measured(tmp_path):
+    code = (
+        "import sys\nfrom app.command.cli import main\ntry:\n    main()\nfinally:\n"
+        "    names = 'app.assessment.edge_measurement', 'app.report'\n"
+        "    print([name for name in names if name in sys.modules])"
+    )
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
+    words = [sys.executable, "-c", code, "run", "first_steps"]
+    done = finished(words, folder=tmp_path, env=environment)
+    assert done.stdout.splitlines()[-1] == "[]", done.stderr
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (["fig. 1"], "an object of figures"),
+        ({"total": 5}, "total must be a text"),
+        ({"totals": "fig. 1"}, "'totals'; did you mean total?"),
+        ({"x": "fig. 1"}, "there are stages, total, judged"),
+    ],
+)
+def test_bad_names_of_figures(given, told, fails, write, small):
+    write(small | {"drawn_as": given})
+    assert told in fails("run", "net.json", "--report", "r.json")

@@ -1,0 +1,75 @@
+"""Each recipe is made once in an evaluation, whatever the store can hold."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from app.run.evaluation import TimedWork, asked_later, evaluate, planned
+from core.chain.engine import Engine
+from core.chain.skipped import skips
+from core.evaluation.policy import Policy
+from core.evaluation.store import Store
+from core.network.file import load_network
+from core.network.network import Network
+from nodes.library import standard_library
+
+NETWORKS = Path(__file__).parents[3] / "networks"
+LIBRARY = standard_library()
+SMALL = 256
+# The camera needs a large scene, and the sampled pupil of 1996 takes long: its sibling has one too.
+LEFT_OUT = ("camera_and_sensor", "kodak_kir310_1996")
+NAMES = sorted(path.stem for path in NETWORKS.glob("*.json") if path.stem not in LEFT_OUT)
+
+
+class Counting(TimedWork):
+    """Work that counts how often each recipe is computed."""
+
+    def __init__(self, store: Store) -> None:
+        super().__init__(Policy(threads=1), store)
+        self.times: Counter[str] = Counter()
+
+    def _compute(self, recipe, region=None):
+        name = getattr(recipe, "function", type(recipe)).__name__
+        self.times[f"{recipe.node}: {name} {recipe.key}"] += 1
+        return super()._compute(recipe, region)
+
+
+def shipped(name: str) -> Network:
+    """A shipped network with a small scene."""
+    network = load_network(NETWORKS / f"{name}.json", library=LIBRARY)
+    for node in network.nodes.values():
+        if node.module == "test_scene":
+            network = network.with_parameter(node.id, "width", SMALL)
+            network = network.with_parameter(node.id, "height", SMALL)
+    return network
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_with_a_store_of_one_byte(name):
+    store = Store(capacity_bytes=1)
+    engine = Engine(LIBRARY, store)
+    plan = planned(engine, shipped(name), NETWORKS)
+    work = Counting(store)
+    with work.hold(asked_later(plan, [], report=False)):
+        evaluate(engine, plan, work, NETWORKS)
+        skips(plan, work)
+    assert {name: count for name, count in work.times.items() if count > 1} == {}
+    assert len(work.times) > 5
+    assert store.used_bytes <= 1
+
+
+def test_with_what_reports_show():
+    from app.report.facts.report_facts import report_facts
+
+    store = Store(capacity_bytes=1)
+    engine = Engine(LIBRARY, store)
+    plan = planned(engine, shipped("kodak_kir310"), NETWORKS)
+    work = Counting(store)
+    with work.hold(asked_later(plan, [], report=True)):
+        found = evaluate(engine, plan, work, NETWORKS)
+        report_facts(found, skips(plan, work))
+    assert {name: count for name, count in work.times.items() if count > 1} == {}
+    assert store.used_bytes <= 1

@@ -1,0 +1,123 @@
+"""Output files appear together or not at all."""
+
+from __future__ import annotations
+
+import os
+from functools import partial
+
+import pytest
+
+from app.run.staging import Staging
+from child_process import kill_program
+from core.atomic import write_text
+from core.errors import FileError
+
+
+def names(folder):
+    return sorted(path.name for path in folder.rglob("*"))
+
+
+def test_nothing_before_commit_and_all_after(tmp_path):
+    with Staging(tmp_path / "out/deep") as staging:
+        staging.write(tmp_path / "a.txt", partial(write_text, content="a"))
+        staging.write(tmp_path / "out/deep/b.txt", partial(write_text, content="b"))
+        assert not (tmp_path / "a.txt").exists()
+        assert not (tmp_path / "out").exists()
+        staging.commit()
+    assert names(tmp_path) == ["a.txt", "b.txt", "deep", "out"]
+    assert (tmp_path / "out/deep/b.txt").read_text() == "b"
+
+
+def test_without_commit_nothing_stays(tmp_path):
+    (tmp_path / "a.txt").write_text("old")
+    with Staging(tmp_path) as staging:
+        staging.write(tmp_path / "a.txt", partial(write_text, content="new"))
+    assert names(tmp_path) == ["a.txt"]
+    assert (tmp_path / "a.txt").read_text() == "old"
+
+
+def test_a_failing_commit_takes_back_what_it_did(tmp_path):
+    (tmp_path / "a.txt").write_text("old")
+    with Staging(tmp_path / "out") as staging:
+        for name in ("a.txt", "new.txt", "out/c.txt", "late"):
+            staging.write(tmp_path / name, partial(write_text, content="new"))
+        (tmp_path / "late").mkdir()  # since it was claimed
+        (tmp_path / "late/full").touch()
+        with pytest.raises(FileError, match="late"):
+            staging.commit()
+    assert names(tmp_path) == ["a.txt", "full", "late"]
+    assert (tmp_path / "a.txt").read_text() == "old"
+
+
+def test_keeps_permissions_and_follows_links(tmp_path):
+    real = tmp_path / "real.txt"
+    real.write_text("old")
+    real.chmod(0o640)
+    (tmp_path / "link.txt").symlink_to(real)
+    with Staging(tmp_path) as staging:
+        staging.write(tmp_path / "link.txt", partial(write_text, content="new"))
+        staging.commit()
+    assert (tmp_path / "link.txt").is_symlink()
+    assert real.read_text() == "new"
+    assert real.stat().st_mode & 0o777 == 0o640
+
+
+def test_errors_name_the_target_not_the_temporary(tmp_path):
+    def fail(path):
+        raise FileError(f"cannot write {path}: no reason")
+
+    with pytest.raises(FileError) as caught, Staging(tmp_path) as staging:
+        staging.write(tmp_path / "a.txt", fail)
+    assert str(caught.value) == f"cannot write {tmp_path}/a.txt: no reason"
+
+
+def test_refuses_what_it_may_not_write(tmp_path, monkeypatch):
+    (tmp_path / "input.txt").touch()
+    (tmp_path / "same.txt").symlink_to(tmp_path / "input.txt")
+    (tmp_path / "old.txt").touch()
+    staging = Staging(tmp_path / "out", [tmp_path / "input.txt"])
+    for name in ("input.txt", "same.txt", "no/file.txt", "old.txt/file.txt", "."):
+        with pytest.raises(FileError, match="cannot write"):
+            staging.claim(tmp_path / name)
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(FileError, match="read-only"):
+        staging.claim(tmp_path / "old.txt")
+    with pytest.raises(FileError, match="permission"):
+        staging.claim(tmp_path / "new.txt")
+
+
+KILLED = """
+import sys, time
+from functools import partial
+from pathlib import Path
+from app.run.staging import Staging
+from core.atomic import write_text
+folder = Path(sys.argv[1])
+with Staging(folder / "out/deep") as staging:
+    for target in (folder / "a.txt", folder / "out/deep/b.txt"):
+        staging.write(target, partial(write_text, content="new"))
+    if len(sys.argv) > 2:
+        (folder / "out").mkdir()  # killed while it put the files in place
+    print("prepared", flush=True)
+    time.sleep(600)
+"""
+
+
+@pytest.mark.parametrize("more", [(), ("in place",)])
+def test_the_next_run_clears_away_what_a_killed_one_left(more, tmp_path):
+    (tmp_path / "a.txt").write_text("old")
+    kill_program(KILLED, str(tmp_path), *more, says="prepared")
+    assert len(names(tmp_path)) > 2
+    with Staging(tmp_path / "out/deep") as staging:
+        staging.claim(tmp_path / "out/deep/b.txt")
+    assert set(names(tmp_path)) <= {"a.txt", "out"}
+    assert (tmp_path / "a.txt").read_text() == "old"
+
+
+def test_two_runs_beside_each_other(tmp_path):
+    with Staging(tmp_path) as one, Staging(tmp_path) as two:
+        one.write(tmp_path / "a.txt", partial(write_text, content="a"))
+        two.write(tmp_path / "b.txt", partial(write_text, content="b"))
+        one.commit()
+        two.commit()
+    assert names(tmp_path) == ["a.txt", "b.txt"]

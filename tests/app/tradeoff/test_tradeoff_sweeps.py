@@ -1,0 +1,257 @@
+"""Trade-offs against laws written out, and what they compute and leave alone."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+from collections import Counter
+
+import pytest
+
+from app.tradeoff.sweep import Point, TradeOff
+from app.tradeoff.tradeoff_figures import Figure, default_figures, figures_of
+from app.tradeoff.tradeoff_results import Curve, telling
+from app.tradeoff.values import spaced, variation
+from core.chain.engine import Engine
+from core.errors import Cancelled, ImagechainError
+from core.evaluation.policy import Policy
+from core.network.file import load_network
+from nodes.library import standard_library
+from tradeoff_network import DOCUMENT, NYQUIST_X, mtf
+
+LIBRARY = standard_library()
+
+
+@pytest.fixture
+def network(tmp_path):
+    path = tmp_path / "sensor.json"
+    path.write_text(json.dumps(DOCUMENT))
+    return load_network(path, library=LIBRARY)
+
+
+def swept(network, node, parameter, values, *names, engine=None, **work):
+    """Points and the work they took."""
+    engine = engine or Engine(LIBRARY)
+    known = figures_of(network, LIBRARY)
+    sweep = TradeOff(node, parameter, tuple(values), tuple(known[name] for name in names))
+    made = engine.work(Policy(), **work)
+    return list(sweep.points(engine, engine.plan(network), made)), made
+
+
+def column(points, name):
+    return [point.figures.get(name) for point in points]
+
+
+# --- values ------------------------------------------------------------------------------------
+
+
+def test_ner_is_inverse_to_d_star(network):
+    values = [1e9, 1e10, 3e11, 1e13]
+    points, _ = swept(network, "electronics", "d_star", values, "electronics.ner")
+    # NEP = √(A·Δf)/D*, NER = NEP·G#/A, written out; G# of F/2 is 6.6806 at transmission 0.81.
+    area_cm2 = 30e-4**2
+    throughput = (1.0 + 4.0 * 2.0**2) / math.pi
+    for value, ner in zip(values, column(points, "electronics.ner"), strict=True):
+        nep = math.sqrt(area_cm2 * 1e4) / value
+        assert ner == pytest.approx(nep * throughput / area_cm2 * 1e4, rel=1e-12)
+
+
+def test_netd_grows_with_the_root_of_the_bandwidth(network):
+    values = [100.0, 400.0, 10_000.0]
+    name = "electronics.netd_detector_K"
+    netd = column(swept(network, "electronics", "bandwidth_Hz", values, name)[0], name)
+    assert netd[1] / netd[0] == pytest.approx(2.0, rel=1e-12)
+    assert netd[2] / netd[0] == pytest.approx(10.0, rel=1e-12)
+
+
+def test_mtf_of_gaussians_at_nyquist_and_half_of_it(network):
+    values = [0.0, 0.05, 0.3, 1.0]
+    names = ("total.mtf_nyquist_x", "total.mtf_half_nyquist_x")
+    points, _ = swept(network, "blur", "sigma_x_mrad", values, *names)
+    for value, whole, half in zip(values, *(column(points, n) for n in names), strict=True):
+        assert whole == pytest.approx(mtf(value), rel=1e-12)
+        assert half == pytest.approx(mtf(value, NYQUIST_X / 2), rel=1e-12)
+
+
+def test_the_electronics_filter_is_in_their_total_alone(network):
+    """The pre-amplifier's single pole, 1/√(1 + (2πτvξ)²), of a mirror that turns at `rate`."""
+    tau, rates = 1e-6, [5.0, 50.0]
+    network = network.with_parameter("electronics", "use_mtf", True)
+    network = network.with_parameter("electronics", "time_constant_s", tau)
+    names = ("total.mtf_nyquist_x", "total_with_electronics.mtf_nyquist_x")
+    points, _ = swept(network, "electronics", "scan_mirror_rate_Hz", rates, *names)
+    for rate, without, whole in zip(rates, *(column(points, n) for n in names), strict=True):
+        w = 2 * math.pi * tau * (2 * math.pi * 1000.0 * rate) * NYQUIST_X
+        assert without == pytest.approx(mtf(0.5), rel=1e-12)
+        assert whole / without == pytest.approx(1 / math.hypot(1.0, w), rel=1e-9)
+
+
+def test_a_point_is_what_the_network_gives_with_that_value(network):
+    name = "electronics.snr"
+    points, _ = swept(network, "blur", "sigma_x_mrad", [0.1, 2.0], name)
+    for point in points:
+        engine = Engine(LIBRARY)
+        plan = engine.plan(network.with_parameter("blur", "sigma_x_mrad", point.value))
+        found = engine.readouts(plan, "electronics", engine.work(Policy()))
+        assert point.figures[name] == found["snr"]
+
+
+# --- economy -----------------------------------------------------------------------------------
+
+
+def computed_by_node(work):
+    nodes = [recipe.node for key, recipe in work.tally.asked.items() if key in work.tally.computed]
+    return Counter(nodes)
+
+
+def test_only_what_the_parameter_touches_is_computed_again(network):
+    name = "electronics.netd_system_K"
+    _, once = swept(network, "electronics", "d_star", [1e10], name)
+    _, many = swept(network, "electronics", "d_star", [1e10, 2e10, 3e10, 4e10, 5e10], name)
+    one, five = computed_by_node(once), computed_by_node(many)
+    assert one.keys() == five.keys() == {"scene", "back", "electronics", None}
+    assert (five["scene"], five["back"]) == (one["scene"], one["back"])
+    assert five["electronics"] > one["electronics"]
+    assert five[None] == 5 * one[None] == 5  # the figure taken from the table
+
+
+def test_an_mtf_is_told_without_any_picture(network):
+    _, work = swept(network, "blur", "sigma_x_mrad", [0.1, 0.2], "total.mtf_nyquist_x")
+    assert not work.tally.computed
+
+
+def test_a_read_out_is_computed_without_the_others_of_its_node(network):
+    """Of a measured MTF's read-outs one that fails leaves the others alone."""
+    figures = figures_of(network, LIBRARY)
+    assert figures["blur.mtf_at_nyquist_x"].unit == ""
+    points, work = swept(network, "blur", "sigma_x_mrad", [0.3], "blur.mtf_at_nyquist_x")
+    expected = math.exp(-2 * math.pi**2 * 0.3**2 * NYQUIST_X**2)
+    assert points[0].figures == {"blur.mtf_at_nyquist_x": pytest.approx(expected, rel=1e-12)}
+    assert set(computed_by_node(work)) <= {None, "blur"}
+
+
+# --- gaps --------------------------------------------------------------------------------------
+
+
+def test_a_value_that_is_refused_leaves_a_gap_and_the_rest_goes_on(network):
+    names = ("total.mtf_nyquist_x", "electronics.ner")
+    points, _ = swept(network, "blur", "sigma_x_mrad", [-1.0, 0.5], *names)
+    assert points[0].figures == {}
+    assert set(points[0].reasons) == set(names)
+    assert (
+        "sigma_x_mrad = -1.0 mrad is not allowed: a number of at least 0"
+        in (points[0].reasons["electronics.ner"])
+    )
+    assert points[1].reasons == {}
+    assert set(points[1].figures) == set(names)
+
+
+def test_what_still_works_where_a_node_fails_is_told(network):
+    """The blur does not hang on the electronics, which need D* of the material."""
+    network = network.with_parameter("electronics", "d_star", None)
+    network = network.with_parameter("electronics", "region", "MWIR")
+    values = ["PtSi", "manual"]
+    names = ("electronics.ner", "blur.mtf_at_nyquist_x")
+    points, _ = swept(network, "electronics", "material", values, *names)
+    assert points[0].reasons == {}
+    assert list(points[1].figures) == ["blur.mtf_at_nyquist_x"]
+    assert "the material `manual` needs it" in points[1].reasons["electronics.ner"]
+
+
+def test_zero_that_stands_for_empty_is_no_zero(network):
+    points, _ = swept(network, "electronics", "amplifier_snr", [0.0, None], "electronics.snr")
+    assert "stands for an empty parameter" in points[0].reasons["electronics.snr"]
+    assert "electronics.snr" in points[1].figures
+
+
+def test_a_broken_branch_beside_the_chain_does_not_hide_its_mtf(network, tmp_path):
+    document = json.loads(json.dumps(DOCUMENT))
+    document["nodes"]["lost"] = {"module": "read_image", "params": {"path": "nowhere.npy"}}
+    (tmp_path / "broken.json").write_text(json.dumps(document))
+    broken = load_network(tmp_path / "broken.json", library=LIBRARY)
+    points, _ = swept(broken, "blur", "sigma_x_mrad", [0.4], "total.mtf_nyquist_x")
+    assert column(points, "total.mtf_nyquist_x") == [pytest.approx(mtf(0.4), rel=1e-12)]
+
+
+def test_it_stops_when_told_to(network):
+    stop = threading.Event()
+    engine = Engine(LIBRARY)
+    figure = figures_of(network, LIBRARY)["electronics.ner"]
+    sweep = TradeOff("blur", "sigma_x_mrad", (0.1, 0.2, 0.3), (figure,))
+    points = sweep.points(engine, engine.plan(network), engine.work(Policy(), cancel=stop))
+    next(points)
+    stop.set()
+    with pytest.raises(Cancelled):
+        next(points)
+
+
+# --- which figures, which values ---------------------------------------------------------------
+
+
+def test_of_the_usual_figures_those_that_change_are_shown(network):
+    figures = default_figures(network, LIBRARY)
+    assert {figure.node for figure in figures} == {"total", "total_with_electronics", "electronics"}
+    engine = Engine(LIBRARY)
+    sweep = TradeOff("electronics", "d_star", (1e10, 1e11), figures)
+    points = tuple(sweep.points(engine, engine.plan(network), engine.work(Policy())))
+    shown = {figure.name for figure in telling(figures, [Curve(None, points)])}
+    assert shown == {"d_star", "nep_W", "ner", "netd_detector_K", "netd_system_K", "snr"}
+
+
+def test_rounding_is_no_change():
+    figures = (Figure("a", "x"), Figure("a", "y"))
+    rows = [{"a.x": 1.0, "a.y": 1.0}, {"a.x": 1.0 + 1e-7, "a.y": 1.1}]
+    points = tuple(Point(number, row) for number, row in enumerate(rows))
+    assert telling(figures, [Curve(None, points)]) == figures[1:]
+    assert telling(figures[:1], [Curve(None, points)]) == figures[:1]  # all that there is
+
+
+def test_spaced_values():
+    assert spaced(0.0, 1.0, 5) == (0.0, 0.25, 0.5, 0.75, 1.0)
+    assert spaced(1.0, 1e4, 5, log=True) == (1.0, 10.0, 100.0, 1000.0, 1e4)
+    assert spaced(1.0, 4.0, 9, whole=True) == (1, 2, 3, 4)
+    assert spaced(0.0, 0.3, 4) == (0.0, 0.1, 0.2, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("blur.sigma_x_mrad=.5, 1e0,+2", (0.5, 1.0, 2.0)),
+        ("blur.sigma_x_mrad=-1:1:3", (-1.0, 0.0, 1.0)),
+        ("blur.sigma_x_mrad=2:0:3", (2.0, 1.0, 0.0)),
+        ("electronics.material=PtSi,Si:Ga", ("PtSi", "Si:Ga")),
+        ("electronics.bits=0,4,8", (0, 4, 8)),
+        ("electronics.post_poles=1:8:4:log", (1, 2, 4, 8)),
+        ("electronics.use_mtf=true,false", (True, False)),
+        ("electronics.amplifier_snr=null,10", (None, 10.0)),
+        ("electronics.d_star=1e9:1e11:3:log", (1e9, 1e10, 1e11)),
+    ],
+)
+def test_values_as_they_are_said(network, text, values):
+    assert variation(text, network, library=LIBRARY).values == values
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("blur.sigma_x_mrad", "write NODE.PARAM=FROM:TO:COUNT"),
+        ("blurr.sigma_x_mrad=1", "did you mean blur?"),
+        ("blur.sigma=1", "has no parameter sigma; it has apply, sigma_x_mrad"),
+        ("blur.sigma_x_mrad=soft", "'soft' mrad"),
+        ("blur.sigma_x_mrad=nan", "nan"),
+        ("blur.sigma_x_mrad=0:1", "write NODE.PARAM=FROM:TO:COUNT"),
+        ("blur.sigma_x_mrad=0:1:5:lin", "write NODE.PARAM=FROM:TO:COUNT"),
+        ("blur.sigma_x_mrad=1:1:5", "two numbers"),
+        ("blur.sigma_x_mrad=0:1:1", "COUNT = 1 is not allowed: from 2 to 1000"),
+        ("blur.sigma_x_mrad=0:1:1001", "from 2 to 1000"),
+        ("blur.sigma_x_mrad=0:1:5:log", "log needs FROM and TO above 0"),
+        ("blur.sigma_x_mrad=0:1e999:5", "two numbers"),
+        ("electronics.bits=5", "one of 0, 4, 6"),
+    ],
+)
+def test_values_that_are_none(network, text, told):
+    with pytest.raises(ImagechainError) as caught:
+        variation(text, network, library=LIBRARY)
+    assert told in str(caught.value)
+    assert caught.value.exit_code == 2

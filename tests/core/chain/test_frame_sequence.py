@@ -1,0 +1,68 @@
+"""Further frames: temporal noise of their own, the sensor's patterns and all else the same."""
+
+import numpy as np
+import pytest
+
+from core.chain.frame_sequence import at_frame
+from noisy_sensors import noisy_sensor, picture_of
+
+ALL = ("photons", "gain", "bias", "detector", "amplifier", "quantization", "periodic")
+
+
+def frames(tmp_path, *kinds, count=2, **settings):
+    engine, network = noisy_sensor(tmp_path, *kinds, **settings)
+    image, work = picture_of(engine, network, tmp_path, seed=7)
+    return image, work, [work.value(at_frame(image.recipe, n)) for n in range(count)]
+
+
+def test_frame_0_is_the_picture_itself(tmp_path):
+    image, _, _ = frames(tmp_path, *ALL)
+    assert at_frame(image.recipe, 0) is image.recipe
+
+
+@pytest.mark.parametrize("kind", ["photons", "published photons", "detector", "amplifier"])
+def test_temporal_noise_is_drawn_anew(tmp_path, kind):
+    _, _, (first, second, third) = frames(tmp_path, kind, count=3, resize=False)
+    size = first.size
+    a, b = second - first, third - second
+    assert np.all(np.abs([a.mean(), b.mean()]) < 0.2)
+    assert (a != 0).mean() > 0.99
+    # Independent frames: neighbouring differences share one of three, so their correlation is −½.
+    correlation = np.corrcoef(a.ravel(), b.ravel())[0, 1]
+    assert correlation == pytest.approx(-0.5, abs=6 / np.sqrt(size))
+
+
+@pytest.mark.parametrize("kind", ["gain", "bias", "periodic", "quantization"])
+def test_patterns_stay(tmp_path, kind):
+    _, _, (first, second) = frames(tmp_path, kind)
+    # The detectors of this sensor have next to no noise of their own: 1e-19 of the picture.
+    assert np.allclose(first, second, rtol=1e-14, atol=0)
+
+
+@pytest.mark.parametrize("platform", ["line", "push", "array"])
+def test_the_spread_of_noise_among_detectors_stays(tmp_path, platform):
+    _, _, drawn = frames(tmp_path, "detector", platform=platform, count=60, resize=False)
+    spread = np.std(drawn, axis=0)
+    others = np.std(drawn[::2], axis=0)
+    if platform == "array":
+        assert np.corrcoef(spread.ravel(), others.ravel())[0, 1] > 0.5
+    assert spread.mean() > 0.1
+
+
+def test_a_frame_repeats_to_the_bit_and_computes_no_more_than_noise(tmp_path):
+    image, work, _ = frames(tmp_path, *ALL)
+    computed = set(work.tally.computed)
+    again = work.value(at_frame(image.recipe, 5))
+    new = [
+        work.tally.asked[key] for key in work.tally.computed - computed if key in work.tally.asked
+    ]
+    assert not [r for r in new if r.node in ("scene", "pupil")]
+    fresh, other = picture_of(*noisy_sensor(tmp_path, *ALL), tmp_path, seed=7)
+    assert np.array_equal(other.value(at_frame(fresh.recipe, 5)), again)
+
+
+def test_a_typed_seed_has_frames_too(tmp_path):
+    engine, network = noisy_sensor(tmp_path, "amplifier")
+    network = network.with_parameter("electronics", "seed_mode", "typed")
+    image, work = picture_of(engine, network, tmp_path, seed=7)
+    assert not np.array_equal(work.value(image.recipe), work.value(at_frame(image.recipe, 1)))

@@ -1,0 +1,269 @@
+"""What an evaluation did not compute is said of the right nodes, and only where it is so."""
+
+from __future__ import annotations
+
+import math
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arithmetic_modules import LIBRARY, TwoOut, ramp
+from child_process import PATIENCE_S
+from core.chain.engine import Engine
+from core.chain.skipped import skips
+from core.chain.wires import Image
+from core.evaluation.evaluation_log import Tally
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Step
+from core.evaluation.store import Store
+from core.modules.declaration import Here, Module
+from engine_bench import CHAIN, CHAIN_LINKS, LINE, Bench, network
+
+COLUMNS = 6  # of the ramp that the chain starts from; it has 4 rows
+
+
+class Pair(Module, key="pair", title="Pair", group="Test"):
+    """Two pictures that have nothing to do with each other."""
+
+    def run(self, here: Here) -> TwoOut:
+        one, other = (
+            Image(Step.of(ramp, node=here.node, rows=2, columns=3, level=level), 2, 3)
+            for level in (0.0, 1.0)
+        )
+        return TwoOut(one, other)
+
+
+def evaluated(document, *ports, bench=None, tolerance=0.0):
+    """The account of a new evaluation that looked at the ports."""
+    engine = (bench or Bench()).engine
+    plan = engine.plan(document)
+    work = engine.work(Policy(precision="double", tolerance=tolerance, threads=1))
+    for port in ports:
+        engine.value(plan, port, work)
+    return skips(plan, work)
+
+
+def of_kind(found, kind):
+    return {each.node: each for each in found if each.kind == kind}
+
+
+def chain(**params):
+    document = network(CHAIN, CHAIN_LINKS)
+    for name, (parameter, value) in params.items():
+        document = document.with_parameter(name, parameter, value)
+    return document
+
+
+class TestStages:
+    def test_a_neutral_setting(self):
+        found = evaluated(chain(blur=("sigma", 0)), "bin.image")
+        assert [each.kind for each in found if each.node == "blur"] == ["identity"]
+        assert of_kind(evaluated(chain(), "bin.image"), "identity") == {}
+
+    def test_a_disabled_node(self):
+        document = chain()
+        off = replace(document.nodes["blur"], disabled=True)
+        found = evaluated(replace(document, nodes={**document.nodes, "blur": off}), "bin.image")
+        assert [each.kind for each in found if each.node == "blur"] == ["disabled"]
+        assert of_kind(evaluated(document, "bin.image"), "disabled") == {}
+
+    def test_below_the_budget_with_its_bound(self):
+        """1 − H of a Gaussian is largest at the band's corner, (5/12, 3/8) cycles/mrad here."""
+        sigma = 1e-3
+        true = -math.expm1(-2 * (math.pi * sigma) ** 2 * ((5 / 12) ** 2 + (3 / 8) ** 2))
+        found = evaluated(chain(blur=("sigma", sigma)), "bin.image", tolerance=1.001 * true)
+        left_out = of_kind(found, "below_budget")
+        assert list(left_out) == ["blur"]
+        assert true <= left_out["blur"].bound <= true * (1 + 1e-5)
+        for tolerance in (0.999 * true, 0.0):
+            found = evaluated(chain(blur=("sigma", sigma)), "bin.image", tolerance=tolerance)
+            assert of_kind(found, "below_budget") == {}
+
+    @pytest.mark.parametrize("plain_first", [True, False])
+    def test_of_two_pictures_the_larger_bound(self, plain_first):
+        """Crossed with another phase a frame is periodic: its band ends at (1/2, 1/2)."""
+        sigma = 1e-3
+        pictures = {"back": ("back", {}), "crossed": ("back", {})}
+        if not plain_first:
+            pictures = dict(reversed(pictures.items()))
+        nodes = {name: CHAIN[name] for name in ("make", "init", "blur")}
+        nodes |= {"blur": ("blur", {"sigma": sigma}), "other": ("maker", {"level": 5.0})}
+        links = [
+            *CHAIN_LINKS[:-1], ("other.image", "init2.image"),
+            ("blur.magnitude", "crossed.magnitude"), ("init2.phase", "crossed.phase"),
+        ]  # fmt: skip
+        document = network({**nodes, "init2": ("init", {}), **pictures}, links)
+        found = evaluated(document, "back.image", "crossed.image", tolerance=0.1)
+        (left_out,) = [each for each in found if each.kind == "below_budget"]
+        true = -math.expm1(-2 * (math.pi * sigma) ** 2 * 0.5)
+        assert true <= left_out.bound <= true * (1 + 1e-5)
+
+    def test_nothing_is_left_out_of_a_picture_that_nobody_asked_for(self):
+        found = evaluated(chain(blur=("sigma", 1e-9)), "make.image", tolerance=1e-3)
+        assert of_kind(found, "below_budget") == {}
+
+    def test_a_stage_left_out_of_a_picture_in_the_store_is_still_named(self):
+        bench, document = Bench(), chain(blur=("sigma", 1e-9))
+        for _ in range(2):
+            found = evaluated(document, "bin.image", bench=bench, tolerance=1e-3)
+            assert list(of_kind(found, "below_budget")) == ["blur"]
+
+
+class TestPictures:
+    def test_pixels_combined_on_the_spectrum(self):
+        found = of_kind(evaluated(chain(), "bin.image"), "folded")
+        assert list(found) == ["bin"]
+        assert found["bin"].share == 1 / 4
+        assert "3 × 2" in found["bin"].text
+        odd = evaluated(chain(make=("columns", COLUMNS + 1)), "bin.image")
+        assert of_kind(odd, "folded") == {}  # 2 does not divide 7
+        assert of_kind(evaluated(chain(), "back.image"), "folded") == {}
+
+    def test_mirrored_edges(self):
+        found = of_kind(evaluated(chain(), "back.image"), "mirrored_edges")
+        assert list(found) == ["back"]
+        assert found["back"].share == 1 / 4
+        assert "12 × 8" in found["back"].text
+        assert of_kind(evaluated(chain(), "make.image"), "mirrored_edges") == {}
+
+    def test_outputs_that_nobody_asked_for(self):
+        ports = {
+            name: each.ports
+            for name, each in of_kind(evaluated(chain(), "bin.image"), "unseen").items()
+        }
+        assert ports == {
+            "init": ("magnitude", "phase"),
+            "blur": ("magnitude", "mtf"),
+            "back": ("image",),
+        }
+        asked = ("bin.image", "back.image", "init.magnitude", "init.phase", "blur.mtf")
+        found = of_kind(evaluated(chain(), *asked), "unseen")
+        assert {name: each.ports for name, each in found.items()} == {"blur": ("magnitude",)}
+        assert of_kind(evaluated(chain(), *asked, "blur.magnitude"), "unseen") == {}
+
+    def test_a_port_that_is_passed_on_is_no_output_of_its_own(self):
+        found = evaluated(network({**LINE, "a": ("scale", {"factor": 1})}), "b.image", "b.noise")
+        assert of_kind(found, "unseen") == {}
+        assert list(of_kind(found, "identity")) == ["a"]
+
+
+class TestUnchanged:
+    def test_a_first_evaluation_has_none(self):
+        assert of_kind(evaluated(chain(), "bin.image", "back.image"), "unchanged") == {}
+
+    def test_a_second_one_computes_nothing(self):
+        bench = Bench()
+        evaluated(network(LINE), "b.image", bench=bench)
+        found = of_kind(evaluated(network(LINE), "b.image", bench=bench), "unchanged")
+        assert list(found) == ["make", "a", "b"]
+        assert {each.share for each in found.values()} == {0.0}
+
+    def test_the_whole_chain_behind_a_picture_that_was_there(self):
+        bench = Bench()
+        for _ in range(2):
+            found = evaluated(chain(), "bin.image", bench=bench)
+        assert list(of_kind(found, "unchanged")) == ["make", "back", "bin"]
+        unseen = {name: each.ports for name, each in of_kind(found, "unseen").items()}
+        assert unseen["back"] == ("image",)  # neither now nor before
+
+    def test_a_node_that_computed_something_is_not_unchanged(self):
+        """Of two outputs one was there behind another picture, the other is new."""
+        engine = Engine({**LIBRARY, "pair": Pair})
+        plan = engine.plan(network({"pair": ("pair", {}), "a": ("scale", {})}))
+        for ports in (["a.image"], ["a.image", "pair.noise"]):
+            work = engine.work(Policy(precision="double", threads=1))
+            for port in ports:
+                engine.value(plan, port, work)
+        assert list(of_kind(skips(plan, work), "unchanged")) == ["a"]
+
+    def test_what_an_edit_follows_is_unchanged(self):
+        bench, document = Bench(), network(LINE)
+        evaluated(document, "b.image", bench=bench)
+        edited = document.with_parameter("b", "factor", 4)
+        found = evaluated(edited, "b.image", bench=bench)
+        assert list(of_kind(found, "unchanged")) == ["make", "a"]
+        unseen = {name: each.ports for name, each in of_kind(found, "unseen").items()}
+        assert unseen == {"a": ("noise",), "b": ("noise",)}
+
+    def test_a_new_blur_keeps_the_spectrum(self):
+        bench = Bench()
+        evaluated(chain(), "bin.image", bench=bench)
+        found = of_kind(evaluated(chain(blur=("sigma", 2)), "bin.image", bench=bench), "unchanged")
+        assert list(found) == ["make", "back"]
+        assert found["back"].share == 1 / 2  # the spectrum was there, the inverse was not
+        assert "1 of 2" in found["back"].text
+
+    def test_a_picture_that_two_nodes_share_is_not_unchanged(self):
+        document = network({**LINE, "c": ("scale", {"factor": 2.0}), "s": ("sum", {})},
+                           [("make.image", "a.image"), ("make.image", "c.image"),
+                            ("a.image", "s.image"), ("c.image", "s.other")])  # fmt: skip
+        assert of_kind(evaluated(document, "s.image"), "unchanged") == {}
+
+    def test_a_store_too_small_keeps_nothing(self):
+        bench = Bench(Store(capacity_bytes=1))
+        for _ in range(2):
+            found = evaluated(network(LINE), "b.image", bench=bench)
+            assert of_kind(found, "unchanged") == {}
+
+
+class TestAccount:
+    def test_what_two_pictures_share_is_said_once(self):
+        found = evaluated(chain(blur=("sigma", 1e-9)), "bin.image", "back.image", tolerance=1e-3)
+        said = [(each.node, each.kind) for each in found]
+        assert len(said) == len(set(said))
+
+    def test_before_anything_is_evaluated_nobody_has_asked(self):
+        assert {each.kind for each in evaluated(chain())} == {"unseen"}
+
+    def test_a_failed_node_has_no_account(self):
+        document = network({**LINE, "make": ("maker", {"level": -13})})
+        assert evaluated(document) == ()
+
+    def test_taking_it_asks_for_nothing_and_changes_no_bit(self):
+        bench = Bench()
+        plan, work = bench.engine.plan(chain()), bench.work()
+        before = bench.engine.value(plan, "bin.image", work)
+        count, asked = len(bench.computed), set(work.tally.asked)
+        first = skips(plan, work)
+        assert skips(plan, work) == first
+        assert (len(bench.computed), set(work.tally.asked)) == (count, asked)
+        bench.engine.store.clear()
+        assert np.array_equal(bench.engine.value(plan, "bin.image", work), before)
+
+    @pytest.mark.parametrize("threads", [2, 8])
+    def test_threads_share_one_tally(self, threads):
+        names = [f"n{k}" for k in range(60)]
+        nodes = {"make": ("maker", {})} | {
+            name: ("scale", {"factor": 20.0 + k}) for k, name in enumerate(names)
+        }
+        document = network(nodes, [("make.image", f"{name}.image") for name in names])
+        engine = Engine(LIBRARY)
+        plan, work = engine.plan(document), engine.work(Policy(precision="double", threads=1))
+        start = threading.Barrier(threads)
+
+        def look(own):
+            start.wait(PATIENCE_S)
+            for name in own:
+                engine.value(plan, f"{name}.image", work)
+
+        running = [threading.Thread(target=look, args=(names[k::threads],)) for k in range(threads)]
+        for each in running:
+            each.start()
+        for each in running:
+            each.join(PATIENCE_S)
+        assert not any(each.is_alive() for each in running)
+        keys = {plan.output(f"{name}.image").key for name in names} | {
+            plan.output("make.image").key
+        }
+        assert set(work.tally.asked) == work.tally.computed == keys
+        assert of_kind(skips(plan, work), "unchanged") == {}
+
+
+def test_what_was_asked_for_but_not_computed_was_there():
+    here, there = (Step.of(math.sqrt, node=name, x=name) for name in ("here", "there"))
+    tally = Tally()
+    tally.asked = {here.key: here, there.key: there}
+    tally.computed.add(here.key)
+    assert tally.reused() == [there]

@@ -1,0 +1,173 @@
+"""Values that are still needed stay, whatever their size; chains may be of any length."""
+
+from __future__ import annotations
+
+import threading
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from core.chain.frame_sequence import at_frame
+from core.errors import Cancelled, DataError
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Step, pointwise
+from core.evaluation.region import Region
+from core.evaluation.store import Store
+from core.evaluation.work import Work
+
+DEEP = 5000
+REGION = Region(0, 1, 1, 2)
+
+
+def made(work, *, value):
+    return np.full((2, 3), float(value))
+
+
+@pointwise
+def plus(work, *pictures, more=0.0):
+    return np.asarray(sum(pictures) + more)
+
+
+def whole_mean(work, picture):
+    return float(picture.mean())
+
+
+def refused(work, picture):
+    raise DataError("refused")
+
+
+SOURCE = Step.of(made, value=1, node="source")
+
+
+def chain(length, start=SOURCE, function=plus):
+    recipe = start
+    for number in range(length):
+        recipe = Step.of(function, recipe, more=1.0, node=f"n{number}")
+    return recipe
+
+
+def diamonds(count):
+    """Each recipe is asked for twice by the next one."""
+    recipe = SOURCE
+    for _ in range(count):
+        recipe = Step.of(plus, Step.of(plus, recipe, more=1.0), Step.of(plus, recipe, more=2.0))
+    return recipe
+
+
+class Counting(Work):
+    def __init__(self, capacity_bytes=1, **how):
+        super().__init__(Policy(precision="double", threads=1), Store(capacity_bytes), **how)
+        self.times = Counter()
+        self.most = 0
+
+    def _compute(self, recipe, region=None):
+        self.times[recipe.key, region] += 1
+        value = super()._compute(recipe, region)
+        self.most = max(self.most, self.store.used_bytes)
+        return value
+
+    def nothing_left(self):
+        return self.store.used_bytes <= 1 and not self.store.pinned and not self._claims.waiting
+
+
+class TestOnce:
+    @pytest.mark.parametrize("capacity_bytes", [1, 1 << 20])
+    def test_what_two_need(self, capacity_bytes):
+        work = Counting(capacity_bytes)
+        picture = work.value(diamonds(30))
+        assert picture[0, 0] == 2.0**30 + 3 * (2.0**30 - 1)
+        assert set(work.times.values()) == {1}
+        assert len(work.times) == 91
+        assert capacity_bytes > 1 or work.nothing_left()
+
+    def test_parts_too(self):
+        work = Counting()
+        picture = work.part(diamonds(10), REGION)
+        assert picture.shape == (1, 2)
+        assert picture[0, 0] == 2.0**10 + 3 * (2.0**10 - 1)
+        assert set(work.times.values()) == {1}
+        assert work.nothing_left()
+
+    def test_asks_that_are_announced(self):
+        work, ask = Counting(), diamonds(3)
+        others = [Step.of(whole_mean, ask), Step.of(plus, ask, more=5.0)]
+        with work.hold([ask, *others]) as held:
+            for recipe in (ask, *others):
+                work.value(recipe)
+                held.release([recipe])
+        assert set(work.times.values()) == {1}
+        assert work.nothing_left()
+
+    def test_frames_share_what_leads_to_the_noise(self):
+        from core.noise.random_fields import Stream
+
+        def frames():
+            noisy = Step.of(noise, chain(3), stream=Stream(1, "n", "x"))
+            return [at_frame(noisy, number) for number in range(4)]
+
+        work = Counting()
+        assert len(list(work.one_by_one(frames()))) == 4
+        assert set(work.times.values()) == {1}
+        assert work.nothing_left()
+
+    def test_what_is_announced_and_never_asked_for_is_not_made(self):
+        work = Counting()
+        with work.hold([chain(5)]):
+            pass
+        assert not work.times
+        assert work.nothing_left()
+
+
+def noise(work, picture, *, stream):
+    return picture + stream.frame
+
+
+class TestLetGo:
+    def test_a_chain_holds_two_pictures_at_a_time(self):
+        work = Counting()
+        work.value(chain(100))
+        assert work.most <= 2 * 48
+
+    def test_after_an_error(self):
+        work = Counting()
+        recipe = Step.of(plus, chain(3), Step.of(refused, chain(2), node="bad"), node="last")
+        with pytest.raises(DataError, match=r"^bad: refused"):
+            work.value(recipe)
+        assert work.nothing_left()
+
+    def test_an_error_without_a_place_is_that_of_what_needs_it(self):
+        recipe = Step.of(plus, Step.of(plus, Step.of(refused, SOURCE), node="near"), node="far")
+        with pytest.raises(DataError, match=r"^near: refused"):
+            Counting().value(recipe)
+
+    def test_after_it_was_stopped(self):
+        stop = threading.Event()
+
+        def progress(node):
+            if node == "n3":
+                stop.set()
+
+        work = Counting(cancel=stop, progress=progress)
+        with pytest.raises(Cancelled):
+            work.value(chain(9))
+        assert work.nothing_left()
+
+
+class TestDeep:
+    def test_value(self):
+        work = Counting()
+        assert work.value(chain(DEEP))[0, 0] == DEEP + 1
+        assert set(work.times.values()) == {1}
+        assert work.nothing_left()
+
+    def test_part(self):
+        work = Counting()
+        assert work.part(chain(DEEP), REGION)[0, 0] == DEEP + 1
+        assert max(work.times.values()) == 1
+        assert work.nothing_left()
+
+    def test_keys_and_frames(self):
+        recipe = chain(DEEP)
+        assert at_frame(recipe, 3) is recipe
+        assert recipe.key == chain(DEEP).key != chain(DEEP - 1).key

@@ -1,0 +1,220 @@
+from __future__ import annotations
+
+import json
+import sys
+import threading
+from typing import ClassVar
+
+import pytest
+
+from child_process import PATIENCE_S
+from core.errors import NetworkError
+from core.modules.declaration import Module
+from core.network.migrations import migrate
+from core.network.network import Link
+from core.network.parsing import parse_network
+
+
+def _fault(text, library):
+    with pytest.raises(NetworkError) as caught:
+        parse_network(text, library=library, name_of_source="n.json")
+    line = str(caught.value)
+    assert "\n" not in line
+    assert line.startswith("n.json: ")
+    return line.removeprefix("n.json: ")
+
+
+HEAD = '{"format": "imagechain-network", "version": 1, "nodes": {}, '
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("nodes: {}", "not JSON: Expecting value (line 1, column 1)"),
+        ("{} {}", "not JSON: Extra data (line 1, column 4)"),
+        ("[]", "a network must be an object, not a list"),
+        ("null", "a network must be an object, not null"),
+        (
+            "{}",
+            "not an Imagechain network: its format must be 'imagechain-network', but has none",
+        ),
+        (
+            '{"format": ["x"]}',
+            "not an Imagechain network: its format must be 'imagechain-network', not ['x']",
+        ),
+        (HEAD + '"seed": NaN}', "NaN is no number that JSON allows"),
+        (HEAD + '"seed": -Infinity}', "-Infinity is no number that JSON allows"),
+        (HEAD + '"x": 1e999}', "the number 1e999 is too large"),
+        (HEAD + f'"x": {"9" * 309}}}', "a number of 309 digits is too large"),
+        (HEAD + f'"x": {"9" * 10**6}}}', "a number of 1000000 digits is too large"),
+        (HEAD + '"seed": 1, "seed": 1}', "the key seed comes twice in one object"),
+        (HEAD + '"x": {"a\\n": 1, "a\\n": 2}}', "the key 'a\\n' comes twice in one object"),
+        (HEAD + '"x": ["\\ud800"]}', "'\\ud800' is no valid Unicode text"),
+        (HEAD + '"\\udfff": 1}', "'\\udfff' is no valid Unicode text"),
+        (HEAD + '"x": ' + "[" * 65 + "]" * 65 + "}", "nested more than 64 deep"),
+        ("[" * 10**6, "nested more than 64 deep"),
+        ('{"a":' * 10**6, "nested more than 64 deep"),
+    ],
+)
+def test_text_that_is_no_network(text, message, small_library):
+    assert _fault(text, small_library) == message
+
+
+def test_depth_does_not_depend_on_the_caller(document, small_library):
+    document["x"] = json.loads("[" * 63 + "]" * 63)
+    text = json.dumps(document)
+
+    def deep(rest):
+        return deep(rest - 1) if rest else parse_network(text, library=small_library)
+
+    assert deep(sys.getrecursionlimit() // 2).extra["x"]
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        (["version"], "1", "version must be a whole number, not a text"),
+        (["version"], True, "version must be a whole number, not true or false"),
+        (["version"], 0, "version = 0 is not allowed: a whole number from 1"),
+        (["version"], 2, "version 2 is of a newer Imagechain: this one reads up to 1"),
+        (["name"], 3, "name must be a text, not a whole number"),
+        (["description"], None, "description must be a text, not null"),
+        (["seed"], 1.0, "seed must be a whole number, not a number"),
+        (["seed"], False, "seed must be a whole number, not true or false"),
+        (["seed"], -1, "seed = -1 is not allowed: a whole number from 0 to 9223372036854775807"),
+        (
+            ["seed"],
+            2**63,
+            "seed = 9223372036854775808 is not allowed: "
+            "a whole number from 0 to 9223372036854775807",
+        ),
+        (["nodes"], [], "nodes must be an object, not a list"),
+        (["nodes", "init"], "init", "nodes.init must be an object, not a text"),
+        (["nodes", "init", "module"], 1, "nodes.init.module must be a text, not a whole number"),
+        (["nodes", "init", "module"], "", "nodes.init.module must not be empty"),
+        (["nodes", "init", "params"], [], "nodes.init.params must be an object, not a list"),
+        (["nodes", "init", "auto"], 1, "nodes.init.auto must be true or false, not a whole number"),
+        (
+            ["nodes", "init", "disabled"],
+            None,
+            "nodes.init.disabled must be true or false, not null",
+        ),
+        (["links"], {}, "links must be a list, not an object"),
+        (["links", 2], "a.b", "link 3 must be a list, not a text"),
+        (["links", 0], ["a.b"] * 3, 'link 1 must be two texts, ["NODE.PORT", "NODE.PORT"]'),
+        (["links", 0], ["a.b", 1], 'link 1 must be two texts, ["NODE.PORT", "NODE.PORT"]'),
+        (["links", 0], ["a.b", "c"], "link 1: 'c' names no port: write NODE.PORT"),
+        (["links", 0], ["a.", "c.d"], "link 1: 'a.' names no port: write NODE.PORT"),
+        (["layout"], [], "layout must be an object, not a list"),
+        (["layout", "init"], [1], "layout.init must be two numbers, [x, y]"),
+        (["layout", "init"], [1, True], "layout.init must be two numbers, [x, y]"),
+        (["layout", "init"], {"x": 1}, "layout.init must be two numbers, [x, y]"),
+    ],
+)
+def test_wrong_types_and_values(path, value, message, document, small_library):
+    target = document
+    for step in path[:-1]:
+        target = target[step]
+    target[path[-1]] = value
+    assert _fault(json.dumps(document), small_library) == message
+
+
+@pytest.mark.parametrize("name", ["nodes", "version"])
+def test_what_must_be_there(name, document, small_library):
+    del document[name]
+    assert _fault(json.dumps(document), small_library).startswith(f"{name} is missing: it must be ")
+
+
+def test_a_node_needs_its_module(document, small_library):
+    document["nodes"]["init"] = {}
+    message = "nodes.init.module is missing: it must be a text"
+    assert _fault(json.dumps(document), small_library) == message
+
+
+@pytest.mark.parametrize("name", ["", " ", "a.b", "a=b", "a\tb", "a\x7f", "a\x85b", "a\u2028b"])
+def test_node_ids_that_are_not_allowed(name, document, small_library):
+    document["nodes"][name] = {"module": "back"}
+    line = _fault(json.dumps(document), small_library)
+    assert line.startswith(f"{name!r} is not allowed as the id of a node: ")
+    assert line.isprintable()
+
+
+def test_what_may_be_left_out(small_library):
+    network = parse_network(HEAD[:-2] + "}", library=small_library)
+    assert (network.name, network.description, network.seed) == ("", "", 0)
+    assert (dict(network.nodes), network.links, dict(network.layout)) == ({}, (), {})
+
+
+def test_a_link_is_split_at_its_last_dot():
+    assert Link.between("a.b.c", "d.e") == Link("a.b", "c", "d", "e")
+
+
+def test_migrations_run_in_turn_from_the_version_of_the_file():
+    steps = tuple(
+        lambda document, name=name: document | {"steps": document["steps"] + name} for name in "abc"
+    )
+    assert migrate({"steps": ""}, 1, steps) == {"steps": "abc"}
+    assert migrate({"steps": ""}, 3, steps) == {"steps": "c"}
+    assert migrate({"steps": ""}, 4, steps) == {"steps": ""}
+
+
+def test_old_names_of_modules_parameters_and_ports(document, small_library):
+    new = parse_network(json.dumps(document), library=small_library)
+    scene = document["nodes"]["scene"]
+    scene["module"] = "old_scene"
+    scene["params"]["columns"] = scene["params"].pop("width")
+    document["links"][0][0] = "scene.picture"
+    assert parse_network(json.dumps(document), library=small_library) == new
+
+
+def test_an_old_name_beside_the_new_one_stays_to_be_reported(document, small_library):
+    document["nodes"]["scene"]["params"]["columns"] = 3
+    network = parse_network(json.dumps(document), library=small_library)
+    assert network.nodes["scene"].params["columns"] == 3
+
+
+def test_a_key_still_in_use_is_not_replaced(document, small_library):
+    class Other(Module, key="other", title="Other", group="Test", replaces=("scene_maker",)):
+        """Claims a key that is in use."""
+
+        renamed: ClassVar[dict[str, str]] = {}
+
+        def run(self) -> None:
+            raise NotImplementedError
+
+    library = {"other": Other, **small_library}
+    network = parse_network(json.dumps(document), library=library)
+    assert network.nodes["scene"].module == "scene_maker"
+
+
+def test_reading_a_long_file_from_a_small_stack(small_library):
+    # A thread of the editor has a small stack: deep files must not end the process.
+    found = []
+
+    def work():
+        try:
+            parse_network('{"a":' * 10**5, library=small_library)
+        except NetworkError as error:
+            found.append(error.message)
+
+    threading.stack_size(256 * 1024)
+    try:
+        thread = threading.Thread(target=work)
+        thread.start()
+    finally:
+        threading.stack_size(0)
+    thread.join(PATIENCE_S)
+    assert found == ["network: nested more than 64 deep"]
+
+
+@pytest.mark.parametrize("slip", ["param", "Params", "parameters", "disable"])
+def test_a_slip_in_a_node_is_not_kept_as_a_field(small_library, slip):
+    text = json.dumps(
+        {
+            "format": "imagechain-network",
+            "version": 1,
+            "nodes": {"a": {"module": "x", slip: {}}},
+        }
+    )
+    with pytest.raises(NetworkError, match="did you mean"):
+        parse_network(text, library=small_library)

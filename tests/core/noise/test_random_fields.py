@@ -1,0 +1,226 @@
+"""Random fields: distributions within sampling error, same bits for any number of threads."""
+
+import numpy as np
+import pytest
+from scipy import special
+
+from core.errors import Cancelled, DataError, ParameterError
+from core.noise import random_fields as streams
+from core.noise.random_fields import BLOCK, Stream, normal_field, poisson_field, uniform_field
+from core.threads import Workers
+
+SEEDS = range(20)
+DTYPES = [np.float32, np.float64]
+
+
+def stream(seed=1996, node="electronics", field="detector"):
+    return Stream(seed, node, field)
+
+
+def chi_square_probability(observed, expected):
+    statistic = np.sum((observed - expected) ** 2 / expected)
+    return special.chdtrc(len(expected) - 1, statistic)
+
+
+def poisson_chi_square(counts, mean):
+    """Probability of so bad a fit or worse, bins pooled to at least 20 expected."""
+    highest = int(mean + 8 * np.sqrt(mean) + 8)
+    k = np.arange(highest + 1)
+    expected = counts.size * np.exp(k * np.log(mean) - mean - special.gammaln(k + 1))
+    observed = np.bincount(counts.astype(int).ravel(), minlength=highest + 1)
+    assert observed.size == highest + 1, "an event beyond eight deviations"
+    used = np.flatnonzero(expected >= 20)
+    inner = slice(used[0], used[-1] + 1)
+    both = [
+        np.concatenate([[v[: used[0]].sum()], v[inner], [v[used[-1] + 1 :].sum()]])
+        for v in (observed, expected)
+    ]
+    both[1][-1] = counts.size - both[1][:-1].sum()
+    few = both[1] < 5
+    observed, expected = ([*v[~few], v[few].sum()] if few.any() else v for v in both)
+    observed, expected = np.array(observed), np.array(expected)
+    solid = expected > 1
+    return chi_square_probability(observed[solid], expected[solid])
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+def test_normal_moments_and_shape(dtype):
+    probabilities = []
+    for seed in SEEDS:
+        values = normal_field(stream(seed), (300, 333), dtype=dtype).astype(float)
+        n = values.size
+        assert abs(values.mean()) < 5 / np.sqrt(n)
+        assert abs(values.var() - 1) < 5 * np.sqrt(2 / n)
+        assert abs((values**3).mean()) < 5 * np.sqrt(15 / n)
+        assert abs((values**4).mean() - 3) < 5 * np.sqrt(96 / n)
+        edges = special.ndtri(np.arange(1, 100) / 100)
+        observed = np.bincount(np.searchsorted(edges, values.ravel()), minlength=100)
+        probabilities.append(chi_square_probability(observed, np.full(100, n / 100)))
+    assert min(probabilities) > 1e-4
+    assert 0.2 < np.mean(probabilities) < 0.8
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+def test_normal_tails(dtype):
+    values = np.abs(normal_field(stream(), (1500, 1501), dtype=dtype))
+    for limit in (3.0, 4.0):
+        expected = values.size * special.erfc(limit / np.sqrt(2))
+        assert abs(np.count_nonzero(values > limit) - expected) < 5 * np.sqrt(expected)
+    assert 4.4 < values.max() < 7
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+def test_neighbours_and_the_halves_of_a_block_are_uncorrelated(dtype):
+    values = normal_field(stream(), (4 * BLOCK,), dtype=dtype).astype(float)
+    bound = 5 / np.sqrt(values.size)
+    for lag in (1, 2, 512, 8192, 16384, BLOCK // 2, BLOCK):
+        assert abs(np.mean(values[:-lag] * values[lag:])) < bound * np.sqrt(1.5)
+        squares = values**2 - 1
+        assert abs(np.mean(squares[:-lag] * squares[lag:])) < 2 * bound * np.sqrt(1.5)
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+def test_uniform(dtype):
+    values = uniform_field(stream(), (500, 401), dtype=dtype)
+    assert values.dtype == dtype
+    assert 0.0 <= values.min() < values.max() < 1.0
+    observed = np.bincount((values * 64).astype(int).ravel(), minlength=64)
+    assert chi_square_probability(observed, np.full(64, values.size / 64)) > 1e-4
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+@pytest.mark.parametrize("mean", [0.003, 0.3, 1.0, 3.9, 4.1, 12.0, 50.0, 1000.0])
+def test_poisson_distribution(dtype, mean):
+    mean = float(dtype(mean))
+    probabilities = []
+    for seed in range(6):
+        counts = poisson_field(np.full((250, 301), mean, dtype), stream(seed))
+        assert counts.dtype == dtype
+        assert abs(counts.mean(dtype=float) - mean) < 5 * np.sqrt(mean / counts.size)
+        spread = 5 * np.sqrt((mean + 2 * mean**2) / counts.size)
+        assert abs(counts.astype(float).var() - mean) < spread
+        probabilities.append(poisson_chi_square(counts, mean))
+    assert min(probabilities) > 1e-4
+
+
+def test_thinned_events_follow_a_mean_that_varies():
+    mean = np.zeros((200, 300))
+    mean[:, 100:200], mean[:, 200:] = 0.05, 2.0
+    counts = poisson_field(mean, stream())
+    assert not counts[:, :100].any()
+    assert poisson_chi_square(counts[:, 100:200], 0.05) > 1e-3
+    assert poisson_chi_square(counts[:, 200:], 2.0) > 1e-3
+
+
+@pytest.mark.parametrize("mean", [1e6, 1e10, 0.9e12, 1.1e12, 1e15, 1e18, 1e30, 1e300])
+def test_large_means_have_the_normal_limit(mean):
+    counts = poisson_field(np.full(100_000, mean), stream())
+    z = (counts - mean) / np.sqrt(mean)
+    rounding = np.spacing(mean) / np.sqrt(mean)
+    assert abs(z.mean()) < 5 / np.sqrt(z.size) + rounding
+    assert abs(z.var() - 1) < 5 * np.sqrt(2 / z.size) + rounding
+    assert np.all(counts == np.rint(counts))
+
+
+def test_small_and_enormous_means_in_one_block():
+    mean = np.tile([0.0, 5.0, 1e20], 20_000)
+    counts = poisson_field(mean, stream())
+    assert not counts[::3].any()
+    assert poisson_chi_square(counts[1::3], 5.0) > 1e-3
+    assert abs((counts[2::3] / 1e20 - 1).mean()) < 1e-10
+
+
+def each(threads):
+    """In so many threads."""
+    return lambda function, items: Workers().each(function, items, threads)
+
+
+@pytest.mark.parametrize("size", [0, 1, 2, 3, 5, 100, BLOCK - 1, BLOCK, BLOCK + 1, 3 * BLOCK + 7])
+@pytest.mark.parametrize("dtype", DTYPES)
+def test_any_size_and_the_same_bits_for_any_number_of_threads(size, dtype):
+    mean = np.linspace(0, 3, size, dtype=dtype)
+    for draw in (
+        lambda threads: normal_field(stream(), (size,), dtype=dtype, each=each(threads)),
+        lambda threads: uniform_field(stream(), (size,), dtype=dtype, each=each(threads)),
+        lambda threads: poisson_field(mean, stream(), each=each(threads)),
+        lambda threads: poisson_field(mean * dtype(10), stream(), each=each(threads)),
+    ):
+        one, two, three = (draw(threads) for threads in (1, 2, 3))
+        assert one.dtype == dtype
+        assert one.shape == (size,)
+        assert np.all(np.isfinite(one))
+        assert one.tobytes() == two.tobytes() == three.tobytes()
+
+
+def test_single_samples_have_the_poisson_distribution_too():
+    counts = np.array([poisson_field(np.full(3, 0.7), stream(seed)) for seed in range(4000)])
+    for place in range(3):
+        assert poisson_chi_square(counts[:, place], 0.7) > 1e-3
+
+
+def test_streams_of_other_names_are_independent():
+    base = normal_field(stream(), (BLOCK,))
+    assert np.array_equal(base, normal_field(stream(), (BLOCK,)))
+    others = [
+        stream(1997),
+        stream(node="electronics 2"),
+        stream(field="amplifier"),
+        Stream(1996, "electronicsdet", "ector"),
+        stream(-1),
+        stream(10**40),
+    ]
+    for other in others:
+        values = normal_field(other, (BLOCK,))
+        assert abs(np.mean(base * values)) < 5 / np.sqrt(BLOCK)
+
+
+def test_names_are_not_run_together():
+    assert Stream(1, "ab", "c").key != Stream(1, "a", "bc").key
+    assert Stream(1, "1a", "c").key != Stream(11, "a", "c").key
+    assert 0 <= stream().key < 2**128
+
+
+def test_views_that_are_not_contiguous():
+    mean = np.linspace(0, 3, 600).reshape(20, 30)
+    assert np.array_equal(
+        poisson_field(mean.T, stream()), poisson_field(np.ascontiguousarray(mean.T), stream())
+    )
+
+
+@pytest.mark.parametrize("bad", [-1e-9, np.nan, np.inf])
+def test_means_that_are_none_are_refused(bad):
+    mean = np.ones((3, 4))
+    mean[1, 2] = bad
+    with pytest.raises(DataError, match=r"1 of 12 samples .* at \(1, 2\)"):
+        poisson_field(mean, stream())
+
+
+def test_wrong_type_is_refused():
+    with pytest.raises(ParameterError, match="dtype"):
+        normal_field(stream(), (3,), dtype=np.int32)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_blocks_are_done_one_by_one_and_may_be_stopped(threads):
+    done = []
+
+    def counted(function, items):
+        def one(item):
+            if len(done) == 3:
+                raise Cancelled("stopped")
+            function(item)
+            done.append(item)
+
+        Workers().each(one, items, threads)
+
+    normal_field(stream(), (3 * BLOCK,), each=counted)
+    assert sorted(done) == [0, 1, 2]
+    with pytest.raises(Cancelled):
+        normal_field(stream(), (8 * BLOCK,), each=counted)
+
+
+def test_generator_of_a_block_is_what_the_field_is_made_of():
+    field = normal_field(stream(), (2 * BLOCK,))
+    second = stream().generator(1).standard_normal(BLOCK)
+    assert np.array_equal(field[BLOCK:], second)
+    assert streams.BLOCK == 131072

@@ -1,0 +1,251 @@
+"""MRTD by hand for two sensors, by simulated noise, and the laws that it must obey."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from core.errors import ParameterError
+from core.physics.acquisition.mrtd import mrtd_flir92_K, mrtd_ratches_K
+from core.physics.noise.noise_components import NoiseVariances
+
+FREQUENCY = np.linspace(0.01, 3.9, 80)
+MTF = 1 - FREQUENCY / 5
+SCAN = {
+    "frequency": FREQUENCY, "mtf": MTF, "snr_threshold": 2.5, "noise_bandwidth_cyc_per_mrad": 4.0,
+    "detector_along_mrad": 0.125,
+}  # fmt: skip
+STARE = {
+    "frequency": FREQUENCY, "mtf": MTF, "snr_threshold": 2.5, "across_cyc_per_mrad": 4.0,
+    "along_cyc_per_mrad": 4.0, "direction": "horizontal",
+}  # fmt: skip
+
+
+def ratches(**changes):
+    return mrtd_ratches_K(**{"netd_K": 0.2, **SCAN, **changes})
+
+
+def flir92(**changes):
+    return mrtd_flir92_K(**{"noise": NoiseVariances(tvh=0.04), **STARE, **changes})
+
+
+def sum_of_sinc_squared(length, end):
+    """∫ sinc² from 0 to `end`, by the middles of 20000 strips."""
+    strip = end / 20000
+    total = 0.0
+    for k in range(20000):
+        x = math.pi * length * (k + 0.5) * strip
+        total += (math.sin(x) / x) ** 2
+    return total * strip
+
+
+class TestByHand:
+    def test_inframetrics(self):
+        """Serial scan, 8 to 12 µm, NETD 0.2 K, at 0.1 cycles/mrad; 30 frames/s, 0.2 s, SNR 2.25.
+
+        MRTD = π²/(4√14)·SNR·NETD/H·√(Δy·v·f·Q/(Δf·N_os·F·t_E)).
+        """
+        # Mirror of 16 turns a second: v = 2π·16·1000 = 100531 mrad/s.
+        v = 100530.9649
+        # Optics 75 mm at 10 µm: cutoff 7.5 cycles/mrad, x = 0.1/7.5 = 0.0133333;
+        # (2/π)·(acos x − x·√(1 − x²)) = 0.6366198·(1.5574626 − 0.0133321) = 0.983024.
+        optics = 0.6366197724 * (1.5574625984 - 0.0133321481)
+        # Blur σ 0.5 mrad: exp(−2·9.869604·0.25·0.01) = exp(−0.04934802) = 0.951850.
+        blur = 0.9518498074
+        # Detector 600 µm/130 mm·0.95 = 4.384615 mrad: x = π·0.4384615 = 1.377468,
+        # sin 1.377468 = 0.981370, over x: 0.712445.
+        detector = math.sin(1.3774675) / 1.3774675
+        mtf = optics * blur * detector
+        assert mtf == pytest.approx(0.666629, abs=1e-6)
+        # Bars 1/(2·0.1) = 5 mrad wide. Noise up to Δf/v = 49152/100531 = 0.488924 cycles/mrad:
+        # Q = ∫ sinc²(5ξ) dξ = 0.0957340 (half a period's 0.1 for noise without bound).
+        q = sum_of_sinc_squared(5, 0.4889239852)
+        assert q == pytest.approx(0.0957340, abs=1e-7)
+        # Lines 30°/170 = 523.599/170 = 3.079993 mrad apart: that is Δy/N_os, with
+        # N_os = 4.384615/3.079993 = 1.423580.
+        # Under the root: 3.079993·100531·0.1·0.0957340/(49152·30·0.2) = 0.0100510.
+        root = math.sqrt(3.0799928 * v * 0.1 * q / (49152 * 6))
+        # π²/(4√14) = 9.869604/14.966630 = 0.659441.
+        by_hand = 0.6594406 * 2.25 * 0.2 / mtf * root
+        assert by_hand == pytest.approx(0.0446289, abs=1e-7)
+        found = mrtd_ratches_K(
+            frequency=[0.05, 0.1],
+            mtf=[0.9, 0.66662868],
+            netd_K=0.2,
+            snr_threshold=2.25,
+            noise_bandwidth_cyc_per_mrad=0.4889239852,
+            detector_along_mrad=4.384615385,
+            overscan=1.423579752,
+            frames=6,
+        )
+        assert found[1] == pytest.approx(by_hand, rel=1e-6)
+
+    @pytest.mark.parametrize("direction", ["horizontal", "vertical"])
+    def test_kodak(self, direction):
+        """Staring, 3 to 5 µm, 25 µm/200 mm, at 1 cycle/mrad; SNR 2.5, 6 frames."""
+        # Optics 90 mm at 4 µm: 22.5 cycles/mrad, 0.943430; blur σ 0.1 mrad:
+        # exp(−0.1973921) = 0.820869; detector 0.11875 mrad: sin(0.373064)/0.373064 = 0.976965.
+        mtf = 0.943430 * 0.820869 * 0.976965
+        assert mtf == pytest.approx(0.756593, abs=1e-6)
+        # Pitch 0.125 mrad: Nyquist 4 cycles/mrad. Bars 0.5 mrad wide and 3.5 mrad long.
+        over_width = sum_of_sinc_squared(0.5, 4) / 4
+        over_length = sum_of_sinc_squared(3.5, 4) / 4
+        assert over_width == pytest.approx(0.2374848, abs=1e-7)  # about one over 4 samples
+        assert over_length == pytest.approx(0.0354559, abs=1e-7)  # about one over 28
+        # σ: tvh 0.177, vh 0.05, th 0.02, h 0.03, tv 0.04, v 0.06, t 0.07 K. Squares over 6
+        # frames: tvh 0.031329/6 = 0.0052215, th 0.0004/6 = 0.0000666667, tv 0.0016/6 =
+        # 0.000266667; fixed: vh 0.0025, h 0.0009, v 0.0036.
+        sample = over_length * (0.0052215 + 0.0025)
+        pattern = 0.0000666667 + 0.0009 if direction == "horizontal" else 0.000266667 + 0.0036
+        left = math.sqrt(over_width * (sample + pattern))
+        by_hand = 1.2337006 * 2.5 * left / mtf
+        assert by_hand == pytest.approx(
+            0.0699670 if direction == "horizontal" else 0.1278287, abs=2e-7
+        )
+        found = mrtd_flir92_K(
+            frequency=[0.5, 1.0],
+            mtf=[0.9, 0.7565931],
+            noise=NoiseVariances(
+                tvh=0.031329, vh=0.0025, th=0.0004, h=0.0009, tv=0.0016, v=0.0036, t=0.0049
+            ),
+            snr_threshold=2.5,
+            across_cyc_per_mrad=4,
+            along_cyc_per_mrad=4,
+            direction=direction,
+            frames=6,
+        )
+        assert found[1] == pytest.approx(by_hand, rel=1e-5)
+
+
+def test_bars_and_gaps_differ_by_the_first_harmonic():
+    """Means of bars and gaps of a square wave of difference 1 filtered down to its harmonic."""
+    phase = (np.arange(100000) + 0.5) / 100000
+    wave = np.where(phase < 0.5, 1.0, 0.0)
+    harmonic = 2 * np.mean(wave * np.sin(2 * np.pi * phase)) * np.sin(2 * np.pi * phase)
+    difference = harmonic[phase < 0.5].mean() - harmonic[phase > 0.5].mean()
+    found = mrtd_ratches_K(
+        frequency=[1e-6, 2e-6],
+        mtf=[1, 1],
+        netd_K=1,
+        snr_threshold=1,
+        noise_bandwidth_cyc_per_mrad=1e-12,  # averaging over a width leaves all of it
+        detector_along_mrad=3.5e6,  # and over a length of one line
+    )
+    assert found[0] == pytest.approx(1 / difference, rel=1e-6)
+
+
+@pytest.mark.parametrize("direction", ["horizontal", "vertical"])
+def test_simulated_noise_of_seven_components(direction):
+    """Bars of 12 × 84 samples less the gaps beside them, in noise drawn sample by sample."""
+    random = np.random.default_rng(8)
+    sigma = {"tvh": 3, "vh": 0.8, "v": 2, "h": 0.2, "t": 5, "tv": 4, "th": 0.4}
+    frames, rows, columns, repeats = 5, 84, 24, 3000
+    if direction == "vertical":
+        rows, columns = columns, rows
+        sigma = {"tvh": 3, "vh": 0.8, "v": 0.2, "h": 2, "t": 5, "tv": 0.4, "th": 4}
+    differences = []
+    for _ in range(repeats):
+        cube = np.zeros((frames, rows, columns))
+        for name, size in sigma.items():
+            shape = [n if axis in name else 1 for axis, n in zip("tvh", cube.shape, strict=True)]
+            cube += random.normal(0, size, shape)
+        frame = cube.mean(axis=0)
+        frame = frame if direction == "horizontal" else frame.T
+        differences.append(frame[:, :12].mean() - frame[:, 12:].mean())
+    # Noise of bar and of gap are independent but equal: half of the difference's variance is one's.
+    one = np.std(differences) / math.sqrt(2)
+    found = mrtd_flir92_K(
+        frequency=[1 / 24, 1 / 12],
+        mtf=[1, 1],
+        noise=NoiseVariances(**{name: size**2 for name, size in sigma.items()}),
+        snr_threshold=1,
+        across_cyc_per_mrad=0.5,
+        along_cyc_per_mrad=0.5,
+        direction=direction,
+        frames=frames,
+    )[0]
+    # Of 12 samples the average of the continuous noise leaves 2 % less variance than of points.
+    assert found == pytest.approx(math.pi**2 / 8 * one, rel=0.04)
+
+
+class TestLaws:
+    @given(factor=st.floats(1e-3, 1e3))
+    def test_proportional_to_netd(self, factor):
+        np.testing.assert_allclose(ratches(netd_K=0.2 * factor), factor * ratches(), rtol=1e-13)
+        changed = flir92(noise=NoiseVariances(tvh=0.04 * factor**2))
+        np.testing.assert_allclose(changed, factor * flir92(), rtol=1e-13)
+
+    @given(frames=st.floats(1, 1e6))
+    def test_temporal_noise_falls_as_the_root_of_the_frames(self, frames):
+        shorter = 1 / math.sqrt(frames)
+        np.testing.assert_allclose(ratches(frames=frames), shorter * ratches(), rtol=1e-13)
+        temporal = NoiseVariances(tvh=0.04, th=0.01, tv=3, t=2)
+        changed = flir92(noise=temporal, frames=frames)
+        np.testing.assert_allclose(changed, shorter * flir92(noise=temporal), rtol=1e-13)
+
+    @pytest.mark.parametrize("fixed", [{"vh": 0.02}, {"h": 0.01}])
+    def test_fixed_pattern_is_a_floor(self, fixed):
+        floor = flir92(noise=NoiseVariances(**fixed), frames=77)
+        np.testing.assert_allclose(flir92(noise=NoiseVariances(**fixed)), floor, rtol=1e-13)
+        whole = NoiseVariances(tvh=0.04, **fixed)
+        np.testing.assert_allclose(flir92(noise=whole, frames=1e12), floor, rtol=1e-6)
+        assert (flir92(noise=whole, frames=1e3) > floor).all()
+
+    def test_models_agree_where_bars_are_long_and_noise_is_temporal(self):
+        """At low frequencies, but for the end of the average along the bar."""
+        np.testing.assert_allclose(flir92()[:3], ratches()[:3], rtol=2e-3)
+
+    @pytest.mark.parametrize("model", [ratches, flir92])
+    def test_infinite_from_the_first_zero_on(self, model):
+        """A detector of 0.4 mrad: zero at 2.5 cycles/mrad, and lobes of false resolution beyond."""
+        frequency = np.arange(1, 160) * 0.025
+        lobes = np.sin(0.4 * np.pi * frequency) / (0.4 * np.pi * frequency)
+        for mtf in (lobes, np.where(frequency == 2.5, 0.0, np.abs(lobes))):
+            found = model(frequency=frequency, mtf=mtf)
+            assert np.isfinite(found[frequency < 2.499]).all()
+            assert np.isinf(found[frequency >= 2.5]).all()
+            assert (np.diff(found[frequency < 2.499]) > 0).all()
+
+    def test_sampled_picture_ends_at_nyquist(self):
+        frequency = np.array([1.0, 1.999999, 2.0, 2.5])
+        settings = {"frequency": frequency, "mtf": np.full(4, 0.5), "across_cyc_per_mrad": 2.0}
+        assert list(np.isinf(flir92(**settings))) == [False, False, True, True]
+        assert np.isfinite(flir92(**settings, sampled=False)).all()
+
+    def test_rows_do_not_hide_upright_bars_nor_columns_lying_ones(self):
+        rows, columns = NoiseVariances(v=1, tv=2, t=3), NoiseVariances(h=1, th=2, t=3)
+        assert (flir92(noise=rows) == 0).all()
+        assert (flir92(noise=columns, direction="vertical") == 0).all()
+        np.testing.assert_array_equal(
+            flir92(noise=rows, direction="vertical"), flir92(noise=columns)
+        )
+
+    def test_variance_estimated_below_zero_is_none(self):
+        spoilt = NoiseVariances(tvh=0.04, vh=-1, h=-2)
+        np.testing.assert_array_equal(flir92(noise=spoilt), flir92())
+
+
+@pytest.mark.parametrize(
+    ("model", "changes", "name"),
+    [
+        (ratches, {"frequency": FREQUENCY - 0.01}, "frequency"),
+        (ratches, {"frequency": FREQUENCY[::-1]}, "frequency"),
+        (ratches, {"mtf": MTF[1:]}, "mtf"),
+        (ratches, {"mtf": np.full(80, np.nan)}, "mtf"),
+        (ratches, {"netd_K": -1}, "netd_K"),
+        (ratches, {"snr_threshold": 0}, "snr_threshold"),
+        (ratches, {"overscan": 0}, "overscan"),
+        (ratches, {"detector_along_mrad": math.inf}, "detector_along_mrad"),
+        (ratches, {"frames": 0.9}, "frames"),
+        (flir92, {"direction": "across"}, "direction"),
+        (flir92, {"across_cyc_per_mrad": 0}, "cyc_per_mrad"),
+        (flir92, {"snr_threshold": -2}, "snr_threshold"),
+    ],
+)
+def test_refused(model, changes, name):
+    with pytest.raises(ParameterError, match=name):
+        model(**changes)

@@ -1,0 +1,225 @@
+"""TTP values and ranges, by hand, in closed form and against quadrature in 30 digits."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+from scipy.special import lambertw
+
+from core.errors import ParameterError
+from core.physics.acquisition.ttp import thermal_contrast, ttp_range, ttp_value
+
+mp.dps = 30
+UNIT = {"target_area_m2": 1.0, "range_m": 1000.0}  # 1 mrad: V is the sum itself
+
+
+# Line scanner, 8 to 12 µm: Nyquist at 130 mm/(2·600 µm) = 0.1083 cyc/mrad; MRTD = 50·f K there.
+# A wall of 20 m by 20 m, 5 K warmer, at 402 m through 0.5/km: apparent 4.0895622 K (e^−0.201).
+#   C = CTF at f = 4.0895622/50 = 0.08179124; ∫√(C/(50·f)) df from 0 = 2·√(C·f/50) = 2·0.08179124
+#   20 m/402 m = 49.7512438 mrad; V = 49.7512438·0.16358249 = 8.1384323
+# Staring array, 3 to 5 µm: Nyquist at 200 mm/(2·25 µm) = 4 cyc/mrad; MRTD = 0.16·f K.
+# A vehicle of 2.3 m by 2.3 m, 2 K warmer, at 2 km through 0.3/km: apparent 1.0976233 K.
+#   C = CTF at 6.8601454, beyond 4: 2·√(1.0976233·4/0.16) = 2·√27.4405818 = 2·5.2383759
+#   1.15 mrad·10.4767518 = 12.0482646
+@pytest.mark.parametrize("count", [2, 5, 64])
+def test_two_sensors_by_hand(count):
+    scanner = np.linspace(0, 130 / 1200, count)
+    value = ttp_value(
+        frequency=scanner,
+        ctf=50 * scanner,
+        contrast=4.0895622,
+        target_area_m2=400,
+        range_m=402,
+    )
+    assert value == pytest.approx(8.1384323, rel=2e-8)
+    staring = np.linspace(0, 4, count)
+    value = ttp_value(
+        frequency=staring,
+        ctf=0.16 * staring,
+        contrast=1.0976233,
+        target_area_m2=5.29,
+        range_m=2000,
+    )
+    assert value == pytest.approx(12.0482646, rel=2e-8)
+
+
+def exponential(frequency):
+    return 0.02 * np.exp(6 * frequency)
+
+
+@pytest.mark.parametrize("count", [2, 7, 65])
+@pytest.mark.parametrize("contrast", [0.0200001, 0.03, 0.4, 5.0])
+def test_exponential_threshold_in_closed_form(count, contrast):
+    """∫√(C/CTF) df from 0 to where C = CTF is 2/6·(√(C/0.02) − 1)."""
+    frequency = np.linspace(0, 1, count)
+    exact = 2 / mpf(6) * (mp.sqrt(mpf(contrast) / mpf("0.02")) - 1)
+    for ctf in (exponential, exponential(frequency)):
+        value = ttp_value(frequency=frequency, ctf=ctf, contrast=contrast, **UNIT)
+        assert value == pytest.approx(float(exact), rel=2e-13, abs=1e-13)
+
+
+def test_sum_ends_with_the_curve():
+    """No crossing up to 0.25 cyc/mrad: 2/6·√(C/0.02)·(1 − e^(−6·0.25/2))."""
+    exact = 2 / 6 * math.sqrt(5.0 / 0.02) * -math.expm1(-0.75)
+    frequency = np.array([0.0, 0.1, 0.25])
+    value = ttp_value(frequency=frequency, ctf=exponential(frequency), contrast=5.0, **UNIT)
+    assert value == pytest.approx(exact, rel=1e-13)
+
+
+def hollow(frequency):
+    """A threshold that is seen only between two frequencies: 0.01·(f/0.3 + 0.3/f)·e^(3f)."""
+    return 0.01 * (frequency / 0.3 + 0.3 / frequency) * np.exp(3 * frequency)
+
+
+@pytest.mark.parametrize("contrast", [0.05, 0.3, 3.0])
+def test_threshold_crossed_twice(contrast):
+    def exact_threshold(f):
+        return mpf("0.01") * (f / mpf("0.3") + mpf("0.3") / f) * mp.exp(3 * f)
+
+    level = mpf(contrast)
+    low = mp.findroot(lambda f: exact_threshold(f) - level, (mpf("1e-6"), mpf("0.2")), "anderson")
+    high = mp.findroot(lambda f: exact_threshold(f) - level, (mpf("0.2"), mpf(3)), "anderson")
+    exact = mp.quad(lambda f: mp.sqrt(level / exact_threshold(f)), mp.linspace(low, high, 9))
+    frequency = np.linspace(0, 3, 301)
+    value = ttp_value(frequency=frequency, ctf=hollow, contrast=contrast, **UNIT)
+    assert value == pytest.approx(float(exact), rel=1e-11)
+    with np.errstate(divide="ignore"):
+        samples = hollow(frequency)
+    assert np.isinf(samples[0])
+    value = ttp_value(frequency=frequency, ctf=samples, contrast=contrast, **UNIT)
+    assert value == pytest.approx(float(exact), rel=2e-5)
+
+
+def mrtd(frequency):
+    """As the static models have it: the frequency over an MTF, of a Gaussian and a detector."""
+    return 0.05 * frequency * np.exp(8 * frequency**2) / np.sinc(frequency)
+
+
+def test_samples_of_an_mrtd_and_their_error():
+    """From zero as f, to infinity where the MTF is zero; the error falls as the step's cube."""
+
+    def exact_threshold(f):
+        return mpf("0.05") * f * mp.exp(8 * f**2) / (mp.sinc(mp.pi * f))
+
+    end = mp.findroot(lambda f: exact_threshold(f) - 2, (mpf("0.1"), mpf("0.9")), "anderson")
+    exact = mp.quad(lambda u: mp.sqrt(2 / exact_threshold(u * u)) * 2 * u, [0, mp.sqrt(end)])
+    errors = []
+    for count in (17, 33, 65):
+        frequency = np.linspace(0, 1, count)
+        samples = mrtd(frequency)
+        samples[-1] = np.inf
+        value = ttp_value(frequency=frequency, ctf=samples, contrast=2.0, **UNIT)
+        errors.append(abs(value / float(exact) - 1))
+    assert errors[0] < 1e-4
+    assert errors[2] < errors[0] / 30
+    value = ttp_value(frequency=frequency, ctf=mrtd, contrast=2.0, **UNIT)
+    assert value == pytest.approx(float(exact), rel=1e-12)
+
+
+def test_what_is_infinite_is_not_seen():
+    frequency = np.linspace(0, 4, 9)
+    ctf = np.where((frequency >= 1) & (frequency <= 2), 0.25, np.inf)
+    value = ttp_value(frequency=frequency, ctf=ctf, contrast=1.0, **UNIT)
+    assert value == pytest.approx(2.0, rel=1e-14)  # √4·(2 − 1)
+    assert ttp_value(frequency=frequency, ctf=np.full(9, np.inf), contrast=1.0, **UNIT) == 0.0
+    assert ttp_value(frequency=frequency, ctf=np.full(9, 0.5), contrast=0.5, **UNIT) == 0.0
+
+
+@given(
+    st.lists(st.floats(0.01, 10), min_size=3, max_size=8),
+    st.floats(1e-3, 100),
+    st.floats(1, 10),
+)
+def test_value_never_falls_with_contrast_and_goes_as_the_angle(ctf, contrast, times):
+    frequency = np.linspace(0, 2, len(ctf))
+    values = ttp_value(
+        frequency=frequency,
+        ctf=ctf,
+        contrast=[contrast, contrast * times],
+        target_area_m2=4.0,
+        range_m=1000.0,
+    )
+    assert values[1] >= values[0] * (1 - 1e-12)
+    single = ttp_value(frequency=frequency, ctf=ctf, contrast=contrast, **UNIT)
+    assert values[0] == pytest.approx(2 * single, rel=1e-12)
+
+
+def test_value_broadcasts_as_one_by_one():
+    frequency = np.linspace(0, 1, 33)
+    settings = {"frequency": frequency, "ctf": exponential(frequency)}
+    contrast, ranges = np.array([[0.01], [0.1], [1.0]]), np.array([500.0, 1000.0])
+    found = ttp_value(**settings, contrast=contrast, target_area_m2=1.0, range_m=ranges)
+    assert found.shape == (3, 2)
+    for k in range(3):
+        for n in range(2):
+            one = ttp_value(
+                **settings, contrast=contrast[k, 0], target_area_m2=1.0, range_m=ranges[n]
+            )
+            assert found[k, n] == pytest.approx(one, rel=1e-14)
+    extremes = ttp_value(
+        **settings, contrast=[0, 5e-324, 1e300], target_area_m2=1e-300, range_m=1e300
+    )
+    assert not np.isnan(extremes).any()
+
+
+# With CTF = k·f, V = 2·C·e^(−βR)/k · 1000·√A/R, as the cycles of Johnson but twice.
+@pytest.mark.parametrize("beta", [0.0, 0.4])
+def test_range_in_closed_form(beta):
+    frequency = np.linspace(0, 40, 9)
+    found = ttp_range(
+        frequency=frequency,
+        ctf=0.3 * frequency,
+        contrast=1.5,
+        target_area_m2=5.29,
+        v50=14.5,
+        extinction_per_km=beta,
+    )
+    km = 2 * 1.5 / 0.3 * 2.3 / 14.5
+    expected = km if beta == 0 else float(lambertw(beta * km).real) / beta
+    assert found == pytest.approx(1000 * expected, rel=1e-11)
+
+
+def test_scene_contrast_has_no_part_in_the_value_of_an_mrtd():
+    frequency = np.linspace(0, 1, 33)
+    straight = ttp_value(frequency=frequency[:-1], ctf=mrtd(frequency[:-1]), contrast=2.0, **UNIT)
+    for scene_K in (3.0, 50.0):
+        value = ttp_value(
+            frequency=frequency[:-1],
+            ctf=thermal_contrast(difference_K=mrtd(frequency[:-1]), scene_contrast_K=scene_K),
+            contrast=thermal_contrast(difference_K=2.0, scene_contrast_K=scene_K),
+            **UNIT,
+        )
+        assert value == pytest.approx(straight, rel=1e-12)
+    assert thermal_contrast(difference_K=2.0, scene_contrast_K=5.0) == pytest.approx(0.2)
+
+
+GOOD = {"frequency": [0.0, 1.0, 2.0], "ctf": [0.1, 0.2, 0.4], "contrast": 1.0, **UNIT}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [
+        ({"frequency": [0.0, 2.0, 1.0]}, r"frequency\[2\]"),
+        ({"frequency": [0.0]}, "frequency"),
+        ({"ctf": [0.1, 0.2]}, "ctf"),
+        ({"ctf": [0.1, 0.0, 0.4]}, r"ctf\[1\]"),
+        ({"ctf": [0.1, -0.2, 0.4]}, r"ctf\[1\]"),
+        ({"ctf": [0.1, np.nan, 0.4]}, r"ctf\[1\]"),
+        ({"ctf": lambda f: f - 1.0}, r"ctf\(0 cyc/mrad\) = -1.0"),
+        ({"ctf": lambda f: 0.0 * f}, r"ctf\(.*above zero"),
+        ({"ctf": lambda _: 1.0}, "shape"),
+        ({"contrast": -1.0}, "contrast"),
+        ({"contrast": np.inf}, "contrast"),
+        ({"target_area_m2": 0.0}, "target_area_m2"),
+        ({"range_m": -5.0}, "range_m"),
+        ({"contrast": np.ones(2), "range_m": np.ones(3)}, r"\(2,\)"),
+    ],
+)
+def test_what_is_out_of_range_is_refused_by_name(wrong, named):
+    with pytest.raises(ParameterError, match=named):
+        ttp_value(**{**GOOD, **wrong})

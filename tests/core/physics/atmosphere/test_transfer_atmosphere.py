@@ -1,0 +1,170 @@
+"""Turbulence and aerosols against the published forms in higher precision."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from core.errors import ParameterError
+from core.physics.atmosphere.scattering_and_turbulence import (
+    aerosol_mtf,
+    fried_mtf,
+    path_optical_depth,
+    turbidity_optical_depth,
+)
+from core.physics.atmosphere.turbulence_profile import (
+    fried_r0_slant_m,
+    fried_r0_uniform_m,
+    hufnagel_valley_cn2,
+)
+
+_RHO = np.array([0.0, 1e-12, 5e-4, 1e-3, 0.2, 1.0, 9.0, 1e6, 1e200])
+_POSITIVE = st.floats(1e-300, 1e300)
+
+
+@given(wavelength=_POSITIVE, r0=_POSITIVE, aperture=_POSITIVE, alpha=st.floats(0.0, 1.0))
+def test_turbulence_is_passive_for_every_parameter(
+    wavelength: float, r0: float, aperture: float, alpha: float
+) -> None:
+    mtf = fried_mtf(
+        rho=_RHO, wavelength_um=wavelength, fried_r0_m=r0, aperture_mm=aperture, alpha=alpha
+    )
+    _assert_passive(mtf)
+
+
+@given(depth=st.floats(0.0, 1e300), cutoff=_POSITIVE)
+def test_aerosol_is_passive_for_every_parameter(depth: float, cutoff: float) -> None:
+    _assert_passive(aerosol_mtf(rho=_RHO, optical_depth=depth, cutoff_cyc_per_mrad=cutoff))
+
+
+def _assert_passive(mtf: np.ndarray) -> None:
+    assert np.all(np.isfinite(mtf))
+    assert np.all((mtf >= 0.0) & (mtf <= 1.0))
+    assert mtf[0] == 1.0
+
+
+@pytest.mark.parametrize("alpha", [0.0, 0.5, 1.0])
+def test_fried_form(alpha: float) -> None:
+    mpf = mpmath.mpf
+    for rho in (1e-3, 0.7, 8.9):
+        with mpmath.workdps(30):
+            lag = mpf("10") * mpf(rho)
+            tilt = 1 - mpf(alpha) * mpmath.cbrt(lag / 90)
+            truth = mpmath.exp(mpf("-3.44") * (lag / 50) ** (mpf(5) / 3) * max(mpf(0), tilt))
+        got = fried_mtf(rho=rho, wavelength_um=10.0, fried_r0_m=0.05, aperture_mm=90.0, alpha=alpha)
+        assert got == pytest.approx(float(truth), rel=1e-14)
+
+
+def test_air_without_turbulence_is_exactly_one() -> None:
+    np.testing.assert_array_equal(fried_mtf(rho=_RHO, wavelength_um=4.0, fried_r0_m=math.inf), 1.0)
+
+
+def test_aerosol_form_and_its_plateaus() -> None:
+    for level, plateau in (("none", 1.0), ("low", 0.99), ("moderate", 0.975), ("high", 0.955)):
+        depth = turbidity_optical_depth(level=level)
+        mtf = aerosol_mtf(rho=[0.0, 5e-4, 1e-3, 2.0], optical_depth=depth)
+        truth = [1.0, plateau**0.25, plateau, plateau]
+        np.testing.assert_allclose(mtf, truth, rtol=1e-15)
+
+
+def test_optical_depth_of_a_path() -> None:
+    ground = {"absorption_per_km": 0.02, "scattering_per_km": 0.3}
+    level = path_optical_depth(**ground, path_m=402.0)
+    assert level.scattering == pytest.approx(0.3 * 0.402, rel=1e-15)
+    assert level.extinction == pytest.approx(0.32 * 0.402, rel=1e-15)
+    up = path_optical_depth(**ground, path_m=3000.0, view="vertical", scale_height_km=1.2)
+    with mpmath.workdps(25):
+        truth = mpmath.quad(lambda h: mpmath.mpf(0.3) * mpmath.exp(-h / mpmath.mpf(1.2)), [0, 3])
+    assert up.scattering == pytest.approx(float(truth), rel=1e-15)
+    assert path_optical_depth(**ground, path_m=3000.0, view="up", scale_height_km=1.2) == up
+    short = path_optical_depth(**ground, path_m=1e-9, view="vertical")
+    assert short.scattering == pytest.approx(0.3e-12, rel=1e-12)
+
+
+def test_standard_profile_has_its_name_giving_coherence_diameter() -> None:
+    """HV 5/7: r0 = 5 cm at 0.5 µm from the zenith."""
+    r0 = fried_r0_slant_m(
+        target_height_m=2e5, sensor_height_m=0.0, path_m=2e5, wavelength_um=0.5, wave="plane"
+    )
+    assert r0 == pytest.approx(0.05, rel=0.02)
+
+
+def _cn2_truth(height: mpmath.mpf) -> mpmath.mpf:
+    mpf = mpmath.mpf
+    high = mpf("0.00594") * (mpf(21) / 27) ** 2 * (height / 100000) ** 10
+    return (
+        high * mpmath.exp(-height / 1000)
+        + mpf("2.7e-16") * mpmath.exp(-height / 1500)
+        + mpf("1.7e-14") * mpmath.exp(-height / 100)
+    )
+
+
+@pytest.mark.parametrize("wave", ["plane", "spherical"])
+@pytest.mark.parametrize(
+    ("target", "sensor", "path"),
+    [(0.0, 3000.0, 3000.0), (12000.0, 5.0, 20000.0), (0.0, 8e5, 8e5), (10.0, 10.0, 402.0)],
+)
+def test_slant_path_against_direct_quadrature(
+    wave: str, target: float, sensor: float, path: float
+) -> None:
+    power = mpmath.mpf(5) / 3 if wave == "spherical" else mpmath.mpf(0)
+    rise = sensor - target
+    heights = [50, 100, 200, 400, 800, 1600, 3000, 6000, 9000, 12000, 16000, 25000, 50000, 100000]
+    inner = sorted((h - target) / rise for h in heights) if rise else []
+    edges = [0.0, *(u for u in inner if 0.0 < u < 1.0), 1.0]
+    with mpmath.workdps(20):
+        # mpmath stops at an absolute error, and Cn2 is about 1e-16.
+        scaled = mpmath.quad(lambda u: 1e20 * _cn2_truth(target + rise * u) * u**power, edges)
+        mean = scaled / mpmath.mpf("1e20")
+        k = 2 * mpmath.pi / mpmath.mpf("4e-6")
+        truth = (mpmath.mpf("0.423") * k**2 * path * mean) ** (mpmath.mpf(-3) / 5)
+    got = fried_r0_slant_m(
+        target_height_m=target, sensor_height_m=sensor, path_m=path, wavelength_um=4.0, wave=wave
+    )
+    assert got == pytest.approx(float(truth), rel=1e-12)
+
+
+def test_uniform_path_is_the_level_slant_path() -> None:
+    cn2 = float(hufnagel_valley_cn2(height_m=10.0))
+    for wave in ("plane", "spherical"):
+        level = fried_r0_slant_m(
+            target_height_m=10.0, sensor_height_m=10.0, path_m=402.0, wavelength_um=10.0, wave=wave
+        )
+        uniform = fried_r0_uniform_m(cn2=cn2, path_m=402.0, wavelength_um=10.0, wave=wave)
+        assert level == pytest.approx(uniform, rel=1e-13)
+    assert fried_r0_uniform_m(cn2=0.0, path_m=402.0, wavelength_um=10.0) == math.inf
+
+
+def test_profile_is_finite_at_every_height() -> None:
+    cn2 = hufnagel_valley_cn2(height_m=[0.0, 1e4, 1e6, 1e300])
+    assert np.all(np.isfinite(cn2))
+    assert cn2[0] == pytest.approx(1.7e-14 + 2.7e-16, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: fried_mtf(rho=1.0, wavelength_um=4.0, fried_r0_m=0.0),
+        lambda: fried_mtf(rho=1.0, wavelength_um=0.0, fried_r0_m=0.1),
+        lambda: fried_mtf(rho=1.0, wavelength_um=4.0, fried_r0_m=0.1, alpha=0.5),
+        lambda: fried_mtf(rho=1.0, wavelength_um=4.0, fried_r0_m=0.1, alpha=1.5),
+        lambda: aerosol_mtf(rho=1.0, optical_depth=-1.0),
+        lambda: aerosol_mtf(rho=1.0, optical_depth=1.0, cutoff_cyc_per_mrad=0.0),
+        lambda: turbidity_optical_depth(level="thick"),
+        lambda: path_optical_depth(
+            absorption_per_km=0.0, scattering_per_km=1.0, path_m=1.0, view="sideways"
+        ),
+        lambda: fried_r0_uniform_m(cn2=1e-14, path_m=1.0, wavelength_um=4.0, wave="beam"),
+        lambda: fried_r0_slant_m(
+            target_height_m=0.0, sensor_height_m=100.0, path_m=50.0, wavelength_um=4.0
+        ),
+    ],
+)
+def test_values_out_of_range_are_refused(call: object) -> None:
+    with pytest.raises(ParameterError, match=r"is not allowed|is empty"):
+        call()  # type: ignore[operator]

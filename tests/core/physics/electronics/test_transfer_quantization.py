@@ -1,0 +1,134 @@
+"""Quantization against exact rational arithmetic."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from core.errors import DataError, ParameterError
+from core.physics.electronics.quantization import quantization_rms, quantize
+
+_BITS = [1, 4, 6, 8, 12, 16, 24, 32, 64]
+
+
+def _samples(dtype: type, low: float, high: float) -> np.ndarray:
+    span = high - low
+    generator = np.random.default_rng(7)
+    return generator.uniform(low - 0.1 * span, high + 0.1 * span, (37, 11)).astype(dtype)
+
+
+@pytest.mark.parametrize("bits", _BITS)
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (29.7, 41.3), (-1e30, 1e30), (0.0, 1e-30)])
+def test_each_sample_goes_to_the_nearest_level(
+    bits: int, dtype: type, low: float, high: float
+) -> None:
+    samples = _samples(dtype, low, high)
+    got = quantize(samples, bits=bits, low=low, high=high)
+    assert got.dtype == dtype
+    step = (Fraction(high) - Fraction(low)) / (2**bits - 1)
+    rounding = Fraction(2.0 * float(np.finfo(dtype).eps) * max(abs(low), abs(high)))
+    for sample, value in zip(samples.ravel().tolist(), got.ravel().tolist(), strict=True):
+        inside = min(max(Fraction(sample), Fraction(low)), Fraction(high))
+        level = Fraction(low) + round((inside - Fraction(low)) / step) * step
+        assert abs(Fraction(value) - level) <= rounding or (
+            abs(abs(inside - Fraction(value)) - step / 2) <= rounding
+        )
+        assert abs(Fraction(value) - inside) <= step / 2 + rounding
+
+
+@pytest.mark.parametrize("bits", _BITS)
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_both_ends_are_levels(bits: int, dtype: type) -> None:
+    low, high = float(dtype(29.7)), float(dtype(41.3))
+    ends = np.array([low, high, -1e9, 1e9], dtype=dtype)
+    got = quantize(ends, bits=bits, low=low, high=high)
+    np.testing.assert_array_equal(got, np.array([low, high, low, high], dtype=dtype))
+
+
+def test_number_of_levels() -> None:
+    ramp = np.linspace(-3.0, 5.0, 5001)
+    for bits in (1, 4, 8):
+        got = np.unique(quantize(ramp, bits=bits, low=-3.0, high=5.0))
+        np.testing.assert_allclose(got, np.linspace(-3.0, 5.0, 2**bits), rtol=0.0, atol=1e-14)
+
+
+@given(
+    values=st.lists(st.floats(-1e300, 1e300), min_size=1, max_size=20),
+    bits=st.integers(0, 64),
+)
+def test_never_worse_than_half_a_step(values: list[float], bits: int) -> None:
+    samples = np.array(values)
+    low, high = float(samples.min()), float(samples.max())
+    got = quantize(samples, bits=bits, low=low, high=high)
+    half = 0.5 * (high - low) / (2**bits - 1) if bits else 0.0
+    rounding = 4e-16 * max(abs(low), abs(high)) + 1e-300
+    assert np.all(np.abs(got - samples) <= half * (1.0 + 1e-12) + rounding)
+    assert np.all((got >= low) & (got <= high))
+
+
+@pytest.mark.parametrize("bits", [32, 64])
+def test_many_bits_alter_nothing_beyond_rounding(bits: int) -> None:
+    samples = np.random.default_rng(3).normal(30.0, 2.0, (41, 3)).astype(np.float32)
+    low, high = float(samples.min()), float(samples.max())
+    np.testing.assert_array_max_ulp(quantize(samples, bits=bits, low=low, high=high), samples, 1)
+
+
+def test_constant_image_and_zero_bits_change_nothing() -> None:
+    flat = np.full((5, 4), 0.1, dtype=np.float32)
+    np.testing.assert_array_equal(quantize(flat, bits=8, low=0.1, high=0.1), flat)
+    ramp = np.arange(12.0).reshape(3, 4)
+    np.testing.assert_array_equal(quantize(ramp, bits=0, low=0.0, high=5.0), ramp)
+
+
+@pytest.mark.parametrize("shape", [(), (0,), (1, 1), (1, 70001), (70001, 1), (300, 301)])
+def test_every_shape_in_place_and_strided(shape: tuple[int, ...]) -> None:
+    samples = np.random.default_rng(5).uniform(0.0, 1.0, shape)
+    truth = np.rint(samples * 15.0) / 15.0
+    np.testing.assert_allclose(quantize(samples, bits=4, low=0.0, high=1.0), truth, atol=1e-15)
+    turned = quantize(samples.T, bits=4, low=0.0, high=1.0)
+    np.testing.assert_allclose(turned, truth.T, atol=1e-15)
+    assert quantize(samples, bits=4, low=0.0, high=1.0, out=samples) is samples
+    np.testing.assert_allclose(samples, truth, atol=1e-15)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1.0, 1e200])
+def test_rms_of_the_difference(scale: float) -> None:
+    generator = np.random.default_rng(11)
+    before, after = generator.normal(size=(2, 301, 400))
+    difference = (before - after).ravel().tolist()
+    truth = math.sqrt(math.fsum(d * d for d in difference) / len(difference)) * scale
+    got = quantization_rms(original=before * scale, quantized=after * scale)
+    assert got == pytest.approx(truth, rel=1e-13)
+    assert quantization_rms(original=before, quantized=before) == 0.0
+
+
+def test_uniform_samples_have_a_twelfth_of_the_squared_step() -> None:
+    per_level = 4000  # midpoints that fill each level's cell: q²/12·(1 − 1/4000²)
+    ramp = (np.arange(63 * per_level) + 0.5) / (63 * per_level)
+    rms = quantization_rms(original=ramp, quantized=quantize(ramp, bits=6, low=0.0, high=1.0))
+    assert rms == pytest.approx(math.sqrt((1.0 - per_level**-2.0) / 12.0) / 63.0, rel=1e-12)
+
+
+def test_what_cannot_be_used_is_refused() -> None:
+    ramp = np.arange(6.0)
+    for given_ in (
+        {"bits": 65, "low": 0.0, "high": 1.0},
+        {"bits": 2.5, "low": 0.0, "high": 1.0},
+        {"bits": 8, "low": 1.0, "high": 0.0},
+        {"bits": 8, "low": math.nan, "high": 1.0},
+        {"bits": 8, "low": -1.7e308, "high": 1.7e308},
+    ):
+        with pytest.raises(ParameterError, match="is not allowed"):
+            quantize(ramp, **given_)
+    with pytest.raises(ParameterError, match="float32"):
+        quantize(ramp.astype(np.float32), bits=8, low=0.0, high=1e300)
+    with pytest.raises(DataError, match="out is"):
+        quantize(ramp, bits=8, low=0.0, high=1.0, out=np.empty(5))
+    with pytest.raises(DataError, match="shapes"):
+        quantization_rms(original=ramp, quantized=ramp[1:])

@@ -1,0 +1,80 @@
+"""The range of a probability, against plain bisection and in closed form."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from core.errors import ParameterError
+from core.physics.numerics.probability_range import range_for_probability
+
+
+def by_bisection(probability_at, wanted):
+    """The logarithm of the range, halved until nothing is left to halve."""
+    near, far = math.log(1e-3), math.log(1e9)
+    while near < (middle := (near + far) / 2) < far:
+        if probability_at(math.exp(middle)) >= wanted:
+            near = middle
+        else:
+            far = middle
+    return math.exp(near)
+
+
+@given(
+    st.floats(1e-2, 1e8), st.floats(0.05, 30), st.floats(0.01, 0.99), st.sampled_from([1, 7, 1000])
+)
+def test_same_as_bisection(half_m, steepness, wanted, levels):
+    """1/(1 + (R/R50)^s), also in so many steps that it jumps."""
+
+    def at(range_m):
+        with np.errstate(over="ignore"):  # far away it is 0
+            smooth = 1 / (1 + np.float64(range_m / half_m) ** steepness)
+        return smooth if levels == 1 else np.floor(smooth * levels) / levels
+
+    found = range_for_probability(probability_at=at, probability=wanted)
+    if at(1e-3) < wanted:
+        assert found is None
+    elif at(1e9) >= wanted:
+        assert found == math.inf
+    else:
+        assert found == pytest.approx(by_bisection(at, wanted), rel=3e-13)
+
+
+# 1/(1 + (R/R50)^s) = p where R = R50·((1 − p)/p)^(1/s).
+@pytest.mark.parametrize("wanted", [0.01, 0.5, 0.9, 0.999])
+def test_in_closed_form(wanted):
+    found = range_for_probability(
+        probability_at=lambda r: 1 / (1 + (r / 4321.0) ** 3), probability=wanted
+    )
+    assert found == pytest.approx(4321.0 * ((1 - wanted) / wanted) ** (1 / 3), rel=1e-12)
+
+
+def test_asks_for_many_ranges_at_once():
+    asked = []
+
+    def at(range_m):
+        asked.append(len(range_m))
+        return 1 / (1 + range_m / 50.0)
+
+    range_for_probability(probability_at=at, probability=0.5)
+    assert len(asked) <= 14
+    assert max(asked) == 16
+
+
+@pytest.mark.parametrize("where", [2e-3, 10.0, 3e8])
+def test_no_number_at_some_range_is_refused_by_its_range(where):
+    def at(range_m):
+        return np.where(np.abs(np.log(range_m / where)) < 2.0, np.nan, range_m < 1.0)
+
+    with pytest.raises(ParameterError, match=r"probability_at\(.*0 to 1"):
+        range_for_probability(probability_at=at, probability=0.5)
+
+
+@pytest.mark.parametrize("probability", [0.0, 1.0, -0.1, math.nan])
+def test_probability_out_of_range_is_refused(probability):
+    with pytest.raises(ParameterError, match="probability"):
+        range_for_probability(probability_at=lambda _: 0.5, probability=probability)

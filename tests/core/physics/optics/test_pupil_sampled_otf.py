@@ -1,0 +1,204 @@
+"""Sampled pupils: the raw autocorrelation, interpolation between lags, and the error estimate."""
+
+import math
+
+import numpy as np
+import pytest
+
+from core.errors import DataError, ParameterError
+from core.physics.optics.defocus_otf import defocus_otf
+from core.physics.optics.geometric_otf import geometric_otf
+from core.physics.optics.pupil_shapes import PupilShape, edge_offset_samples, sample_pupil
+from core.physics.optics.sampled_otf import autocorrelation, complex_pupil, sampled_otf
+from core.physics.optics.zernike import wavefront_waves
+from core.physics.sampling.sampling_error import error_estimate
+
+SIZE = 512
+SHAPES = [
+    PupilShape("clear", 256.0),
+    PupilShape("half_moon", 256.0),
+    PupilShape("cassegrain", 256.0, 80.0),
+    PupilShape("hinged", 256.0, slit_width=30.0),
+    PupilShape("cassegrain_slit", 256.0, 80.0, 30.0),
+    PupilShape("spider", 256.0, 80.0, vanes=4, vane_width=16.0),
+    PupilShape("spider", 256.0, 80.0, vanes=3, vane_width=16.0),
+    PupilShape("hinged", 250.0, slit_width=25.3),
+    PupilShape("spider", 250.0, 75.0, vanes=4, vane_width=15.0),
+]
+
+
+def direct_autocorrelation(pupil):
+    rows, columns = pupil.shape
+    out = np.zeros((2 * rows - 1, 2 * columns - 1), complex)
+    for down in range(1 - rows, rows):
+        for right in range(1 - columns, columns):
+            for row in range(max(0, -down), min(rows, rows - down)):
+                for column in range(max(0, -right), min(columns, columns - right)):
+                    value = pupil[row + down, column + right] * np.conj(pupil[row, column])
+                    out[down + rows - 1, right + columns - 1] += value
+    return out / np.sum(np.abs(pupil) ** 2)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 6), (5, 3), (4, 7)])
+def test_autocorrelation_is_the_direct_sum(shape):
+    rng = np.random.default_rng(2)
+    for pupil in (rng.uniform(size=shape), rng.normal(size=shape) + 1j * rng.normal(size=shape)):
+        got = autocorrelation(pupil)
+        np.testing.assert_allclose(got, direct_autocorrelation(pupil), rtol=0, atol=1e-14)
+        np.testing.assert_array_equal(got, np.conj(got[::-1, ::-1]))
+        assert got[shape[0] - 1, shape[1] - 1] == 1.0
+
+
+def test_autocorrelation_scales_and_refuses():
+    pupil = sample_pupil(PupilShape("clear", 3.0), rows=8, columns=8)
+    plain = autocorrelation(pupil)
+    for scale in (1e200, 1e-200):
+        np.testing.assert_allclose(autocorrelation(scale * pupil), plain, rtol=0, atol=1e-15)
+    for bad in (np.zeros((4, 4)), np.full((2, 2), math.nan), np.ones(4), np.ones((0, 3))):
+        with pytest.raises(DataError):
+            autocorrelation(bad)
+
+
+def test_a_tilt_gives_a_linear_phase():
+    x = (np.arange(32) - 15.5) / 15.5
+    flat = sample_pupil(PupilShape("clear", 15.5), rows=32, columns=32)
+    tilted = complex_pupil(transmission=flat, wavefront_waves=np.tile(0.8 * x, (32, 1)))
+    lags = np.arange(-31, 32)
+    expected = autocorrelation(flat) * np.exp(2j * np.pi * 0.8 * lags / 15.5)
+    np.testing.assert_allclose(autocorrelation(tilted), expected, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "bilinear"])
+def test_interpolation_keeps_nodes_symmetry_and_linear_fields(interpolation):
+    rng = np.random.default_rng(4)
+    table = autocorrelation(rng.normal(size=(6, 9)) + 1j * rng.normal(size=(6, 9)))
+    y, x = np.mgrid[-5:6, -8:9]
+    nodes = sampled_otf(table, lag_x=x, lag_y=y, interpolation=interpolation)
+    np.testing.assert_array_equal(nodes, table)
+    x, y = rng.uniform(-10, 10, 400), rng.uniform(-7, 7, 400)
+    ahead = sampled_otf(table, lag_x=x, lag_y=y, interpolation=interpolation)
+    behind = sampled_otf(table, lag_x=-x, lag_y=-y, interpolation=interpolation)
+    np.testing.assert_array_equal(ahead, np.conj(behind))
+    assert np.all(ahead[(np.abs(x) >= 9) | (np.abs(y) >= 6)] == 0)
+    row, column = np.mgrid[-5:6, -8:9]
+    plane = (1 + 2.0 * column - 3.0 * row).astype(complex)
+    x, y = rng.uniform(-8, 8, 200), rng.uniform(-5, 5, 200)
+    got = sampled_otf(plane, lag_x=x, lag_y=y, interpolation=interpolation)
+    np.testing.assert_allclose(got, 1 + 2 * x - 3 * y, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "bilinear"])
+def test_a_row_and_a_column_of_lags_have_the_bits_of_their_pairs(interpolation):
+    """On them, beyond the array on either side, and with rows in no order."""
+    rng = np.random.default_rng(6)
+    table = autocorrelation(rng.normal(size=(6, 9)) + 1j * rng.normal(size=(6, 9)))
+    x = np.concatenate([rng.uniform(-11, 11, 40), [-8.0, 0.0, 8.0]])[np.newaxis, :]
+    y = np.concatenate([rng.uniform(-8, 8, 30), [5.0, 0.0, -5.0, 1e300]])[:, np.newaxis]
+    plane = sampled_otf(table, lag_x=x, lag_y=y, interpolation=interpolation)
+    x, y = np.broadcast_arrays(x, y)
+    pairs = sampled_otf(table, lag_x=x.ravel(), lag_y=y.ravel(), interpolation=interpolation)
+    np.testing.assert_array_equal(plane, pairs.reshape(x.shape))
+    real = sampled_otf(table.real, lag_x=x[:1], lag_y=y[:, :1], interpolation=interpolation)
+    assert real.dtype == np.float64
+    np.testing.assert_array_equal(real, plane.real)
+
+
+def test_interpolations_differ_by_the_twist_of_a_cell():
+    twist = np.zeros((5, 5), complex)
+    twist[3, 3] = 1.0
+    for x, y, bilinear, linear in ((0.5, 0.25, 0.125, 0.25), (0.25, 0.75, 0.1875, 0.25)):
+        got = sampled_otf(twist, lag_x=x, lag_y=y, interpolation="bilinear")
+        assert got == pytest.approx(bilinear, abs=1e-15)
+        got = sampled_otf(twist, lag_x=x, lag_y=y, interpolation="linear")
+        assert got == pytest.approx(linear, abs=1e-15)
+
+
+def test_interpolation_refuses():
+    table = autocorrelation(np.ones((3, 3)))
+    with pytest.raises(ParameterError, match="interpolation"):
+        sampled_otf(table, lag_x=0.0, lag_y=0.0, interpolation="cubic")
+    with pytest.raises(DataError):
+        sampled_otf(table, lag_x=math.nan, lag_y=0.0)
+    assert sampled_otf(table, lag_x=1e300, lag_y=0.0) == 0
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda s: f"{s.shape}-{s.vanes}-{s.radius:g}")
+def test_estimate_covers_the_error_at_512(shape):
+    pupil = sample_pupil(shape, rows=SIZE, columns=SIZE)
+    correlation = autocorrelation(pupil)
+    lags = np.concatenate([np.arange(0.0, 60.0, 5.3), np.arange(60.0, 511.0, 17.4)])
+    x, y = np.meshgrid(lags, lags)
+    exact = geometric_otf(shape, lag_x=x, lag_y=y)
+    offset = edge_offset_samples(shape, rows=SIZE, columns=SIZE)
+    known = error_estimate(pupil, correlation=correlation, edge_uncertainty_samples=offset)
+    blind = error_estimate(pupil, correlation=correlation)
+    for interpolation in ("linear", "bilinear"):
+        got = sampled_otf(correlation, lag_x=x, lag_y=y, interpolation=interpolation)
+        error = np.max(np.abs(got - exact))
+        assert error < known <= blind
+        if offset == 0.0:
+            assert error < 5e-4
+            assert known < 2e-3
+    if shape.shape in ("clear", "half_moon"):
+        x, y = np.meshgrid(lags.round(), lags.round())
+        exact = geometric_otf(shape, lag_x=x, lag_y=y)
+        assert np.max(np.abs(sampled_otf(correlation, lag_x=x, lag_y=y) - exact)) < 1e-4
+
+
+@pytest.mark.parametrize("size", [24, 61, 130])
+def test_estimate_covers_small_pupils(size):
+    rng = np.random.default_rng(size)
+    for _ in range(8):
+        radius = size * rng.uniform(0.25, 0.5)
+        hole = radius * rng.uniform(0.1, 0.5)
+        width = max(1.5, radius * rng.uniform(0.05, 0.2))  # narrower bars may leave no trace
+        for shape in (
+            PupilShape("clear", radius),
+            PupilShape("half_moon", radius),
+            PupilShape("cassegrain", radius, hole),
+            PupilShape("hinged", radius, slit_width=width),
+            PupilShape("cassegrain_slit", radius, hole, width),
+            PupilShape("spider", radius, hole, vanes=int(rng.integers(1, 6)), vane_width=width),
+        ):
+            pupil = sample_pupil(shape, rows=size, columns=size)
+            correlation = autocorrelation(pupil)
+            y, x = np.mgrid[0:size, 0:size][:, :: max(1, size // 24), :: max(1, size // 24)]
+            exact = geometric_otf(shape, lag_x=x, lag_y=y)
+            error = np.max(np.abs(sampled_otf(correlation, lag_x=x, lag_y=y) - exact))
+            assert error < error_estimate(pupil, correlation=correlation, interpolated=False)
+
+
+def defocused(radius, w20, fine):
+    """Error and estimate of a defocused disc sampled with SIZE * fine samples."""
+    count = SIZE * fine
+    place = (np.arange(count) - (count - 1) / 2) / (radius * fine)
+    waves = wavefront_waves(x=place, y=place[:, np.newaxis], defocus_waves=w20)
+    flat = sample_pupil(PupilShape("clear", radius), rows=SIZE, columns=SIZE, oversampling=fine)
+    pupil = complex_pupil(transmission=flat, wavefront_waves=waves)
+    correlation = autocorrelation(pupil)
+    x, y = np.meshgrid(np.arange(0, 511, 9), np.arange(0, 511, 9))
+    exact = defocus_otf(frequency_ratio=np.hypot(x, y) / (2 * radius), w20_waves=w20)
+    got = sampled_otf(correlation, lag_x=x * fine, lag_y=y * fine)
+    estimate = error_estimate(pupil, correlation=correlation, interpolated=False)
+    return np.max(np.abs(got - exact)), estimate
+
+
+@pytest.mark.parametrize(("radius", "w20"), [(256.0, 0.25), (254.0, 1.0), (255.3, 4.0)])
+def test_estimate_covers_defocus_at_512(radius, w20):
+    error, estimate = defocused(radius, w20, 1)
+    assert error < estimate < 5e-3
+
+
+@pytest.mark.parametrize(("radius", "w20"), [(256.0, 1.0), (254.0, 2.0), (255.3, 4.0)])
+def test_oversampling_twice_brings_defocus_below_1e_4(radius, w20):
+    error, estimate = defocused(radius, w20, 2)
+    assert error < 1e-4
+    assert error < estimate
+
+
+def test_estimate_says_so_when_the_wavefront_is_not_resolved():
+    place = (np.arange(64) - 31.5) / 32.0
+    waves = wavefront_waves(x=place, y=place[:, np.newaxis], defocus_waves=40.0)
+    flat = sample_pupil(PupilShape("clear", 32.0), rows=64, columns=64)
+    pupil = complex_pupil(transmission=flat, wavefront_waves=waves)
+    assert error_estimate(pupil, correlation=autocorrelation(pupil)) > 0.1

@@ -1,0 +1,190 @@
+"""Planck's law against the closed sum of incomplete gamma functions in 50 digits."""
+
+import mpmath
+import numpy as np
+import pytest
+import scipy.constants as sc
+from mpmath import exp, expm1, factorial, mp, mpf
+
+from core.errors import DataError, ParameterError
+from core.physics.radiometry import constants
+from core.physics.radiometry.planck import (
+    band_photon_radiance,
+    band_radiance,
+    band_radiance_derivative,
+    brightness_temperature,
+    spectral_radiance,
+)
+
+BANDS = [(8, 12), (3, 5), (0.4, 0.7), (0.3, 30), (10, 10.0001), (8, 8 * (1 + 1e-9)), (14, 30)]
+TEMPERATURES = [20.0, 77.0, 150.0, 285.0, 303.0, 1000.0, 2856.0, 6000.0]
+CASES = [(a, b, T) for a, b in BANDS for T in TEMPERATURES if 14388 / (b * T) < 700]
+
+with mp.workdps(50):
+    H, C, K = mpf("6.62607015e-34"), mpf(299792458), mpf("1.380649e-23")
+
+
+@pytest.fixture(autouse=True)
+def _fifty_digits():
+    with mp.workdps(50):
+        yield
+
+
+def tail(x, power):
+    """Integral of t^power/(e^t - 1) from x to infinity."""
+    total, n, decay, ratio = mpf(0), 0, mpf(1), exp(-x)
+    terms = [factorial(power) / factorial(power - j) * x ** (power - j) for j in range(power + 1)]
+    while True:
+        n += 1
+        decay *= ratio
+        term = decay * sum(t / mpf(n) ** (j + 1) for j, t in enumerate(terms))
+        total += term
+        if term < total * mpf(10) ** -40:
+            return total
+
+
+def limits(cut_on, cut_off, temperature):
+    c2_um = H * C / K * 10**6
+    return c2_um / (mpf(cut_off) * temperature), c2_um / (mpf(cut_on) * temperature)
+
+
+def true_radiance(cut_on, cut_off, temperature):
+    low, high = limits(cut_on, cut_off, temperature)
+    scale = 2 * K**4 * mpf(temperature) ** 4 / (H**3 * C**2)
+    return scale * (tail(low, 3) - tail(high, 3))
+
+
+def true_slope(cut_on, cut_off, temperature):
+    low, high = limits(cut_on, cut_off, temperature)
+    edge = [x**4 / expm1(x) for x in (low, high)]
+    scale = 2 * K**4 * mpf(temperature) ** 3 / (H**3 * C**2)
+    return scale * (4 * (tail(low, 3) - tail(high, 3)) + edge[0] - edge[1])
+
+
+def true_photons(cut_on, cut_off, temperature):
+    low, high = limits(cut_on, cut_off, temperature)
+    scale = 2 * K**3 * mpf(temperature) ** 3 / (H**3 * C**2)
+    return scale * (tail(low, 2) - tail(high, 2))
+
+
+def relative_error(got, truth):
+    return float(abs(mpf(float(got)) / truth - 1))
+
+
+@pytest.mark.parametrize(
+    ("function", "truth"),
+    [
+        (band_radiance, true_radiance),
+        (band_radiance_derivative, true_slope),
+        (band_photon_radiance, true_photons),
+    ],
+)
+@pytest.mark.parametrize(("cut_on", "cut_off", "temperature"), CASES)
+def test_band_quantities_reach_twelve_digits(function, truth, cut_on, cut_off, temperature):
+    expected = truth(cut_on, cut_off, temperature)
+    got = function(cut_on_um=cut_on, cut_off_um=cut_off, temperature_K=temperature)
+    assert isinstance(got, float)
+    assert relative_error(got, expected) <= 1e-12
+    # a large array takes the way by Chebyshev fits
+    many = np.linspace(temperature, 1.9 * temperature, 3000).reshape(30, 100)
+    fitted = function(cut_on_um=cut_on, cut_off_um=cut_off, temperature_K=many)
+    assert fitted.shape == many.shape
+    assert relative_error(fitted[0, 0], expected) <= 1e-12
+
+
+@pytest.mark.parametrize(("cut_on", "cut_off", "temperature"), CASES)
+def test_brightness_temperature_reaches_twelve_digits(cut_on, cut_off, temperature):
+    radiance = float(true_radiance(cut_on, cut_off, temperature))
+    got = brightness_temperature(radiance=radiance, cut_on_um=cut_on, cut_off_um=cut_off)
+    assert got == pytest.approx(temperature, rel=1e-12)
+    many = np.linspace(radiance, 3 * radiance, 3000)
+    fitted = brightness_temperature(radiance=many, cut_on_um=cut_on, cut_off_um=cut_off)
+    assert fitted[0] == pytest.approx(temperature, rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [7, 4000])
+def test_brightness_temperature_undoes_band_radiance(size):
+    temperature = np.geomspace(20.0, 6000.0, size)
+    radiance = band_radiance(cut_on_um=8, cut_off_um=12, temperature_K=temperature)
+    back = brightness_temperature(radiance=radiance, cut_on_um=8, cut_off_um=12)
+    np.testing.assert_allclose(back, temperature, rtol=1e-12)
+
+
+def test_all_wavelengths_together_give_stefan_boltzmann():
+    got = band_radiance(cut_on_um=1e-3, cut_off_um=1e8, temperature_K=300.0)
+    assert np.pi * got == pytest.approx(sc.sigma * 300.0**4, rel=1e-12)
+    assert pytest.approx(sc.sigma, rel=1e-9) == constants.STEFAN_BOLTZMANN_W_M2_K4
+
+
+def test_constants_are_the_si_ones():
+    assert sc.h == constants.PLANCK_J_S
+    assert sc.c == constants.SPEED_OF_LIGHT_M_S
+    assert sc.k == constants.BOLTZMANN_J_K
+    assert sc.e == constants.ELEMENTARY_CHARGE_C
+    assert float(H * C / K) == constants.SECOND_RADIATION_CONSTANT_M_K
+    assert float(H * C / K * 10**6) == constants.SECOND_RADIATION_CONSTANT_UM_K
+
+
+@pytest.mark.parametrize(("wavelength", "temperature"), [(10, 300), (0.5, 6000), (4, 20), (1e6, 3)])
+def test_spectral_radiance(wavelength, temperature):
+    x = H * C / (mpf(wavelength) * mpf("1e-6") * K * temperature)
+    truth = 2 * H * C**2 / (mpf(wavelength) * mpf("1e-6")) ** 5 / expm1(x) * mpf("1e-6")
+    assert relative_error(spectral_radiance(wavelength, temperature), truth) <= 1e-12
+
+
+def test_spectral_radiance_broadcasts_and_integrates_to_the_band():
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    values = spectral_radiance(10 + 2 * nodes[:, None], np.array([285.0, 303.0]))
+    expected = band_radiance(cut_on_um=8, cut_off_um=12, temperature_K=np.array([285.0, 303.0]))
+    np.testing.assert_allclose(2 * weights @ values, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("temperature", [0.0, 1e-300, 1e-9, 1.0])
+def test_cold_bodies_emit_nothing(temperature):
+    band = {"cut_on_um": 8.0, "cut_off_um": 12.0}
+    assert band_radiance(**band, temperature_K=temperature) == 0.0
+    assert band_radiance_derivative(**band, temperature_K=temperature) == 0.0
+    assert spectral_radiance(10.0, temperature) == 0.0
+    many = np.full(5000, temperature)
+    assert not band_radiance(**band, temperature_K=many).any()
+
+
+def test_hot_bodies_follow_rayleigh_and_jeans():
+    got = band_radiance(cut_on_um=8.0, cut_off_um=12.0, temperature_K=1e20)
+    expected = 2 * sc.c * sc.k * 1e20 / 3 * (1 / 8e-6**3 - 1 / 12e-6**3)
+    assert got == pytest.approx(expected, rel=1e-12)
+
+
+def test_dark_samples_are_at_zero_kelvin():
+    radiance = np.array([[0.0, 30.0], [5e-324, 0.0]])
+    temperature = brightness_temperature(radiance=radiance, cut_on_um=8, cut_off_um=12)
+    assert temperature[0, 0] == temperature[1, 1] == 0.0
+    assert np.all(temperature[[0, 1], [1, 0]] > 1.0)
+    assert brightness_temperature(radiance=0.0, cut_on_um=8, cut_off_um=12) == 0.0
+    assert brightness_temperature(radiance=np.empty(0), cut_on_um=8, cut_off_um=12).size == 0
+
+
+@pytest.mark.parametrize("bad", [-1.0, np.nan, np.inf, 1e300])
+def test_radiance_without_a_temperature_is_refused(bad):
+    with pytest.raises(DataError, match="1 of 2 samples"):
+        brightness_temperature(radiance=np.array([1.0, bad]), cut_on_um=8, cut_off_um=12)
+
+
+@pytest.mark.parametrize("bad", [-1.0, np.nan, np.inf])
+def test_wrong_temperatures_are_refused(bad):
+    with pytest.raises(ParameterError, match="temperature_K"):
+        band_radiance(cut_on_um=8, cut_off_um=12, temperature_K=np.array([300.0, bad]))
+    with pytest.raises(ParameterError, match="temperature_K"):
+        spectral_radiance(10.0, bad)
+
+
+@pytest.mark.parametrize(("cut_on", "cut_off"), [(12, 8), (8, 8), (0, 8), (8, np.inf), (np.nan, 8)])
+def test_wrong_bands_are_refused(cut_on, cut_off):
+    with pytest.raises(ParameterError, match="cut_o"):
+        band_radiance(cut_on_um=cut_on, cut_off_um=cut_off, temperature_K=300.0)
+
+
+def test_truth_agrees_with_quadrature():
+    low, high = limits(8, 12, 300)
+    integral = mpmath.quad(lambda x: x**3 / expm1(x), [low, high])
+    assert abs(tail(low, 3) - tail(high, 3) - integral) < mpf(10) ** -30

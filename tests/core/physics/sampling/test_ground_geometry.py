@@ -1,0 +1,159 @@
+"""Where cameras look: against rays turned and followed to the ground one by one."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from core.errors import DataError, ParameterError
+from core.physics.sampling.ground_geometry import (
+    Camera,
+    check_horizon,
+    field_deg,
+    ground_bounds,
+    ground_points,
+    ground_sample,
+    line_widths,
+    step_of_field_mrad,
+)
+
+DEGREE = math.pi / 180
+
+
+def camera(kind, **changes):
+    given = {
+        "altitude_m": 800.0, "columns": 40, "rows": 30, "step_x_mrad": 12.0, "step_y_mrad": 9.0,
+        "line_spacing_m": 11.0,
+    }  # fmt: skip
+    return Camera(kind, **{**given, **changes})
+
+
+def turned(ray, roll, pitch, yaw):
+    """A ray (right, ahead, down) turned about the axes in turn, angle by angle."""
+    x, y, z = ray
+    length, angle = math.hypot(x, z), math.atan2(x, z) + roll * DEGREE
+    x, z = length * math.sin(angle), length * math.cos(angle)
+    length, angle = math.hypot(y, z), math.atan2(y, z) + pitch * DEGREE
+    y, z = length * math.sin(angle), length * math.cos(angle)
+    length, angle = math.hypot(x, y), math.atan2(y, x) + yaw * DEGREE
+    return length * math.cos(angle), length * math.sin(angle), z
+
+
+def followed(cam, u, v):
+    """Where a ray meets the ground."""
+    away_x, away_y = u - cam.columns / 2, v - cam.rows / 2
+    flown = 0.0
+    if cam.kind == "line":
+        angle = away_x * cam.step_x_mrad / 1000
+        ray, flown = (math.sin(angle), 0.0, math.cos(angle)), away_y * cam.line_spacing_m
+    elif cam.kind == "pushbroom":
+        ray, flown = (away_x * cam.step_x_mrad, 0.0, 1000.0), away_y * cam.line_spacing_m
+    else:
+        ray = (away_x * cam.step_x_mrad, away_y * cam.step_y_mrad, 1000.0)
+    x, y, z = turned(ray, cam.roll_deg, cam.pitch_deg, cam.yaw_deg)
+    heading = cam.yaw_deg * DEGREE
+    return (
+        cam.offset_x_m + cam.altitude_m * x / z - flown * math.sin(heading),
+        cam.offset_y_m + cam.altitude_m * y / z + flown * math.cos(heading),
+    )
+
+
+ATTITUDES = [
+    {},
+    {"roll_deg": 15.0},
+    {"pitch_deg": -20.0},
+    {"yaw_deg": 33.0},
+    {"roll_deg": -9.0, "pitch_deg": 12.0, "yaw_deg": -140.0, "offset_x_m": 70.0, "offset_y_m": -8},
+]
+
+
+@pytest.mark.parametrize("attitude", ATTITUDES, ids=str)
+@pytest.mark.parametrize("kind", ["line", "pushbroom", "framing"])
+def test_rays_meet_the_ground_where_they_are_followed_to(kind, attitude):
+    cam = camera(kind, **attitude)
+    for u, v in ((0, 0), (40, 0), (13.5, 22.25), (0, 30), (40, 30)):
+        found = ground_points(camera=cam, u=u, v=v)
+        np.testing.assert_allclose(np.array(found), followed(cam, u, v), rtol=1e-12, atol=1e-9)
+
+
+@pytest.mark.parametrize("attitude", ATTITUDES, ids=str)
+@pytest.mark.parametrize("kind", ["line", "pushbroom", "framing"])
+def test_bounds_hold_all_that_is_seen(kind, attitude):
+    cam = camera(kind, **attitude, step_y_mrad=11.0 / 0.8)  # lines join at nadir
+    bounds = ground_bounds(camera=cam)
+    u, v = np.meshgrid(np.linspace(0, 40, 21), np.linspace(0, 30, 31))
+    x, y = (np.asarray(each) for each in ground_points(camera=cam, u=u, v=v))
+    assert bounds.left <= x.min() + 1e-9
+    assert bounds.right >= x.max() - 1e-9
+    assert bounds.top <= y.min() + 1e-9
+    assert bounds.low >= y.max() - 1e-9
+    assert bounds.right - bounds.left < 1.25 * (x.max() - x.min())
+
+
+def test_panoramic_distortion_of_a_line_scanner():
+    """90° in 900 samples at 1 km: tan 45° = 1; h·Δ·sec²θ and h·Δ·sec θ with 2 and √2 at the end."""
+    step = step_of_field_mrad(kind="line", fov_deg=90, columns=900)
+    assert step == pytest.approx(1000 * math.pi / 1800, rel=1e-14)
+    cam = Camera("line", 1000.0, 900, 10, step, step, line_spacing_m=step)
+    x, y = ground_points(camera=cam, u=[0, 450, 900], v=5)
+    assert x.tolist() == pytest.approx([-1000, 0, 1000], abs=1e-9)
+    assert y.tolist() == pytest.approx([0, 0, 0], abs=1e-12)
+    middle = ground_sample(camera=cam, u=450, v=5)
+    assert middle.across_m == pytest.approx(1000 * 2 * math.tan(math.pi / 3600), rel=1e-12)
+    for angle in (0.0, 30.0, 44.95):
+        found = ground_sample(camera=cam, u=450 + angle * 10, v=5)
+        secant = 1 / math.cos(angle * DEGREE)
+        assert found.across_m == pytest.approx(step * secant**2, rel=2e-6)
+        assert found.along_m == pytest.approx(step * secant, rel=1e-12)
+
+
+def test_a_pushbroom_has_equal_ground_samples():
+    cam = camera("pushbroom")
+    for u in (0.5, 20, 39.5):
+        found = ground_sample(camera=cam, u=u, v=3)
+        assert found.across_m == pytest.approx(9.6, rel=1e-12)  # 12 mrad · 800 m
+        assert found.along_m == pytest.approx(7.2, rel=1e-12)  # 9 mrad · 800 m
+    assert step_of_field_mrad(kind="pushbroom", fov_deg=90, columns=200) == pytest.approx(10)
+
+
+@pytest.mark.parametrize("kind", ["line", "pushbroom"])
+@pytest.mark.parametrize("roll", [0.0, 25.0])
+@pytest.mark.parametrize("pitch", [0.0, -17.0])
+def test_samples_along_the_flight_as_thin_rays_show_them(kind, roll, pitch):
+    """The extent is that between two rays on both sides of the plane of the scan."""
+    cam = camera(kind, roll_deg=roll, pitch_deg=pitch)
+    half = 1e-6
+    for u in (0.5, 11.0, 39.5):
+        away = (u - 20) * 0.012
+        aside = (math.sin(away), math.cos(away)) if kind == "line" else (away, 1.0)
+        ends = []
+        for side in (-half, half):
+            _, y, z = turned((aside[0], side, aside[1]), roll, pitch, 0.0)
+            ends.append(800.0 * y / z)
+        lines = (ends[1] - ends[0]) / (2 * half) * 0.009 / 11.0
+        assert float(line_widths(camera=cam, u=u)) == pytest.approx(lines, rel=1e-8)
+
+
+def test_fields():
+    assert field_deg(camera=camera("line")) == pytest.approx(math.degrees(0.48))
+    framing = camera("framing", columns=200, step_x_mrad=10.0)
+    assert field_deg(camera=framing) == pytest.approx(90)
+
+
+@pytest.mark.parametrize("kind", ["line", "pushbroom"])
+def test_a_scan_past_the_horizon_is_refused(kind):
+    half = field_deg(camera=camera(kind)) / 2
+    check_horizon(camera=camera(kind, roll_deg=89.9 - half))
+    with pytest.raises(ParameterError, match="to meet the ground"):
+        check_horizon(camera=camera(kind, roll_deg=-90.1 + half))
+    with pytest.raises(ParameterError):
+        check_horizon(camera=camera("line", step_x_mrad=80.0))
+
+
+def test_a_frame_past_the_horizon_is_refused():
+    half = math.degrees(math.atan(0.009 * 15))
+    check_horizon(camera=camera("framing", pitch_deg=89.5 - half))
+    with pytest.raises(DataError, match="horizon"):
+        check_horizon(camera=camera("framing", pitch_deg=90.5 - half))

@@ -1,0 +1,89 @@
+"""Transfer functions of resampling against integrals of the kernels and sums of waves."""
+
+import mpmath
+import numpy as np
+import pytest
+
+from core.errors import ParameterError
+from core.physics.sampling.interpolation import block_mean_mtf, interpolation_mtf, interpolation_ptf
+
+
+def kernel(order, x):
+    x = abs(x)
+    if order == 0:
+        return mpmath.mpf(x < 0.5)
+    if order == 1:
+        return max(mpmath.mpf(0), 1 - x)
+    if x < 1:
+        return (mpmath.mpf(3) / 2 * x - mpmath.mpf(5) / 2) * x * x + 1
+    return ((-x / 2 + mpmath.mpf(5) / 2) * x - 4) * x + 2 if x < 2 else mpmath.mpf(0)
+
+
+@pytest.mark.parametrize("order", [0, 1, 3])
+@pytest.mark.parametrize("frequency", [0.0, 1e-4, 0.01, 0.0333, 0.0334, 0.1, 0.333, 0.5, 1.0, 2.7])
+def test_very_many_places_make_the_transform_of_the_kernel(order, frequency):
+    interval = 1.5
+    f = mpmath.mpf(frequency) * mpmath.mpf(interval)
+    ends = [0, 0.5] if order == 0 else [0, 1, 2]
+    expected = 2 * mpmath.quad(lambda x: kernel(order, x) * mpmath.cos(2 * mpmath.pi * f * x), ends)
+    found = interpolation_mtf(
+        frequency=[frequency], interval_mrad=interval, order=order, old=4000, new=4001
+    )[0]
+    assert found == pytest.approx(float(expected), abs=3e-7)
+    assert interpolation_mtf(
+        frequency=[0.0], interval_mrad=interval, order=order, old=4000, new=4001
+    )[0] == pytest.approx(1.0, rel=1e-13)
+
+
+@pytest.mark.parametrize("order", [0, 1, 3])
+@pytest.mark.parametrize(
+    ("old", "new"), [(2, 5), (80, 200), (3, 3), (7, 4), (170, 512), (8, 4), (12, 3), (4, 3)]
+)
+def test_places_of_few_samples(order, old, new):
+    """Each new sample by the kernel itself, its centre where the field's share says."""
+    frequency = np.array([0.03, 0.21, 0.5])
+    expected = np.zeros(3, complex)
+    for number in range(new):
+        centre = (number + 0.5) * old / new - 0.5
+        for sample in range(-4, old + 5):
+            weight = float(kernel(order, sample - centre))
+            if order == 0 and sample - centre == 0.5:
+                weight = 1.0  # of two as near, the later
+            expected += weight * np.exp(2j * np.pi * frequency * (sample - centre)) / new
+    how = {"frequency": frequency, "interval_mrad": 1.0, "order": order, "old": old, "new": new}
+    found = interpolation_mtf(**how) * np.exp(1j * interpolation_ptf(**how))
+    assert found == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("factor", [2, 4, 6, 16])
+def test_every_second_sample_is_a_shift_without_loss(factor):
+    """Samples 1, 3, 5 … of a wave, whose centres should be those of the pairs."""
+    interval, old = 0.7, 240
+    frequency = np.array([0.0, 0.01, 0.05, 0.3, 0.7])
+    how = {"frequency": frequency, "interval_mrad": interval, "order": 0}
+    how |= {"old": old, "new": old // factor}
+    np.testing.assert_allclose(interpolation_mtf(**how), 1.0, rtol=1e-14)
+    # A sample half an interval further on: exp(2πi·f·interval/2).
+    np.testing.assert_allclose(interpolation_ptf(**how), np.pi * frequency * interval, rtol=1e-12)
+
+
+@pytest.mark.parametrize("samples", [1, 2, 3, 8])
+def test_block_means(samples):
+    """Sums of the wave over the block, up to beyond the samples' own period."""
+    frequency = np.linspace(0.0, 1.4, 141)
+    places = np.arange(samples) - (samples - 1) / 2
+    expected = np.mean(np.cos(2 * np.pi * np.outer(frequency * 1.3, places)), axis=1)
+    found = block_mean_mtf(frequency=frequency, interval_mrad=1.3, samples=samples)
+    assert found == pytest.approx(expected, abs=1e-13)
+    assert found[0] == 1.0
+
+
+def test_refused():
+    with pytest.raises(ParameterError, match="order = 2"):
+        interpolation_mtf(frequency=[0.1], interval_mrad=1.0, order=2, old=3, new=4)
+    with pytest.raises(ParameterError, match="interval_mrad"):
+        interpolation_mtf(frequency=[0.1], interval_mrad=0.0, order=1, old=3, new=4)
+    with pytest.raises(ParameterError, match="new = 0"):
+        interpolation_mtf(frequency=[0.1], interval_mrad=1.0, order=1, old=3, new=0)
+    with pytest.raises(ParameterError, match="samples = 0"):
+        block_mean_mtf(frequency=[0.1], interval_mrad=1.0, samples=0)

@@ -1,0 +1,177 @@
+"""Line by Line against sums written out for each column, and against Back Transform."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from core.chain.engine import Engine
+from core.errors import DataError
+from core.evaluation.policy import Policy
+from delivered_chains import LIBRARY, scene
+from scan_chains import CHAINS, DEFAULT_CHAINS, EXACT, network, planned, values
+from scan_truth import ACROSS, ALONG, ANALYTIC, column_by_column
+
+SIZES = [(12, 9), (11, 10), (8, 13), (1, 6), (7, 1)]
+EDGES = ["reflect", "periodic"]
+METHODS = ["nodes", "direct"]
+SCANS = ["x", "y"]
+
+
+@pytest.mark.parametrize("edges", EDGES)
+@pytest.mark.parametrize("chain", CHAINS)
+@pytest.mark.parametrize("size", SIZES, ids=str)
+@pytest.mark.parametrize("scan", SCANS)
+class TestSumsWrittenOut:
+    """The frame extended, each column at its own interval, every sum a loop in the test."""
+
+    def test_direct(self, tmp_path, size, chain, edges, scan):
+        picture = scene(*size)
+        expected = column_by_column(picture, [ANALYTIC[s] for s in CHAINS[chain]], edges, scan)
+        (found,) = values(tmp_path, picture, CHAINS[chain], edges=edges, scan=scan, method="direct")
+        assert np.abs(found - expected).max() <= 1e-12 * expected.max()
+
+    def test_nodes(self, tmp_path, size, chain, edges, scan):
+        """As far off as the module says, which for factors that separate is not at all."""
+        picture = scene(*size)
+        expected = column_by_column(picture, [ANALYTIC[s] for s in CHAINS[chain]], edges, scan)
+        found, table = values(
+            tmp_path, picture, CHAINS[chain], ("image", "table"), edges=edges, scan=scan
+        )
+        table = table.as_dict()
+        planar = "optics" in chain or "smear" in chain
+        assert (table["scale_nodes"] > 0) == planar
+        allowed = 1e-12 * expected.max()
+        if planar:
+            span = np.ptp(values(tmp_path, picture, CHAINS[chain], ("whole",), edges=edges)[0])
+            allowed += 2 * max(table["error_percent"] / 100, 1e-5) * span
+        assert np.abs(found - expected).max() <= allowed
+
+
+@pytest.mark.parametrize("edges", EDGES)
+@pytest.mark.parametrize("chain", DEFAULT_CHAINS)
+@pytest.mark.parametrize("size", [(12, 9), (9, 14), (1, 1)], ids=str)
+@pytest.mark.parametrize("scan", SCANS)
+@pytest.mark.parametrize("method", METHODS)
+class TestEvenSampling:
+    def test_is_the_whole_image_way(self, tmp_path, size, chain, edges, scan, method):
+        """An array samples evenly: both ways agree to 1e-12."""
+        found, whole, gap, table = values(
+            tmp_path, scene(*size), DEFAULT_CHAINS[chain], ("image", "back.image", "difference",
+            "table"), edges=edges, scan=scan, method=method, init={"platform": "array"},
+        )  # fmt: skip
+        np.testing.assert_allclose(found, whole, rtol=0, atol=1e-12 * whole.max())
+        assert np.abs(gap).max() <= 1e-12 * whole.max()
+        told = table.as_dict()
+        assert told["interval_nadir_mrad"] == told["interval_edge_mrad"]
+        assert told["max_percent"] <= 1e-10
+
+
+@pytest.mark.parametrize("edges", EDGES)
+@pytest.mark.parametrize("scan", SCANS)
+@pytest.mark.parametrize("chain", DEFAULT_CHAINS)
+def test_each_column_is_back_transforms_at_its_interval(tmp_path, chain, edges, scan):
+    """Whole frames with the field of view that the column's own interval makes."""
+    picture = scene(12, 9)
+    (found,) = values(
+        tmp_path, picture, DEFAULT_CHAINS[chain], edges=edges, scan=scan, method="direct"
+    )
+    count, across, along, name = {
+        "x": (9, ACROSS, ALONG * 12, "fov_y_deg"), "y": (12, ALONG, ACROSS * 9, "fov_x_deg")
+    }[scan]  # fmt: skip
+    for place in range(count):
+        cosine = 1 / math.hypot(1, math.tan((place - (count - 1) / 2) * across / 1000))
+        field = {name: math.degrees(along * cosine) / 1000}
+        (whole,) = values(
+            tmp_path, picture, DEFAULT_CHAINS[chain], ("back.image",), edges=edges, init=field
+        )
+        line = (slice(None), place) if scan == "x" else (place, slice(None))
+        np.testing.assert_allclose(found[line], whole[line], rtol=0, atol=1e-12 * whole.max())
+
+
+class TestEstimate:
+    """The error that the module tells of its blend, against direct sums."""
+
+    @pytest.mark.parametrize("edges", EDGES)
+    @pytest.mark.parametrize("chain", ["optics and phase", "line smear", "coma and phase"])
+    def test_closes_in_and_is_honest(self, tmp_path, chain, edges):
+        picture = scene(24, 32)
+        stages = DEFAULT_CHAINS[chain]
+        # Half as far apart, for a field of 82°; the columns have 32 intervals in flight.
+        init = {"fov_x_deg": 82.0}
+        exact, whole = values(
+            tmp_path, picture, stages, ("image", "whole"), edges=edges, method="direct", init=init
+        )
+        errors = []
+        for count in (1, 2, 4, 8):
+            found, table = values(
+                tmp_path, picture, stages, ("image", "table"), edges=edges, nodes=count, init=init
+            )
+            table = table.as_dict()
+            assert table["scale_nodes"] == count
+            errors.append(np.abs(found - exact).max() / np.ptp(whole))
+            told = table["error_percent"] / 100
+            assert 0.2 * errors[-1] <= told <= 50 * errors[-1]
+            # By Parseval's theorem; the transfer function errs by no more than is told.
+            rms = np.sqrt(np.mean((found - exact) ** 2))
+            assert rms <= 1.5 * table["response_error"] * picture.std()
+        assert errors[0] > errors[1] > errors[2] > errors[3] > 0.0
+        if chain == "line smear":  # a smooth law; the others end at their cutoff with a kink
+            assert errors[0] > 10 * errors[1] > 100 * errors[2] > 1e6 * errors[3]
+
+    @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6])
+    def test_automatic_nodes_keep_to_the_tolerance(self, tmp_path, tolerance):
+        picture = scene(12, 9)
+        (table,) = values(tmp_path, picture, ("smear",), ("table",), tolerance=tolerance)
+        count = table.as_dict()["scale_nodes"]
+        assert table.as_dict()["response_error"] <= tolerance
+        (fewer,) = values(tmp_path, picture, ("smear",), ("table",), nodes=count - 1)
+        assert fewer.as_dict()["response_error"] > tolerance
+
+
+def test_direct_sums_that_would_not_end_are_refused(tmp_path):
+    picture = np.ones((6000, 4200))
+    engine, plan = planned(tmp_path, picture, network(
+        ("smear",), picture.shape, method="direct", look_angle_deg=1.3,
+        init={"fov_x_deg": 80.0, "fov_y_deg": 80.0},
+    ))  # fmt: skip
+    with pytest.raises(DataError, match="method = nodes"):
+        engine.value(plan, "lines.image", engine.work(Policy()))
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("chain", ["separable", "optics and phase", "line smear and phase"])
+def test_single_precision_keeps_the_mean_of_a_uniform_frame(tmp_path, chain, method):
+    picture = np.full((40, 33), 37.25)
+    found, gap = values(tmp_path, picture, CHAINS[chain], ("image", "difference"),
+                        policy=Policy(), method=method)  # fmt: skip
+    assert found.dtype == np.float32
+    np.testing.assert_allclose(found, 37.25, rtol=1e-7)
+    assert np.abs(gap).max() <= 1e-5
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("chain", ["separable", "optics and phase", "line smear and phase"])
+def test_single_precision_is_near_double(tmp_path, chain, method):
+    picture = scene(40, 33)
+    exact, single = (
+        values(tmp_path, picture, CHAINS[chain], policy=policy, method=method, nodes=6)[0]
+        for policy in (EXACT, Policy())
+    )
+    assert np.abs(single - exact).max() <= 2e-6 * exact.max()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_bits_do_not_depend_on_threads(tmp_path, method):
+    picture = scene(150, 140)
+    engine, plan = planned(tmp_path, picture, network(
+        CHAINS["optics and phase"], picture.shape, method=method, init={"fov_x_deg": 90.0,
+        "fov_y_deg": 90.0},
+    ))  # fmt: skip
+    one, three = (
+        engine.value(plan, "lines.image", Engine(LIBRARY).work(Policy(threads=threads)))
+        for threads in (1, 3)
+    )
+    np.testing.assert_array_equal(one, three)

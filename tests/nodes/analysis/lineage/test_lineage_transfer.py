@@ -1,0 +1,130 @@
+"""The transfer functions read off a picture against what its chain makes of waves."""
+
+import numpy as np
+import pytest
+
+from core.chain.engine import Engine
+from core.errors import DataError
+from core.evaluation.policy import Policy
+from linked_network import linked_network
+from nodes.analysis.lineage import transfer_of
+from nodes.analysis.lineage.line_transfer import Line, stage_along
+from noisy_sensors import LIBRARY, QUIET, noisy_sensor, picture_of
+
+SIZE = 240
+
+
+def chain_of(folder, picture, *, order=1):
+    """Optics, detector, blocks of 3 × 2, read-out of a time constant, other numbers of samples."""
+    np.save(folder / "in.npy", picture)
+    fov = np.degrees(SIZE * 0.5 / 1000)
+    nodes = {
+        "in": ("read_image", {"path": "in.npy", "fov_x_deg": fov, "fov_y_deg": fov}),
+        "init": (
+            "init_trans",
+            {
+                "edges": "periodic",
+                "f_number": 2.0,
+                "detector_x_um": 30.0,
+                "detector_y_um": 20.0,
+                "focal_length_mm": 20.0,
+            },
+        ),
+        "blur": ("gaussian_mtf", {"sigma_x_mrad": 0.9, "sigma_y_mrad": 0.5}),
+        "detector": ("detector_mtf", {}),
+        "back": ("back_transform", {}),
+        "pixels": ("combine_pixels", {"factor_x": 3, "factor_y": 2}),
+        "read": (
+            "electronics_noise",
+            {**QUIET, "scan_mirror_rate_Hz": 0.01, "time_constant_s": 0.03},
+        ),
+        "out": ("interpolate", {"width": 200, "height": 100, "order": order}),
+    }
+    links = [
+        ("in.image", "init.image"),
+        *(("init.context", f"{name}.context") for name in ("blur", "detector", "read")),
+        ("init.magnitude", "blur.magnitude"),
+        ("blur.magnitude", "detector.magnitude"),
+        ("detector.magnitude", "back.magnitude"),
+        ("init.phase", "back.phase"),
+        ("back.image", "pixels.image"),
+        ("pixels.image", "read.image"),
+        ("read.image", "out.image"),
+    ]
+    engine = Engine(LIBRARY)
+    plan = engine.plan(linked_network(nodes, links), folder=folder)
+    assert not plan.errors(), plan.errors()
+    return plan.output("out.image"), engine.work(Policy(precision="double"))
+
+
+@pytest.mark.parametrize("order", [0, 1, 3])
+@pytest.mark.parametrize(("axis", "waves"), [("x", 4), ("x", 17), ("y", 3), ("y", 21)])
+def test_total_is_what_becomes_of_a_wave(tmp_path, axis, waves, order):
+    """Amplitude of the wave in the last picture over that in the first, phases included."""
+    number = np.arange(SIZE)
+    wave = np.cos(2 * np.pi * waves * (number + 0.5) / SIZE)
+    picture = 40.0 + 10.0 * (wave[np.newaxis, :] if axis == "x" else wave[:, np.newaxis])
+    image, work = chain_of(tmp_path, np.broadcast_to(picture, (SIZE, SIZE)), order=order)
+    made = work.value(image.recipe)
+    if axis == "y":
+        made = made.T
+    size = made.shape[1]
+    places = (np.arange(size) + 0.5) / size
+    amplitude = 2 * np.mean((made - made.mean()) @ np.exp(-2j * np.pi * waves * places)) / size
+    # Interpolation makes other waves of it, none of which falls on it here. Across, the read-out
+    # moves the wave, and the clamped edges of two or three samples in 200 do not go on with it.
+    found = transfer_of(image)
+    frequency = np.array([waves / (SIZE * 0.5)])
+    line = Line("", 1.0, 0.0) if axis == "x" else Line("", 0.0, 1.0)
+    mtf, ptf = 1.0, 0.0
+    for stage in found.part("mtf"):
+        mtf = mtf * stage_along(work, stage, "mtf", line, frequency)[0]
+    for stage in found.part("ptf"):
+        ptf = ptf + stage_along(work, stage, "ptf", line, frequency)[0]
+    expected = 10.0 * mtf * np.exp(1j * ptf)
+    assert amplitude == pytest.approx(expected, rel=1e-10)
+
+
+def test_stages_and_sampling(tmp_path):
+    image, _ = chain_of(tmp_path, np.random.default_rng(1).uniform(20, 60, (SIZE, SIZE)))
+    found = transfer_of(image)
+    assert [stage.label for stage in found.stages] == [
+        "Gaussian MTF",
+        "Detector MTF",
+        "Combined pixels",
+        "Electronics",
+        "Interpolation",
+    ]
+    assert found.grid.shape == (100, 200)
+    assert found.source_grid.shape == (SIZE, SIZE)
+    assert found.source_grid.interval_x_mrad == pytest.approx(0.5)
+    assert len(found.part("ptf")) == 1
+
+
+def test_a_picture_straight_from_its_file_has_none(tmp_path):
+    np.save(tmp_path / "in.npy", np.ones((4, 5)))
+    nodes = {"in": ("read_image", {"path": "in.npy", "fov_x_deg": 1.0, "fov_y_deg": 1.0})}
+    plan = Engine(LIBRARY).plan(linked_network(nodes), folder=tmp_path)
+    image = plan.output("in.image")
+    assert transfer_of(image).stages == ()
+    assert transfer_of(image).source is image.recipe
+
+
+def test_a_picture_without_interval_is_refused(tmp_path):
+    np.save(tmp_path / "in.npy", np.ones((4, 5)))
+    plan = Engine(LIBRARY).plan(
+        linked_network({"in": ("read_image", {"path": "in.npy"})}), folder=tmp_path
+    )
+    with pytest.raises(DataError, match="sampling interval"):
+        transfer_of(plan.output("in.image"))
+
+
+def test_noise_on_the_way_changes_nothing(tmp_path):
+    quiet, _ = picture_of(*noisy_sensor(tmp_path), tmp_path, 1)
+    loud, _ = picture_of(
+        *noisy_sensor(tmp_path, "photons", "gain", "amplifier", "quantization", "periodic"),
+        tmp_path,
+        1,
+    )
+    a, b = (tuple(f.key for f in transfer_of(image).factors) for image in (quiet, loud))
+    assert a == b

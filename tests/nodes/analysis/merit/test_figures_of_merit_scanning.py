@@ -1,0 +1,222 @@
+"""Figures of Merit of staring, parallel and serial scans, and of noise that is not white."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from core.chain.engine import Engine
+from core.errors import DataError
+from core.evaluation.policy import Policy
+from linked_network import linked_network
+from nodes.library import standard_library
+from planck_truth import band_radiance
+
+LIBRARY = standard_library()
+SIDE = 96
+INTERVAL = 0.5  # mrad
+NYQUIST = 1.0
+SCENE = {
+    "kind": "uniform", "width": SIDE, "height": SIDE, "cut_on_um": 8.0, "cut_off_um": 12.0,
+    "fov_x_deg": math.degrees(SIDE * INTERVAL / 1000), "temperature_K": 300.0,
+    "fov_y_deg": math.degrees(SIDE * INTERVAL / 1000),
+}  # fmt: skip
+INIT = {
+    "detector_x_um": 50.0, "detector_y_um": 50.0, "focal_length_mm": 100.0, "f_number": 2.0,
+    "scan_velocity_mrad_per_s": 1000.0,
+}  # fmt: skip
+NOISE = {"region": "LWIR", "d_star": 1e10, "material": "manual"}  # bandwidth 1/(2·0.5 ms)
+
+
+def sensor(
+    platform="line",
+    merit=None,
+    *,
+    noise=None,
+    seed=1,
+    detectors=1,
+    factor=0,
+    pitch_um=50.0,
+    **scene,
+):
+    """Scene, one or more apertures in a row, electronics, perhaps sums of pixels, the figures."""
+    nodes = {
+        "scene": ("test_scene", {**SCENE, **scene}),
+        "init": ("init_trans", {**INIT, "platform": platform, "detector_x_um": pitch_um}),
+        "back": ("back_transform", {}),
+        "noise": ("electronics_noise", {**NOISE, **(noise or {})}),
+        "merit": ("figures_of_merit", merit or {}),
+    }
+    links = [
+        ("scene.image", "init.image"),
+        ("init.phase", "back.phase"),
+        ("back.image", "noise.image"),
+        ("init.context", "noise.context"),
+        ("init.context", "merit.context"),
+    ]
+    before = "init"
+    for k in range(detectors):
+        nodes[f"detector{k}"] = ("detector_mtf", {})
+        links.append((f"{before}.magnitude", f"detector{k}.magnitude"))
+        links.append(("init.context", f"detector{k}.context"))
+        before = f"detector{k}"
+    links.append((f"{before}.magnitude", "back.magnitude"))
+    last = "noise"
+    if factor:
+        nodes["pixels"] = (
+            "combine_pixels",
+            {"factor_x": factor, "factor_y": factor, "mode": "sum"},
+        )
+        links.append(("noise.image", "pixels.image"))
+        last = "pixels"
+    links.append((f"{last}.image", "merit.image"))
+    engine = Engine(LIBRARY)
+    plan = engine.plan(linked_network(nodes, links, seed=seed))
+    assert not plan.errors(), plan.errors()
+    return engine, plan, engine.work(Policy(precision="double"))
+
+
+def table_of(*args, **kwargs):
+    engine, plan, work = sensor(*args, **kwargs)
+    return engine.value(plan, "merit.table", work).as_dict()
+
+
+def curves_of(port, *args, **kwargs):
+    engine, plan, work = sensor(*args, **kwargs)
+    return {s.label: s for s in engine.value(plan, f"merit.{port}", work).series}
+
+
+class TestPatternOfDetectors:
+    """A spread of gain of 2 %: on a uniform field 2 % of its radiance, over dL/dT."""
+
+    @pytest.mark.parametrize("kind", ["uniform", "two_panel"])
+    @pytest.mark.parametrize(
+        ("platform", "component"), [("array", "vh"), ("push", "h"), ("line", "")]
+    )
+    def test_is_of_samples_columns_or_nothing(self, platform, component, kind):
+        """Whatever the scene shows, one detector has no pattern, and those of a push columns."""
+        found = table_of(platform, noise={"gain_percent": 2.0}, kind=kind, delta_K=20.0)
+        background = found["background_K"]
+        level, warmer, colder = (
+            float(band_radiance(8.0, 12.0, background + d)) for d in (0.0, 0.01, -0.01)
+        )
+        for name in ("vh", "v", "h"):
+            expected = 0.02 * level / ((warmer - colder) / 0.02) if name == component else 0.0
+            # What the seed does to the mean itself is a hundredth of the pattern and less.
+            assert found[f"sigma_{name}_K"] == pytest.approx(expected, rel=0.03, abs=1e-9), name
+
+    def test_columns_hide_upright_bars_and_leave_lying_ones(self):
+        clean, spoilt = (
+            table_of("push", noise={"gain_percent": percent}) for percent in (0.0, 2.0)
+        )
+        name = "mrtd_{}_50_percent_nyquist"
+        assert spoilt[name.format("x")] > 5 * clean[name.format("x")]
+        assert spoilt[name.format("y")] == pytest.approx(clean[name.format("y")], rel=0.05)
+
+    def test_one_detector_that_is_n_times_as_fast_is_noisier_by_the_root(self):
+        slow, fast = (
+            table_of("line", noise={"bandwidth_Hz": bandwidth}) for bandwidth in (1e3, 64e3)
+        )
+        assert fast["netd_K"] == pytest.approx(8 * slow["netd_K"], rel=1e-3)
+        name = "mrtd_x_50_percent_nyquist"
+        assert fast[name] == pytest.approx(8 * slow[name], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("platform", "scanning", "ends"),
+    [
+        ("push", "serial_scan", {"vertical"}),
+        ("push", "parallel_scan", {"horizontal"}),
+        ("push", "staring", {"horizontal", "vertical"}),
+        ("line", "parallel_scan", {"vertical"}),
+        ("line", "serial_scan", {"vertical"}),
+    ],
+)
+def test_where_the_sensor_samples(platform, scanning, ends):
+    """One detector scans along x; several along the flight of a push, else along x."""
+    curves = curves_of("mrtd", platform, {"scanning": scanning})
+    for label in ("horizontal", "vertical"):
+        assert bool(curves[label].x[-1] < NYQUIST) == (label in ends)
+
+
+class TestNoiseBehindAFilter:
+    """A pre-amplifier of the dwell time leaves 40 % of the variance, at low frequencies mostly."""
+
+    FILTERED = {"use_mtf": True}  # noqa: RUF012
+
+    def test_threshold_is_that_of_bars_cut_out_of_frames(self):
+        """Bars of 8 × 56 samples (7:1), averaged in 60 frames of noise; (π²/8)·2.5·σ/H."""
+        means = []
+        for seed in range(60):
+            engine, plan, work = sensor("line", noise=self.FILTERED, seed=seed)
+            drawn = engine.value(plan, "noise.noise", work)[:56, :]
+            means.append(drawn.mean(axis=0).reshape(12, 8).mean(axis=1))
+        up, down = (float(band_radiance(8.0, 12.0, 300.0 + d)) for d in (0.01, -0.01))
+        sigma_K = np.std(means) / ((up - down) / 0.02)
+        # Bars of 4 mrad: 0.125 cycles/mrad. Detector of 0.5 mrad, pole 1/√(1 + (2π·0.5·0.125)²).
+        transfer = np.sinc(0.5 * 0.125) / math.sqrt(1 + (math.pi * 0.125) ** 2)
+        truth = math.pi**2 / 8 * 2.5 * sigma_K / transfer
+        curve = curves_of("mrtd", "line", {"frame_rate_Hz": None}, noise=self.FILTERED)
+        found = np.interp(0.125, curve["horizontal"].x, curve["horizontal"].y)
+        assert found == pytest.approx(truth, rel=0.08)  # 720 bars: σ to 2.6 %
+
+    @pytest.mark.parametrize("model", ["ratches_1976", "flir92"])
+    def test_more_than_white_noise_of_the_same_netd_gives(self, model):
+        """At low frequency √(π/atan π) = 1.577 times what white noise of its variance would give.
+
+        Power 1/(1 + (π·x)²), x of Nyquist, has a mean of atan(π)/π = 0.402 of that at zero, of 96
+        samples mirrored at their ends 1.2 % more: averages over wide bars leave the noise as it
+        was before the filter.
+        """
+        settings = {"model": model, "frame_rate_Hz": None}
+        plain, filtered = (
+            {
+                **table_of("line", settings, noise=noise),
+                "curve": curves_of("mrtd", "line", settings, noise=noise)["horizontal"],
+            }
+            for noise in ({}, self.FILTERED)
+        )
+        assert filtered["netd_K"] / plain["netd_K"] == pytest.approx(math.sqrt(0.402), rel=0.01)
+        f = plain["curve"].x[2]
+        ratio = filtered["curve"].y[2] / plain["curve"].y[2]
+        pole = math.sqrt(1 + (math.pi * f / NYQUIST) ** 2)
+        assert ratio == pytest.approx(pole, rel=0.02)  # 0.634·1.577 = 1: as of unfiltered noise
+
+
+@pytest.mark.parametrize("detectors", [1, 2])
+def test_zero_between_two_frequencies_ends_the_curve(detectors):
+    """Of 83 µm/100 mm at 1.2048 cycles/mrad; of two the product sinc² does not change its sign."""
+    curve = curves_of("mrtd", "line", detectors=detectors, pitch_um=83.0)["horizontal"]
+    assert 1.19 < curve.x[-1] < 1 / 0.83
+    assert (np.diff(curve.y) > 0).all()
+
+
+def test_sum_of_pixels_is_no_hotter_scene():
+    """Sums of 2 × 2 samples: half of the NETD of one, at the same background."""
+    one, four = table_of("array"), table_of("array", factor=2)
+    assert four["background_K"] == pytest.approx(one["background_K"], abs=1e-3)
+    assert four["netd_K"] == pytest.approx(one["netd_K"] / 2, rel=1e-3)
+
+
+def test_gain_error_as_printed_is_refused():
+    engine, plan, work = sensor(noise={"gain_model": "literal", "gain_percent": 1.0})
+    with pytest.raises(DataError, match="gain_model literal"):
+        engine.value(plan, "merit.table", work)
+
+
+def test_without_noise_the_limit_is_nyquists():
+    """2.3 m span 0.75 cycles of the last frequency below Nyquist at 2.3·1/0.75 = 3.07 km."""
+    found = table_of("array", {"extinction_per_km": 0.0}, noise={"d_star": 1e40})
+    assert found["detection_range_km"] == pytest.approx(2.3 * NYQUIST / 0.75, rel=0.01)
+
+
+@pytest.mark.parametrize("background_K", [5.0, 8.0])
+def test_background_that_emits_next_to_nothing_is_refused(background_K):
+    engine, plan, work = sensor(
+        merit={"background_K": background_K, "cut_on_um": 3.0, "cut_off_um": 5.0}
+    )
+    with pytest.raises(DataError, match="next to nothing") as caught:
+        engine.value(plan, "merit.table", work)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,254 @@
+"""Noise Budget on chains whose noise and blur are worked out by hand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from core.chain.engine import Engine
+from core.errors import DataError
+from core.evaluation.policy import Policy
+from linked_network import linked_network
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+ROWS, COLUMNS = 80, 100
+FOV_X, FOV_Y = 3.0, 2.0
+X, Y = math.radians(FOV_X) * 1000 / COLUMNS, math.radians(FOV_Y) * 1000 / ROWS
+SCENE = {
+    "kind": "uniform", "width": COLUMNS, "height": ROWS, "fov_x_deg": FOV_X, "fov_y_deg": FOV_Y,
+    "cut_on_um": 3.0, "cut_off_um": 5.0, "temperature_K": 300.0,
+}  # fmt: skip
+INIT = {
+    "detector_x_um": 80.0, "detector_y_um": 80.0, "focal_length_mm": 200.0, "f_number": 2.0,
+    "range_m": 400.0, "platform": "array",
+}  # fmt: skip
+D_STAR, BANDWIDTH, SNR = 2e11, 3e5, 100.0
+NOISE = {
+    "region": "MWIR", "d_star": D_STAR, "material": "manual", "bandwidth_Hz": BANDWIDTH,
+    "amplifier_snr": SNR,
+}  # fmt: skip
+BLURS = (
+    ("a", "gaussian_mtf", {"sigma_x_mrad": 0.4, "sigma_y_mrad": 0.1}),
+    ("b", "gaussian_mtf", {"sigma_x_mrad": 0.2, "sigma_y_mrad": 0.3}),
+)
+
+
+def sensor(budget=None, *, noise=None, blurs=BLURS, platform="array", take="noise.image"):
+    """Blurs, then electronics; the budget of the picture on the port to `take`."""
+    nodes = {
+        "scene": ("test_scene", SCENE),
+        "init": ("init_trans", {**INIT, "platform": platform}),
+        "back": ("back_transform", {}),
+        "noise": ("electronics_noise", {**NOISE, **(noise or {})}),
+        "budget": ("noise_budget", budget or {}),
+    }
+    links = [
+        ("scene.image", "init.image"),
+        ("init.phase", "back.phase"),
+        ("back.image", "noise.image"),
+        ("init.context", "noise.context"),
+        (take, "budget.image"),
+    ]
+    last = "init"
+    for name, key, params in blurs:
+        nodes[name] = (key, params)
+        links += [("init.context", f"{name}.context"), (f"{last}.magnitude", f"{name}.magnitude")]
+        last = name
+    return ported(linked_network(nodes, [*links, (f"{last}.magnitude", "back.magnitude")]))
+
+
+def ported(network):
+    """A function that gives what is on a port."""
+    engine = Engine(LIBRARY)
+    plan = engine.plan(network)
+    work = engine.work(Policy(precision="double"))
+    return lambda port: engine.value(plan, port, work)
+
+
+def bars(data):
+    """Heights by series and bar."""
+    return {
+        series.label: dict(zip(data.bars, series.y.tolist(), strict=True)) for series in data.series
+    }
+
+
+def detector_sigma():
+    """NER = √(A·Δf)/D*·(4F² + 1)/π/A, from cm⁻² to m⁻²."""
+    area_cm2 = (80e-4) ** 2
+    throughput = (4 * 2.0**2 + 1) / math.pi
+    return math.sqrt(area_cm2 * BANDWIDTH) / D_STAR * throughput / area_cm2 * 1e4
+
+
+def test_two_white_noises_share_as_their_variances():
+    value = sensor()
+    level = float(value("scene.image")[0, 0])
+    one, two = detector_sigma() ** 2, (level / SNR) ** 2
+    assert 0.05 < one / two < 20  # neither hides the other
+    # The amplifier's noise is a share of the mean, which the detector's noise moves a little.
+    near = {"rel": 1e-3}
+    share = bars(value("budget.noise"))["temporal"]
+    assert share["Detector"] == pytest.approx(100 * one / (one + two), **near)
+    assert share["Amplifier"] == pytest.approx(100 * two / (one + two), **near)
+    figures = value("budget.table").as_dict()
+    assert figures["noise.detector.temporal_share"] == pytest.approx(share["Detector"], rel=1e-12)
+    assert figures["noise.detector.temporal"] == pytest.approx(math.sqrt(one), rel=1e-9)
+    assert figures["noise.amplifier.temporal"] == pytest.approx(math.sqrt(two), **near)
+    assert figures["sigma"] == pytest.approx(math.sqrt(one + two), **near)
+    assert (figures["sigma_fixed"], figures["mean"]) == (0, pytest.approx(level, rel=1e-3))
+
+
+@pytest.mark.parametrize("kind", ["all", "temporal", "fixed"])
+def test_kinds_of_noise(kind):
+    value = sensor({"noise": kind}, noise={"gain_percent": 2.0, "bias_percent": 1.0})
+    level = float(value("scene.image")[0, 0])
+    variances = {
+        "temporal": {"Detector": detector_sigma() ** 2, "Amplifier": (level / SNR) ** 2},
+        "fixed": {"Gain": (0.02 * level) ** 2, "Bias": (0.01 * level) ** 2},
+    }
+    counted = variances if kind == "all" else {kind: variances[kind]}
+    whole = sum(sum(each.values()) for each in counted.values())
+    shares = bars(value("budget.noise"))
+    assert set(shares) == set(counted)
+    for one, found in shares.items():
+        expected = {name: 100 * v / whole for name, v in variances[one].items()}
+        assert {name: share for name, share in found.items() if share} == pytest.approx(
+            expected, rel=2e-3
+        )
+    assert sum(sum(found.values()) for found in shares.values()) == pytest.approx(100)
+    figures = value("budget.table").as_dict()
+    for one, each in variances.items():
+        sigma = math.sqrt(sum(each.values()))
+        assert figures[f"sigma_{one}"] == pytest.approx(sigma, rel=1e-3)  # whatever is shown
+        assert (f"noise.{next(iter(each)).lower()}.{one}" in figures) is (one in counted)
+
+
+def test_amounts_are_deviations_and_losses():
+    value = sensor({"show": "amount"}, noise={"gain_percent": 2.0})
+    level = float(value("scene.image")[0, 0])
+    found = bars(value("budget.noise"))
+    assert found["fixed"]["Gain"] == pytest.approx(0.02 * level, rel=1e-3)
+    assert found["temporal"]["All together"] == pytest.approx(
+        math.hypot(detector_sigma(), level / SNR), rel=1e-3
+    )
+    losses = bars(value("budget.blur"))
+    f = 0.5 * 0.5 / X
+    assert losses["across"] == pytest.approx(
+        {
+            "Gaussian MTF (a)": 2 * (math.pi * 0.4 * f) ** 2,
+            "Gaussian MTF (b)": 2 * (math.pi * 0.2 * f) ** 2,
+            "All together": 2 * math.pi**2 * (0.4**2 + 0.2**2) * f**2,
+        },
+        rel=1e-9,
+    )
+
+
+@pytest.mark.parametrize("share_of_nyquist", [0.1, 0.5, 1.0])
+def test_blurs_are_those_of_the_law(share_of_nyquist):
+    figures = sensor({"frequency": share_of_nyquist})("budget.table").as_dict()
+    xi, eta = share_of_nyquist * 0.5 / X, share_of_nyquist * 0.5 / Y
+    assert (figures["xi"], figures["eta"]) == pytest.approx((xi, eta))
+    for axis, f, sigmas in (("x", xi, (0.4, 0.2)), ("y", eta, (0.1, 0.3))):
+        whole = sum(s**2 for s in sigmas)
+        for name, sigma in zip("ab", sigmas, strict=True):
+            mtf = math.exp(-2 * (math.pi * sigma * f) ** 2)
+            assert figures[f"{name}.mtf_{axis}"] == pytest.approx(mtf, rel=1e-9)
+            assert figures[f"{name}.share_{axis}"] == pytest.approx(100 * sigma**2 / whole)
+        together = math.exp(-2 * math.pi**2 * whole * f**2)
+        assert figures[f"mtf_{axis}"] == pytest.approx(together, rel=1e-9)
+
+
+def test_what_amplifies_makes_up_for_blur():
+    """A boost 1 + (g − 1)·(1 − cos πu)/2, u = f·v/corner, after a Gaussian blur."""
+    boost = {"scan_mirror_rate_Hz": 1.0, "post_filter": "boost", "post_gain": 3.0,
+             "post_corner_Hz": 5000.0, "use_mtf": False}  # fmt: skip
+    value = sensor(noise=boost, blurs=BLURS[:1])
+    f = 0.5 * 0.5 / X
+    u = f * 2 * math.pi * 1000 * 1.0 / 5000.0
+    gain = 1 + 2 * (1 - math.cos(math.pi * u)) / 2
+    assert u < 1
+    figures = value("budget.table").as_dict()
+    assert figures["noise.mtf_x"] == pytest.approx(gain, rel=1e-9)
+    lost = 2 * (math.pi * 0.4 * f) ** 2
+    assert bars(value("budget.blur"))["across"] == pytest.approx(
+        {"Gaussian MTF": 100.0, "Electronics": -100 * math.log(gain) / lost}, rel=1e-9
+    )
+
+
+def test_the_error_of_a_single_detector_spreads_nothing():
+    value = sensor(noise={"bias_percent": 3.0}, platform="line")
+    figures = value("budget.table").as_dict()
+    assert figures["noise.bias.fixed"] == 0
+    assert figures["noise.bias.fixed_share"] == 0
+
+
+def test_nothing_to_share_out_is_said():
+    value = sensor(take="scene.image")
+    for port in ("noise", "blur"):
+        data = value(f"budget.{port}")
+        assert (data.series, data.bars) == ((), ())
+        assert "none" in data.title
+    figures = value("budget.table").as_dict()
+    assert (figures["noise"], figures["blur"], figures["sigma"]) == ("none", "none", 0)
+    assert (figures["mtf_x"], figures["mtf_y"]) == (1, 1)
+
+
+def test_temporal_noise_may_be_all_there_is():
+    value = sensor({"noise": "fixed"})
+    assert value("budget.noise").title == "Fixed noise: none in this picture"
+    assert value("budget.table").as_dict()["noise"] == "none"
+
+
+def test_a_picture_without_sampling_interval_is_refused(tmp_path):
+    np.save(tmp_path / "bare.npy", np.ones((8, 8)))
+    nodes = {
+        "read": ("read_image", {"path": str(tmp_path / "bare.npy")}),
+        "budget": ("noise_budget", {}),
+    }
+    plan = Engine(LIBRARY).plan(linked_network(nodes, [("read.image", "budget.image")]))
+    (error,) = plan.errors()
+    assert error.node == "budget"
+    assert "does not say its sampling interval: give fov_x_deg and fov_y_deg" in str(error)
+
+
+def crossed():
+    """Magnitude of a noisy picture and phase of another, blurred further on."""
+    nodes = {
+        "one": ("test_scene", SCENE),
+        "photons": ("poisson_noise", {"percent": 5.0}),
+        "other": ("test_scene", {**SCENE, "kind": "sine"}),
+        "init_one": ("init_trans", INIT),
+        "init_other": ("init_trans", INIT),
+        "crossed": ("back_transform", {}),
+        "init": ("init_trans", INIT),
+        "blur": ("gaussian_mtf", BLURS[0][2]),
+        "back": ("back_transform", {}),
+        "budget": ("noise_budget", {}),
+    }
+    links = [
+        ("one.image", "photons.image"),
+        ("photons.image", "init_one.image"),
+        ("other.image", "init_other.image"),
+        ("init_one.magnitude", "crossed.magnitude"),
+        ("init_other.phase", "crossed.phase"),
+        ("crossed.image", "init.image"),
+        ("init.context", "blur.context"),
+        ("init.magnitude", "blur.magnitude"),
+        ("blur.magnitude", "back.magnitude"),
+        ("init.phase", "back.phase"),
+        ("back.image", "budget.image"),
+    ]
+    return linked_network(nodes, links)
+
+
+def test_noise_through_what_is_not_known_is_refused():
+    with pytest.raises(DataError, match="noise cannot be followed through crossed: measure or"):
+        ported(crossed())("budget.noise")
+
+
+def test_blur_before_what_is_not_known_does_not_count():
+    data = ported(crossed())("budget.blur")
+    assert data.title == "Blur behind crossed"
+    assert bars(data)["across"] == {"Gaussian MTF": 100.0}

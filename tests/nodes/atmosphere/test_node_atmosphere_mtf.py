@@ -1,0 +1,88 @@
+"""Atmosphere MTF in a chain: what of the air blurs, and which way one looks through it."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
+from linked_network import linked_network
+from nodes.library import standard_library
+
+SCENE = {
+    "kind": "uniform", "width": 16, "height": 12, "fov_x_deg": 1.0, "fov_y_deg": 0.75,
+    "cut_on_um": 8.0, "cut_off_um": 12.0,
+}  # fmt: skip
+SCATTERING = {"turbidity": "custom", "scattering_per_km": 0.7}
+
+
+def run(params, range_m=1000.0):
+    """MTF and read-outs."""
+    nodes = {
+        "scene": ("test_scene", SCENE),
+        "init": ("init_trans", {"range_m": range_m}),
+        "air": ("atmosphere_mtf", params),
+    }
+    links = [
+        ("scene.image", "init.image"),
+        ("init.context", "air.context"),
+        ("init.magnitude", "air.magnitude"),
+    ]
+    engine = Engine(standard_library())
+    plan = engine.plan(linked_network(nodes, links))
+    assert plan.errors() == []
+    work = engine.work(Policy(precision="double"))
+    return engine.value(plan, "air.mtf", work), engine.readouts(plan, "air", work)
+
+
+@pytest.mark.parametrize("view", ["horizontal", "vertical", "up"])
+def test_absorption_does_not_blur(view):
+    mtf, told = run({"turbidity": "custom", "absorption_per_km": 1.0, "view": view})
+    np.testing.assert_array_equal(mtf, 1.0)
+    assert told["optical_depth"] == 0.0
+
+
+def test_scattering_alone_is_the_optical_depth():
+    """Beyond the cutoff, of a thousandth of a cycle per mrad, the plateau exp(−0.7)."""
+    for absorbed in (0.0, 1.0):
+        mtf, told = run({**SCATTERING, "absorption_per_km": absorbed})
+        assert told["optical_depth"] == pytest.approx(0.7, rel=1e-15)
+        assert mtf[0, 0] == 1.0
+        rest = mtf.ravel()[1:]
+        np.testing.assert_allclose(rest, math.exp(-0.7), rtol=1e-14)
+
+
+@pytest.mark.parametrize("view", ["vertical", "up"])
+def test_depth_of_a_column(view):
+    _, told = run({**SCATTERING, "scale_height_km": 1.2, "view": view}, 3000.0)
+    truth = mpmath.quad(lambda h: 0.7 * mpmath.exp(-h / mpmath.mpf("1.2")), [0, 3])
+    assert told["optical_depth"] == pytest.approx(float(truth), rel=1e-14)
+
+
+def test_r0_looking_up_weighs_the_air_at_the_ground():
+    """(0.423·k²·∫Cn²(h)·(z/L)^(5/3) dz)^(−3/5), z from the target, at the height h = L − z."""
+    length, ground = 3000.0, 1e-13
+    params = {"turbulence": "long_exposure", "wavelength_um": 10.0, "cn2": ground}
+
+    def cn2(h):
+        high = 0.00594 * (21 / 27) ** 2 * (h * 1e-5) ** 10 * mpmath.exp(-h / 1000)
+        return high + 2.7e-16 * mpmath.exp(-h / 1500) + ground * mpmath.exp(-h / 100)
+
+    found = {}
+    for view, height in (("up", lambda z: length - z), ("vertical", lambda z: z)):
+        with mpmath.workdps(20):
+            weighted = mpmath.quad(
+                lambda z, height=height: (
+                    1e18 * cn2(height(z)) * (z / length) ** (mpmath.mpf(5) / 3)
+                ),
+                [0, 100, 300, 1000, 2000, 2700, 2900, 3000],
+            )
+            k = 2 * mpmath.pi / mpmath.mpf("1e-5")
+            truth = (mpmath.mpf("0.423") * k**2 * weighted / 10**18) ** (mpmath.mpf(-3) / 5)
+        found[view] = run({**params, "view": view}, length)[1]["r0_m"]
+        assert found[view] == pytest.approx(float(truth), rel=1e-10)
+    assert found["up"] < found["vertical"] / 2

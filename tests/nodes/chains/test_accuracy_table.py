@@ -1,0 +1,205 @@
+"""The accuracy that is promised, line by line: where each is a test, and the lines tested here.
+
+| promise | double | single | test |
+|---|---|---|---|
+| delivered MTF, periodic, against the analytic product | 1e-12 | 2e-6 | `test_delivered_transfer` |
+| mirrored frames against a direct sum, of the maximum | 1e-12 | 2e-6 | `test_delivered_edges`, |
+| | | | `tests/core/test_delivered`, `test_random_networks` |
+| mean radiance, relative | 1e-13 | 1e-7 | `test_delivered_transfer` |
+| shift from the first bin, periodic | 1e-10 | 1e-5 sample | `test_delivered_transfer` |
+| centroid of a point centred in an odd frame | 1e-10 | 1e-5 sample | here |
+| fold then inverse against inverse then mean | 1e-13 | 1e-6 | `test_delivered_combining`, |
+| | | | `tests/core/test_delivered` |
+| reference values | 1e-12·abs + 1e-15 | | `tests/core/physics`, all of them: here |
+| OTF of half-moon, hinged, slit and spider | 1e-12 | | `test_pupil_geometric_otf`: 3e-14 |
+| the same, delivered | 1e-12 | 2e-6 | here |
+| sampled pupil, 512 across, and an estimate that covers | 1e-4 | 1e-4 | here |
+| band radiance, dL/dT, brightness temperature | 1e-12 | | `tests/core/physics/test_planck` |
+| radiance in a scene | 1e-12 | 1e-7 | here |
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from delivered_chains import MTF_ERROR, PRECISIONS, SHIFT_ERROR
+from module_defaults import DEFAULTS
+from node_bench import NodeBench
+from planck_truth import band_radiance
+from reference_cases import REFERENCE
+from short_chain import LIBRARY, short_chain
+from slow_reference.filtering import hermitian
+from slow_reference.pupil import annulus, defocused_disc, geometric_otf
+
+BAND = {"cut_on_um": 8.0, "cut_off_um": 12.0}
+
+
+# ---------------------------------------------------------------- shift
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize("edges", ["periodic", "reflect"])
+@pytest.mark.parametrize(("transfers", "efficiency"), [(3, 0.8), (1, 0.5), (20, 0.97)])
+def test_centroid_is_the_mean_lag(tmp_path, transfers, efficiency, edges, precision):
+    """Charge left behind lags by N(1 − ε)/ε samples in the mean, as a negative binomial."""
+    picture = np.zeros((5, 129))
+    picture[2, 64] = 1.0
+    params = {"detectors_per_line": transfers, "efficiency": efficiency}
+    stages = (("charge_eff_mtf", params), ("charge_eff_phase", params))
+    bench, last = short_chain(tmp_path, picture, stages, init={"edges": edges}, precision=precision)
+    found = bench.value(last).astype(float)
+    centroid = (found * (np.arange(129) - 64)).sum() / found.sum()
+    assert abs(centroid - transfers * (1 - efficiency) / efficiency) <= SHIFT_ERROR[precision]
+
+
+# ---------------------------------------------------------------- pupils
+
+PUPILS = {
+    "half-moon": {"shape": "half_moon"},
+    "hinged": {"shape": "hinged", "slit_width": 3.5},
+    "slit": {"shape": "cassegrain_slit", "slit_width": 3.5},
+    "ring": {"shape": "cassegrain"},
+    "spider of 3": {"shape": "spider", "vanes": 3, "vane_width": 1.5},
+    "spider of 4": {"shape": "spider", "vanes": 4, "vane_width": 1.5},
+    "one vane": {"shape": "spider", "vanes": 1, "vane_width": 5.0, "obscuration_radius": 1.0},
+}
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize("name", PUPILS)
+def test_geometric_pupils_delivered(tmp_path, name, precision):
+    pupil = {**DEFAULTS["exit_pupil"], "size_x": 32, "size_y": 32, "radius": 14.0,
+             "obscuration_radius": 4.5, **PUPILS[name]}  # fmt: skip
+    point = np.zeros((9, 12))
+    point[0, 0] = 1.0
+    interval, pitch_x, pitch_y = 0.45, 0.75, 0.5
+    size = {"size_x_cm": 3.2 * pitch_x, "size_y_cm": 3.2 * pitch_y}
+    optics = (("exit_pupil", pupil), ("exit_pupil_mtf", {**BAND, **size}))
+    bench, last = short_chain(
+        tmp_path,
+        point,
+        optics,
+        interval_mrad=interval,
+        init={"edges": "periodic"},
+        precision=precision,
+    )
+    found = np.fft.fft2(bench.value(last).astype(float))
+    expected = hermitian(
+        lambda xi, eta: geometric_otf(pupil, 10 * xi / pitch_x, 10 * eta / pitch_y) + 0j,
+        (np.longdouble(interval), np.longdouble(interval)),
+        point.shape,
+        "periodic",
+    )
+    assert np.abs(found - expected).max() <= MTF_ERROR[precision]
+
+
+def sampled(folder, pupil, precision="double", **how):
+    """OTF of an aperture of 512 samples on lags out to its cutoff, those lags, and the estimate."""
+    pupil = {"size_x": 512, "size_y": 512, **pupil}
+    pitch, wavelength, size = 0.5, 10.0, 33
+    interval = 0.49 * wavelength / (512 * pitch)
+    optics = ("exit_pupil", pupil), ("exit_pupil_mtf", {
+        "cut_on_um": wavelength, "cut_off_um": wavelength, "size_x_cm": 25.6, "size_y_cm": 25.6,
+        **how,
+    })  # fmt: skip
+    bench, _ = short_chain(
+        folder, np.ones((size, size)), optics, interval_mrad=interval, precision=precision
+    )
+    lag = wavelength / pitch * np.fft.fftfreq(size, interval)
+    otf = bench.value("exit_pupil_mtf.mtf") * np.exp(1j * bench.value("exit_pupil_mtf.ptf"))
+    return otf, *np.meshgrid(lag, lag), bench.readouts("exit_pupil_mtf")["estimated_error"]
+
+
+DISC = {"shape": "clear", "radius": 256.0}
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize("w20", [0.25, 1.0, -2.0])
+def test_wavefront_of_defocus(tmp_path, w20, precision):
+    """By Zernike's fourth polynomial, √3(2ρ² − 1): the piston does not count."""
+    waves = {"zernike_waves": [0.0, 0.0, 0.0, w20 / (2 * np.sqrt(3))]}
+    otf, x, y, estimate = sampled(tmp_path, {**DISC, **waves}, precision)
+    error = np.abs(otf - defocused_disc(np.hypot(x, y) / 512, w20)).max()
+    assert error <= 1e-4
+    assert error <= estimate
+
+
+def test_wavefront_of_tilt_is_a_shift(tmp_path):
+    otf, x, y, estimate = sampled(tmp_path, {**DISC, "zernike_waves": [0.0, 0.2, -0.1]})
+    moved = np.exp(2j * np.pi * (2 * 0.2 * x - 2 * 0.1 * y) / 256)
+    error = np.abs(otf - annulus(DISC, np.hypot(x, y)) * moved).max()
+    assert error <= 1e-4
+    assert error <= estimate
+
+
+@pytest.mark.parametrize("how", ["file", "autocorrelation"])
+@pytest.mark.parametrize(
+    "shape",
+    [
+        DISC,
+        {**DISC, "shape": "half_moon"},
+        {**DISC, "shape": "hinged", "slit_width": 20.0},
+        {**DISC, "shape": "cassegrain", "obscuration_radius": 80.0},
+    ],
+    ids=lambda shape: shape["shape"],
+)
+def test_samples_of_a_shape(tmp_path, shape, how):
+    """One bit a sample, as a file has them: edges that curve inside as well cost a little more."""
+    pupil = {**DEFAULTS["exit_pupil"], **shape}
+    given, method = pupil, {"method": "autocorrelation"}
+    if how == "file":
+        x = np.arange(512) - 255.5
+        lit = np.hypot(x, x[:, np.newaxis]) <= 256
+        lit &= np.hypot(x, x[:, np.newaxis]) >= (80 if shape["shape"] == "cassegrain" else 0)
+        if shape["shape"] == "half_moon":
+            lit &= x > 0
+        if shape["shape"] == "hinged":
+            lit &= np.abs(x) > 10
+        np.save(tmp_path / "pupil.npy", lit.astype(float))
+        given, method = {"shape": "file", "path": "pupil.npy"}, {}
+    otf, x, y, estimate = sampled(tmp_path, given, **method)
+    error = np.abs(otf - geometric_otf(pupil, x, y)).max()
+    assert error <= (2e-4 if shape["shape"] == "cassegrain" else 1e-4)
+    assert error <= estimate
+
+
+# ---------------------------------------------------------------- radiometry
+
+
+@pytest.mark.parametrize(("precision", "tolerance"), [("double", 1e-12), ("single", 1e-7)])
+@pytest.mark.parametrize(
+    ("cut_on", "cut_off", "temperature"),
+    [(8, 12, 303.15), (3, 5, 77), (0.3, 30, 6000), (14, 30, 20), (3, 5, 300), (0.4, 0.7, 2856)],
+)
+def test_radiance_of_a_uniform_scene(tmp_path, cut_on, cut_off, temperature, precision, tolerance):
+    scene = {
+        "kind": "uniform", "width": 3, "height": 2, "cut_on_um": cut_on, "cut_off_um": cut_off,
+        "temperature_K": temperature, "delta_K": 0.0,
+    }  # fmt: skip
+    bench = NodeBench(LIBRARY, tmp_path, {"scene": ("test_scene", scene)}, precision=precision)
+    found, expected = bench.value("scene.image"), band_radiance(cut_on, cut_off, temperature)
+    assert np.abs(found / expected - 1).max() <= tolerance
+
+
+# ---------------------------------------------------------------- reference values
+
+
+@pytest.mark.skipif(
+    not REFERENCE.exists(),
+    reason="the file of reference values, which is not part of the repository, is not beside it",
+)
+def test_every_reference_value_is_a_test():
+    """Each quantity of the file is named where cases are taken from it."""
+    cases = json.loads(REFERENCE.read_text(encoding="utf-8"))["cases"]
+    named = {
+        node.value
+        for path in (Path(__file__).parents[2] / "core" / "physics").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+    assert {case["quantity"] for case in cases} <= named

@@ -1,0 +1,307 @@
+"""Pictures that a bit, a claim or a lost end has made another: refused, never read as whole."""
+
+from __future__ import annotations
+
+import re
+import struct
+import subprocess
+import sys
+import tracemalloc
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.errors import FileError
+from core.memory import usable_bytes
+from nodes.files.common.picture_info import PictureInfo
+from nodes.files.common.size_limits import refuse_oversized
+from nodes.files.headers.fits_header import read_fits_header
+from nodes.files.read import read_info, read_pixels
+
+ROOT = Path(__file__).parents[3]
+TRUTH = np.add.outer(np.arange(48.0), np.sin(np.arange(40.0))).astype(np.float32)
+
+
+def deflate_tiff(samples, *, strip_rows=0, tile=0, order="<", big=False):
+    """A TIFF from scratch: blocks packed by zlib, and where each of them lies."""
+    rows, columns = samples.shape
+    if tile:
+        down, across = -(-rows // tile), -(-columns // tile)
+        padded = np.zeros((down * tile, across * tile), samples.dtype)
+        padded[:rows, :columns] = samples
+        raw = padded.reshape(down, tile, across, tile).swapaxes(1, 2).reshape(-1, tile, tile)
+    else:
+        raw = [samples[start : start + strip_rows] for start in range(0, rows, strip_rows)]
+    swapped = samples.dtype.newbyteorder(order)
+    blocks = [zlib.compress(np.ascontiguousarray(block, swapped).tobytes()) for block in raw]
+    start = 16 if big else 8
+    sizes = [len(block) for block in blocks]
+    places = [start + sum(sizes[:index]) for index in range(len(blocks))]
+    directory = start + sum(sizes)
+    fields = [(256, [columns]), (257, [rows]), (258, [32]), (259, [8]), (262, [1]), (277, [1])]
+    fields += [(339, [3])]
+    if tile:
+        fields += [(322, [tile]), (323, [tile]), (324, places), (325, sizes)]
+    else:
+        fields += [(273, places), (278, [strip_rows]), (279, sizes)]
+    word, count, entry = ("Q", "Q", "HHQ8s") if big else ("I", "H", "HHI4s")
+    width = struct.calcsize(word)
+    beyond = directory + struct.calcsize(count) + len(fields) * (12 + 8 * big) + width
+    entries, tail = b"", b""
+    for tag, values in sorted(fields):
+        packed = struct.pack(f"{order}{len(values)}I", *values)
+        if len(packed) > width:
+            packed, tail = struct.pack(order + word, beyond + len(tail)), tail + packed
+        entries += struct.pack(order + entry, tag, 4, len(values), packed.ljust(width, b"\0"))
+    mark = {"<": b"II", ">": b"MM"}[order]
+    if big:
+        head = mark + struct.pack(order + "HHHQ", 43, 8, 0, directory)
+    else:
+        head = mark + struct.pack(order + "HI", 42, directory)
+    content = head + b"".join(blocks) + struct.pack(order + count, len(fields)) + entries
+    return content + bytes(width) + tail, list(zip(places, sizes, strict=True))
+
+
+@pytest.mark.parametrize("layout", [{"strip_rows": 5}, {"tile": 16}])
+def test_a_packing_that_cannot_be_read_is_no_damage(tmp_path, layout):
+    """Zstandard, which not every build of the library unpacks."""
+    content, _ = deflate_tiff(TRUTH, **layout)
+    tag = struct.Struct("<HHII")
+    zstd = content.replace(tag.pack(259, 4, 1, 8), tag.pack(259, 4, 1, 50000))
+    assert zstd != content
+    (tmp_path / "a.tif").write_bytes(zstd)
+    with pytest.raises(FileError) as refusal:
+        read_pixels(tmp_path / "a.tif", 0)
+    if "not configured" in str(refusal.value):
+        assert "damaged" not in str(refusal.value)
+        assert "deflate" in str(refusal.value)
+
+
+LAYOUTS = [
+    {"strip_rows": 48},
+    {"strip_rows": 5},
+    {"strip_rows": 7, "order": ">"},
+    {"tile": 16},
+    {"tile": 32, "big": True},
+    {"strip_rows": 16, "big": True, "order": ">"},
+]
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_no_flipped_bit_of_a_deflate_tiff_gives_other_samples(tmp_path, layout):
+    whole, blocks = deflate_tiff(TRUTH, **layout)
+    path = tmp_path / "a.tif"
+    path.write_bytes(whole)
+    assert np.array_equal(read_pixels(path), TRUTH)
+    refused = 0
+    for place, size in blocks:
+        for byte in range(place, place + size, max(1, sum(s for _, s in blocks) // 200)):
+            damaged = bytearray(whole)
+            damaged[byte] ^= 1 << (byte % 8)
+            path.write_bytes(damaged)
+            try:
+                # Bits that fill the last byte before the checksum are no part of the samples.
+                assert np.array_equal(read_pixels(path), TRUTH)
+            except FileError:
+                refused += 1
+    assert refused > 190
+
+
+def test_a_block_of_fewer_rows_or_none_is_refused(tmp_path):
+    path = tmp_path / "a.tif"
+    whole, blocks = deflate_tiff(TRUTH, strip_rows=12)
+    place, size = blocks[1]
+    claim = whole.replace(struct.pack("<HHII", 277, 4, 1, 1), struct.pack("<HHII", 285, 4, 1, 1))
+    path.write_bytes(
+        claim.replace(struct.pack("<HHII", 258, 4, 1, 32), struct.pack("<HHII", 258, 4, 1, 8))
+    )
+    with pytest.raises(FileError, match="strip or tile 0 holds 1920 bytes instead of 480"):
+        read_pixels(path)
+    short = zlib.compress(TRUTH[12:20].tobytes())
+    assert len(short) < size
+    path.write_bytes(whole[:place] + short.ljust(size, b"\0") + whole[place + size :])
+    with pytest.raises(FileError, match="strip or tile 1 holds 1280 bytes instead of 1920"):
+        read_pixels(path)
+    path.write_bytes(whole.replace(struct.pack("<I", size), struct.pack("<I", 10**9), 1))
+    with pytest.raises(FileError, match="beyond the end of the file"):
+        read_pixels(path)
+    path.write_bytes(whole[:place] + bytes(size) + whole[place + size :])
+    with pytest.raises(FileError, match="damaged: strip or tile 1"):
+        read_pixels(path)
+
+
+def fits(cards, data):
+    text = "".join(f"{key:<8}= {value!s:>20}".ljust(80) for key, value in cards)
+    head = (text + "END".ljust(80)).encode()
+    return head + b" " * (-len(head) % 2880) + data + bytes(-len(data) % 2880)
+
+
+STORED = np.array([[-32768, -1, 0], [1, 5, 32767]], dtype=">i2")
+CARDS = [("SIMPLE", "T"), ("BITPIX", 16), ("NAXIS", 2), ("NAXIS1", 3), ("NAXIS2", 2)]
+
+
+@pytest.mark.parametrize(
+    ("zero", "scale"), [("3.2768D4", "1"), ("3.2768d+04", "1.0D0"), ("0.1", "1D-1"), ("1.", ".5")]
+)
+def test_fits_numbers_with_the_exponents_of_fortran(tmp_path, zero, scale):
+    path = tmp_path / "a.fits"
+    path.write_bytes(fits([*CARDS, ("BZERO", zero), ("BSCALE", scale)], STORED.tobytes()))
+    number = {"3.2768D4": 32768.0, "3.2768d+04": 32768.0, "0.1": 0.1, "1.": 1.0}[zero]
+    step = {"1": 1.0, "1.0D0": 1.0, "1D-1": 0.1, ".5": 0.5}[scale]
+    wanted = (STORED[::-1].astype(np.float64) * step + number).astype(np.float32)
+    assert np.array_equal(read_pixels(path), wanted)
+
+
+def test_fits_blank_is_a_missing_sample(tmp_path):
+    path = tmp_path / "a.fits"
+    for scaled in ([], [("BSCALE", "0.25")]):
+        path.write_bytes(fits([*CARDS, ("BLANK", "5 / none"), *scaled], STORED.tobytes()))
+        read = read_pixels(path)
+        assert np.isnan(read).tolist() == [[False, True, False], [False] * 3]
+        assert read[0, 2] == 32767 * (0.25 if scaled else 1.0)
+    cards = [("SIMPLE", "T"), ("BITPIX", -32), *CARDS[2:], ("BLANK", 5)]  # no meaning for floats
+    path.write_bytes(fits(cards, STORED.astype(">f4").tobytes()))
+    assert read_pixels(path)[0, 1] == 5
+
+
+@pytest.mark.parametrize(
+    ("cards", "words"),
+    [
+        ([("BZERO", "many")], "BZERO = many; allowed: a finite number"),
+        ([("BZERO", "1e999")], "BZERO = 1e999"),
+        ([("BSCALE", "0.0")], "BSCALE = 0.0; allowed: a finite number other than 0"),
+        ([("BLANK", "1.5")], "BLANK = 1.5; allowed: a whole number"),
+        ([("BZERO", "1"), ("BZERO", "2")], "BZERO stands twice, as 1 and as 2"),
+    ],
+)
+def test_fits_cards_that_cannot_be_used(tmp_path, cards, words):
+    path = tmp_path / "a.fits"
+    path.write_bytes(fits([*CARDS, *cards], STORED.tobytes()))
+    for read in (read_info, read_pixels):
+        with pytest.raises(FileError, match=re.escape(words)):
+            read(path)
+
+
+def test_fits_sums(tmp_path):
+    path = tmp_path / "a.fits"
+    data = STORED.tobytes() + bytes(2880 - STORED.nbytes)
+    words = np.frombuffer(data, ">u4").astype(object)
+    total = int(words.sum())
+    total = (total & 0xFFFFFFFF) + (total >> 32)
+    path.write_bytes(fits([*CARDS, ("DATASUM", f"'{total}'")], data))
+    assert np.array_equal(read_pixels(path), STORED[::-1])
+    for place in (2880, 2881, 2891, 5000):
+        damaged = bytearray(path.read_bytes())
+        damaged[place] ^= 4
+        (tmp_path / "b.fits").write_bytes(damaged)
+        with pytest.raises(FileError, match=rf"damaged: its samples sum up .* DATASUM = {total}"):
+            read_pixels(tmp_path / "b.fits")
+    assert read_fits_header(path).length == 2880
+
+
+def png(rows, columns, depth, body):
+    def chunk(kind, content):
+        checksum = zlib.crc32(kind + content)
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", checksum)
+
+    head = chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, depth, 0, 0, 0, 0))
+    return b"\x89PNG\r\n\x1a\n" + head + chunk(b"IDAT", body) + chunk(b"IEND", b"")
+
+
+def refused_for_its_size(path, rows, columns):
+    tracemalloc.start()
+    for read in (read_info, read_pixels):
+        with pytest.raises(FileError) as caught:
+            read(path)
+        words = rf"{rows} × {columns} samples need .* GB; allowed on this machine: .* GB"
+        assert re.search(words, str(caught.value))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return peak < 10_000_000
+
+
+@pytest.mark.skipif(usable_bytes() > 28.8e9, reason="14.4 GB of samples fit this machine")
+def test_a_huge_png_is_refused_before_memory_is_asked_for(tmp_path):
+    packer, line = zlib.compressobj(1), bytes(7501)
+    body = b"".join([*(packer.compress(line) for _ in range(60000)), packer.flush()])
+    (tmp_path / "a.png").write_bytes(png(60000, 60000, 1, body))
+    assert refused_for_its_size(tmp_path / "a.png", 60000, 60000)
+
+
+def test_a_huge_array_is_refused_before_memory_is_asked_for(tmp_path):
+    rows, columns = usable_bytes() // 7000, 1000  # as floats more than half of the memory
+    with (tmp_path / "a.npy").open("wb") as file:
+        shape = {"descr": "|u1", "fortran_order": False, "shape": (rows, columns)}
+        np.lib.format.write_array_header_1_0(file, shape)
+        file.truncate(file.tell() + rows * columns)  # a hole: nothing is written
+    assert refused_for_its_size(tmp_path / "a.npy", rows, columns)
+
+
+def test_a_one_bit_png_takes_the_memory_of_its_samples(tmp_path):
+    """Peak of a process of its own: 4 bytes a sample, and strips."""
+    rows, columns = 5000, 5000
+    body = zlib.compress((b"\0" + b"\x55" * (columns // 8)) * rows)
+    (tmp_path / "a.png").write_bytes(png(rows, columns, 1, body))
+    program = (
+        "import resource, sys; from nodes.files.read import read_info, read_pixels\n"
+        "read_info(sys.argv[1])\n"
+        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "samples = read_pixels(sys.argv[1])\n"
+        "assert samples[0, :4].tolist() == [0, 1, 0, 1] and samples[-1, -1] == 1\n"
+        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)"
+    )
+    command = [sys.executable, "-c", program, str(tmp_path / "a.png")]
+    done = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, timeout=120, check=True
+    )
+    unit = 1 if sys.platform == "darwin" else 1024
+    assert int(done.stdout) * unit < 4 * rows * columns + 250e6
+
+
+def test_a_header_that_claims_more_than_the_file_can_hold_is_damaged(tmp_path):
+    (tmp_path / "a.png").write_bytes(png(20000, 20000, 8, zlib.compress(bytes(1000))))
+    with pytest.raises(FileError, match=r"20000 × 20000 × 1 samples of 8 bits cannot come from"):
+        read_info(tmp_path / "a.png")
+    whole, _ = deflate_tiff(TRUTH, strip_rows=48)
+    claim = whole.replace(
+        struct.pack("<HHII", 257, 4, 1, 48), struct.pack("<HHII", 257, 4, 1, 9**6)
+    )
+    (tmp_path / "a.tif").write_bytes(claim)
+    with pytest.raises(FileError, match="cannot come from a file of"):
+        read_info(tmp_path / "a.tif")
+
+
+def test_the_budget_counts_delivered_samples():
+    shape = {"rows": 1000, "columns": 500, "bands": 9, "dtype": "uint8", "kind": "png"}
+    empty = dict.fromkeys(
+        ("unit", "wavelengths_um", "fwhm_um", "focal_length_mm", "fov_x_deg", "fov_y_deg")
+    )
+    info = PictureInfo(path=Path("a.png"), **shape, **empty)
+    refuse_oversized(info, available_bytes=4_000_000)
+    message = "1000 × 500 samples need 0.002 GB; allowed on this machine: 0.002 GB"
+    with pytest.raises(FileError, match=message):
+        refuse_oversized(info, available_bytes=3_999_999)
+
+
+def test_pictures_damaged_at_random(tmp_path):
+    """A short seed of the command that runs thousands."""
+    command = [sys.executable, "tests/fuzz/pictures.py", "--count", "120", "--seed", "7"]
+    done = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stderr == ""
+
+
+def test_the_budget_is_of_the_memory_that_a_container_leaves(monkeypatch):
+    shape = {"rows": 1000, "columns": 500, "bands": 1, "dtype": "float32", "kind": "tiff"}
+    empty = dict.fromkeys(
+        ("unit", "wavelengths_um", "fwhm_um", "focal_length_mm", "fov_x_deg", "fov_y_deg")
+    )
+    info = PictureInfo(path=Path("a.tif"), **shape, **empty)
+    refuse_oversized(info)
+    monkeypatch.setattr("core.memory._limits", lambda: [3_999_999])
+    with pytest.raises(FileError, match="allowed on this machine: "):
+        refuse_oversized(info)

@@ -1,0 +1,364 @@
+import tracemalloc
+from itertools import product
+
+import numpy as np
+import pytest
+
+from core.errors import FileError
+from nodes.files.headers import envi
+from nodes.files.read import read_info, read_pixels
+
+ROWS, COLUMNS, BANDS = 5, 7, 3
+TYPES = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4", 14: "i8", 15: "u8"}
+AXES = {"bsq": (2, 0, 1), "bil": (0, 2, 1), "bip": (0, 1, 2)}
+
+
+def cube(code):
+    """Different in every sample, reaching the ends of the type, exact in double precision."""
+    kind = np.dtype(TYPES[code])
+    values = np.arange(ROWS * COLUMNS * BANDS, dtype=np.int64).reshape(ROWS, COLUMNS, BANDS)
+    if kind.kind == "f":
+        return (values / 7 - 3).astype(kind)
+    values = values.astype(kind)
+    values[0, 0, 0] = np.iinfo(kind).min
+    values[-1, -1, -1] = min(np.iinfo(kind).max, 2**53)
+    return values
+
+
+def write(
+    folder,
+    code=5,
+    interleave="bip",
+    order=0,
+    offset=0,
+    name="x.img.hdr",
+    extra="",
+    drop=(),
+    **changed,
+):
+    """Write an ENVI pair from scratch; `changed` replaces header fields, `drop` leaves them out."""
+    samples = cube(code).transpose(AXES[interleave])
+    swapped = samples.astype(samples.dtype.newbyteorder("<>"[order]))
+    data = folder / "x.img"
+    data.write_bytes(b"\xa5" * offset + swapped.tobytes())
+    fields = {
+        "description": "{made up}",
+        "samples": COLUMNS,
+        "lines": ROWS,
+        "bands": BANDS,
+        "header offset": offset,
+        "file type": "ENVI Standard",
+        "data type": code,
+        "interleave": interleave,
+        "byte order": order,
+    }
+    fields |= {key.replace("_", " ").strip(): value for key, value in changed.items()}
+    lines = [f"{key} = {value}" for key, value in fields.items() if key not in drop]
+    (folder / name).write_text("\n".join(["ENVI", *lines, extra]), encoding="utf-8")
+    return data
+
+
+@pytest.mark.parametrize(("code", "interleave"), list(product(TYPES, AXES)))
+def test_every_layout_reads_bit_for_bit(tmp_path, code, interleave):
+    for order, offset, name in product((0, 1), (0, 13), ("x.img.hdr", "x.hdr")):
+        folder = tmp_path / f"{order}{offset}{name}"
+        folder.mkdir()
+        data = write(folder, code, interleave, order, offset, name)
+        truth = cube(code)
+        wanted = np.float64 if code in (3, 5, 13, 14, 15) else np.float32
+        for path, band in product((data, folder / name), range(BANDS)):
+            read = envi.read_band(path, band)
+            assert read.dtype == wanted
+            assert read.dtype.isnative
+            assert read.flags.c_contiguous
+            assert type(read) is np.ndarray
+            assert np.array_equal(read, truth[:, :, band].astype(wanted))
+        info = envi.read_info(data)
+        assert (info.rows, info.columns, info.bands) == (ROWS, COLUMNS, BANDS)
+        assert (info.dtype, info.kind) == (truth.dtype.name, "envi")
+
+
+def test_cube_is_mapped_not_read(tmp_path):
+    layout = envi.read_layout(write(tmp_path, 5, "bsq", 1))
+    mapped = envi.map_cube(layout)
+    assert isinstance(mapped, np.memmap)
+    assert not mapped.flags.writeable
+    assert np.array_equal(mapped, cube(5))
+
+
+def test_one_band_of_a_large_file_takes_the_memory_of_one_band(tmp_path):
+    data = tmp_path / "x.img"
+    with data.open("wb") as file:
+        file.truncate(100 * 100 * 100_000 * 4)  # 4 GB on paper, nothing on the disk
+    (tmp_path / "x.hdr").write_text(
+        "ENVI\nsamples = 100\nlines = 100\nbands = 100000\ndata type = 4\n"
+        "interleave = bsq\nbyte order = 0\n"
+    )
+    tracemalloc.start()
+    assert not envi.read_band(data, 99_999).any()
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 5_000_000
+
+
+def test_optional_fields_have_their_defaults(tmp_path):
+    data = write(tmp_path, 1, drop=("header offset", "byte order", "description", "file type"))
+    assert np.array_equal(envi.read_band(data, 1), cube(1)[:, :, 1])
+
+
+@pytest.mark.parametrize("key", ["samples", "lines", "bands", "data type", "interleave"])
+def test_missing_field(tmp_path, key):
+    data = write(tmp_path, drop=(key,))
+    with pytest.raises(FileError, match=rf"x\.img\.hdr: the field '{key}' is missing; allowed"):
+        envi.read_info(data)
+
+
+def test_missing_byte_order_is_not_guessed(tmp_path):
+    with pytest.raises(FileError, match="byte order' is missing; allowed: 0 "):
+        envi.read_info(write(tmp_path, 4, drop=("byte order",)))
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("samples", "-7", "samples = -7; allowed: a whole number of 1 or more"),
+        ("lines", "0", "lines = 0; allowed"),
+        ("lines", "5.0", "lines = 5.0; allowed"),
+        ("bands", "many", "bands = many; allowed"),
+        ("bands", "{3}", "is a list"),
+        ("bands", "9" * 40, "bands = 9999"),
+        ("header_offset", "-1", "header offset = -1; allowed: a whole number of 0 or more"),
+        ("data_type", "7", "data type = 7; allowed: 1, 2, 3, 4, 5, 12, 13, 14, 15"),
+        ("data_type", "6", "data type = 6 is complex"),
+        ("data_type", "9", "data type = 9 is complex"),
+        ("interleave_", "tiled", "interleave = tiled; allowed: bsq, bil, bip"),
+        ("byte_order", "2", "byte order = 2; allowed"),
+        ("file_compression", "1", "file compression = 1"),
+        ("file_type", "ENVI Spectral Library", "Spectral Library; allowed"),
+        ("major_frame_offsets", "{0, 4}", "major frame offsets"),
+        ("wavelength", "{1, 2}", "wavelength has 2 values; allowed: one for each of the 3 bands"),
+        ("wavelength", "{1, 2, x}", "wavelength holds what is no number"),
+        ("fwhm", "{1, 2, -1}", "fwhm = .*positive"),
+        ("fov", "wide", "fov = 'wide' is not a positive number"),
+        ("fov", "190", "field of view 190 deg; allowed: above 0, below 180"),
+        ("focal_length", "-38", "focal length = '-38'"),
+    ],
+)
+def test_bad_field(tmp_path, field, value, message):
+    data = write(tmp_path, **{field: value})
+    with pytest.raises(FileError, match=message) as caught:
+        envi.read_info(data)
+    assert "\n" not in caught.value.message
+    with pytest.raises(FileError):
+        read_pixels(data)
+
+
+@pytest.mark.parametrize(
+    ("changed", "fits"),
+    [
+        ({"lines": 6}, "lines = 5"),
+        ({"samples": 8}, "samples = 7"),
+        ({"bands": 4}, "bands = 3"),
+        ({"bands": 1}, "bands = 3"),
+        ({"data_type": 4}, "a data type of 8 bytes"),
+        ({"data_type": 5, "code": 2}, "a data type of 2 bytes"),
+        ({"header_offset": 9}, "header offset = 0"),
+    ],
+)
+def test_contradiction_says_which_term_is_wrong(tmp_path, changed, fits):
+    data = write(tmp_path, **changed)
+    with pytest.raises(FileError, match=rf"it would fit with .*{fits}") as caught:
+        envi.read_band(data)
+    assert f"holds {data.stat().st_size} bytes" in caught.value.message
+    assert "header offset" in caught.value.message
+
+
+def test_truncated_and_oversized(tmp_path):
+    data = write(tmp_path)
+    whole = data.read_bytes()
+    data.write_bytes(whole[:-3])
+    with pytest.raises(
+        FileError,
+        match=r"holds 837 bytes, but x\.img\.hdr says header offset 0 \+ lines 5 × samples 7 × "
+        r"bands 3 × 8 bytes = 840 \(3 missing\); the file is truncated",
+    ):
+        envi.read_band(data)
+    data.write_bytes(whole + b"12345")
+    with pytest.raises(FileError, match=r"\(5 too many\); it would fit with header offset = 5"):
+        envi.read_band(data)
+    data.write_bytes(b"")
+    with pytest.raises(FileError, match="file is empty"):
+        envi.read_band(data)
+
+
+def test_missing_halves(tmp_path):
+    data = write(tmp_path)
+    (tmp_path / "x.img.hdr").rename(tmp_path / "away")
+    message = r"header is missing; expected x\.img\.hdr or x\.hdr beside it"
+    for read in (envi.read_info, read_info):
+        with pytest.raises(FileError, match=message):
+            read(data)
+    (tmp_path / "away").rename(tmp_path / "x.img.hdr")
+    data.unlink()
+    with pytest.raises(FileError, match=r"data file of this header is missing; expected x\.img"):
+        read_info(tmp_path / "x.img.hdr")
+
+
+def test_header_that_is_none(tmp_path):
+    data = write(tmp_path)
+    header = tmp_path / "x.img.hdr"
+    text = header.read_text()
+    header.write_text(text.replace("ENVI", "#ENV", 1))
+    with pytest.raises(FileError, match="header is missing"):
+        envi.read_info(data)
+    with pytest.raises(FileError, match="is not an ENVI header"):
+        envi.read_info(header)
+    header.write_bytes(text.encode() + b"\0\1")
+    with pytest.raises(FileError, match="is not an ENVI header"):
+        envi.read_info(data)
+    header.write_text(text + "\nwavelength = {1,\n 2,\n 3\n")
+    with pytest.raises(FileError, match="the brace opened after 'wavelength' is never closed"):
+        envi.read_info(data)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: (
+            text.replace("samples", "Samples").replace("interleave", "INTERLEAVE").encode()
+        ),
+        lambda text: text.replace("made up", "23.8° µm").encode("latin-1"),
+        lambda text: text.replace("made up", "23.8° µm").encode(),
+        lambda text: text.encode("utf-8-sig"),
+        lambda text: text.replace("\n", "\r\n").encode(),
+        lambda text: text.replace("= bip", "= BIP").encode(),
+        lambda text: text.replace("{made up}", "{\n made = up,\n Samples = 9}").encode(),
+        lambda text: (text + "\n; a comment {\n\nband names = {A,\n B,\n C}\n").encode(),
+    ],
+)
+def test_headers_as_others_write_them(tmp_path, change):
+    data = write(tmp_path)
+    header = tmp_path / "x.img.hdr"
+    header.write_bytes(change(header.read_text()))
+    assert np.array_equal(envi.read_band(data, 2), cube(5)[:, :, 2])
+
+
+def test_names_of_data_files(tmp_path):
+    data = write(tmp_path, name="x.hdr")
+    for name in ("x", "x.dat", "x.BSQ"):
+        data = data.rename(tmp_path / name)
+        assert envi.read_info(tmp_path / "x.hdr").path == data
+        assert np.array_equal(read_pixels(data, 1), cube(5)[:, :, 1])
+
+
+def test_what_the_header_says(tmp_path):
+    data = write(
+        tmp_path,
+        wavelength="{8000, 9000, 10000}",
+        fwhm="{100, 200, 300}",
+        wavelength_units="Nanometers",
+        data_units="W/cm^2/sr/um",
+        fov="{23.8, 17.9}",
+        focal_length="3.8 cm",
+    )
+    info = envi.read_info(data)
+    assert info.wavelengths_um == pytest.approx((8, 9, 10), rel=1e-15)
+    assert info.fwhm_um == pytest.approx((0.1, 0.2, 0.3), rel=1e-15)
+    assert (info.unit, info.fov_x_deg, info.fov_y_deg) == ("W/cm^2/sr/um", 23.8, 17.9)
+    assert info.focal_length_mm == pytest.approx(38, rel=1e-15)
+
+
+def test_what_the_description_says(tmp_path):
+    text = "{a frame, fov_x_deg = 30; fov_y_deg: 20\n focal length = 0.2 m, lens: good}"
+    info = envi.read_info(write(tmp_path, description=text))
+    assert (info.fov_x_deg, info.fov_y_deg, info.focal_length_mm) == (30, 20, 200)
+
+
+def test_angle_in_mrad(tmp_path):
+    info = envi.read_info(write(tmp_path, fov_x="100 mrad", fov_y="0"))
+    assert info.fov_x_deg == pytest.approx(np.degrees(0.1), rel=1e-15)
+    assert info.fov_y_deg is None
+
+
+def test_wavenumbers(tmp_path):
+    changed = {"wavelength": "{1250, 1000, 2000}", "wavelength_units": "Wavenumber"}
+    info = envi.read_info(write(tmp_path, **changed))
+    assert info.wavelengths_um == (8, 10, 5)
+    info = envi.read_info(write(tmp_path, **(changed | {"wavelength_units": "Index"})))
+    assert info.wavelengths_um is None
+
+
+@pytest.mark.parametrize("band", [-1, 3, 99])
+def test_band_out_of_range(tmp_path, band):
+    with pytest.raises(FileError, match=f"there is no band {band}; allowed: 0 to 2"):
+        envi.read_band(write(tmp_path), band)
+
+
+@pytest.mark.parametrize(
+    ("code", "value", "count"),
+    [(2, "3", 1), (1, "-9999", 0), (4, "-3", 1), (5, "1e400", 0), (15, "4", 1), (2, "3.5", 0)],
+)
+def test_samples_the_header_calls_missing(tmp_path, code, value, count):
+    data = write(tmp_path, code, data_ignore_value=value)
+    stored = cube(code)
+    is_missing = stored.astype(np.float64) == float(value)
+    assert is_missing.sum() == count
+    read = np.stack([envi.read_band(data, band) for band in range(3)], axis=2)
+    assert np.array_equal(np.isnan(read), is_missing)
+    assert np.array_equal(read[~is_missing], stored[~is_missing])
+
+
+def test_missing_value_that_single_precision_rounds(tmp_path):
+    samples = np.array([[1.0, -9999.9], [2.0, 3.0]], dtype="<f4")
+    (tmp_path / "x.img").write_bytes(samples.tobytes())
+    (tmp_path / "x.img.hdr").write_text(
+        "ENVI\nsamples = 2\nlines = 2\nbands = 1\ndata type = 4\ninterleave = bsq\n"
+        "byte order = 0\ndata ignore value = -9999.9\n"
+    )
+    assert np.isnan(envi.read_band(tmp_path / "x.img")).tolist() == [[False, True], [False, False]]
+
+
+@pytest.mark.parametrize(
+    ("extra", "message"),
+    [
+        ("samples = 8", "samples stands twice, as 7 and as 8; allowed: once"),
+        ("Samples=8", "samples stands twice"),
+        ("data  type = 4", "data type stands twice, as 5 and as 4"),
+        ("file type = TIFF", "file type stands twice"),
+    ],
+)
+def test_keys_that_stand_twice(tmp_path, extra, message):
+    data = write(tmp_path)
+    header = tmp_path / "x.img.hdr"
+    text = header.read_text()
+    header.write_text(text + "\nsamples = 7\nwavelength = {1,\n2, 3}\nwavelength = {1,\n2, 3}\n")
+    assert np.array_equal(envi.read_band(data, 1), cube(5)[:, :, 1])
+    header.write_text(f"{text}\nfile type = ENVI Standard\n{extra}\n")
+    with pytest.raises(FileError, match=message):
+        envi.read_info(data)
+
+
+@pytest.mark.parametrize("kind", ["TIFF", "ENVI Meta File", "JPEG2000", "NITF"])
+def test_data_in_a_format_of_their_own(tmp_path, kind):
+    data = write(tmp_path, file_type=kind)
+    with pytest.raises(FileError, match=rf"file type = {kind}; allowed: ENVI Standard"):
+        envi.read_info(data)
+
+
+@pytest.mark.parametrize(
+    ("extra", "named"),
+    [
+        ("data gain values = {2, 1, 1}", ("data gain values",)),
+        (
+            "data gain values = {1.0, 1, 1}\ndata offset values = {0, 0, -3}",
+            ("data offset values",),
+        ),
+        ("reflectance scale factor = 10000", ("reflectance scale factor",)),
+        ("data gain values = {1, 1, 1}\ndata offset values = {0, 0, 0}", ()),
+        ("", ()),
+    ],
+)
+def test_what_would_change_the_samples_is_named(tmp_path, extra, named):
+    data = write(tmp_path, extra=extra)
+    assert read_info(data).not_applied == named
+    np.testing.assert_array_equal(read_pixels(data, 1), cube(5)[:, :, 1])

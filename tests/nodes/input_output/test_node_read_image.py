@@ -1,0 +1,173 @@
+"""Read Image against files made without it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.errors import DataError, FileError, ParameterError
+from core.modules.library_type import library_of
+from node_bench import NodeBench
+from nodes.input_output.read_image import ReadImage
+
+LIBRARY = library_of([ReadImage])
+
+
+def reading(folder, precision="double", **params):
+    return NodeBench(LIBRARY, folder, {"in": ("read_image", params)}, precision=precision)
+
+
+def picture(rows=6, columns=9, seed=1):
+    return np.random.default_rng(seed).uniform(-5, 60, (rows, columns))
+
+
+def envi(folder, cube, **fields):
+    """A bsq cube (bands, rows, columns) of doubles."""
+    (folder / "x.img").write_bytes(cube.astype("<f8").tobytes())
+    bands, rows, columns = cube.shape
+    lines = {
+        "samples": columns,
+        "lines": rows,
+        "bands": bands,
+        "data type": 5,
+        "interleave": "bsq",
+        "byte order": 0,
+        **{name.replace("_", " "): value for name, value in fields.items()},
+    }
+    text = "\n".join(["ENVI", *(f"{name} = {value}" for name, value in lines.items())])
+    (folder / "x.img.hdr").write_text(text)
+
+
+def test_reads_npy_scaled_with_interval(tmp_path):
+    array = picture()
+    np.save(tmp_path / "a.npy", array)
+    bench = reading(tmp_path, path="a.npy", scale=2.5, unit="K", fov_x_deg=3.0, fov_y_deg=2.0)
+    image = bench.port("in.image")
+    assert (image.rows, image.columns, image.unit, image.band_um) == (6, 9, "K", None)
+    assert image.interval_x_mrad == pytest.approx(np.radians(3.0) * 1000 / 9, rel=1e-14)
+    assert image.interval_y_mrad == pytest.approx(np.radians(2.0) * 1000 / 6, rel=1e-14)
+    assert image.header.fov_x_deg == 3.0
+    np.testing.assert_array_equal(bench.value("in.image"), array * 2.5)
+    single = reading(tmp_path, "single", path="a.npy").value("in.image")
+    assert single.dtype == np.float32
+    np.testing.assert_array_equal(single, array.astype(np.float32))
+
+
+def test_key_follows_path_size_time_and_parameters(tmp_path):
+    np.save(tmp_path / "a.npy", picture())
+
+    def key(**params):
+        return reading(tmp_path, path="a.npy", **params).port("in.image").key
+
+    first = key()
+    assert key() == first
+    assert key(scale=1) == first
+    assert key(scale=2.0) != first
+    assert reading(tmp_path, path=str(tmp_path / "a.npy")).port("in.image").key == first
+    os.utime(tmp_path / "a.npy", ns=(0, 12345))
+    assert key() != first
+
+
+def test_file_changed_between_plan_and_run_is_refused(tmp_path):
+    np.save(tmp_path / "a.npy", picture())
+    bench = reading(tmp_path, path="a.npy")
+    np.save(tmp_path / "a.npy", picture(rows=7))
+    with pytest.raises(FileError, match="has changed since"):
+        bench.value("in.image")
+
+
+def test_envi_band_and_integration(tmp_path):
+    cube = np.random.default_rng(2).uniform(1, 2, (3, 4, 5))
+    extra = {
+        "wavelength": "{8.0, 9.0, 10.0}",
+        "fwhm": "{1.0, 1.0, 1.0}",
+        "wavelength_units": "Micrometers",
+        "fov_x_deg": 4.0,
+        "focal_length_mm": 130,
+    }
+    envi(tmp_path, cube, **extra)
+    one = reading(tmp_path, path="x.img", band=1)
+    image = one.port("in.image")
+    assert image.band_um == pytest.approx((8.5, 9.5))
+    assert image.header.focal_length_mm == 130
+    assert image.interval_x_mrad == pytest.approx(np.radians(4.0) * 1000 / 5)
+    assert image.interval_y_mrad is None
+    np.testing.assert_array_equal(one.value("in.image"), cube[1])
+    band = reading(tmp_path, path="x.img", cut_on_um=8.25, cut_off_um=10.5, scale=1e4)
+    assert band.port("in.image").band_um == (8.25, 10.5)
+    expected = 1e4 * (0.25 * cube[0] + cube[1] + cube[2])
+    np.testing.assert_allclose(band.value("in.image"), expected, rtol=1e-14)
+    # The header counts as much as the samples.
+    before = one.port("in.image").key
+    os.utime(tmp_path / "x.img.hdr", ns=(0, 5))
+    assert reading(tmp_path, path="x.img", band=1).port("in.image").key != before
+
+
+def test_stated_band_of_a_plain_picture(tmp_path):
+    np.save(tmp_path / "a.npy", picture())
+    bench = reading(tmp_path, path="a.npy", cut_on_um=8.0, cut_off_um=12.0)
+    assert bench.port("in.image").band_um == (8.0, 12.0)
+
+
+@pytest.mark.parametrize(
+    ("params", "kind", "words"),
+    [
+        ({}, ParameterError, "path"),
+        ({"path": "missing.npy"}, FileError, "no such file"),
+        ({"path": "a.npy", "band": 1}, FileError, "no band 1"),
+        ({"path": "a.npy", "cut_on_um": 3.0}, ParameterError, "cut_off_um"),
+        ({"path": "a.npy", "cut_off_um": 3.0}, ParameterError, "cut_on_um"),
+        ({"path": "a.npy", "cut_on_um": 5.0, "cut_off_um": 3.0}, ParameterError, "cut_off_um"),
+        ({"path": "a.npy", "fov_x_deg": 180.0}, ParameterError, "fov_x_deg"),
+    ],
+)
+def test_faults_of_reading_are_told_at_planning(tmp_path, params, kind, words):
+    np.save(tmp_path / "a.npy", picture())
+    error = reading(tmp_path, **params).error("in")
+    assert isinstance(error, kind)
+    assert error.node == "in"
+    assert words in str(error)
+
+
+def test_samples_not_finite_are_refused_with_their_place(tmp_path):
+    array = picture()
+    array[2, 3] = np.nan
+    np.save(tmp_path / "a.npy", array)
+    with pytest.raises(DataError, match="row 2, column 3"):
+        reading(tmp_path, path="a.npy").value("in.image")
+    np.save(tmp_path / "b.npy", np.full((2, 2), 1e30))
+    with pytest.raises(DataError, match="scale = 1e\\+20"):
+        reading(tmp_path, "single", path="b.npy", scale=1e20).value("in.image")
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_missing_samples_are_counted_and_stood_in_for_if_asked(tmp_path, bad, precision):
+    array = np.array([[1.0, bad, 3.0], [bad, 8.0, 0.0]])
+    np.save(tmp_path / "a.npy", array)
+    for missing, value in (("mean", 3.0), ("zero", 0.0)):
+        bench = reading(tmp_path, precision, path="a.npy", scale=2.0, missing=missing)
+        expected = [[2.0, 2 * value, 6.0], [2 * value, 16.0, 0.0]]
+        np.testing.assert_array_equal(bench.value("in.image"), expected)
+        assert bench.readouts("in")["missing_samples"] == 2
+    whole = np.where(np.isfinite(array), array, 7.0)
+    np.save(tmp_path / "b.npy", whole)
+    bench = reading(tmp_path, precision, path="b.npy", missing="mean")
+    np.testing.assert_array_equal(bench.value("in.image"), whole)
+    assert bench.readouts("in")["missing_samples"] == 0
+
+
+def test_a_picture_of_nothing_has_no_mean(tmp_path):
+    np.save(tmp_path / "a.npy", np.full((3, 4), np.nan))
+    with pytest.raises(DataError, match="none of its 12 samples is finite"):
+        reading(tmp_path, path="a.npy", missing="mean").value("in.image")
+
+
+def test_reads_the_real_frame_where_it_is_there():
+    frame = Path(__file__).parents[3] / "../shared/data/sc660_lwir.img"
+    if frame.exists():
+        bench = reading(frame.parent, path=frame.name)
+        assert bench.value("in.image").shape == bench.port("in.image").shape

@@ -1,0 +1,299 @@
+"""What modules warn of: each warning with values that bring it about, and with sound ones."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.chain.engine import Engine
+from core.chain.wires import Header, Image
+from core.evaluation.recipes import Step
+from core.modules.declaration import declaration
+from core.network.file import parse_network
+from nodes.input_output.read_image import ReadImage
+from nodes.library import standard_library
+from nodes.shared.module_ports import ImageOutput
+from nodes.shared.shared_warnings import band_caution, is_radiance, unit_caution, wavelength_caution
+from nodes.transform.init_trans import InitTrans
+
+LIBRARY = standard_library()
+ALL = {(key, each.name) for key, m in LIBRARY.items() for each in declaration(m).warnings}
+SCENE = {"width": 16, "height": 16, "fov_x_deg": 1.0, "cut_on_um": 8.0, "cut_off_um": 12.0}
+INIT = {
+    "detector_x_um": 20.0,
+    "detector_y_um": 20.0,
+    "focal_length_mm": 100.0,
+    "f_number": 2.0,
+    "range_m": 1000.0,
+    "velocity_m_per_s": 50.0,
+    "scan_velocity_mrad_per_s": 900.0,
+}
+SHARP = {"size_x": 64, "size_y": 64, "radius": 12.5}  # 50 mm where 64 samples are 12.8 cm
+SOURCES = {
+    "image": "scene.image",
+    "context": "init.context",
+    "magnitude": "init.magnitude",
+    "phase": "init.phase",
+    "pupil": "pupil.pupil",
+}
+# Module and warning: parameters that bring it about, what the line says, and sound parameters.
+# Those of `scene` and `init` are of these nodes.
+CASES = {
+    ("electronics_noise", "band"): (
+        {"cut_on_um": 3.0, "cut_off_um": 5.0, "bandwidth_Hz": 1e4},
+        ("8 to 12 µm", "3 to 5 µm", "do not overlap"),
+        {"cut_on_um": 8.0, "cut_off_um": 12.0, "bandwidth_Hz": 1e4},
+    ),
+    ("electronics_noise", "unit"): (
+        {"scene": {"unit": "K"}, "bandwidth_Hz": 1e4},
+        ("'K'", "NETD", "W/m²/sr", "Read Image"),
+        {"scene": {"unit": "W/m²/sr"}, "bandwidth_Hz": 1e4},
+    ),
+    ("electronics_noise", "scan"): (
+        {"scan_mirror_rate_Hz": 16.0},
+        ("1.005e+05 mrad/s", "900 mrad/s"),  # 2π·1000·16
+        {"scan_mirror_rate_Hz": 16.0, "init": {"scan_velocity_mrad_per_s": 0.0}},
+    ),
+    ("exit_pupil_mtf", "band"): (
+        {"cut_on_um": 4.0, "cut_off_um": 4.0, "size_x_cm": 12.8},
+        ("4 µm", "8 to 12 µm"),
+        {"cut_on_um": 10.0, "cut_off_um": 10.0, "size_x_cm": 12.8},
+    ),
+    ("exit_pupil_mtf", "aperture"): (
+        {"size_x_cm": 25.6},
+        ("100 mm wide", "F/1,", "F/2"),
+        {"size_x_cm": 12.8},
+    ),
+    ("figures_of_merit", "band"): (
+        {"cut_on_um": 3.0, "cut_off_um": 5.0},
+        ("8 to 12 µm", "3 to 5 µm"),
+        {},
+    ),
+    ("figures_of_merit", "unit"): ({"scene": {"unit": "DN"}}, ("'DN'", "MRTD"), {}),
+    ("poisson_noise", "unit"): (
+        {"mode": "photon", "photons_per_unit": 1e3, "scene": {"unit": "K"}},
+        ("'K'", "photons_per_unit"),
+        {"mode": "photon", "photons_per_unit": 1e3, "scene": {"unit": "DN"}},
+    ),
+    ("examine_image", "no_temperature"): (
+        {"scene": {"unit": "counts"}},
+        ("'counts'", "W/m²/sr"),
+        {"scene": {"unit": "K"}},
+    ),
+    ("atmosphere_mtf", "wavelength"): (
+        {"turbulence": "long_exposure", "fried_r0_m": 0.1, "wavelength_um": 0.55},
+        ("0.55 µm", "8 to 12 µm"),
+        {"turbulence": "long_exposure", "fried_r0_m": 0.1, "wavelength_um": 9.0},
+    ),
+    ("atmosphere_mtf", "aperture"): (
+        {"turbulence": "short_exposure", "fried_r0_m": 0.1, "aperture_mm": 80.0},
+        ("80 mm", "50 mm"),
+        {"turbulence": "short_exposure", "fried_r0_m": 0.1, "aperture_mm": 51.0},
+    ),
+    ("detector_mtf", "geometry"): (
+        {"detector_y_um": 30.0},
+        ("detector_y_um", "30 µm", "20 µm"),
+        {"detector_y_um": 20.0, "detector_x_um": 20.0},
+    ),
+    ("crosstrack_mtf", "velocity"): (
+        {"scan_velocity_mrad_per_s": 700.0},
+        ("700 mrad/s", "900 mrad/s"),
+        {},
+    ),
+    ("alongtrack_mtf", "velocity"): (
+        {"velocity_m_per_s": 70.0},
+        ("70 m/s", "50 m/s"),
+        {"velocity_m_per_s": 50.0},
+    ),
+    ("alongtrack_mtf", "distance"): (
+        {"range_m": 500.0},
+        ("500 m", "1000 m"),
+        {"range_m": 1000.0},
+    ),
+    ("relative_motion_mtf", "distance"): ({"range_m": 500.0}, ("500 m", "1000 m"), {}),
+    ("init_trans", "field_of_view"): (
+        {"fov_x_deg": 3.0},
+        ("fov_x_deg", "3 deg", "1 deg"),
+        {"fov_x_deg": 1.0},
+    ),
+}
+BY_HAND = {  # need what only a file tells
+    ("read_image", "numbers_without_unit"),
+    ("read_image", "one_channel"),
+    ("read_image", "as_stored"),
+    ("init_trans", "focal_length"),
+}
+
+
+@pytest.fixture
+def planned(tmp_path):
+    """The node planned behind a scene, Init & Trans and a pupil, all of which agree."""
+    np.save(tmp_path / "frame.npy", np.full((16, 16), 40.0))
+
+    def plan(key, params):
+        params = dict(params)
+        scene = {"module": "test_scene", "params": {"kind": "uniform", "fov_y_deg": 1.0, **SCENE}}
+        of_file = params.pop("scene", None)
+        if of_file is not None:
+            size = {name: SCENE[name] for name in ("fov_x_deg", "cut_on_um", "cut_off_um")}
+            read = {"path": "frame.npy", "fov_y_deg": 1.0, **size, **of_file}
+            scene = {"module": "read_image", "params": read}
+        nodes = {
+            "scene": scene,
+            "init": {"module": "init_trans", "params": {**INIT, **params.pop("init", {})}},
+            "pupil": {"module": "exit_pupil", "params": SHARP},
+            "node": {"module": key, "params": params},
+        }
+        links = [["scene.image", "init.image"]]
+        for port in declaration(LIBRARY[key]).inputs:
+            if port.required:
+                links.append([SOURCES[port.name], f"node.{port.name}"])
+        document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links}
+        network = parse_network(json.dumps(document), library=LIBRARY)
+        found = Engine(LIBRARY).plan(network, folder=tmp_path)
+        assert found.errors() == []
+        return found
+
+    return plan
+
+
+def told(plan, check):
+    return [each for each in plan.nodes["node"].warnings if each.check == check]
+
+
+def test_every_warning_has_its_case():
+    assert {*CASES, *BY_HAND} == ALL
+
+
+@pytest.mark.parametrize(("key", "check"), CASES, ids=map(".".join, CASES))
+def test_it_is_told_with_its_values(planned, key, check):
+    wrong, fragments, sound = CASES[key, check]
+    (caution,) = told(planned(key, wrong), check)
+    for fragment in fragments:
+        assert fragment in caution.text
+    assert caution.node == "node"
+    assert told(planned(key, sound), check) == []
+
+
+@pytest.mark.parametrize(("key", "check"), CASES, ids=map(".".join, CASES))
+def test_what_agrees_is_silent(planned, key, check):
+    """The sound parameters bring about no other warning either."""
+    plan = planned(key, CASES[key, check][2])
+    told_of = [str(each) for each in plan.warnings()]
+    assert told_of == []
+
+
+@pytest.mark.parametrize("key", sorted(LIBRARY))
+def test_declared_as_contracted(key):
+    described = declaration(LIBRARY[key])
+    inputs = {port.name for port in described.inputs}
+    taken = {each.name for each in (*described.parameters, *described.readouts)}
+    for check in described.warnings:
+        assert check.meaning.endswith("."), check
+        assert {*check.needs} <= inputs | {"outputs"}, check
+        assert check.name not in taken
+
+
+@pytest.mark.parametrize("key", sorted({key for key, _ in CASES}))
+def test_a_disabled_node_warns_of_nothing(planned, key):
+    plan = planned(key, next(CASES[each][0] for each in CASES if each[0] == key))
+    network = plan.network
+    off = network.with_node(replace(network.nodes["node"], disabled=True))
+    assert Engine(LIBRARY).plan(off, folder=plan.folder).nodes["node"].warnings == ()
+
+
+def image(header):
+    return Image(Step.of(np.zeros, shape=(4, 4)), 4, 4, 1.0, 1.0, header=header)
+
+
+class TestFiles:
+    def test_whole_numbers_taken_for_radiance(self):
+        outputs = ImageOutput(image(Header(bare_integers=True)))
+        caution = ReadImage.build({}).numbers_without_unit(outputs)
+        assert "whole numbers" in caution.message
+        assert "W/m²/sr" in caution.message
+        for stated in ({"unit": "DN"}, {"scale": 0.01}):
+            assert ReadImage.build(stated).numbers_without_unit(outputs) is None
+        assert ReadImage.build({}).numbers_without_unit(ImageOutput(image(Header()))) is None
+
+    def test_one_channel_of_a_colour_picture(self):
+        outputs = ImageOutput(image(Header(channels=("R", "G", "B"))))
+        caution = ReadImage.build({}).one_channel(outputs)
+        assert caution.message == "colour picture: channel R of R, G, B is read"
+        assert "0 to 2" in caution.remedy
+        assert "channel B" in ReadImage.build({"band": 2}).one_channel(outputs).message
+        assert ReadImage.build({}).one_channel(ImageOutput(image(Header(channels=("Y",))))) is None
+
+    def test_gains_of_the_header_that_are_not_applied(self):
+        outputs = ImageOutput(image(Header(not_applied=("data gain values",))))
+        caution = ReadImage.build({}).as_stored(outputs)
+        assert "data gain values" in caution.message
+        assert "scale" in caution.remedy
+        assert ReadImage.build({"scale": 0.01}).as_stored(outputs) is None
+        assert ReadImage.build({}).as_stored(ImageOutput(image(Header()))) is None
+
+    def test_a_focal_length_other_than_the_files(self):
+        init = InitTrans.build({"focal_length_mm": 100.0})
+        caution = init.focal_length(image(Header(focal_length_mm=50.0)))
+        assert "100 mm" in caution.message
+        assert "50 mm" in caution.message
+        assert init.focal_length(image(Header(focal_length_mm=100.0))) is None
+        assert init.focal_length(image(Header())) is None
+        assert InitTrans.build({}).focal_length(image(Header(focal_length_mm=50.0))) is None
+
+
+@pytest.mark.parametrize(
+    ("own", "silent"),
+    [
+        ((8.0, 12.0), True),
+        ((8.1, 12.0), True),  # 97.5 % of both
+        ((8.0, 10.0), False),
+        ((3.0, 5.0), False),
+        ((12.0, 14.0), False),
+        ((7.0, 14.0), False),
+        ((None, None), True),
+        ((None, 12.0), True),
+        ((9.0, None), False),
+    ],
+)
+def test_bands_that_are_alike_enough(own, silent):
+    assert (band_caution((8.0, 12.0), *own) is None) == silent
+    assert band_caution(None, *own) is None
+
+
+def test_a_share_of_the_bands_is_told():
+    assert "share 50 % of their width" in band_caution((8.0, 12.0), 8.0, 10.0).message
+
+
+@pytest.mark.parametrize(
+    "unit", ["W/m²/sr", "W m-2 sr-1", "W·m⁻²·sr⁻¹", "W/sr/m²", "W/(m^2*sr)", " W/m2/sr "]
+)
+def test_what_is_radiance_however_it_is_worded(unit):
+    assert is_radiance(unit)
+    assert unit_caution(unit, meant="NETD") is None
+
+
+@pytest.mark.parametrize(
+    "unit",
+    ["K", "DN", "counts", "", "reflectance", "W/m²/sr/µm", "W", "mW/m2/sr", "W/m2/sr/furlong"],
+)
+def test_what_is_no_radiance(unit):
+    assert not is_radiance(unit)
+    assert unit_caution(unit, meant="NETD") is not None
+
+
+@pytest.mark.parametrize(("wavelength", "silent"), [(8.0, True), (12.0, True), (7.0, False)])
+def test_the_ends_of_a_band_belong_to_it(wavelength, silent):
+    found = wavelength_caution((8.0, 12.0), wavelength, name="wavelength_um")
+    assert (found is None) == silent
+
+
+@pytest.mark.parametrize("numbers", [(5e-324, 1.7e308), (1.7e308, 5e-324), (1.7e308, 1.7e308)])
+def test_extreme_numbers_are_no_error(planned, numbers):
+    focal, size = numbers
+    plan = planned("exit_pupil_mtf", {"size_x_cm": 12.8})
+    module = type(plan.nodes["node"].module).build({"size_x_cm": size})
+    context = replace(plan.output("init.context"), focal_length_mm=focal)
+    module.aperture(context, plan.output("pupil.pupil"))
+    band_caution((5e-324, 1.7e308), *sorted(numbers))

@@ -1,0 +1,213 @@
+"""Interpolate and Anti-Aliaser against direct sums."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
+from core.modules.library_type import library_of
+from linked_network import linked_network
+from nodes.input_output.read_image import ReadImage
+from nodes.library import standard_library
+from nodes.transform.anti_alias import AntiAlias, box_mtf, lanczos_mtf
+from nodes.transform.interpolate import Interpolate
+from slow_reference.resampling import interpolated
+
+ENGINE_LIBRARY = library_of([ReadImage, AntiAlias, Interpolate])
+TOLERANCE = {"double": 1e-13, "single": 1e-6}
+
+
+def picture(rows, columns, seed=1):
+    return np.random.default_rng(seed).uniform(20, 60, (rows, columns))
+
+
+def through(folder, array, key, params, precision="double", threads=1):
+    np.save(folder / "in.npy", array)
+    nodes = {
+        "in": ("read_image", {"path": "in.npy", "fov_x_deg": 2.0, "fov_y_deg": 1.5}),
+        "out": (key, params),
+    }
+    network = linked_network(nodes, [("in.image", "out.image")])
+    engine = Engine(ENGINE_LIBRARY)
+    plan = engine.plan(network, folder=folder)
+    work = engine.work(Policy(precision=precision, threads=threads))
+    readouts = engine.readouts(plan, "out", work)
+    source, image = plan.output("in.image"), plan.output("out.image")
+    return source, image, engine.value(plan, "out.image", work), readouts
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize("order", [0, 1, 3])
+@pytest.mark.parametrize(
+    ("size", "new"), [((7, 10), (13, 24)), ((12, 9), (5, 4)), ((1, 6), (3, 11)), ((5, 1), (2, 1))]
+)
+def test_interpolate_is_the_direct_sum(tmp_path, size, new, order, precision):
+    array = picture(*size)
+    params = {"width": new[1], "height": new[0], "order": order}
+    source, image, value, _ = through(tmp_path, array, "interpolate", params, precision)
+    expected = interpolated(array, new[1], new[0], order)
+    assert value.dtype == (np.float32 if precision == "single" else np.float64)
+    assert np.abs(value - expected).max() <= TOLERANCE[precision] * 60
+    assert image.shape == value.shape == new
+    assert image.interval_x_mrad == pytest.approx(source.interval_x_mrad * size[1] / new[1])
+    assert image.interval_y_mrad == pytest.approx(source.interval_y_mrad * size[0] / new[0])
+
+
+PADS = {"periodic": "wrap", "reflect": "symmetric"}
+
+
+@pytest.mark.parametrize("edges", PADS)
+@pytest.mark.parametrize("order", [0, 1, 3])
+@pytest.mark.parametrize(
+    ("size", "new"), [((7, 10), (13, 24)), ((12, 9), (5, 4)), ((1, 6), (3, 11)), ((5, 1), (2, 1))]
+)
+def test_a_transformed_frame_goes_on_as_its_edges_say(tmp_path, size, new, order, edges):
+    """As the middle of nine frames, which are laid side by side before they are interpolated."""
+    array = picture(*size)
+    params = {"width": new[1], "height": new[0], "order": order}
+    value, cropped = transformed(tmp_path, array, params, edges)
+    frames = np.pad(array, [(size[0],) * 2, (size[1],) * 2], mode=PADS[edges])
+    expected = interpolated(frames, 3 * new[1], 3 * new[0], order)
+    middle = expected[new[0] : 2 * new[0], new[1] : 2 * new[1]]
+    np.testing.assert_allclose(value, middle, rtol=0, atol=1e-12)
+    if size == (12, 9):  # of a frame with its last column cut off nothing is known beyond it
+        pairs = array[:, :8].reshape(12, 4, 2).mean(axis=2)
+        clamped = interpolated(pairs, new[1], new[0], order)
+        np.testing.assert_allclose(cropped, clamped, rtol=0, atol=1e-12)
+
+
+def transformed(folder, array, params, edges):
+    """Interpolated straight from Back Transform, and after pairs of its pixels are combined."""
+    np.save(folder / "in.npy", array)
+    nodes = {
+        "in": ("read_image", {"path": "in.npy", "fov_x_deg": 2.0, "fov_y_deg": 1.5}),
+        "init": ("init_trans", {"edges": edges}),
+        "back": ("back_transform", {}),
+        "out": ("interpolate", params),
+        "pairs": ("combine_pixels", {"factor_x": min(2, array.shape[1]), "factor_y": 1}),
+        "cropped": ("interpolate", params),
+    }
+    links = [
+        ("in.image", "init.image"), ("init.magnitude", "back.magnitude"),
+        ("init.phase", "back.phase"), ("back.image", "out.image"), ("back.image", "pairs.image"),
+        ("pairs.image", "cropped.image"),
+    ]  # fmt: skip
+    engine = Engine(standard_library())
+    plan = engine.plan(linked_network(nodes, links), folder=folder)
+    work = engine.work(Policy(precision="double"))
+    return [engine.value(plan, f"{name}.image", work) for name in ("out", "cropped")]
+
+
+def test_bilinear_by_hand(tmp_path):
+    params = {"width": 4, "height": 1}
+    value = through(tmp_path, np.array([[0.0, 8.0]]), "interpolate", params)[2]
+    assert value.tolist() == [[0.0, 2.0, 6.0, 8.0]]
+
+
+def test_frame_grabber_keeps_planes_and_constants(tmp_path):
+    rows, columns = np.mgrid[:128, :170]
+    params = {"width": 512, "height": 480}
+    value = through(tmp_path, 3.0 + 0.5 * rows - 0.25 * columns, "interpolate", params)[2]
+    y, x = (np.arange(480) + 0.5) * 128 / 480 - 0.5, (np.arange(512) + 0.5) * 170 / 512 - 0.5
+    plane = 3.0 + 0.5 * np.clip(y, 0, 127)[:, None] - 0.25 * np.clip(x, 0, 169)
+    np.testing.assert_allclose(value, plane, rtol=0, atol=1e-12)
+    for order in (0, 1, 3):
+        constant = through(
+            tmp_path, np.full((9, 7), 1 / 3), "interpolate", {**params, "order": order}
+        )
+        assert (constant[2] == 1 / 3).all()
+
+
+def test_threads_change_no_bit(tmp_path):
+    params = {"width": 900, "height": 700, "order": 3}
+    one = through(tmp_path, picture(300, 400), "interpolate", params, "single", threads=1)[2]
+    three = through(tmp_path, picture(300, 400), "interpolate", params, "single", threads=3)[2]
+    np.testing.assert_array_equal(one, three)
+
+
+@pytest.mark.parametrize("params", [{}, {"width": 9, "height": 6}, {"width": 0, "order": 3}])
+def test_equal_size_passes_the_key(tmp_path, params):
+    source, image, _, _ = through(tmp_path, picture(6, 9), "interpolate", params)
+    assert image.key == source.key
+
+
+def mirrored(array, reach):
+    """Half-sample symmetric extension, as often as needed."""
+    return np.pad(array, reach, mode="symmetric")
+
+
+def filtered(array, weights):
+    """Direct sums with the kernel `weights` (odd length) in x and in y."""
+    reach = len(weights) // 2
+    padded, (rows, columns) = mirrored(array, reach), array.shape
+    lines = sum(w * padded[:, i : i + columns] for i, w in enumerate(weights))
+    return sum(w * lines[i : i + rows] for i, w in enumerate(weights))
+
+
+def lanczos_weights(n):
+    k = np.arange(-3 * n, 3 * n + 1)
+    weights = np.sinc(k / n) * np.sinc(k / (3 * n))
+    return weights / weights.sum()
+
+
+def gaussian_weights(n):
+    """For n of 8 or more the alias of its transform is below rounding."""
+    sigma = n * np.sqrt(2 * np.log(2)) / np.pi
+    k = np.arange(-round(9 * sigma), round(9 * sigma) + 1)
+    return np.exp(-0.5 * (k / sigma) ** 2) / (sigma * np.sqrt(2 * np.pi))
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize(
+    ("kernel", "factor", "weights"),
+    [
+        ("box", 3, np.full(3, 1 / 3)),
+        ("box", 5, np.full(5, 1 / 5)),
+        ("lanczos", 2, lanczos_weights(2)),
+        ("lanczos", 3, lanczos_weights(3)),
+        ("gaussian", 8, gaussian_weights(8)),
+    ],
+)
+def test_anti_alias_is_the_direct_sum(tmp_path, kernel, factor, weights, precision):
+    array = picture(23, 30)
+    params = {"kernel": kernel, "factor": factor}
+    source, image, value, readouts = through(tmp_path, array, "anti_alias", params, precision)
+    assert np.abs(value - filtered(array, weights)).max() <= TOLERANCE[precision] * 60
+    assert image.interval_x_mrad == source.interval_x_mrad
+    assert readouts["new_nyquist_x"] == pytest.approx(0.5 / source.interval_x_mrad / factor)
+
+
+def test_box_of_two_interpolates_half_way():
+    frequency = np.linspace(0, 0.5, 7)
+    np.testing.assert_allclose(
+        box_mtf(frequency=frequency, factor=2), np.cos(np.pi * frequency), atol=1e-15
+    )
+
+
+def test_low_passes_are_one_at_zero_exactly():
+    for factor in range(1, 40):
+        assert box_mtf(frequency=np.zeros(1), factor=factor)[0] == 1.0
+        assert lanczos_mtf(frequency=np.zeros(1), factor=factor)[0] == 1.0
+
+
+def test_decimation_by_nearest_of_the_box_is_the_block_mean(tmp_path):
+    array = picture(12, 15)
+    np.save(tmp_path / "in.npy", array)
+    nodes = {
+        "in": ("read_image", {"path": "in.npy"}),
+        "low": ("anti_alias", {"factor": 3}),
+        "out": ("interpolate", {"width": 5, "height": 4, "order": 0}),
+    }
+    links = [("in.image", "low.image"), ("low.image", "out.image")]
+    engine = Engine(ENGINE_LIBRARY)
+    plan = engine.plan(linked_network(nodes, links), folder=tmp_path)
+    value = engine.value(plan, "out.image", engine.work(Policy(precision="double")))
+    expected = array.reshape(4, 3, 5, 3).mean(axis=(1, 3))
+    np.testing.assert_allclose(value, expected, rtol=1e-13)
+
+
+def test_factor_one_passes_the_key(tmp_path):
+    source, image, _, _ = through(tmp_path, picture(6, 9), "anti_alias", {"kernel": "lanczos"})
+    assert image.key == source.key
