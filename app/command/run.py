@@ -36,7 +36,7 @@ from core.errors import FileError, ImagechainError, NetworkError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 from core.evaluation.store import Store
-from core.modules.declaration import Here
+from core.modules.declaration import NodeContext
 from core.modules.library_type import Library
 from core.names import close, printable, shown
 from core.network.file import read_network
@@ -197,7 +197,7 @@ def sink_targets(plan: Plan, folder: Path) -> dict[str, Path]:
     for name, each in plan.nodes.items():
         target = getattr(each.module, "target", None)
         if each.declaration.sink and not each.node.disabled and target is not None:
-            found[name] = target(Here(name, plan.network.seed, folder))
+            found[name] = target(NodeContext(name, plan.network.seed, folder))
     return found
 
 
@@ -277,7 +277,7 @@ def _sink_files(found: Evaluation) -> list[tuple[str, Path, Callable[[Path], Non
     for name, each in found.plan.nodes.items():
         if not each.declaration.sink or each.node.disabled:
             continue
-        here = Here(name, found.network.seed, found.folder)
+        here = NodeContext(name, found.network.seed, found.folder)
         module: Any = each.module
         try:
             files += [(name, *file) for file in module.files(each.inputs, here, found.work)]

@@ -19,7 +19,7 @@ from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Work
 from core.modules.caution import Caution
-from core.modules.declaration import Declaration, Here, Module, declaration
+from core.modules.declaration import Declaration, Module, NodeContext, declaration
 from core.modules.library_type import Library
 from core.network.network import Link, Network, Node, passed_through
 from core.threads import Workers
@@ -261,7 +261,7 @@ class Engine:
                 inputs[port.name] = None
         if node.disabled:
             return PlannedNode(node, module, inputs, _passed(described, inputs))
-        result = _run(module, inputs, Here(name, network.seed, folder))
+        result = _run(module, inputs, NodeContext(name, network.seed, folder))
         outputs = result._asdict() if result is not None else {}
         return PlannedNode(node, module, inputs, outputs, result)
 
@@ -302,9 +302,9 @@ def _brought(
     return value
 
 
-def _run(module: Module, inputs: Mapping[str, Any], here: Here) -> Any:
+def _run(module: Module, inputs: Mapping[str, Any], here: NodeContext) -> Any:
     hints = module.run.__annotations__
-    extra = {name: here for name, hint in hints.items() if hint in (Here, "Here")}
+    extra = {name: here for name, hint in hints.items() if hint in (NodeContext, "NodeContext")}
     return module.run(**inputs, **extra)
 
 

@@ -43,7 +43,7 @@ def realize(value: Any, work: Work, region: Region | None = None) -> Any:
     if isinstance(value, Image | Curve | Table):
         return work.value(value.recipe)
     if isinstance(value, Transfer | SpectrumWire):
-        work.tally.looked_at.add(value.key)
+        work.log.looked_at.add(value.key)
     if isinstance(value, Transfer):
         if value.own is not None:
             sampled: SampledTransfer = work.value(value.own)

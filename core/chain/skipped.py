@@ -100,14 +100,14 @@ class _Account:
 
     def __init__(self, work: Work) -> None:
         self.work = work
-        self.asked, self.computed = {**work.tally.asked}, {*work.tally.computed}
-        reused = work.tally.reused()
+        self.asked, self.computed = {**work.log.asked}, {*work.log.computed}
+        reused = work.log.reused()
         behind = _behind(reused)
-        self.parts = {**work.tally.parts}
+        self.parts = {**work.log.parts}
         self._steps: dict[str | None, list[str]] = {}
         for key, recipe in self.asked.items():
             self._steps.setdefault(recipe.node, []).append(key)
-        self.known = behind.union(self.asked, work.tally.looked_at, (key for key, _ in self.parts))
+        self.known = behind.union(self.asked, work.log.looked_at, (key for key, _ in self.parts))
         self.was_there = behind.union(recipe.key for recipe in reused)
 
     def of_node(self, name: str, planned: PlannedNode) -> Iterator[Skip]:

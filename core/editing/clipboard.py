@@ -8,8 +8,7 @@ from dataclasses import replace
 
 from core.editing.layout.arrange import arranged
 from core.editing.links import check_new_wires
-from core.editing.node_names import fresh_name
-from core.editing.nodes import Add, Placed, Point
+from core.editing.nodes import Add, Placed, Point, fresh_name
 from core.editing.operation import Operation, named
 from core.errors import NetworkError
 from core.names import shown

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from core.editing.inserting import inserted
-from core.editing.links import check_new_wires, declared, misfit, reached_from, refusal
-from core.editing.node_names import fresh_name
-from core.editing.nodes import Add, Placed, Point
+from core.editing.links import Rewire, check_new_wires, declared, misfit, reached_from, refusal
+from core.editing.nodes import Add, Placed, Point, fresh_name
 from core.editing.operation import Operation, together
 from core.editing.partners import (
     MAGNITUDE,
@@ -20,7 +19,6 @@ from core.editing.partners import (
     port_of,
     side_links,
 )
-from core.editing.wiring import Rewire
 from core.errors import NetworkError
 from core.modules.declaration import Declaration, declaration
 from core.names import close, shown

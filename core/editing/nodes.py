@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from core.editing.fields import SetExtra
+from core.editing.links import Rewire, displaced
 from core.editing.operation import ABSENT, Operation, Together, named
 from core.editing.references import dropped, renamed
-from core.editing.wiring import Rewire, displaced
 from core.errors import NetworkError
 from core.names import shown, thaw
 from core.network.network import Link, Network, Node
@@ -211,3 +212,13 @@ def _finite(name: str, at: Point) -> Point:
     if not (math.isfinite(x) and math.isfinite(y)):
         raise NetworkError(f"{shown(name)} cannot lie at {x:g}, {y:g}: only at finite numbers")
     return x, y
+
+
+def fresh_name(wanted: str, taken: Container[str]) -> str:
+    """`wanted`, or with the first number behind it that makes it new: ``jitter``, ``jitter_2``."""
+    if wanted not in taken:
+        return wanted
+    head, _, tail = wanted.rpartition("_")
+    stem = head if head and tail.isdigit() else wanted
+    numbered = (f"{stem}_{number}" for number in itertools.count(2))
+    return next(name for name in numbered if name not in taken)

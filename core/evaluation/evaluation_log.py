@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from core.evaluation.region import Region
 
 
-class Tally:
+class EvaluationLog:
     """Notes of one evaluation; nothing that is computed depends on them.
 
     Each note is one operation on a built-in dict or set, which threads may share.
@@ -32,7 +32,7 @@ class Tally:
         self.computed: set[str | tuple[str, Region]] = set()
         self.looked_at: set[str] = set()
 
-    def add(self, other: Tally) -> None:
+    def add(self, other: EvaluationLog) -> None:
         """Take over the notes of another evaluation."""
         self.asked.update(other.asked)
         self.parts.update(other.parts)

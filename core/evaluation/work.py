@@ -12,7 +12,7 @@ import numpy as np
 
 from core.errors import Cancelled, ImagechainError
 from core.evaluation.claims import Claims, Held
-from core.evaluation.evaluation_log import Tally
+from core.evaluation.evaluation_log import EvaluationLog
 from core.evaluation.float_guard import watched
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
@@ -53,7 +53,7 @@ class Work:
         self.policy = policy
         self._workers = workers if workers is not None else Workers()
         self.store = store
-        self.tally = Tally()
+        self.log = EvaluationLog()
         self._cancel = cancel
         self._progress = progress
         self._suffix = f"/{policy.key}"
@@ -71,7 +71,7 @@ class Work:
             When the caller has asked to stop.
         """
         key = recipe.key
-        self.tally.asked[key] = recipe
+        self.log.asked[key] = recipe
         value = self.store.get(key + self._suffix, lambda: self._made(recipe))
         if key in self._claims.waiting:
             self._claims.settle(recipe)  # somebody else has made it
@@ -114,13 +114,13 @@ class Work:
         """
         depth = getattr(self._nested, "parts", 0)
         if recipe.in_parts and depth < DEEPEST and not self.knows(recipe):
-            self.tally.parts[recipe.key, region] = recipe
+            self.log.parts[recipe.key, region] = recipe
             with self._part_held(recipe, region, depth) as key:
                 return self.store.get(key, lambda: self._compute(recipe, region))
         value = self.value(recipe)
         if not isinstance(value, np.ndarray):
             return value
-        self.tally.parts[recipe.key, region] = recipe
+        self.log.parts[recipe.key, region] = recipe
         cut = region.cut(value)
         cut.flags.writeable = False
         return cut
@@ -171,7 +171,7 @@ class Work:
                     path.append((fresh, iter(fresh.first(self))))
                     continue
                 if len(path) > 1:
-                    self.tally.asked[each.key] = each
+                    self.log.asked[each.key] = each
                     self.store.get(each.key + self._suffix, partial(self._compute, each))
                     self._claims.settle(each)
                 path.pop()
@@ -205,7 +205,7 @@ class Work:
                 self._claims.give_up([recipe])
 
     def _compute(self, recipe: Recipe, region: Region | None = None) -> Any:
-        self.tally.computed.add(recipe.key if region is None else (recipe.key, region))
+        self.log.computed.add(recipe.key if region is None else (recipe.key, region))
         self.check()
         if self._progress is not None:
             self._progress(recipe.node)

@@ -38,7 +38,7 @@ from core.modules.parameters import Kind, Parameter, coerce_all
 
 
 @dataclass(frozen=True)
-class Here:
+class NodeContext:
     """Where a module runs: its node's id, the network's seed and folder. Not a port."""
 
     node: str
@@ -263,7 +263,7 @@ def _inputs(module: type[Module]) -> tuple[Port, ...]:
     hints = get_type_hints(module.run)
     ports = []
     for name in list(inspect.signature(module.run).parameters)[1:]:
-        if hints[name] is Here:
+        if hints[name] is NodeContext:
             continue
         names, required = _types(hints[name])
         ports.append(Port(name, names, required))

@@ -12,7 +12,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
 from core.modules.caution import Caution
-from core.modules.declaration import Here, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.modules.parameters import Param
 from core.physics.atmosphere.scattering_and_turbulence import (
     aerosol_mtf,
@@ -96,12 +96,12 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         Param("scale height of the aerosol, looking down or up", unit="km", low=0, above=True),
     ] = 1.0
 
-    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan turbulence and turbidity."""
         factors = *self._turbulence(context, here), *self._aerosol(context, here)
         return self.mtf_outputs(magnitude, *factors)
 
-    def _turbulence(self, context: Context, here: Here) -> tuple[Factor, ...]:
+    def _turbulence(self, context: Context, here: NodeContext) -> tuple[Factor, ...]:
         label, node = self.title, here.node
         if self.turbulence == "none":
             return ()
@@ -125,7 +125,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             node=node,
         )
 
-    def _aerosol(self, context: Context, here: Here) -> tuple[Factor, ...]:
+    def _aerosol(self, context: Context, here: NodeContext) -> tuple[Factor, ...]:
         depth = self.optical_depth(context)
         if depth == 0:
             return ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Here
+from core.modules.declaration import NodeContext
 from core.physics.detector.charge_transfer import charge_transfer_mtf
 from nodes.detector.charge_transfer_base import ChargeTransfer
 from nodes.shared.factor_helpers import separable
@@ -19,7 +19,7 @@ class ChargeEffMTF(
     exp(−N(1−ε)(1 − cos w)). Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.
     """
 
-    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the loss."""
         factors = separable(
             charge_transfer_mtf,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from core.chain.wires import Context, Phase
-from core.modules.declaration import Here
+from core.modules.declaration import NodeContext
 from core.physics.detector.charge_transfer import charge_transfer_ptf
 from nodes.detector.charge_transfer_base import ChargeTransfer
 from nodes.shared.factor_helpers import separable
@@ -20,7 +20,7 @@ class ChargeEffPhase(
     starts with w³, that of N transfers with −k·w.
     """
 
-    def run(self, context: Context, phase: Phase, here: Here) -> PtfOutputs:
+    def run(self, context: Context, phase: Phase, here: NodeContext) -> PtfOutputs:
         """Plan the shift."""
         factors = separable(
             charge_transfer_ptf,

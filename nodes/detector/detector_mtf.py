@@ -6,7 +6,7 @@ from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
 from core.modules.caution import Caution
-from core.modules.declaration import Here, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.modules.parameters import Param
 from core.physics.detector.detector_aperture import aperture_mtf, first_zero_cyc_per_mrad
 from core.physics.sampling.detector_sampling import ifov_mrad
@@ -35,7 +35,7 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     fill_x: Annotated[float | None, Param("fill factor across", low=0, high=1)] = None
     fill_y: Annotated[float | None, Param("fill factor along", low=0, high=1)] = None
 
-    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the average."""
         factors = separable(
             aperture_mtf,

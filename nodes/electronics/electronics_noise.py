@@ -9,7 +9,7 @@ from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
-from core.modules.declaration import Here, Module, readout, warning
+from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.parameters import Param
 from core.physics.electronics.filters import (
     dwell_time_s,
@@ -152,7 +152,7 @@ class ElectronicsNoise(
         if low is not None and high is not None and low >= high:
             raise ParameterError("range_high", high, f"above range_low = {low:g}", unit="W/m²/sr")
 
-    def run(self, image: Image, context: Context, here: Here) -> ElectronicsOutputs:
+    def run(self, image: Image, context: Context, here: NodeContext) -> ElectronicsOutputs:
         """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
         node = here.node
         seen = Step.of(statistics, image.recipe, node=node)

@@ -8,7 +8,7 @@ from typing import Annotated
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Step
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from nodes.electronics.periodic_noise import NoiseOutputs, summed
 from nodes.files.common.paths import checked_band
@@ -28,7 +28,7 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
         float, Param("factor that brings the noise to the picture's unit", slider=(0, 10))
     ] = 1.0
 
-    def run(self, image: Image, here: Here) -> NoiseOutputs:
+    def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
         """Read the header and plan the sum."""
         source = picture_source(self.path, here)
         info = source.info

@@ -12,7 +12,7 @@ from core.chain.wires import Image
 from core.evaluation.recipes import Step, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from core.physics.electronics.periodic_wave import periodic_pattern
 from core.transfer.grid import Grid
@@ -58,7 +58,7 @@ class PeriodicNoise(
         Param("phase of the modulation at the first sample", unit="deg", slider=(-180, 180)),
     ] = 0.0
 
-    def run(self, image: Image, here: Here) -> NoiseOutputs:
+    def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
         """Plan the pattern and the sum."""
         values = self.values()
         for name in ("phase", "modulation_phase"):

@@ -18,7 +18,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.modules.caution import Caution
-from core.modules.declaration import Here, Module, readout, warning
+from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.parameters import Param
 from core.physics.radiometry.planck import brightness_temperature
 from nodes.input_output.sample_statistics import histogram, statistics
@@ -64,7 +64,7 @@ class ExamineImage(
             name = "probe_x" if self.probe_x is None else "probe_y"
             raise ParameterError(name, None, "given together with the other coordinate")
 
-    def run(self, image: Image | Magnitude | Phase | Transfer, here: Here) -> ExamineOutputs:
+    def run(self, image: Image | Magnitude | Phase | Transfer, here: NodeContext) -> ExamineOutputs:
         """Plan the figures."""
         band, unit = None, ""
         if isinstance(image, Image):
@@ -93,7 +93,7 @@ class ExamineImage(
         return ExamineOutputs(Table(table), Curve(curve))
 
     def files(
-        self, inputs: Mapping[str, Any], here: Here, work: Work
+        self, inputs: Mapping[str, Any], here: NodeContext, work: Work
     ) -> list[tuple[Path, Callable[[Path], None]]]:
         """Nothing to write: examined in every run."""
         return []

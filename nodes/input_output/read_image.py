@@ -11,7 +11,7 @@ from core.chain.wires import Header, Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
-from core.modules.declaration import Here, Module, readout, warning
+from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.paths import checked_band
@@ -68,7 +68,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         if high is None or low >= high:
             raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
 
-    def run(self, here: Here) -> ImageOutput:
+    def run(self, here: NodeContext) -> ImageOutput:
         """Read the header and plan to read the samples."""
         source = picture_source(self.path, here)
         info, stated = source.info, self._stated_band()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
-from core.modules.declaration import Here
+from core.modules.declaration import NodeContext
 from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.headers.envi_bands import integrate_bands
@@ -39,7 +39,7 @@ class Source:
     stamps: tuple[Stamp, ...]
 
 
-def picture_source(path: Path | None, here: Here) -> Source:
+def picture_source(path: Path | None, here: NodeContext) -> Source:
     """Find and describe the file of a `path` parameter, relative to the network's folder.
 
     Raises

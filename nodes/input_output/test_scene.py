@@ -11,7 +11,7 @@ from core.chain.wires import Header, Image
 from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.scenes import draw_scene, draw_shares, in_two_steps, with_radiance
@@ -80,7 +80,7 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
                 "delta_K", self.delta_K, f"above −temperature_K = −{self.temperature_K:g}", unit="K"
             )
 
-    def run(self, here: Here) -> ImageOutput:
+    def run(self, here: NodeContext) -> ImageOutput:
         """Plan the picture."""
         x, y = self.fov_x_deg, self.fov_y_deg
         return ImageOutput(
@@ -95,7 +95,7 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
             )
         )
 
-    def _recipe(self, here: Here) -> Step:
+    def _recipe(self, here: NodeContext) -> Step:
         """How it is drawn: what temperatures do not move is a step of its own, and kept."""
         values = self.values()
         size = {name: values[name] for name in ("kind", "width", "height")}

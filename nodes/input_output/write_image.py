@@ -15,7 +15,7 @@ from core.chain.realize import realize
 from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.work import Work
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from nodes.files.arrays import write_npy
 from nodes.files.picture_writing import DTYPES, MetadataValue, write_picture
@@ -62,14 +62,14 @@ class WriteImage(
         if low is not None and high is not None and low >= high:
             raise ParameterError("range_high", high, f"above range_low = {low:g}")
 
-    def run(self, image: Image, here: Here) -> None:
+    def run(self, image: Image, here: NodeContext) -> None:
         """Check where and how to write."""
         suffix = self.target(here).suffix.lower()
         if self.dtype not in ("automatic", *_HOLDS[suffix]):
             allowed = f"automatic, or what a {suffix} file holds: {', '.join(_HOLDS[suffix])}"
             raise ParameterError("dtype", self.dtype, allowed)
 
-    def target(self, here: Here) -> Path:
+    def target(self, here: NodeContext) -> Path:
         """The file, with the suffix of its format.
 
         Raises
@@ -93,7 +93,7 @@ class WriteImage(
             raise ParameterError("format", self.format, f"by_suffix, or that of {self.path.name}")
         return path.with_name(path.name + wanted[0])
 
-    def files(self, inputs: Mapping[str, Any], here: Here, work: Work) -> Files:
+    def files(self, inputs: Mapping[str, Any], here: NodeContext, work: Work) -> Files:
         """Compute the picture; the file and what writes it."""
         image: Image = inputs["image"]
         target = self.target(here)

@@ -17,7 +17,7 @@ from core.chain.results import CurveData
 from core.chain.wires import Curve, Image, Transfer
 from core.errors import ParameterError
 from core.evaluation.work import Work
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.curve_text import columns_text, is_plain
@@ -43,11 +43,11 @@ class WriteMatrix(
         None
     )
 
-    def run(self, image: Image | Curve | Transfer, here: Here) -> None:
+    def run(self, image: Image | Curve | Transfer, here: NodeContext) -> None:
         """Check where to write."""
         self.target(here)
 
-    def target(self, here: Here) -> Path:
+    def target(self, here: NodeContext) -> Path:
         """The file.
 
         Raises
@@ -63,7 +63,7 @@ class WriteMatrix(
             raise ParameterError("path", self.path.as_posix(), allowed)
         return here.folder / self.path
 
-    def files(self, inputs: Mapping[str, Any], here: Here, work: Work) -> Files:
+    def files(self, inputs: Mapping[str, Any], here: NodeContext, work: Work) -> Files:
         """Compute the values; the file and what writes it."""
         target = self.target(here)
         value = realize(inputs["image"], work)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
 from core.modules.caution import Caution
-from core.modules.declaration import Here, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.modules.parameters import Param
 from core.physics.motion.platform_motion import blur_mrad, motion_mtf
 from nodes.shared.context_defaults import given
@@ -30,7 +30,7 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
         float | None, Param("altitude or distance; empty: of Init & Trans", unit="m", low=0)
     ] = None
 
-    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the smear."""
         blur = self.blur_y_mrad(context)
         y = {"blur_mrad": blur} if blur else None

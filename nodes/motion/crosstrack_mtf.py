@@ -6,7 +6,7 @@ from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
 from core.modules.caution import Caution
-from core.modules.declaration import Here, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.modules.parameters import Param
 from core.physics.motion.platform_motion import motion_mtf, scan_blur_mrad
 from nodes.shared.factor_helpers import separable
@@ -26,7 +26,7 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
         Param("velocity of the scan; empty: of Init & Trans", unit="mrad/s", low=0),
     ] = None
 
-    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the smear."""
         blur = self.blur_mrad(context)
         x = {"blur_mrad": blur} if blur else None

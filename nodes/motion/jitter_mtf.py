@@ -6,7 +6,7 @@ import math
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Here, readout
+from core.modules.declaration import NodeContext, readout
 from core.modules.parameters import Param
 from core.physics.optics.gaussian import gaussian_mtf
 from nodes.shared.factor_helpers import separable
@@ -24,7 +24,7 @@ class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion")
         float, Param("rms motion per axis", unit="mrad", low=0, slider=(0, 1))
     ] = 0.02
 
-    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the blur."""
         sigma = {"sigma_mrad": self.sigma_mrad} if self.sigma_mrad else None
         factors = separable(gaussian_mtf, x=sigma, y=sigma, label=self.title, node=here.node)

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from core.chain.wires import Context, Magnitude
 from core.modules.caution import Caution
-from core.modules.declaration import Here, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.modules.parameters import Param
 from core.physics.motion.platform_motion import blur_mrad, line_motion_mtf, motion_mtf
 from core.transfer.factors import Factor, Law, Planar
@@ -41,7 +41,7 @@ class RelativeMotionMTF(
         Literal["published", "line"], Param("rectangle (eq. 4.31) or straight smear")
     ] = "published"
 
-    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the smear."""
         x, y = self.blur_x_mrad(context), self.blur_y_mrad(context)
         return self.mtf_outputs(magnitude, *self._factors(x, y, here.node))

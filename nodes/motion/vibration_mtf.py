@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Here, readout
+from core.modules.declaration import NodeContext, readout
 from core.modules.parameters import Param
 from core.physics.motion.vibration import vibration_mtf
 from nodes.shared.factor_helpers import separable
@@ -31,7 +31,7 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
     )
     integration_time_s: Annotated[float | None, Param("integration time", unit="s", low=0)] = None
 
-    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the blur."""
         factors = separable(
             vibration_mtf,

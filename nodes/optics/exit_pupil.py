@@ -12,7 +12,7 @@ from core.chain.wires import Pupil
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
 
@@ -73,7 +73,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         ),
     ] = ()
 
-    def run(self, here: Here) -> PupilOutput:
+    def run(self, here: NodeContext) -> PupilOutput:
         """Plan the samples."""
         if self.shape == "file":
             return PupilOutput(self._from_file(here))
@@ -97,7 +97,7 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         )
         return PupilOutput(self._pupil(samples, self.size_y, self.size_x, shape, radius))
 
-    def _from_file(self, here: Here) -> Pupil:
+    def _from_file(self, here: NodeContext) -> Pupil:
         from nodes.files.read import read_info
 
         if self.path is None:

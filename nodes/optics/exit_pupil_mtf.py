@@ -12,7 +12,7 @@ from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
 from core.modules.caution import Caution
-from core.modules.declaration import Here, Module, readout, warning
+from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.parameters import Param
 from core.physics.optics.polychromatic import band_wavelengths
 from core.transfer.factors import Factor
@@ -80,7 +80,7 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
         context: Context,
         magnitude: Magnitude,
         pupil: Pupil,
-        here: Here,
+        here: NodeContext,
         phase: Phase | None = None,
     ) -> PupilOutputs:
         """Plan the OTF."""

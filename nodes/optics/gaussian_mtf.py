@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
-from core.modules.declaration import Here
+from core.modules.declaration import NodeContext
 from core.modules.parameters import Param
 from core.physics.optics.gaussian import gaussian_mtf
 from nodes.shared.factor_helpers import separable
@@ -25,7 +25,7 @@ class GaussianMTF(MtfModule, key="gaussian_mtf", title="Gaussian MTF", group="Op
         float, Param("standard deviation of the blur along", unit="mrad", low=0, slider=(0, 5))
     ] = 0.0
 
-    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOutputs:
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the blur."""
         factors = separable(
             gaussian_mtf,

@@ -13,7 +13,7 @@ from core.evaluation.recipes import Recipe, Step, pointwise
 from core.evaluation.work import Work
 from core.filtering.local_mean import local_mean
 from core.modules.caution import Caution
-from core.modules.declaration import Here, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.modules.parameters import Param
 from core.noise.photon_events import displaced_events, events_are_few
 from core.noise.random_fields import Stream, poisson_field
@@ -54,7 +54,7 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
         "published"
     )
 
-    def run(self, image: Image, here: Here) -> NoiseOutputs:
+    def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
         """Plan the noise."""
         stream = self.stream(here, "photons")
         if self.mode == "published":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from core.noise.random_fields import Stream
 
@@ -18,7 +18,7 @@ class SeededModule(Module):
     ] = "automatic"
     seed: Annotated[int, Param("seed, when typed in", low=0, high=2**63 - 1)] = 0
 
-    def stream(self, here: Here, field: str, *, fixed: bool = False) -> Stream:
+    def stream(self, here: NodeContext, field: str, *, fixed: bool = False) -> Stream:
         """The stream of one noise field; a typed seed gives the same noise under any name.
 
         What is `fixed` is the same in every frame of a sequence.

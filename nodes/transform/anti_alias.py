@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.chain.back_transformed import back_transform
 from core.chain.wires import Image, Magnitude, Phase
-from core.modules.declaration import Here, Module, readout
+from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from core.physics.optics.gaussian import gaussian_mtf
 from core.transfer.grid import Grid
@@ -38,7 +38,7 @@ class AntiAlias(Module, key="anti_alias", title="Anti-Aliaser", group="Transform
         int, Param("samples that become one", unit="samples", low=1, high=1024, slider=(1, 8))
     ] = 1
 
-    def run(self, image: Image, here: Here) -> ImageOutput:
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
         """Plan the low-pass."""
         if self.factor == 1:
             return ImageOutput(image)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from core.chain.back_transformed import back_transform
 from core.chain.wires import Magnitude, Phase
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from nodes.shared.module_ports import ImageOutput
 
 
@@ -15,6 +15,6 @@ class BackTransform(Module, key="back_transform", title="Back Transform", group=
     Source: Tantalo 1996, section 4.1.
     """
 
-    def run(self, magnitude: Magnitude, phase: Phase, here: Here) -> ImageOutput:
+    def run(self, magnitude: Magnitude, phase: Phase, here: NodeContext) -> ImageOutput:
         """Plan the inverse transform."""
         return ImageOutput(back_transform(magnitude, phase, node=here.node))

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from core.chain.back_transformed import BinMode, combine_pixels
 from core.chain.wires import Image
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from nodes.shared.module_ports import ImageOutput
 
@@ -25,7 +25,7 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
     factor_y: Annotated[int, Param("samples per pixel along", low=1, high=65536)] = 1
     mode: Annotated[BinMode, Param("mean (radiance) or sum (counts) of each block")] = "mean"
 
-    def run(self, image: Image, here: Here) -> ImageOutput:
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
         """Plan the aggregation; factors of 1 pass the image on."""
         if self.factor_x == 1 and self.factor_y == 1:
             return ImageOutput(image)

@@ -11,7 +11,7 @@ from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Step, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from core.transfer.grid import Edges
 from nodes.shared.module_ports import ImageOutput
@@ -40,7 +40,7 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
     ] = None
     order: Annotated[Literal[0, 1, 3], Param("0 nearest, 1 bilinear, 3 cubic")] = 1
 
-    def run(self, image: Image, here: Here) -> ImageOutput:
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
         """Plan the resampling."""
         width, height = self.width or image.columns, self.height or image.rows
         if (height, width) == image.shape:

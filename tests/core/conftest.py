@@ -11,7 +11,7 @@ import pytest
 
 from core.chain.wires import Context, Image, Magnitude, Phase, Transfer
 from core.errors import ParameterError
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from engine_bench import Bench
 
@@ -30,7 +30,7 @@ class Scene(Module, key="scene_maker", title="Scene", group="Input", replaces=("
     spots: Annotated[tuple[float, ...], Param("positions", unit="mrad")] = ()
     path: Annotated[Path | None, Param("an own picture")] = None
 
-    def run(self, here: Here) -> SceneOutputs:
+    def run(self, here: NodeContext) -> SceneOutputs:
         raise NotImplementedError
 
 

@@ -63,7 +63,7 @@ class TestEach:
         engine, plan, work = opened(name)
         assert plan.errors() == []
         assert len(engine.store) == 0
-        assert not work.tally.computed
+        assert not work.log.computed
 
     def test_every_picture_is_finite(self, name):
         engine, plan, work = opened(name)

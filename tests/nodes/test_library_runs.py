@@ -12,7 +12,7 @@ from core.chain.engine import Engine
 from core.chain.realize import transfer_plane
 from core.errors import ImagechainError
 from core.evaluation.policy import Policy
-from core.modules.declaration import Here
+from core.modules.declaration import NodeContext
 from core.network.network import Network, Node, passed_through
 from library_battery import (
     DECLARED,
@@ -89,7 +89,7 @@ class TestRuns:
             return
         plan = planned(key, EXAMPLES[key], folder)
         node = plan.nodes["it"]
-        for path, write in node.module.files(node.inputs, Here("it", 0, folder), double()):
+        for path, write in node.module.files(node.inputs, NodeContext("it", 0, folder), double()):
             assert path.parent == folder
             assert not path.exists()
             write(path)

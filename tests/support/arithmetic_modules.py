@@ -11,7 +11,7 @@ from core.chain.wires import Context, Image, Magnitude, Phase, Transfer
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
-from core.modules.declaration import Here, Module, readout
+from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from core.transfer.factors import Law, Separable
 
@@ -66,7 +66,7 @@ class Maker(Module, key="maker", title="Maker", group="Test"):
     level: Annotated[float, Param("lowest sample")] = 0.0
     columns: Annotated[int, Param("size", low=1)] = 6
 
-    def run(self, here: Here) -> ImageOut:
+    def run(self, here: NodeContext) -> ImageOut:
         if self.level == -13:
             raise ParameterError("level", self.level, "anything but -13")
         rows = 4
@@ -80,7 +80,7 @@ class Scale(Module, key="scale", title="Scale", group="Test"):
     factor: Annotated[float, Param("factor")] = 2.0
     mode: Annotated[Literal["plain", "shown"], Param("no matter")] = "plain"
 
-    def run(self, image: Image, here: Here) -> TwoOut:
+    def run(self, image: Image, here: NodeContext) -> TwoOut:
         if self.factor == 1:
             return TwoOut(image, image)
         recipe = Step.of(scaled, image.recipe, node=here.node, factor=self.factor)
@@ -120,7 +120,7 @@ class Blur(Module, key="blur", title="Blur", group="Test"):
 
     sigma: Annotated[float, Param("width", low=0)] = 1.0
 
-    def run(self, context: Context, magnitude: Magnitude, here: Here) -> MtfOut:
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOut:
         law = Law.of(gaussian, sigma=self.sigma)
         factors = (Separable(law, law, node=here.node),) if self.sigma else ()
         return MtfOut(magnitude.times(*factors), Transfer(context.grid, "mtf", factors))
@@ -129,14 +129,14 @@ class Blur(Module, key="blur", title="Blur", group="Test"):
 class Back(Module, key="back", title="Back", group="Test"):
     """To the picture."""
 
-    def run(self, magnitude: Magnitude, phase: Phase, here: Here) -> ImageOut:
+    def run(self, magnitude: Magnitude, phase: Phase, here: NodeContext) -> ImageOut:
         return ImageOut(back_transform(magnitude, phase, node=here.node))
 
 
 class Bin(Module, key="bin", title="Bin", group="Test"):
     """Two by two."""
 
-    def run(self, image: Image, here: Here) -> ImageOut:
+    def run(self, image: Image, here: NodeContext) -> ImageOut:
         return ImageOut(combine_pixels(image, factor_x=2, factor_y=2, node=here.node))
 
 

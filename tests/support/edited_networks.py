@@ -12,11 +12,11 @@ from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import SetExtra, SetNetwork, SetNode, SetNodeExtra, SetParameter
 from core.editing.fitting import fitting, inserted, new_node, refusal, wired_to
 from core.editing.layout.arrange import arranged
+from core.editing.links import Rewire
 from core.editing.moved_folder import rebased
 from core.editing.nodes import Add, Move, Placed, Remove, Rename
 from core.editing.operation import ABSENT, Operation, Together, together
 from core.editing.output_mark import SetOutput
-from core.editing.wiring import Rewire
 from core.modules.declaration import declaration
 from core.network.file import format_network
 from core.network.network import Library, Link, Network, Node

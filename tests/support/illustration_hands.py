@@ -47,13 +47,13 @@ def engine():
     return Engine(LIBRARY)
 
 
-def answer(want, network, folder=None):
+def answer(query, network, folder=None):
     """What a want is answered."""
     made = engine()
     plan = made.plan(network, folder=folder)
     work = made.work(Policy("double", threads=1))
-    want.key(plan)
-    return want.answer(Passing(made, plan, work))
+    query.key(plan)
+    return query.answer(Passing(made, plan, work))
 
 
 def grey_pixels(widget):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
-from core.modules.declaration import Here
+from core.modules.declaration import NodeContext
 from linked_network import linked_network
 
 
@@ -32,7 +32,7 @@ class NodeBench:
     def write(self, node):
         planned = self.plan.nodes[node]
         assert planned.error is None, planned.error
-        here = Here(node, 0, self.folder)
+        here = NodeContext(node, 0, self.folder)
         written = planned.module.files(planned.inputs, here, self.work)
         for path, writer in written:
             writer(path)

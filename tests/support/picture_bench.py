@@ -50,9 +50,9 @@ class PictureBench:
     def changed(self, node, name, value):
         return self.engine.plan(self.network.with_parameter(node, name, value))
 
-    def answer(self, want, plan=None, reduced=1):
+    def answer(self, query, plan=None, reduced=1):
         work = self.engine.work(Policy())
-        return want.answer(Passing(self.engine, plan or self.plan, work, reduced))
+        return query.answer(Passing(self.engine, plan or self.plan, work, reduced))
 
     def value(self, port):
         return self.engine.value(self.plan, port, self.engine.work(Policy()))

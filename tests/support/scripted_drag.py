@@ -18,7 +18,7 @@ class Drag:
     rest: list[Any] = field(default_factory=list)
 
     def note(self, answer):
-        if answer.want.urgency > 0:
+        if answer.query.urgency > 0:
             self.rest.append(answer)
         elif answer.reduced > 1:
             self.previews.append(answer)

@@ -15,7 +15,7 @@ from app.editor.evaluation.collector import Collector
 from app.editor.evaluation.frames import Frames
 from app.editor.evaluation.mailbox import Asked, Inbox, Outbox, Snapshot
 from app.editor.evaluation.pace import PAUSE_S
-from app.editor.evaluation.queries import Answer, Badge, Busy, Want
+from app.editor.evaluation.queries import Answer, Badge, Busy, Query
 from app.editor.evaluation.runner import Runner
 from app.editor.evaluation.tasks import computes_alike
 from app.editor.session import Session
@@ -134,13 +134,13 @@ class Evaluator(QObject):
         """What every node shows, as told last."""
         return dict(self._shown_badges)
 
-    def ask(self, owner: str, wants: Sequence[Want]) -> None:
+    def ask(self, owner: str, queries: Sequence[Query]) -> None:
         """Want that from now on, in the place of what the owner wanted before.
 
         A want that stays is answered again once its answer changes.
         """
-        known = {asked.want: asked for asked in self._asked.get(owner, ())}
-        asked = tuple(known.get(want) or self._numbered(owner, want) for want in wants)
+        known = {asked.query: asked for asked in self._asked.get(owner, ())}
+        asked = tuple(known.get(query) or self._numbered(owner, query) for query in queries)
         if asked != self._asked.get(owner):
             self._since.setdefault(owner, self._generation + 1)
             self._asked[owner] = asked
@@ -184,9 +184,9 @@ class Evaluator(QObject):
         self._finished = self._generation
         self._rest()
 
-    def _numbered(self, owner: str, want: Want) -> Asked:
+    def _numbered(self, owner: str, query: Query) -> Asked:
         self._numbers += 1
-        return Asked(owner, want, self._numbers)
+        return Asked(owner, query, self._numbers)
 
     def _follow_change(self, before: Any, after: Any) -> None:
         if not computes_alike(before, after):

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from app.editor.evaluation.queries import Answer, Badge, PassDone, Want
+from app.editor.evaluation.queries import Answer, Badge, PassDone, Query
 from core.chain.engine import Plan
 from core.errors import ImagechainError
 from core.network.network import Network
@@ -20,7 +20,7 @@ class Asked:
     """A want of an owner; asked again after it was dropped, it has another number."""
 
     owner: str
-    want: Want
+    query: Query
     number: int
 
 
@@ -150,7 +150,7 @@ class Outbox:
         self._wake = wake
         self._woken = False
         self._news = News(0)
-        self._answers: dict[tuple[str, Want], Answer] = {}
+        self._answers: dict[tuple[str, Query], Answer] = {}
         self.closed = False
 
     def begin(self, document: int) -> None:
@@ -175,8 +175,8 @@ class Outbox:
     def answer(self, answer: Answer) -> None:
         """Tell an answer."""
         with self._lock:
-            self._answers.pop((answer.owner, answer.want), None)
-            self._answers[answer.owner, answer.want] = answer
+            self._answers.pop((answer.owner, answer.query), None)
+            self._answers[answer.owner, answer.query] = answer
         self._tell()
 
     def done(self, done: PassDone) -> None:

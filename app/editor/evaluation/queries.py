@@ -37,7 +37,7 @@ class Passing:
     reduced: int = 1
 
 
-class Want(ABC):
+class Query(ABC):
     """A question to a network, asked again after each change. An immutable, hashable value.
 
     `urgency` orders the wants of a pass, the lowest first: 0 pictures, 1 what stands beside them,
@@ -89,7 +89,7 @@ class Answer:
 
     generation: int
     owner: str
-    want: Want
+    query: Query
     value: Any = None
     error: ImagechainError | None = None
     reduced: int = 1

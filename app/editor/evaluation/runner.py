@@ -17,7 +17,7 @@ from app.editor.evaluation.pass_work import PassWork, Position
 from app.editor.evaluation.preview import reduced_network, with_same_nodes
 from app.editor.evaluation.queries import Answer, Badge, PassDone, Passing
 from app.editor.evaluation.sent import Sent, SentAnswers
-from app.editor.evaluation.tasks import Change, Due, Task, due_wants, edited, overtaken
+from app.editor.evaluation.tasks import Change, Due, Task, due_queries, edited, overtaken
 from core.chain.engine import Engine, Plan
 from core.chain.skipped import skips
 from core.errors import Cancelled, ImagechainError
@@ -98,11 +98,11 @@ class Runner:
         task = Task(
             snapshot,
             plan,
-            due_wants(snapshot.asked, plan, self._sent),
+            due_queries(snapshot.asked, plan, self._sent),
             change,
             expected=self._pace.expected(change),
         )
-        wanted = [due.asked for due in task.due if due.asked.want.from_preview]
+        wanted = [due.asked for due in task.due if due.asked.query.from_preview]
         if not wanted or not self._is_edited(snapshot):
             return task
         if not self._pace.is_slow(task.expected):
@@ -111,7 +111,7 @@ class Runner:
         small = self._small_plan(snapshot, reduced, change) if reduced > 1 else None
         if small is None:
             return task
-        due = due_wants(wanted, small, self._sent, reduced)
+        due = due_queries(wanted, small, self._sent, reduced)
         preview = Task(snapshot, small, due, change, reduced=reduced)
         return replace(task, has_preview=True, preview=preview)
 
@@ -218,7 +218,7 @@ class Runner:
             value, error = None, due.error
             try:
                 if error is None:
-                    value = due.asked.want.answer(passing)
+                    value = due.asked.query.answer(passing)
             except Exception as raised:
                 if position.stopped and isinstance(raised, Cancelled):
                     raise
@@ -237,8 +237,8 @@ class Runner:
         reduced: int = 1,
     ) -> None:
         asked = due.asked
-        self._sent.put(asked, Sent(due.key, work.tally if work else None, reduced, error))
-        found = Answer(snapshot.generation, asked.owner, asked.want, value, error, reduced)
+        self._sent.put(asked, Sent(due.key, work.log if work else None, reduced, error))
+        found = Answer(snapshot.generation, asked.owner, asked.query, value, error, reduced)
         self._outbox.answer(found)
         if due.is_picture:
             self._pace.shown()
@@ -269,7 +269,7 @@ class Runner:
         self._has_preview = self._small_network(REDUCTIONS[0]) is not None
         position = Position(0, lambda _: self._inbox.waiting)
         work = PassWork(self._policy, self._engine.store, self._workers, position)
-        work.tally.add(self._sent.tally())
+        work.log.add(self._sent.log())
         try:
             self._skipped = skip_texts(skips(self._planned.shown, work))
         except ImagechainError:  # something newer has come, or an error that is told elsewhere
@@ -280,7 +280,7 @@ class Runner:
         """Answer what could wait until edits paused; whatever comes goes before it."""
         assert self._planned is not None
         plan, inbox = self._planned.shown, self._inbox
-        due = due_wants(snapshot.asked, plan, self._sent, waiting=True)
+        due = due_queries(snapshot.asked, plan, self._sent, waiting=True)
         position = Position(len(due), lambda _: inbox.waiting or self._is_cancelled(snapshot))
         self.position = position
         try:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from app.editor.evaluation.mailbox import Asked
 from core.errors import ImagechainError
-from core.evaluation.evaluation_log import Tally
+from core.evaluation.evaluation_log import EvaluationLog
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Sent:
     """An answer that was sent: what it depends on, and what was looked at for it."""
 
     key: Hashable
-    tally: Tally | None = None
+    log: EvaluationLog | None = None
     reduced: int = 1
     error: ImagechainError | None = None
 
@@ -30,12 +30,12 @@ class SentAnswers:
     def __iter__(self) -> Iterator[Sent]:
         return iter(tuple(self._sent.values()))
 
-    def tally(self) -> Tally:
+    def log(self) -> EvaluationLog:
         """All that was looked at for answers from full pictures."""
-        found = Tally()
+        found = EvaluationLog()
         for sent in self:
-            if sent.tally is not None and sent.reduced == 1:
-                found.add(sent.tally)
+            if sent.log is not None and sent.reduced == 1:
+                found.add(sent.log)
         return found
 
     def clear(self) -> None:

@@ -28,7 +28,7 @@ class Due:
     @property
     def is_picture(self) -> bool:
         """Whether it is as urgent as pictures are."""
-        return self.asked.want.urgency <= 0
+        return self.asked.query.urgency <= 0
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Task:
     preview: Task | None = None
 
 
-def due_wants(
+def due_queries(
     asked: Sequence[Asked],
     plan: Plan,
     sent: SentAnswers,
@@ -79,17 +79,17 @@ def due_wants(
     """
     found = []
     for each in asked:
-        if each.want.waits is not waiting:
+        if each.query.waits is not waiting:
             continue
         due = _due(each, plan)
         if sent.is_due(each, due.key, reduced):
             found.append(due)
-    return tuple(sorted(found, key=lambda due: due.asked.want.urgency))
+    return tuple(sorted(found, key=lambda due: due.asked.query.urgency))
 
 
 def _due(asked: Asked, plan: Plan) -> Due:
     try:
-        return Due(asked, asked.want.key(plan))
+        return Due(asked, asked.query.key(plan))
     except Exception as raised:
         error = as_error(raised)
         return Due(asked, ("error", str(error)), error)

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit, QSizePolicy, QWidg
 
 from app.editor.declared_text import label_of, tip
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.queries import Answer, Passing, Want
+from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure
 from app.editor.theme import Theme
 from app.editor.widgets.colours import set_ink
@@ -25,7 +25,7 @@ _BESIDE = 3  # room that a line edit keeps at both ends, and for the cursor
 
 
 @dataclass(frozen=True)
-class ReadoutsWant(Want):
+class ReadoutsQuery(Query):
     """What are the read-outs of that node? Answered by their texts in order."""
 
     node: str
@@ -122,7 +122,7 @@ class ReadoutsView(QWidget):
     ) -> None:
         super().__init__(parent)
         self.setObjectName("readouts")
-        self.want = ReadoutsWant(node)
+        self.query = ReadoutsQuery(node)
         self._owner = f"panel.readouts.{id(self):x}"
         self._evaluator = evaluator
         self.values: dict[str, ReadoutValue] = {}
@@ -156,7 +156,7 @@ class ReadoutsView(QWidget):
         """Ask."""
         super().showEvent(event)
         if self._evaluator is not None and self.values:
-            self._evaluator.ask(self._owner, [self.want])
+            self._evaluator.ask(self._owner, [self.query])
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Ask no more."""

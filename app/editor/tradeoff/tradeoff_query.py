@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from app.editor.evaluation.queries import Passing, Want
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.tradeoff.side_work import SideWork
 from app.run.output import ancestors
 from app.tradeoff.sweep import Point, TradeOff, parameter_of
@@ -24,7 +24,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class TradeOffWant(Want):
+class TradeOffQuery(Query):
     """Figures at these values; the whole trade-off is asked for in parts, the coarsest first.
 
     Nodes that are held back count as generated.

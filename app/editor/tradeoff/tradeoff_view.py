@@ -12,14 +12,14 @@ from PySide6.QtCore import QSize, Signal
 from PySide6.QtGui import QPen
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
-from app.editor.evaluation.queries import Answer, Want
+from app.editor.evaluation.queries import Answer, Query
 from app.editor.number_text import shown_figure, shown_number
 from app.editor.session import Session, renamed_node
 from app.editor.theme import Theme
 from app.editor.tradeoff.bar import TradeOffBar
 from app.editor.tradeoff.plots import Graph, TradeOffPlots
 from app.editor.tradeoff.ranges import Span, coarse_first, usual_span
-from app.editor.tradeoff.tradeoff_query import Part, TradeOffWant
+from app.editor.tradeoff.tradeoff_query import Part, TradeOffQuery
 from app.editor.tradeoff.varied import Varied
 from app.editor.tradeoff.wording import first_figures, in_order, listed_title, renamed, title_of
 from app.editor.viewers.network_ports import ports_depend_on
@@ -142,12 +142,12 @@ class TradeOffView(Viewer):
         self.status.set_theme(theme)
         self._fill_list()
 
-    def wants(self) -> tuple[Want, ...]:
+    def queries(self) -> tuple[Query, ...]:
         """The figures over the range in parts, the coarsest first."""
         if self.span is None or not self.shown:
             return ()
         varied, parts = self.varied, coarse_first(self.span.values())
-        return tuple(TradeOffWant(varied.node, varied.name, part, self.shown) for part in parts)
+        return tuple(TradeOffQuery(varied.node, varied.name, part, self.shown) for part in parts)
 
     def take(self, answer: Answer) -> None:
         """Put points with those of the same network; with another one, all begins anew."""

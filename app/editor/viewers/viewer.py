@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtGui import QCloseEvent, QHideEvent, QShowEvent
 from PySide6.QtWidgets import QWidget
 
-from app.editor.evaluation.queries import Answer, Want
+from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.network.network import Network
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Viewer(QWidget):
     """A widget that shows answers.
 
-    Subclasses say in `wants` what to ask and show in `take` what comes; they call `ask` when
+    Subclasses say in `queries` what to ask and show in `take` what comes; they call `ask` when
     that changes.
 
     Parameters
@@ -52,19 +52,19 @@ class Viewer(QWidget):
         self.theme = theme
         self.owner = owner
         self._asking = False
-        self._asked: tuple[Want, ...] = ()
+        self._asked: tuple[Query, ...] = ()
         if evaluator is not None:
             evaluator.answered.connect(self._answered)
         session.changed.connect(self._changed)
         session.opened.connect(self._opened)
 
-    def wants(self) -> Sequence[Want]:
+    def queries(self) -> Sequence[Query]:
         """What there is to ask now."""
         return ()
 
-    def accepts(self, want: Want) -> bool:
+    def accepts(self, query: Query) -> bool:
         """Whether an answer to this is still of use."""
-        return want in self._asked
+        return query in self._asked
 
     def take(self, answer: Answer) -> None:
         """Show an answer that `accepts` lets through."""
@@ -79,7 +79,7 @@ class Viewer(QWidget):
         """Ask what is wanted now, if anybody can see the answer."""
         if not self._asking:
             return
-        self._asked = tuple(self.wants())
+        self._asked = tuple(self.queries())
         if self.evaluator is not None:
             self.evaluator.ask(self.owner, self._asked)
 
@@ -107,7 +107,7 @@ class Viewer(QWidget):
                 self.evaluator.forget(self.owner)
 
     def _answered(self, answer: Any) -> None:
-        if answer.owner == self.owner and self._asking and self.accepts(answer.want):
+        if answer.owner == self.owner and self._asking and self.accepts(answer.query):
             self.take(answer)
 
     def _changed(self, before: Any, after: Any) -> None:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from core.chain.wires import Curve, Header, Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
-from core.modules.declaration import Here, readout
+from core.modules.declaration import NodeContext, readout
 from core.modules.parameters import Param
 from core.physics.measurement.sample_sums import Between
 from core.physics.sampling.ground_geometry import (
@@ -68,7 +68,7 @@ class CameraGeometry(
     )
     fill_value: Annotated[float, Param("what is there, in the scene's unit")] = 0.0
 
-    def run(self, image: Image, here: Here) -> CameraOutputs:
+    def run(self, image: Image, here: NodeContext) -> CameraOutputs:
         """Plan the sampling."""
         camera, ground = self.camera(image), self.ground(image)
         check_horizon(camera=camera)

@@ -11,7 +11,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.filtering.mixed_sampling import MOST_NODES, Method
 from core.filtering.scan_chain import ScanChain
-from core.modules.declaration import Here, Module, readout
+from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from core.physics.motion.line_scanner import line_intervals_mrad, view_angles_rad
 from core.transfer.product import Product
@@ -109,7 +109,9 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
                 "nadir_column", self.nadir_column, "empty where look_angle_deg is given"
             )
 
-    def run(self, context: Context, magnitude: Magnitude, phase: Phase, here: Here) -> LineOutputs:
+    def run(
+        self, context: Context, magnitude: Magnitude, phase: Phase, here: NodeContext
+    ) -> LineOutputs:
         """Plan both ways and their difference."""
         source = _source(context, magnitude, phase)
         whole = back_transform(magnitude, phase, node=here.node)

@@ -10,7 +10,7 @@ from typing import Annotated, Literal, NamedTuple
 from core.chain.wires import Context, Curve, Image, Table
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
-from core.modules.declaration import Here, Module, readout, warning
+from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.parameters import Param
 from core.physics.acquisition.eye import frames_integrated
 from core.physics.acquisition.mdtd import Window
@@ -217,7 +217,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         ),
     ] = None  # fmt: skip
 
-    def run(self, context: Context, image: Image, here: Here) -> MeritOutputs:
+    def run(self, context: Context, image: Image, here: NodeContext) -> MeritOutputs:
         """Plan each curve as a value of its own: a new task does not repeat the MRTD."""
         image = with_interval(image, context)
         known = replace(context, band_um=image.band_um or context.band_um)

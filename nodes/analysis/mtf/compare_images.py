@@ -15,7 +15,7 @@ from core.evaluation.recipes import Recipe, Step, pointwise
 from core.evaluation.work import Work
 from core.filtering.mirrored import mirrored_spectrum
 from core.filtering.periodic import periodic_spectrum
-from core.modules.declaration import Here, Module, readout
+from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from core.transfer.grid import Edges, Grid
 from nodes.analysis.mtf.spectrum_ratio import axes_ratio, radial_ratio
@@ -50,7 +50,7 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
         Edges, Param("frame mirrored without end, or repeated as the plain FFT sees it")
     ] = "reflect"
 
-    def run(self, image: Image, reference: Image, here: Here) -> CompareOutputs:
+    def run(self, image: Image, reference: Image, here: NodeContext) -> CompareOutputs:
         """Plan the comparison."""
         if image.shape != reference.shape:
             raise DataError(
@@ -64,7 +64,7 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
             Table(table), image.with_recipe(difference), Curve(self._ratio(image, reference, here))
         )
 
-    def _ratio(self, image: Image, reference: Image, here: Here) -> Recipe:
+    def _ratio(self, image: Image, reference: Image, here: NodeContext) -> Recipe:
         known = image.interval_x_mrad is not None and image.interval_y_mrad is not None
         grid = image.grid() if known else Grid(image.rows, image.columns, 1.0, 1.0)
         settings: dict[str, Any] = {

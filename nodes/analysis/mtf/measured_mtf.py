@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from core.chain.wires import Curve, Image, Table
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
-from core.modules.declaration import Here, Module, readout
+from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from core.physics.measurement.edge_line import Target
 from core.physics.measurement.slanted_edge import Window
@@ -101,7 +101,7 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
         Axis, Param("unit of the frequency; without a sampling interval always per pixel")
     ] = "cyc_per_mrad"
 
-    def run(self, image: Image, here: Here) -> MeasuredOutputs:
+    def run(self, image: Image, here: NodeContext) -> MeasuredOutputs:
         """Plan the measurement."""
         known = image.interval_x_mrad is not None and image.interval_y_mrad is not None
         settings: dict[str, Any] = {

@@ -10,7 +10,7 @@ from core.chain.results import CurveData, SampledTransfer, Series
 from core.chain.wires import Curve, Magnitude, Transfer
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
-from core.modules.declaration import Here, Module, readout
+from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from core.transfer.factors import Part
 from core.transfer.grid import Grid
@@ -53,7 +53,7 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
     )
     stages: Annotated[bool, Param("each stage too, not the total alone")] = True
 
-    def run(self, transfer: Transfer | Magnitude, here: Here) -> CurveOutput:
+    def run(self, transfer: Transfer | Magnitude, here: NodeContext) -> CurveOutput:
         """Plan the curves."""
         part: Part = transfer.part if isinstance(transfer, Transfer) else "mtf"
         if isinstance(transfer, Transfer) and transfer.own is not None:

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 from core.chain.wires import Curve, Image, Table
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
-from core.modules.declaration import Here, Module, readout
+from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from nodes.analysis.lineage import NoiseOf, noise_free
 from nodes.analysis.noise.frame_noise import FrameNoise, bars_of, sigma_of, table_of
@@ -53,7 +53,7 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
         if self.frames == 1:
             raise ParameterError("frames", 1, "0, or 2 and more")
 
-    def run(self, image: Image, here: Here) -> NoiseOutputs:
+    def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
         """Plan the prediction, and the frames if any."""
         predicted: tuple[Recipe, ...] = (NoiseOf(image, node=here.node),)
         if self.frames:

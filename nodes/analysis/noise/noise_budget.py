@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 
 from core.chain.wires import Curve, Image, Table
 from core.evaluation.recipes import Recipe, Step
-from core.modules.declaration import Here, Module, readout
+from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from nodes.analysis.lineage import NoiseOf, transfer_of
 from nodes.analysis.noise.budget_shares import Kind, blur_shares, noise_shares, unknown_before
@@ -60,7 +60,7 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
         Show, Param("bars: share in percent, or amount: standard deviation, and −ln of the MTF")
     ] = "share"
 
-    def run(self, image: Image, here: Here) -> BudgetOutputs:
+    def run(self, image: Image, here: NodeContext) -> BudgetOutputs:
         """Plan both budgets."""
         node, grid, passed = here.node, image.grid(), transfer_of(image)
         noise = Step.of(noise_shares, NoiseOf(image, node), node=node, kind=self.noise)

@@ -13,7 +13,7 @@ from core.chain.wires import Curve, Image, Magnitude, Phase, Table
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
-from core.modules.declaration import Here, Module, readout
+from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from core.transfer.grid import Edges, Grid
 from nodes.analysis.space.impulse_response import (
@@ -66,7 +66,7 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
         Param("largest error, as a share of the scene's departure from its mean", low=0, high=1),
     ] = 0.001
 
-    def run(self, magnitude: Magnitude, phase: Phase, here: Here) -> SpatialOutputs:
+    def run(self, magnitude: Magnitude, phase: Phase, here: NodeContext) -> SpatialOutputs:
         """Plan the convolution."""
         source = one_source(
             magnitude, phase, wanted="scene to convolve", refusal="no convolution combines"

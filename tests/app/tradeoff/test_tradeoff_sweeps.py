@@ -101,7 +101,7 @@ def test_a_point_is_what_the_network_gives_with_that_value(network):
 
 
 def computed_by_node(work):
-    nodes = [recipe.node for key, recipe in work.tally.asked.items() if key in work.tally.computed]
+    nodes = [recipe.node for key, recipe in work.log.asked.items() if key in work.log.computed]
     return Counter(nodes)
 
 
@@ -118,7 +118,7 @@ def test_only_what_the_parameter_touches_is_computed_again(network):
 
 def test_an_mtf_is_told_without_any_picture(network):
     _, work = swept(network, "blur", "sigma_x_mrad", [0.1, 0.2], "total.mtf_nyquist_x")
-    assert not work.tally.computed
+    assert not work.log.computed
 
 
 def test_a_read_out_is_computed_without_the_others_of_its_node(network):

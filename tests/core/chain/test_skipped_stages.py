@@ -14,11 +14,11 @@ from child_process import PATIENCE_S
 from core.chain.engine import Engine
 from core.chain.skipped import skips
 from core.chain.wires import Image
-from core.evaluation.evaluation_log import Tally
+from core.evaluation.evaluation_log import EvaluationLog
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.evaluation.store import Store
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from engine_bench import CHAIN, CHAIN_LINKS, LINE, Bench, network
 
 COLUMNS = 6  # of the ramp that the chain starts from; it has 4 rows
@@ -27,7 +27,7 @@ COLUMNS = 6  # of the ramp that the chain starts from; it has 4 rows
 class Pair(Module, key="pair", title="Pair", group="Test"):
     """Two pictures that have nothing to do with each other."""
 
-    def run(self, here: Here) -> TwoOut:
+    def run(self, here: NodeContext) -> TwoOut:
         one, other = (
             Image(Step.of(ramp, node=here.node, rows=2, columns=3, level=level), 2, 3)
             for level in (0.0, 1.0)
@@ -225,10 +225,10 @@ class TestAccount:
         bench = Bench()
         plan, work = bench.engine.plan(chain()), bench.work()
         before = bench.engine.value(plan, "bin.image", work)
-        count, asked = len(bench.computed), set(work.tally.asked)
+        count, asked = len(bench.computed), set(work.log.asked)
         first = skips(plan, work)
         assert skips(plan, work) == first
-        assert (len(bench.computed), set(work.tally.asked)) == (count, asked)
+        assert (len(bench.computed), set(work.log.asked)) == (count, asked)
         bench.engine.store.clear()
         assert np.array_equal(bench.engine.value(plan, "bin.image", work), before)
 
@@ -257,13 +257,13 @@ class TestAccount:
         keys = {plan.output(f"{name}.image").key for name in names} | {
             plan.output("make.image").key
         }
-        assert set(work.tally.asked) == work.tally.computed == keys
+        assert set(work.log.asked) == work.log.computed == keys
         assert of_kind(skips(plan, work), "unchanged") == {}
 
 
 def test_what_was_asked_for_but_not_computed_was_there():
     here, there = (Step.of(math.sqrt, node=name, x=name) for name in ("here", "there"))
-    tally = Tally()
-    tally.asked = {here.key: here, there.key: there}
-    tally.computed.add(here.key)
-    assert tally.reused() == [there]
+    log = EvaluationLog()
+    log.asked = {here.key: here, there.key: there}
+    log.computed.add(here.key)
+    assert log.reused() == [there]

@@ -7,9 +7,9 @@ import pytest
 from child_process import run_program
 from core.editing.document import Document
 from core.editing.fields import SetNodeExtra, SetParameter
+from core.editing.links import Rewire
 from core.editing.nodes import Add, Move, Placed, Remove
 from core.editing.operation import ABSENT, Together
-from core.editing.wiring import Rewire
 from core.errors import FileError, NetworkError
 from core.network.file import read_network
 from core.network.network import Link, Network, Node

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from core.editing.fitting import Candidate, fitting, new_node, wired_to
+from core.editing.links import Rewire
 from core.editing.nodes import Remove
-from core.editing.wiring import Rewire
 from core.errors import NetworkError
 from core.modules.declaration import declaration
 from core.network.network import Link, Network, Node

@@ -6,8 +6,8 @@ import pytest
 
 from core.editing.fields import SetNode
 from core.editing.fitting import inserted, new_node
+from core.editing.links import Rewire
 from core.editing.nodes import Add, Placed
-from core.editing.wiring import Rewire
 from core.network.file import format_network
 from core.network.network import Link, Network, Node
 from core.network.validation import problems

@@ -8,10 +8,9 @@ from dataclasses import replace
 import pytest
 
 from core.editing.fields import SetExtra, SetNetwork, SetNode, SetNodeExtra, SetParameter
-from core.editing.node_names import fresh_name
-from core.editing.nodes import Add, Move, Placed, Remove, Rename
+from core.editing.links import Rewire
+from core.editing.nodes import Add, Move, Placed, Remove, Rename, fresh_name
 from core.editing.operation import ABSENT, Together, together
-from core.editing.wiring import Rewire
 from core.errors import ImagechainError, NetworkError
 from core.network.file import format_network, parse_network
 from core.network.network import Link, Node

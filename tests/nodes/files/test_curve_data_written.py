@@ -13,7 +13,7 @@ from core.chain.wires import Curve
 from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.library_type import library_of
 from linked_network import linked_network
 from nodes.files.arrays import read_matrix
@@ -51,7 +51,7 @@ def made(_work, *, which):
 class Drawn(Module, key="drawn", title="Drawn", group="Analysis"):
     """Make a curve."""
 
-    def run(self, here: Here) -> DrawnOutputs:
+    def run(self, here: NodeContext) -> DrawnOutputs:
         """One of three, by the node's name."""
         return DrawnOutputs(Curve(Step.of(made, which=here.node)))
 
@@ -73,7 +73,7 @@ def written(folder, which, name):
     plan = ENGINE.plan(network, folder=folder)
     work = ENGINE.work(Policy())
     planned = plan.nodes["out"]
-    here = Here("out", network.seed, folder)
+    here = NodeContext("out", network.seed, folder)
     for target, write in planned.module.files(planned.inputs, here, work):
         write(target)
     return folder / name, plan, work

@@ -130,7 +130,7 @@ class Edits:
         plan = self.engine.plan(Network(nodes={"scene": node}))
         work = self.engine.work(Policy())
         recipe = plan.nodes["scene"].outputs["image"].recipe
-        return self.engine.value(plan, "scene.image", work), recipe, work.tally.computed
+        return self.engine.value(plan, "scene.image", work), recipe, work.log.computed
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -18,9 +18,9 @@ from app.editor.canvas.items.points import free_point
 from app.editor.library.module_search import found_by
 from app.editor.theme import Theme
 from core.editing.fitting import Candidate, End, Side, fitting, new_node, wired_to
+from core.editing.links import Rewire
 from core.editing.nodes import Point
 from core.editing.operation import Operation, together
-from core.editing.wiring import Rewire
 from core.errors import ImagechainError
 from core.modules.declaration import declaration
 from core.network.network import Link, Node

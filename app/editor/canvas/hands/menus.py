@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QMenu, QWidget
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.hits import Hit
 from app.editor.canvas.items.marks import Marks
-from core.editing.wiring import Rewire
+from core.editing.links import Rewire
 
 
 class Menus(QObject):

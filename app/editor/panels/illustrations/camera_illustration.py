@@ -9,12 +9,12 @@ import numpy as np
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter
 
-from app.editor.evaluation.queries import Want
+from app.editor.evaluation.queries import Query
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
 from app.editor.panels.illustrations.painting.axes import Axis
 from app.editor.panels.illustrations.painting.chart import Chart
 from app.editor.panels.illustrations.painting.few_digits import brief, pair
-from app.editor.panels.illustrations.queries.camera_query import CameraWant
+from app.editor.panels.illustrations.queries.camera_query import CameraQuery
 from core.physics.sampling.ground_geometry import Camera, field_deg, ground_sample, view_angles
 
 _POINTS = 65
@@ -26,9 +26,9 @@ class CameraIllustration(Illustration):
 
     lines = 10.5
 
-    def wants(self) -> Sequence[Want]:
+    def queries(self) -> Sequence[Query]:
         """The camera."""
-        return (CameraWant(self.node),)
+        return (CameraQuery(self.node),)
 
     def take(self, value: Any) -> str:
         """Keep the camera's samples."""

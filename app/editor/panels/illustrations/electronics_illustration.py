@@ -9,14 +9,14 @@ import numpy as np
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter
 
-from app.editor.evaluation.queries import Want
+from app.editor.evaluation.queries import Query
 from app.editor.panels.illustrations.illustration import Illustration
 from app.editor.panels.illustrations.painting.axes import Axis
 from app.editor.panels.illustrations.painting.chart import Chart
 from app.editor.panels.illustrations.painting.few_digits import brief, kelvin
 from app.editor.panels.illustrations.queries.detectivity_query import (
     Detectivity,
-    DetectivityWant,
+    DetectivityQuery,
     Noises,
 )
 
@@ -30,9 +30,9 @@ class ElectronicsIllustration(Illustration):
 
     lines = 15.5
 
-    def wants(self) -> Sequence[Want]:
+    def queries(self) -> Sequence[Query]:
         """The curve and the figures."""
-        return (DetectivityWant(self.node),)
+        return (DetectivityQuery(self.node),)
 
     def take(self, value: Any) -> str:
         """Keep them."""

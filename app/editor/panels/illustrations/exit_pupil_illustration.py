@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.declared_text import choice_text
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.queries import Want
+from app.editor.evaluation.queries import Query
 from app.editor.panels.illustrations.illustration import NO_EVALUATION, Illustration
 from app.editor.panels.illustrations.painting.axes import Axis
 from app.editor.panels.illustrations.painting.chart import Chart
@@ -27,12 +27,12 @@ from app.editor.panels.illustrations.painting.wavefront import (
     open_share,
     wavefront_of,
 )
-from app.editor.panels.illustrations.queries.pupil_query import PupilWant, SmallPupil
+from app.editor.panels.illustrations.queries.pupil_query import PupilQuery, SmallPupil
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.chain.wires import Pupil
 from core.errors import ImagechainError
-from core.modules.declaration import Here
+from core.modules.declaration import NodeContext
 from core.names import thaw
 from core.network.network import Node
 
@@ -81,9 +81,9 @@ class ExitPupilIllustration(Illustration):
                 part /= 2
         return columns * part, rows * part
 
-    def wants(self) -> Sequence[Want]:
+    def queries(self) -> Sequence[Query]:
         """The samples of a file."""
-        return (PupilWant(self.node),)
+        return (PupilQuery(self.node),)
 
     def prepare(self) -> None:
         """Look at the node, if it has changed since."""
@@ -153,7 +153,7 @@ class ExitPupilIllustration(Illustration):
         """
         module: Any = self.session.library[node.module].build(thaw(node.params))
         module.check()
-        found: Pupil = module.run(here=Here(self.node)).pupil
+        found: Pupil = module.run(here=NodeContext(self.node)).pupil
         return found
 
     def _is_file(self) -> bool:

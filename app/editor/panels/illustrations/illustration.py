@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from app.editor.declared_text import tip
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.evaluation.queries import Answer, Want
+from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.widgets.left_open import require_defined
@@ -52,7 +52,7 @@ class Illustration(QWidget):
         theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
-        asks = type(self).wants is not Illustration.wants
+        asks = type(self).queries is not Illustration.queries
         require_defined(type(self), Illustration, "draw", *(("take",) if asks else ()))
         super().__init__(parent)
         self.setObjectName("illustration")
@@ -68,11 +68,11 @@ class Illustration(QWidget):
         self.setAccessibleName(f"illustration of {node}: {self.title}")
         if evaluator is not None:
             evaluator.answered.connect(self._answered)
-        self._waits = bool(self.wants())
+        self._waits = bool(self.queries())
         if self._waits and evaluator is None:
             self.say(NO_EVALUATION)
 
-    def wants(self) -> Sequence[Want]:
+    def queries(self) -> Sequence[Query]:
         """What it asks."""
         return ()
 
@@ -128,13 +128,13 @@ class Illustration(QWidget):
     def showEvent(self, event: QShowEvent) -> None:
         """Ask."""
         super().showEvent(event)
-        if self._evaluator is not None and self.wants():
-            self._evaluator.ask(self._owner, self.wants())
+        if self._evaluator is not None and self.queries():
+            self._evaluator.ask(self._owner, self.queries())
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Ask no more."""
         super().hideEvent(event)
-        if self._evaluator is not None and self.wants():
+        if self._evaluator is not None and self.queries():
             self._evaluator.forget(self._owner)
 
     def prepare(self) -> None:

@@ -11,11 +11,11 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen, QPolygonF
 
-from app.editor.evaluation.queries import Want
+from app.editor.evaluation.queries import Query
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
 from app.editor.panels.illustrations.painting.axes import round_step
 from app.editor.panels.illustrations.painting.few_digits import brief, pair
-from app.editor.panels.illustrations.queries.sampling_query import SamplingWant
+from app.editor.panels.illustrations.queries.sampling_query import SamplingQuery
 from core.chain.wires import Context
 from core.physics.sampling.detector_sampling import ifov_mrad
 
@@ -47,9 +47,9 @@ class InitTransIllustration(Illustration):
 
     lines = 10.5
 
-    def wants(self) -> Sequence[Want]:
+    def queries(self) -> Sequence[Query]:
         """The geometry."""
-        return (SamplingWant(self.node),)
+        return (SamplingQuery(self.node),)
 
     def take(self, value: Any) -> str:
         """Keep the geometry."""

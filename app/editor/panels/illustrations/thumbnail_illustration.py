@@ -8,10 +8,10 @@ from typing import Any
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QImage, QPainter, QPen
 
-from app.editor.evaluation.queries import Want
+from app.editor.evaluation.queries import Query
 from app.editor.panels.illustrations.illustration import Illustration
 from app.editor.panels.illustrations.painting.few_digits import brief, pair
-from app.editor.panels.illustrations.queries.thumbnail_query import Thumbnail, ThumbnailWant
+from app.editor.panels.illustrations.queries.thumbnail_query import Thumbnail, ThumbnailQuery
 from core.chain.wires import Image
 
 
@@ -20,9 +20,9 @@ class ThumbnailIllustration(Illustration):
 
     lines = 10.0
 
-    def wants(self) -> Sequence[Want]:
+    def queries(self) -> Sequence[Query]:
         """The picture."""
-        return (ThumbnailWant(self.node),)
+        return (ThumbnailQuery(self.node),)
 
     def take(self, value: Any) -> str:
         """Keep the picture."""

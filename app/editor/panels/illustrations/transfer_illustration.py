@@ -9,7 +9,7 @@ import numpy as np
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainter
 
-from app.editor.evaluation.queries import Want
+from app.editor.evaluation.queries import Query
 from app.editor.panels.illustrations.illustration import DISABLED, Illustration
 from app.editor.panels.illustrations.painting.axes import Axis, round_step
 from app.editor.panels.illustrations.painting.chart import Chart
@@ -18,7 +18,7 @@ from app.editor.panels.illustrations.queries.transfer_query import (
     LOWEST_SHARE,
     TransferLine,
     TransferLines,
-    TransferWant,
+    TransferQuery,
 )
 from core.transfer.factors import Part
 
@@ -36,9 +36,9 @@ class TransferIllustration(Illustration):
 
     part: Part = "mtf"
 
-    def wants(self) -> Sequence[Want]:
+    def queries(self) -> Sequence[Query]:
         """The curves."""
-        return (TransferWant(self.node, self.part),)
+        return (TransferQuery(self.node, self.part),)
 
     def take(self, value: Any) -> str:
         """Keep the curves."""

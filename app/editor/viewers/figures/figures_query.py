@@ -6,7 +6,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from app.editor.evaluation.queries import Passing, Want
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.network_ports import HOW_TO_MARK
 from app.run.output import Output, ancestors, find_output
 from app.run.sound_plan import sound_part
@@ -62,7 +62,7 @@ class Figures:
 
 
 @dataclass(frozen=True)
-class FiguresWant(Want):
+class FiguresQuery(Query):
     """Figures of the electronics that lead to the final picture.
 
     Parameters

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
-from app.editor.evaluation.queries import Answer, PassDone, Want
+from app.editor.evaluation.queries import Answer, PassDone, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
-from app.editor.viewers.figures.figures_query import SHOWN, Figures, FiguresWant
+from app.editor.viewers.figures.figures_query import SHOWN, Figures, FiguresQuery
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets.elided_label import ElidedLabel
 
@@ -93,9 +93,9 @@ class FiguresStrip(Viewer):
     def restore(self, state: Any) -> None:
         """Nothing is remembered."""
 
-    def wants(self) -> tuple[Want, ...]:
+    def queries(self) -> tuple[Query, ...]:
         """The figures of the node selected, if it is an electronics, else of the last one."""
-        return (FiguresWant(self._preferred()),)
+        return (FiguresQuery(self._preferred()),)
 
     def take(self, answer: Answer) -> None:
         """Show figures; dashes with the reason where there are none."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from PySide6.QtWidgets import QStackedWidget, QVBoxLayout, QWidget
 
-from app.editor.evaluation.queries import Answer, Want
+from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.neighbours import neighbours
@@ -23,7 +23,7 @@ from app.editor.viewers.picture.zoom_links import ZoomLinks
 from app.editor.viewers.pixels.colour_maps import NAMES, colour_table
 from app.editor.viewers.pixels.picture_choices import Choices, numbers_of
 from app.editor.viewers.pixels.picture_facts import PICTURES, Facts, laid_over
-from app.editor.viewers.pixels.picture_query import Picture, PictureWant
+from app.editor.viewers.pixels.picture_query import Picture, PictureQuery
 from app.editor.viewers.pixels.picture_text import facts_text
 from app.editor.viewers.status_line import StatusLine
 from app.editor.viewers.viewer import Viewer
@@ -139,18 +139,18 @@ class ImageViewer(Viewer):
         self.canvas.set_zoom(numbers_of(state.get("zoom"), 3))
         self._follow_choices()
 
-    def wants(self) -> tuple[Want, ...]:
+    def queries(self) -> tuple[Query, ...]:
         """The picture that is chosen."""
-        want = self.choices.want
-        return () if want is None else (want,)
+        query = self.choices.query
+        return () if query is None else (query,)
 
-    def accepts(self, want: Want) -> bool:
+    def accepts(self, query: Query) -> bool:
         """Whether it is what is chosen; while levels are dragged, also with those of before."""
-        chosen = self.choices.want
+        chosen = self.choices.query
         return (
-            isinstance(want, PictureWant)
+            isinstance(query, PictureQuery)
             and chosen is not None
-            and replace(want, levels=chosen.levels) == chosen
+            and replace(query, levels=chosen.levels) == chosen
         )
 
     def take(self, answer: Answer) -> None:

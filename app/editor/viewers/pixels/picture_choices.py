@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, get_args
 
 from app.editor.viewers.network_ports import followed
-from app.editor.viewers.pixels.picture_query import Automatic, Levels, Mode, PictureWant, Scale
+from app.editor.viewers.pixels.picture_query import Automatic, Levels, Mode, PictureQuery, Scale
 from core.network.network import Network
 
 SCALES: tuple[Scale, ...] = get_args(Scale)
@@ -27,13 +27,13 @@ class Choices:
     levels: Levels = "extremes"
 
     @property
-    def want(self) -> PictureWant | None:
+    def query(self) -> PictureQuery | None:
         """The question; None where nothing is to be shown."""
         if self.port is None:
             return None
         if not self.compares:
-            return PictureWant(self.port, mapping=self.mapping, levels=self.levels)
-        return PictureWant(self.port, self.other, self.mode, self.mapping, self.levels)
+            return PictureQuery(self.port, mapping=self.mapping, levels=self.levels)
+        return PictureQuery(self.port, self.other, self.mode, self.mapping, self.levels)
 
     def with_(self, **changes: Any) -> Choices:
         """With some of it changed; manual levels hold only for what they were set for."""

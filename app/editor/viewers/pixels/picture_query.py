@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.evaluation.queries import Passing, Want
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.pixels import picture_steps as steps
 from app.editor.viewers.pixels.grey_levels import Range, Spread, grey_levels
 from app.editor.viewers.pixels.picture_facts import (
@@ -78,7 +78,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class PictureWant(Want):
+class PictureQuery(Query):
     """What is on one wire, or on two compared.
 
     Parameters
@@ -145,7 +145,7 @@ class PictureWant(Want):
         if isinstance(value, Pupil):
             recipe = Step.of(steps.real, value.samples, node=node)
             return _Source(port, value, recipe, pupil_facts(value))
-        work.tally.looked_at.add(value.key)
+        work.log.looked_at.add(value.key)
         recipe = Step.of(steps.centred_plane, node=node, value=value)
         own = work.value(value.own) if isinstance(value, Transfer) and value.own else None
         rows, columns = value.grid.shape if own is None else own.values.shape

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.evaluation.queries import Passing, Want
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.network_ports import HOW_TO_MARK
 from app.run.responses import LineStageResponse, responses_along
 from app.run.sound_plan import sound_part
@@ -97,7 +97,7 @@ class TransferCurves:
 
 
 @dataclass(frozen=True)
-class CurvesWant(Want):
+class CurvesQuery(Query):
     """MTF and PTF of every stage that leads to the final picture, and of their product.
 
     Of a network with errors, what can be planned.
@@ -158,7 +158,7 @@ class CurvesWant(Want):
 
 
 @dataclass(frozen=True)
-class PortDataWant(Want):
+class PortDataQuery(Query):
     """The curves or table of a port.
 
     Parameters

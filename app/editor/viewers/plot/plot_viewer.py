@@ -11,14 +11,14 @@ from PySide6.QtCore import QSize
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QStackedWidget, QVBoxLayout, QWidget
 
-from app.editor.evaluation.queries import Answer, Want
+from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.figures.figure_table import FigureTable
 from app.editor.viewers.network_ports import followed
 from app.editor.viewers.plot.bar_chart import BarChart
 from app.editor.viewers.plot.curve_list import CurveList
-from app.editor.viewers.plot.curves_query import CurvesWant, PortDataWant, TransferCurves
+from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery, TransferCurves
 from app.editor.viewers.plot.plot_bar import PlotBar
 from app.editor.viewers.plot.plot_canvas import PlotCanvas
 from app.editor.viewers.plot.plot_export import Data, export
@@ -137,13 +137,13 @@ class PlotViewer(Viewer):
             self._switched = {str(name): on is True for name, on in switched.items()}
         self._follow_choices()
 
-    def wants(self) -> tuple[Want, ...]:
+    def queries(self) -> tuple[Query, ...]:
         """The curves that are chosen."""
-        return (CurvesWant(self.angle_deg) if self.port is None else PortDataWant(self.port),)
+        return (CurvesQuery(self.angle_deg) if self.port is None else PortDataQuery(self.port),)
 
-    def accepts(self, want: Want) -> bool:
+    def accepts(self, query: Query) -> bool:
         """Whether it is of what is chosen; while the angle is turned, also of the last one."""
-        return want in self.wants() or (self.port is None and isinstance(want, CurvesWant))
+        return query in self.queries() or (self.port is None and isinstance(query, CurvesQuery))
 
     def take(self, answer: Answer) -> None:
         """Show data, or keep the last and say why there is no other."""

@@ -11,10 +11,10 @@ from core.editing.backdrops import around
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import SetNode
 from core.editing.layout.arrange import arranged
+from core.editing.links import Rewire
 from core.editing.nodes import Move, Remove
 from core.editing.operation import Operation, together
 from core.editing.output_mark import output_toggled
-from core.editing.wiring import Rewire
 from core.errors import ImagechainError
 
 

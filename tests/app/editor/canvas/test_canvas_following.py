@@ -7,8 +7,8 @@ from app.editor.evaluation.queries import Badge
 from app.editor.theme import LIGHT
 from core.editing.document import Document
 from core.editing.fields import SetNode, SetParameter
+from core.editing.links import Rewire
 from core.editing.nodes import Add, Move, Placed, Remove, Rename
-from core.editing.wiring import Rewire
 from core.network.network import Link, Network, Node
 
 pytestmark = pytest.mark.usefixtures("qtbot")

@@ -8,6 +8,7 @@ from itertools import count
 
 import numpy as np
 import pytest
+from editor_queries import Asking, Gate, Readouts, Samples
 
 from app.editor.evaluation import evaluator as evaluator_module
 from app.editor.evaluation.evaluator import Evaluator
@@ -19,7 +20,6 @@ from core.editing.fields import SetParameter
 from core.editing.nodes import Move
 from core.evaluation.policy import Policy
 from core.network.network import Network
-from editor_wants import Asking, Gate, Readouts, Samples
 from scripted_drag import drag
 
 FINAL = Samples("frame_grabber.image")
@@ -84,7 +84,7 @@ def test_what_an_edit_does_not_change_is_not_answered_again(evaluator, answers, 
     answers.clear()
     small.do(SetParameter("electronics", "amplifier_snr", 77.0))
     settled()
-    assert [answer.want for answer in answers] == [FINAL]
+    assert [answer.query for answer in answers] == [FINAL]
 
 
 def test_moving_nodes_makes_no_pass(evaluator, small, settled):
@@ -100,17 +100,17 @@ def test_moving_nodes_makes_no_pass(evaluator, small, settled):
 
 
 def test_a_want_dropped_and_asked_again_is_answered_again(evaluator, answers, small, settled):
-    for wants in ([FINAL], [Samples("back.image")], [FINAL]):
-        evaluator.ask("viewer", wants)
+    for queries in ([FINAL], [Samples("back.image")], [FINAL]):
+        evaluator.ask("viewer", queries)
         settled()
-    assert [answer.want for answer in answers] == [FINAL, Samples("back.image"), FINAL]
+    assert [answer.query for answer in answers] == [FINAL, Samples("back.image"), FINAL]
 
 
 def test_a_want_that_stays_is_not_answered_again(evaluator, answers, small, settled):
-    for wants in ([FINAL], [FINAL, Samples("back.image")], [FINAL]):
-        evaluator.ask("viewer", wants)
+    for queries in ([FINAL], [FINAL, Samples("back.image")], [FINAL]):
+        evaluator.ask("viewer", queries)
         settled()
-    assert [answer.want for answer in answers] == [FINAL, Samples("back.image")]
+    assert [answer.query for answer in answers] == [FINAL, Samples("back.image")]
 
 
 def test_the_forgotten_hear_nothing_more(evaluator, answers, small, settled):
@@ -187,7 +187,7 @@ def test_an_open_document_is_not_waited_for_by_the_next(evaluator, answers, smal
     evaluator.ask("viewer", [FINAL])
     small.open(Document(small.network, library=small.library))
     settled()
-    assert [answer.want for answer in answers] == [FINAL]
+    assert [answer.query for answer in answers] == [FINAL]
 
 
 def test_cancelling_stops_the_pass_until_the_next_edit(evaluator, answers, small, settled, qtbot):
@@ -279,23 +279,23 @@ def test_no_two_wants_hinder_each_other(evaluator, answers, small, settled):
     def divides(passing):
         return float(np.log(np.zeros(1))[0])
 
-    wants = [Asking(function) for function in (runs_out, fails, divides)]
-    evaluator.ask("viewer", [*wants, FINAL])
+    queries = [Asking(function) for function in (runs_out, fails, divides)]
+    evaluator.ask("viewer", [*queries, FINAL])
     settled()
-    by_want = {answer.want: answer for answer in answers}
-    assert "not enough memory" in str(by_want[wants[0]].error)
-    assert str(by_want[wants[1]].error) == "our own failure: KeyError: 'nothing'"
-    assert by_want[wants[2]].value == -np.inf
-    assert by_want[FINAL].error is None
+    by_query = {answer.query: answer for answer in answers}
+    assert "not enough memory" in str(by_query[queries[0]].error)
+    assert str(by_query[queries[1]].error) == "our own failure: KeyError: 'nothing'"
+    assert by_query[queries[2]].value == -np.inf
+    assert by_query[FINAL].error is None
 
 
 def test_a_want_whose_key_fails_is_answered_by_that_error(evaluator, answers, small, settled):
     evaluator.ask("viewer", [Samples("nowhere.image"), FINAL])
     settled()
-    errors = {answer.want.port: answer.error for answer in answers}
+    errors = {answer.query.port: answer.error for answer in answers}
     assert "no node 'nowhere'" in str(errors["nowhere.image"])
     assert errors[FINAL.port] is None
     answers.clear()
     small.do(SetParameter("electronics", "amplifier_snr", 77.0))
     settled()
-    assert [answer.want for answer in answers] == [FINAL]  # the same error is not told again
+    assert [answer.query for answer in answers] == [FINAL]  # the same error is not told again

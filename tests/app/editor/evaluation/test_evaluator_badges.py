@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from editor_queries import Readouts, Samples, SlowCopy
 
 from app.editor.evaluation.badges import IDENTITY, STALE
 from app.editor.evaluation.evaluator import Evaluator
@@ -10,7 +11,6 @@ from app.editor.session import Session
 from core.editing.document import Document
 from core.editing.fields import SetNode, SetParameter
 from core.network.network import Link, Network, Node
-from editor_wants import Readouts, Samples, SlowCopy
 from nodes.library import standard_library
 
 SCENE = Node("scene", "test_scene", {"kind": "two_panel", "width": 48, "height": 40})
@@ -58,8 +58,8 @@ def evaluator(slow_session):
 def open_network(qtbot, slow_session, evaluator):
     """Open a network, and wait until nothing is left to do."""
 
-    def opened(what, *wants):
-        evaluator.ask("viewer", wants)
+    def opened(what, *queries):
+        evaluator.ask("viewer", queries)
         slow_session.open(Document(what, library=slow_session.library))
         settle(qtbot, evaluator)
         return slow_session
@@ -84,7 +84,7 @@ def test_an_error_stands_on_its_node_and_the_rest_goes_on(evaluator, open_networ
     session.do(SetParameter("jitter", "sigma_mrad", -1.0))
     session.do(SetParameter("scene", "delta_K", 3.0))
     settle(qtbot, evaluator)
-    errors = {answer.want.port: answer.error for answer in answers}
+    errors = {answer.query.port: answer.error for answer in answers}
     assert "sigma_mrad = -1.0 mrad is not allowed" in str(errors["back.image"])
     assert errors["back.image"].node == "jitter"
     assert errors["scene.image"] is None

@@ -1,11 +1,11 @@
 """What the window is told of each pass: which ones followed a change."""
 
 import pytest
+from editor_queries import Readouts, Samples
 
 from app.editor.evaluation.evaluator import Evaluator
 from core.editing.document import Document
 from core.editing.fields import SetParameter
-from editor_wants import Readouts, Samples
 
 FINAL = [Samples("back.image")]
 

@@ -4,6 +4,7 @@ from itertools import count
 
 import numpy as np
 import pytest
+from editor_queries import Samples, SlowCopy
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.preview import SMALLEST, reduced_network
@@ -15,7 +16,6 @@ from core.editing.fields import SetNode, SetParameter
 from core.evaluation.policy import Policy
 from core.network.file import load_network
 from core.network.network import Link, Network, Node
-from editor_wants import Samples, SlowCopy
 from nodes.library import standard_library
 from scripted_drag import drag
 

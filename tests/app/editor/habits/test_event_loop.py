@@ -8,6 +8,7 @@ import itertools
 import time
 
 import pytest
+from editor_queries import Asking, Gate, Readouts, Samples
 from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 
@@ -15,7 +16,6 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.measures.slider_drag import handle_of, measured, open_slider
 from app.editor.measures.trial_window import PaintedPictures
 from core.editing.fields import SetParameter
-from editor_wants import Asking, Gate, Readouts, Samples
 from scripted_drag import drag
 
 FINAL = Samples("frame_grabber.image")

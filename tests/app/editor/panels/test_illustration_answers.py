@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from app.editor.panels.illustrations.painting.wavefront import open_share, wavefront_of
-from app.editor.panels.illustrations.queries.pupil_query import PupilWant
-from app.editor.panels.illustrations.queries.sampling_query import SamplingWant
+from app.editor.panels.illustrations.queries.pupil_query import PupilQuery
+from app.editor.panels.illustrations.queries.sampling_query import SamplingQuery
 from app.editor.panels.illustrations.queries.shrinking import shrunk
-from app.editor.panels.illustrations.queries.thumbnail_query import ThumbnailWant
-from app.editor.panels.illustrations.queries.transfer_query import TransferWant, half_contrast
+from app.editor.panels.illustrations.queries.thumbnail_query import ThumbnailQuery
+from app.editor.panels.illustrations.queries.transfer_query import TransferQuery, half_contrast
 from app.editor.panels.illustrations.sampling_illustration import footprint_of
 from core.errors import ImagechainError, UnconnectedError
-from core.modules.declaration import Here
+from core.modules.declaration import NodeContext
 from core.network.network import Network, Node
 from core.physics.optics.pupil_shapes import PupilShape
 from illustration_hands import INFRAMETRICS, LIBRARY, answer, sensor
@@ -23,7 +23,7 @@ NYQUIST = 0.488924  # of 30° and 512 samples, fig. 4.3
 
 def test_jitter_is_a_gaussian_up_to_nyquist():
     sigma = 0.6
-    lines = answer(TransferWant("node"), sensor("jitter_mtf", {"sigma_mrad": sigma}))
+    lines = answer(TransferQuery("node"), sensor("jitter_mtf", {"sigma_mrad": sigma}))
     for line in (lines.x, lines.y):
         assert line.frequency[0] == 0
         assert line.nyquist == pytest.approx(NYQUIST, abs=5e-7)
@@ -45,7 +45,7 @@ def test_the_negative_lobe_of_a_detector_stays_negative():
         "focal_length_mm": 130.0,
         "fill_x": 0.95,
     }
-    lines = answer(TransferWant("node"), sensor("detector_mtf", params))
+    lines = answer(TransferQuery("node"), sensor("detector_mtf", params))
     width = 600 / 130 * 0.95
     at = 1.5 / width
     assert np.interp(at, lines.x.frequency, lines.x.values) == pytest.approx(
@@ -58,7 +58,7 @@ def test_the_negative_lobe_of_a_detector_stays_negative():
 
 
 def test_an_aperture_is_shown_up_to_its_cutoff():
-    lines = answer(TransferWant("node"), sensor("exit_pupil_mtf", pupil={"radius": 75.0}))
+    lines = answer(TransferQuery("node"), sensor("exit_pupil_mtf", pupil={"radius": 75.0}))
     for line in (lines.x, lines.y):
         assert line.cutoff == pytest.approx(7.5, rel=1e-9)  # 7.5 cm over 10 µm
         assert line.frequency[-1] == pytest.approx(7.5, rel=1e-9)
@@ -70,7 +70,7 @@ def test_an_aperture_is_shown_up_to_its_cutoff():
 
 def test_an_aperture_that_ends_below_nyquist_is_shown_up_to_nyquist():
     pupil = {"radius": 3.0, "size_x": 512, "size_y": 512}
-    lines = answer(TransferWant("node"), sensor("exit_pupil_mtf", pupil=pupil))
+    lines = answer(TransferQuery("node"), sensor("exit_pupil_mtf", pupil=pupil))
     assert lines.x.cutoff == pytest.approx(0.3)
     assert lines.x.frequency[-1] == pytest.approx(NYQUIST, rel=1e-5)
     np.testing.assert_allclose(lines.x.values[lines.x.frequency > 0.3], 0, atol=1e-12)
@@ -78,7 +78,7 @@ def test_an_aperture_that_ends_below_nyquist_is_shown_up_to_nyquist():
 
 def test_the_raw_autocorrelation_has_the_pupil_s_own_frequencies():
     params = {"interpolation": "none"}
-    lines = answer(TransferWant("node"), sensor("exit_pupil_mtf", params, pupil={"radius": 75.0}))
+    lines = answer(TransferQuery("node"), sensor("exit_pupil_mtf", params, pupil={"radius": 75.0}))
     step = 25.6 * 10 / 512 / 10  # cm, samples, µm
     for line in (lines.x, lines.y):
         np.testing.assert_allclose(np.diff(line.frequency), step, rtol=1e-9)
@@ -91,7 +91,7 @@ def test_the_raw_autocorrelation_has_the_pupil_s_own_frequencies():
 
 def test_the_published_phase_of_charge_transfer():
     params = {"model": "published"}
-    lines = answer(TransferWant("node", "ptf"), sensor("charge_eff_phase", params))
+    lines = answer(TransferQuery("node", "ptf"), sensor("charge_eff_phase", params))
     w = np.pi * lines.x.frequency / lines.x.nyquist
     np.testing.assert_allclose(lines.x.values, -0.0064 * (w - np.sin(w)), atol=1e-9)  # eq. 4.58
     assert lines.x.at_nyquist == pytest.approx(-0.0201, abs=5e-5)  # fig. 5.44
@@ -101,7 +101,7 @@ def test_the_published_phase_of_charge_transfer():
 
 def test_turbidity_is_shown_down_to_where_light_is_scattered_aside():
     params = {"turbulence": "none", "turbidity": "moderate"}
-    lines = answer(TransferWant("node"), sensor("atmosphere_mtf", params))
+    lines = answer(TransferQuery("node"), sensor("atmosphere_mtf", params))
     assert lines.turn == 0.001
     assert lines.x.frequency[1] < 1e-4
     beyond = lines.x.frequency > 0.001
@@ -115,12 +115,12 @@ def test_turbidity_is_shown_down_to_where_light_is_scattered_aside():
 def test_a_disabled_node_has_no_curve():
     network = sensor("jitter_mtf")
     nodes = {**network.nodes, "node": Node("node", "jitter_mtf", disabled=True)}
-    assert answer(TransferWant("node"), Network(nodes=nodes, links=network.links)) is None
+    assert answer(TransferQuery("node"), Network(nodes=nodes, links=network.links)) is None
 
 
 def test_what_is_not_connected_is_an_error():
     with pytest.raises(UnconnectedError, match="context is not connected"):
-        answer(TransferWant("node"), Network(nodes={"node": Node("node", "jitter_mtf")}))
+        answer(TransferQuery("node"), Network(nodes={"node": Node("node", "jitter_mtf")}))
 
 
 def test_half_contrast_lies_between_two_points():
@@ -130,7 +130,7 @@ def test_half_contrast_lies_between_two_points():
 
 
 def test_the_geometry_of_the_inframetrics():
-    context = answer(SamplingWant("init"), sensor("jitter_mtf", init=INFRAMETRICS))
+    context = answer(SamplingQuery("init"), sensor("jitter_mtf", init=INFRAMETRICS))
     footprint = footprint_of(context)
     assert footprint.pitch == pytest.approx((600 / 130, 600 / 130))
     assert footprint.sensitive == pytest.approx((4.3846, 4.3846), abs=5e-5)
@@ -139,12 +139,12 @@ def test_the_geometry_of_the_inframetrics():
 
 def test_there_is_no_footprint_without_a_focal_length():
     init = {"detector_x_um": 30.0, "detector_y_um": 30.0}
-    assert footprint_of(answer(SamplingWant("init"), sensor("jitter_mtf", init=init))) is None
+    assert footprint_of(answer(SamplingQuery("init"), sensor("jitter_mtf", init=init))) is None
 
 
 def aberrated(**params):
     module = LIBRARY["exit_pupil"].build(params)
-    return wavefront_of(module.run(here=Here("node")).pupil)
+    return wavefront_of(module.run(here=NodeContext("node")).pupil)
 
 
 def test_the_rms_of_a_wavefront_is_that_of_its_coefficients():
@@ -202,7 +202,7 @@ def test_a_pupil_of_a_file_is_made_small(tmp_path):
     np.save(tmp_path / "pupil.npy", samples)
     params = {"shape": "file", "path": "pupil.npy"}
     network = Network(nodes={"node": Node("node", "exit_pupil", params)})
-    found = answer(PupilWant("node"), network, tmp_path)
+    found = answer(PupilQuery("node"), network, tmp_path)
     assert (found.rows, found.columns) == (600, 1200)
     assert found.open_share == pytest.approx(0.5)
     high, wide = found.levels.shape
@@ -212,12 +212,12 @@ def test_a_pupil_of_a_file_is_made_small(tmp_path):
 
 
 def test_a_geometric_pupil_has_no_samples_to_be_asked_for():
-    assert answer(PupilWant("pupil"), sensor("jitter_mtf")) is None
+    assert answer(PupilQuery("pupil"), sensor("jitter_mtf")) is None
 
 
 def test_a_thumbnail_has_the_picture_s_extremes_and_its_black_and_white():
     scene = {"kind": "two_panel", "width": 900, "height": 300}
-    found = answer(ThumbnailWant("scene"), sensor("jitter_mtf", scene=scene))
+    found = answer(ThumbnailQuery("scene"), sensor("jitter_mtf", scene=scene))
     high, wide = found.grey.shape
     assert wide == 3 * high <= 320
     assert set(np.unique(found.grey[:, [0, -1]])) == {0, 255}
@@ -227,7 +227,7 @@ def test_a_thumbnail_has_the_picture_s_extremes_and_its_black_and_white():
 def test_a_file_that_is_not_there_is_an_error(tmp_path):
     network = Network(nodes={"node": Node("node", "read_image", {"path": "gone.tif"})})
     with pytest.raises(ImagechainError, match=r"gone\.tif"):
-        answer(ThumbnailWant("node"), network, tmp_path)
+        answer(ThumbnailQuery("node"), network, tmp_path)
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (7, 5), (640, 640), (641, 3), (1, 5000), (2047, 999)])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import constants, integrate
 
-from app.editor.panels.illustrations.queries.detectivity_query import DetectivityWant
+from app.editor.panels.illustrations.queries.detectivity_query import DetectivityQuery
 from app.run.shipped import shipped_networks
 from core.errors import ParameterError
 from core.network.file import load_network
@@ -29,7 +29,7 @@ def background_limit(wavelength_um, *, efficiency, cut_off_um, factor, kelvin, h
 def loose(**params):
     """Electronics & Noise without inputs: the makers' conditions, 300 K in a cone of 60°."""
     return answer(
-        DetectivityWant("node"), Network(nodes={"node": Node("node", "electronics_noise", params)})
+        DetectivityQuery("node"), Network(nodes={"node": Node("node", "electronics_noise", params)})
     )
 
 
@@ -74,7 +74,7 @@ def test_the_curve_of_a_sensor_sees_the_scene_through_its_optics():
     params = {"region": "LWIR", "material": "HgCdTe", "scan_mirror_rate_Hz": 16.0}
     scene = {"kind": "uniform", "temperature_K": 290.0}
     network = sensor("electronics_noise", params, scene=scene, init=INFRAMETRICS)
-    found = answer(DetectivityWant("node"), network)
+    found = answer(DetectivityQuery("node"), network)
     half_angle = math.degrees(math.atan(1 / 3.5))
     expected = background_limit(
         12.0, efficiency=0.7, cut_off_um=12.5, factor=4, kelvin=290.0, half_angle_deg=half_angle
@@ -94,7 +94,7 @@ def test_the_curve_of_a_sensor_sees_the_scene_through_its_optics():
 def test_the_published_netd_of_a_typed_detectivity():
     network = load_network(shipped_networks()["kodak_kir310_1996"], library=LIBRARY)
     network = network.with_parameter("electronics", "background_K", 305.0)
-    found = answer(DetectivityWant("electronics"), network)
+    found = answer(DetectivityQuery("electronics"), network)
     assert found.typed
     assert found.band_d_star == 3e13
     assert found.noises.detector_K == pytest.approx(0.0065, abs=5e-5)  # table 5.4, at 305 K

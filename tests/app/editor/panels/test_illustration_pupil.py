@@ -24,12 +24,12 @@ def bench(qtbot, session, tmp_path):
 
 def test_an_answer_that_comes_late_does_not_hide_what_the_document_says(bench):
     widget = bench.show(sensor("exit_pupil"))
-    want, owner = widget.wants()[0], widget._owner
-    bench.evaluator.answered.emit(Answer(99, owner, want, error=DataError("of an old edit")))
+    query, owner = widget.queries()[0], widget._owner
+    bench.evaluator.answered.emit(Answer(99, owner, query, error=DataError("of an old edit")))
     assert told(widget).startswith("clear")
     assert not widget.problem
     widget.session.do(SetParameter("node", "radius", 400.0))
-    bench.evaluator.answered.emit(Answer(99, owner, want, None))
+    bench.evaluator.answered.emit(Answer(99, owner, query, None))
     assert "diameter 800" in told(widget)
     assert widget.problem
 

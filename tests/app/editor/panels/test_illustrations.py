@@ -171,9 +171,9 @@ def test_the_essential_numbers_are_told_in_words(bench):
 def test_answers_to_others_are_not_its_own(qtbot, session, bench):
     widget = bench.show(network_of("jitter_mtf", {}))
     before = told(widget)
-    want = widget.wants()[0]
+    query = widget.queries()[0]
     error = DataError("not for it")
-    bench.evaluator.answered.emit(Answer(99, "somebody else", want, error=error))
+    bench.evaluator.answered.emit(Answer(99, "somebody else", query, error=error))
     assert told(widget) == before
     assert not widget.problem
 

@@ -11,13 +11,13 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
-from app.editor.panels.readouts import ReadoutsWant
+from app.editor.panels.readouts import ReadoutsQuery
 from app.permission.write_record import read_record
 from core.chain.engine import Engine
 from core.editing.document import Document
 from core.editing.fields import SetNode, SetParameter
+from core.editing.links import Rewire
 from core.editing.operation import ABSENT
-from core.editing.wiring import Rewire
 from core.evaluation.policy import Policy
 from core.modules.declaration import declaration
 from core.network.network import Link
@@ -162,7 +162,7 @@ def read_outs_answered(evaluator):
     answers = []
 
     def note(answer):
-        if isinstance(answer.want, ReadoutsWant):
+        if isinstance(answer.query, ReadoutsQuery):
             answers.append(answer)
 
     evaluator.answered.connect(note)
@@ -194,11 +194,11 @@ def test_what_does_not_concern_a_node_does_not_have_its_read_outs_made_again(
     area = panel_area(qtbot, session, evaluator)
     open_chain(session, "jitter_mtf", tmp_path)
     qtbot.waitUntil(lambda: texts(area)["half_contrast"] != "—")
-    want = area.panels["node"].body.readouts.want
+    query = area.panels["node"].body.readouts.query
     engine = Engine(LIBRARY)
 
     def key():
-        return want.key(engine.plan(session.network, folder=tmp_path))
+        return query.key(engine.plan(session.network, folder=tmp_path))
 
     before = key()
     assert hash(before) == hash(key())

@@ -12,3 +12,8 @@ from core.network.file import read_network
 def shipped(library):
     """Shipped networks by name."""
     return {name: read_network(path, library=library) for name, path in shipped_networks().items()}
+
+
+@pytest.fixture
+def kodak(shipped):
+    return shipped["kodak_kir310"]

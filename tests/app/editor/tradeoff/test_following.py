@@ -135,7 +135,7 @@ def test_while_edits_come_nothing_is_computed_then_the_coarse_points_first(
     opened_window.session.do(SetParameter("jitter", "sigma_mrad", 0.7), gesture="drag")
     opened_window.session.end_gesture()
     idle(opened_window)
-    parts = [answer.want.values for answer in answers]
+    parts = [answer.query.values for answer in answers]
     assert parts[0] == (0.0, 0.25, 0.5, 0.75, 1.0)
     assert shown[0] == 5  # none of the network as it was
     assert shown == np.cumsum([len(part) for part in parts]).tolist()

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from editor_queries import Asking, Gate, Readouts, Samples
 
 from app.editor.evaluation import runner
 from app.editor.evaluation.evaluator import Evaluator
@@ -15,7 +16,6 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from editor_wants import Asking, Gate, Readouts, Samples
 
 
 @dataclass(frozen=True)
@@ -119,8 +119,8 @@ def test_values_beside_a_pass_stay_beside_it():
     side = SideWork(main)
     both = Step.of(add, known, new)
     assert (side.value(both) == 3.0).all()
-    assert known.key not in side.tally.computed  # taken from the pass
-    assert {new.key, both.key} <= side.tally.computed
+    assert known.key not in side.log.computed  # taken from the pass
+    assert {new.key, both.key} <= side.log.computed
     assert base.used_bytes == before
     assert side.value(known) is first
     again = Step.of(add, new, known)

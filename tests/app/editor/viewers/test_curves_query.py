@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from app.editor.evaluation.queries import Passing
-from app.editor.viewers.plot.curves_query import CurvesWant, PortDataWant
+from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery
 from app.editor.viewers.plot.plot_export import csv_text
 from app.editor.viewers.plot.plotted_lines import transfer_drawing
 from app.run.responses import responses, responses_along
@@ -29,7 +29,7 @@ def bench(qtbot, opened):
 
 def curves(bench, angle=0.0, plan=None):
     engine, whole, work = bench.truth()
-    return CurvesWant(angle).answer(Passing(engine, plan or whole, work))
+    return CurvesQuery(angle).answer(Passing(engine, plan or whole, work))
 
 
 def named(found):
@@ -98,25 +98,25 @@ def test_curves_have_their_nodes_titles(bench):
 
 def test_the_key_tells_whether_curves_would_change(bench):
     engine, plan, _ = bench.truth()
-    key = CurvesWant().key(plan)
+    key = CurvesQuery().key(plan)
     network = bench.session.network
 
     def changed(node, name, value):
-        return CurvesWant().key(engine.plan(network.with_parameter(node, name, value)))
+        return CurvesQuery().key(engine.plan(network.with_parameter(node, name, value)))
 
     assert changed("electronics", "amplifier_snr", 8.0) == key
     assert changed("scene", "temperature_K", 250.0) == key
     assert changed("jitter", "sigma_mrad", 0.5) != key
     assert changed("pixels", "factor_x", 2) != key
-    assert CurvesWant(45.0).key(plan) != key
+    assert CurvesQuery(45.0).key(plan) != key
 
 
 def test_of_a_broken_chain_what_can_be_planned_is_plotted(bench):
     engine, _, work = bench.truth()
     network = bench.session.network.with_parameter("detector", "nonsense", 1)
     plan = engine.plan(network)
-    CurvesWant().key(plan)
-    found = CurvesWant().answer(Passing(engine, plan, work))
+    CurvesQuery().key(plan)
+    found = CurvesQuery().answer(Passing(engine, plan, work))
     names = {curve.name for curve in found.curves}
     assert {"jitter", "optics", "aberration"} <= names
     assert not names & {"detector", "total"}
@@ -128,7 +128,7 @@ def test_a_final_picture_that_failed_is_put_up_with(bench):
     engine, _, work = bench.truth()
     plan = engine.plan(bench.session.network.with_parameter("frame_grabber", "width", -3))
     assert sound_part(plan) is not plan
-    found = CurvesWant().answer(Passing(engine, plan, work))
+    found = CurvesQuery().answer(Passing(engine, plan, work))
     assert "total" in named(found)
     assert "frame_grabber" in found.trouble
 
@@ -137,7 +137,7 @@ def test_a_final_picture_that_failed_is_put_up_with(bench):
 def test_what_is_no_curve_is_told(bench, port):
     _, plan, _ = bench.truth()
     with pytest.raises(ImagechainError, match=port.partition(".")[0]):
-        PortDataWant(port).key(plan)
+        PortDataQuery(port).key(plan)
 
 
 def test_a_drawing_of_phases_alone_leaves_out_those_that_are_zero(bench):

@@ -6,7 +6,7 @@ from PySide6.QtGui import QFontMetricsF
 
 from app.editor.evaluation.queries import PassDone, Passing
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.figures.figures_query import SHOWN, FiguresWant
+from app.editor.viewers.figures.figures_query import SHOWN, FiguresQuery
 from app.editor.viewers.figures.figures_strip import FiguresStrip, figure_text
 from app.editor.widgets.elided_label import ElidedLabel
 from core.editing.fields import SetNode, SetParameter
@@ -31,7 +31,7 @@ def strip(bench):
 
 def figures(bench, preferred=None):
     engine, plan, work = bench.truth()
-    return FiguresWant(preferred).answer(Passing(engine, plan, work))
+    return FiguresQuery(preferred).answer(Passing(engine, plan, work))
 
 
 def test_figures_are_the_read_outs(bench):
@@ -124,18 +124,18 @@ def test_of_several_that_of_the_final_picture_or_the_selected_one(bench, strip):
 
 def test_the_key_tells_whether_figures_would_change(bench):
     engine, plan, _ = bench.truth()
-    key = FiguresWant().key(plan)
+    key = FiguresQuery().key(plan)
     network = bench.session.network
     changed = engine.plan(network.with_parameter("electronics", "amplifier_snr", 9.0))
-    assert FiguresWant().key(changed) != key
+    assert FiguresQuery().key(changed) != key
     same = engine.plan(network.with_parameter("frame_grabber", "width", 300))
-    assert FiguresWant().key(same) == key
+    assert FiguresQuery().key(same) == key
 
 
 def test_a_broken_network_still_has_its_figures(bench):
     engine, _, work = bench.truth()
     plan = engine.plan(bench.session.network.with_parameter("frame_grabber", "width", -3))
-    found = FiguresWant().answer(Passing(engine, plan, work))
+    found = FiguresQuery().answer(Passing(engine, plan, work))
     assert found.node == "electronics"
     assert all(each.value is not None for each in found.figures)
 

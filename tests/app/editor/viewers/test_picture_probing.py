@@ -7,7 +7,7 @@ import pytest
 
 from app.editor.viewers.pixels.picture_choices import Choices
 from app.editor.viewers.pixels.picture_facts import laid_over, picture_facts
-from app.editor.viewers.pixels.picture_query import PictureWant
+from app.editor.viewers.pixels.picture_query import PictureQuery
 from app.editor.viewers.pixels.probing import along_line, index_at, probe, probe_text
 from core.physics.radiometry.planck import band_radiance
 from picture_bench import PictureBench
@@ -19,7 +19,7 @@ def bench():
 
 
 def test_probe_tells_the_sample_and_its_temperature(bench):
-    picture = bench.answer(PictureWant("back.image"))
+    picture = bench.answer(PictureQuery("back.image"))
     samples = bench.value("back.image")
     found = probe(picture, 7, 31)
     assert found.value == float(samples[7, 31])
@@ -34,7 +34,7 @@ def test_probe_tells_the_sample_and_its_temperature(bench):
 
 
 def test_probe_of_a_plane_tells_frequencies(bench):
-    picture = bench.answer(PictureWant("jitter.mtf"))
+    picture = bench.answer(PictureQuery("jitter.mtf"))
     row, column = index_at(picture.facts, 0.0, 0.0)
     assert (row, column) == (20, 24)
     found = probe(picture, row, column)
@@ -43,7 +43,7 @@ def test_probe_of_a_plane_tells_frequencies(bench):
 
 
 def test_probe_outside_tells_nothing(bench):
-    picture = bench.answer(PictureWant("back.image"))
+    picture = bench.answer(PictureQuery("back.image"))
     assert probe(picture, -1, 0) is None
     assert probe(picture, 41, 0) is None
     assert probe(picture, 0, 48) is None
@@ -52,7 +52,7 @@ def test_probe_outside_tells_nothing(bench):
 def test_a_preview_lies_where_the_full_picture_does(bench):
     image = bench.plan.output("back.image")
     full = picture_facts(image)
-    small = bench.answer(PictureWant("pixels.image"), reduced=4).facts
+    small = bench.answer(PictureQuery("pixels.image"), reduced=4).facts
     laid = laid_over(small, full)
     assert laid.across.step == 2.0  # 24 columns over 48
     assert laid.across.first == 0.5  # the middle of columns 0 and 1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.editor.viewers.pixels.grey_levels import grey_levels
-from app.editor.viewers.pixels.picture_query import PictureWant
+from app.editor.viewers.pixels.picture_query import PictureQuery
 from core.errors import ImagechainError
 from core.network.file import parse_network
 from picture_bench import PictureBench
@@ -22,7 +22,7 @@ def bench():
 
 
 def test_samples_are_those_of_the_wire_and_not_copied(bench):
-    picture = bench.answer(PictureWant("back.image"))
+    picture = bench.answer(PictureQuery("back.image"))
     assert picture.samples is bench.value("back.image")
     for array in (picture.samples, picture.grey):
         assert not array.flags.writeable
@@ -34,7 +34,7 @@ def test_samples_are_those_of_the_wire_and_not_copied(bench):
 
 
 def test_percentiles_as_levels(bench):
-    picture = bench.answer(PictureWant("scene.image", levels="percentiles"))
+    picture = bench.answer(PictureQuery("scene.image", levels="percentiles"))
     samples = bench.value("scene.image").astype(float)
     low, high = np.percentile(samples, (0.5, 99.5))
     if low == high:
@@ -43,14 +43,14 @@ def test_percentiles_as_levels(bench):
 
 
 def test_levels_that_are_given(bench):
-    picture = bench.answer(PictureWant("back.image", levels=(1.0, 30.0)))
+    picture = bench.answer(PictureQuery("back.image", levels=(1.0, 30.0)))
     assert picture.levels == (1.0, 30.0)
     wanted = np.clip(share(picture.samples, 1.0, 30.0) * 255, 0, 255)
     assert np.abs(picture.grey - wanted).max() <= 0.5001
 
 
 def test_logarithm(bench):
-    picture = bench.answer(PictureWant("back.image", mapping="log"))
+    picture = bench.answer(PictureQuery("back.image", mapping="log"))
     assert picture.samples is bench.value("back.image")
     logarithm = np.log10(np.abs(picture.samples.astype(float)))
     assert picture.levels == pytest.approx((logarithm.min(), logarithm.max()), abs=1e-6)
@@ -58,7 +58,7 @@ def test_logarithm(bench):
 
 
 def test_centred_spectrum_of_a_picture(bench):
-    picture = bench.answer(PictureWant("back.image", mapping="spectrum"))
+    picture = bench.answer(PictureQuery("back.image", mapping="spectrum"))
     samples = bench.value("back.image").astype(float)
     modulus = np.fft.fftshift(np.abs(np.fft.fft2(samples)))
     assert np.allclose(picture.samples, modulus, rtol=1e-4, atol=1e-6 * modulus.max())
@@ -69,7 +69,7 @@ def test_centred_spectrum_of_a_picture(bench):
 
 @pytest.mark.parametrize("port", ["jitter.magnitude", "init.phase", "jitter.mtf"])
 def test_planes_have_zero_frequency_in_the_middle(bench, port):
-    picture = bench.answer(PictureWant(port))
+    picture = bench.answer(PictureQuery(port))
     plane = bench.value(port)
     assert (picture.samples == np.fft.fftshift(plane)).all()
     facts, grid = picture.facts, bench.plan.output(port).grid
@@ -83,20 +83,20 @@ def test_planes_have_zero_frequency_in_the_middle(bench, port):
 
 
 def test_a_plane_is_its_own_spectrum(bench):
-    linear = bench.answer(PictureWant("jitter.mtf"))
-    spectrum = bench.answer(PictureWant("jitter.mtf", mapping="spectrum"))
+    linear = bench.answer(PictureQuery("jitter.mtf"))
+    spectrum = bench.answer(PictureQuery("jitter.mtf", mapping="spectrum"))
     assert (linear.grey == spectrum.grey).all()
     assert not spectrum.logarithmic
 
 
 def test_pupil(bench):
-    picture = bench.answer(PictureWant("pupil.pupil"))
+    picture = bench.answer(PictureQuery("pupil.pupil"))
     assert (picture.facts.rows, picture.facts.columns) == (24, 32)
     assert (picture.samples == bench.value("pupil.pupil")).all()
 
 
 def test_difference(bench):
-    picture = bench.answer(PictureWant("back.image", "scene.image", "difference"))
+    picture = bench.answer(PictureQuery("back.image", "scene.image", "difference"))
     wanted = bench.value("back.image") - bench.value("scene.image")
     assert (picture.samples == wanted).all()
     reach = float(np.abs(wanted).max())
@@ -106,34 +106,34 @@ def test_difference(bench):
 
 
 def test_wipe_has_the_same_levels_on_both_sides(bench):
-    picture = bench.answer(PictureWant("scene.image", "pixels.image", "wipe"))
+    picture = bench.answer(PictureQuery("scene.image", "pixels.image", "wipe"))
     assert picture.other.levels == picture.levels
     assert (picture.other.samples == bench.value("pixels.image")).all()
     assert picture.other.grey.shape == (41, 24)
 
 
 def test_wipe_of_different_quantities_has_levels_of_their_own(bench):
-    picture = bench.answer(PictureWant("scene.image", "jitter.mtf", "wipe", levels=(3.0, 4.0)))
+    picture = bench.answer(PictureQuery("scene.image", "jitter.mtf", "wipe", levels=(3.0, 4.0)))
     mtf = bench.value("jitter.mtf")
     assert picture.levels == (3.0, 4.0)
     assert picture.other.levels == (float(mtf.min()), float(mtf.max()))
 
 
 @pytest.mark.parametrize(
-    ("want", "words"),
+    ("query", "words"),
     [
-        (PictureWant("init.context"), "init.context is a context"),
-        (PictureWant("nothing.image"), "no node 'nothing'"),
-        (PictureWant("scene.magnitude"), "no output 'magnitude'"),
-        (PictureWant("lonely.image"), "input"),
-        (PictureWant("scene.image", "pixels.image", "difference"), "48 × 41 .* 24 × 41"),
-        (PictureWant("scene.image", "jitter.mtf", "difference"), "a picture .* a plane"),
-        (PictureWant("init.phase", "jitter.mtf", "difference"), "in rad.* in no unit"),
+        (PictureQuery("init.context"), "init.context is a context"),
+        (PictureQuery("nothing.image"), "no node 'nothing'"),
+        (PictureQuery("scene.magnitude"), "no output 'magnitude'"),
+        (PictureQuery("lonely.image"), "input"),
+        (PictureQuery("scene.image", "pixels.image", "difference"), "48 × 41 .* 24 × 41"),
+        (PictureQuery("scene.image", "jitter.mtf", "difference"), "a picture .* a plane"),
+        (PictureQuery("init.phase", "jitter.mtf", "difference"), "in rad.* in no unit"),
     ],
 )
-def test_what_cannot_be_shown_says_why(bench, want, words):
+def test_what_cannot_be_shown_says_why(bench, query, words):
     with pytest.raises(ImagechainError, match=words) as caught:
-        bench.answer(want)
+        bench.answer(query)
     assert "\n" not in str(caught.value)
 
 
@@ -150,22 +150,22 @@ def test_samples_that_are_not_finite_are_told(bench, tmp_path):
     network = parse_network(json.dumps(document), library=bench.engine.library)
     plan = bench.engine.plan(network, folder=tmp_path)
     with pytest.raises(ImagechainError, match="not finite"):
-        bench.answer(PictureWant("file.image"), plan)
+        bench.answer(PictureQuery("file.image"), plan)
 
 
 def test_the_key_tells_whether_the_picture_would_change(bench):
-    want = PictureWant("scene.image")
-    key = want.key(bench.plan)
-    assert want.key(bench.changed("jitter", "sigma_mrad", 0.1)) == key
-    assert want.key(bench.changed("scene", "temperature_K", 250.0)) != key
-    assert want.key(bench.changed("scene", "fov_x_deg", 4.0)) != key
-    assert PictureWant("scene.image", mapping="log").key(bench.plan) != key
-    both = PictureWant("scene.image", "back.image", "wipe")
+    query = PictureQuery("scene.image")
+    key = query.key(bench.plan)
+    assert query.key(bench.changed("jitter", "sigma_mrad", 0.1)) == key
+    assert query.key(bench.changed("scene", "temperature_K", 250.0)) != key
+    assert query.key(bench.changed("scene", "fov_x_deg", 4.0)) != key
+    assert PictureQuery("scene.image", mapping="log").key(bench.plan) != key
+    both = PictureQuery("scene.image", "back.image", "wipe")
     assert both.key(bench.changed("jitter", "sigma_mrad", 0.1)) != both.key(bench.plan)
-    alone = PictureWant("scene.image", "back.image", "alone")
+    alone = PictureQuery("scene.image", "back.image", "alone")
     assert alone.key(bench.changed("jitter", "sigma_mrad", 0.1)) == alone.key(bench.plan)
 
 
 def test_a_want_is_a_picture_of_a_pass_that_previews_may_answer():
-    assert (PictureWant.urgency, PictureWant.from_preview) == (0, True)
-    assert hash(PictureWant("a.image")) == hash(PictureWant("a.image"))
+    assert (PictureQuery.urgency, PictureQuery.from_preview) == (0, True)
+    assert hash(PictureQuery("a.image")) == hash(PictureQuery("a.image"))

@@ -14,7 +14,7 @@ from PySide6.QtSvg import QSvgRenderer
 
 from app.editor.evaluation.queries import Passing
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.curves_query import CurvesWant
+from app.editor.viewers.plot.curves_query import CurvesQuery
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from core.chain.results import CurveData
 from core.editing.fields import SetParameter
@@ -40,7 +40,7 @@ def viewer(bench):
 
 def curves(bench, angle=0.0, plan=None):
     engine, whole, work = bench.truth()
-    return CurvesWant(angle).answer(Passing(engine, plan or whole, work))
+    return CurvesQuery(angle).answer(Passing(engine, plan or whole, work))
 
 
 def named(found):

@@ -19,7 +19,7 @@ def nothing(*_):
         (Field, {}, "build"),
         (Field, {"build": nothing}, "show_value"),
         (Illustration, {}, "draw"),
-        (Illustration, {"draw": nothing, "wants": nothing}, "take"),
+        (Illustration, {"draw": nothing, "queries": nothing}, "take"),
     ],
 )
 def test_a_class_that_leaves_it_open_is_refused(base, body, missing):

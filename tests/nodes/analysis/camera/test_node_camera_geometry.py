@@ -182,13 +182,13 @@ def test_an_edit_computes_what_it_moves(tmp_path):
     work = engine.work(Policy())
     engine.value(first, "camera.image", work)
     _, second = planned(tmp_path, picture, engine, **WIDE, outside="fill", fill_value=3.0)
-    before = set(work.tally.computed)
+    before = set(work.log.computed)
     engine.value(second, "camera.image", work)
-    assert len(work.tally.computed - before) == 1
+    assert len(work.log.computed - before) == 1
     _, third = planned(tmp_path, picture, engine, **{**WIDE, "altitude_m": 48.0}, outside="fill")
-    before = set(work.tally.computed)
+    before = set(work.log.computed)
     engine.value(third, "camera.image", work)
-    assert len(work.tally.computed - before) == 3  # footprints, their share, the picture
+    assert len(work.log.computed - before) == 3  # footprints, their share, the picture
 
 
 def test_planning_computes_nothing(tmp_path):

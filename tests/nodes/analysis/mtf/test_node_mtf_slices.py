@@ -12,7 +12,7 @@ from core.chain.results import SampledTransfer
 from core.chain.wires import Magnitude, Transfer
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
-from core.modules.declaration import Here
+from core.modules.declaration import NodeContext
 from core.modules.library_type import library_of
 from core.transfer.factors import Law, Planar, Separable
 from core.transfer.grid import Grid
@@ -134,7 +134,7 @@ def curve_of(transfer, **slicing):
     """Slices of any transfer, without a network."""
     module = MtfSlices.build(slicing)
     engine = Engine(LIBRARY)
-    output = module.run(transfer, Here("slices"))
+    output = module.run(transfer, NodeContext("slices"))
     return engine.work(Policy()).value(output.curve.recipe)
 
 

@@ -6,13 +6,13 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from app.editor.evaluation.queries import Passing, Want
+from app.editor.evaluation.queries import Passing, Query
 from core.chain.engine import Plan
 from core.physics.sampling.ground_geometry import Camera
 
 
 @dataclass(frozen=True)
-class CameraWant(Want):
+class CameraQuery(Query):
     """The camera, with what its panel leaves empty worked out; None of a disabled node."""
 
     urgency: ClassVar[int] = 1

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.evaluation.queries import Passing, Want
+from app.editor.evaluation.queries import Passing, Query
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Context
 from core.errors import ImagechainError, ParameterError
@@ -83,7 +83,7 @@ class Detectivity:
 
 
 @dataclass(frozen=True)
-class DetectivityWant(Want):
+class DetectivityQuery(Query):
     """D*(λ) of the node's detector, what it is in the band, and what comes of it.
 
     Without a picture, the curve is that of the makers' conditions.

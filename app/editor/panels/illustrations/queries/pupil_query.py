@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.evaluation.queries import Passing, Want
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.queries.shrinking import shrunk
 from core.chain.engine import Plan
 from core.chain.wires import Pupil
@@ -38,7 +38,7 @@ class SmallPupil:
 
 
 @dataclass(frozen=True)
-class PupilWant(Want):
+class PupilQuery(Query):
     """What the file of an exit pupil holds."""
 
     urgency: ClassVar[int] = 1

@@ -6,13 +6,13 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import ClassVar
 
-from app.editor.evaluation.queries import Passing, Want
+from app.editor.evaluation.queries import Passing, Query
 from core.chain.engine import Plan
 from core.chain.wires import Context
 
 
 @dataclass(frozen=True)
-class SamplingWant(Want):
+class SamplingQuery(Query):
     """The sensor's geometry, as its data structure; None of a disabled node."""
 
     urgency: ClassVar[int] = 1

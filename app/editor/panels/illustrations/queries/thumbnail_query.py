@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.evaluation.queries import Passing, Want
+from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.queries.shrinking import shrunk
 from app.editor.viewers.pixels.grey_levels import extremes, grey_levels
 from core.chain.engine import Plan
@@ -39,7 +39,7 @@ class Thumbnail:
 
 
 @dataclass(frozen=True)
-class ThumbnailWant(Want):
+class ThumbnailQuery(Query):
     """The picture that the node gives."""
 
     urgency: ClassVar[int] = 1

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from app.editor.evaluation.queries import Passing, Want
+from app.editor.evaluation.queries import Passing, Query
 from app.run.responses import Axis, response
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Transfer
@@ -73,7 +73,7 @@ class TransferLines:
 
 
 @dataclass(frozen=True)
-class TransferWant(Want):
+class TransferQuery(Query):
     """The node's own MTF, or PTF, from 0 to the image's Nyquist frequency or a cutoff."""
 
     urgency: ClassVar[int] = 1

@@ -4,7 +4,7 @@ import pytest
 
 from app.editor.evaluation.queries import Answer
 from app.editor.theme import DARK
-from app.editor.viewers.plot.curves_query import PortDataWant
+from app.editor.viewers.plot.curves_query import PortDataQuery
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 
 PORT = "a.curve"
@@ -20,7 +20,7 @@ def shown(session, qtbot):
         qtbot.addWidget(viewer)
         viewer.resize(*size)
         viewer.show()
-        viewer.take(Answer(1, viewer.owner, PortDataWant(PORT), data))
+        viewer.take(Answer(1, viewer.owner, PortDataQuery(PORT), data))
         qtbot.wait(20)
         return viewer
 

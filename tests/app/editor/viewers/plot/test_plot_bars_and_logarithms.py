@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor
 
 from app.editor.evaluation.queries import Answer
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.curves_query import PortDataWant
+from app.editor.viewers.plot.curves_query import PortDataQuery
 from app.editor.viewers.plot.plot_export import csv_text
 from app.editor.viewers.plot.plotted_lines import curve_drawing, y_range
 from core.chain.results import CurveData, Series
@@ -116,7 +116,7 @@ def test_many_bars_scroll(shown):
 
 def test_curves_take_the_place_of_bars_again(shown):
     viewer = shown(bars([1.0, 2.0, 3.0]))
-    viewer.take(Answer(2, viewer.owner, PortDataWant(PORT), MRTD))
+    viewer.take(Answer(2, viewer.owner, PortDataQuery(PORT), MRTD))
     assert viewer.canvas.isVisible()
     assert not viewer.bars.isVisible()
 
@@ -172,10 +172,10 @@ def test_the_button_switches_and_is_remembered(shown, qtbot):
     assert state["log"] is False
     other = shown(MRTD)
     other.restore(state)
-    other.take(Answer(1, other.owner, PortDataWant(PORT), MRTD))
+    other.take(Answer(1, other.owner, PortDataQuery(PORT), MRTD))
     assert not other.bar.log.isChecked()
     other.look_at("b.curve")
-    other.take(Answer(1, other.owner, PortDataWant("b.curve"), MRTD))
+    other.take(Answer(1, other.owner, PortDataQuery("b.curve"), MRTD))
     assert other.bar.log.isChecked()
 
 

@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor
 
 from app.editor.evaluation.queries import Answer
 from app.editor.theme import DARK, LIGHT
-from app.editor.viewers.plot.curves_query import PortDataWant
+from app.editor.viewers.plot.curves_query import PortDataQuery
 from app.editor.viewers.plot.plot_looks import PlotAxis
 from core.chain.results import CurveData, Series
 
@@ -37,7 +37,7 @@ def test_a_logarithmic_abscissa(shown):
     assert -1.1 < low < -1.0 < 2.0 < high < 2.1
     axis = viewer.canvas._plots[0].getAxis("bottom")
     assert axis.tickStrings([-1.0, 0.0, 1.0, 2.0], 1.0, 1) == ["0.1", "1", "10", "100"]
-    viewer.take(Answer(2, viewer.owner, PortDataWant(PORT), LINEAR))
+    viewer.take(Answer(2, viewer.owner, PortDataQuery(PORT), LINEAR))
     assert viewer.canvas._curves[0]["0"].getData()[0][-1] == 2.0
     assert viewer.canvas._plots[0].getAxis("bottom").tickStrings([2.0], 1.0, 1) == ["2"]
 

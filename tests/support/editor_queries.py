@@ -7,16 +7,16 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from app.editor.evaluation.queries import Want
+from app.editor.evaluation.queries import Query
 from core.chain.wires import Image
 from core.evaluation.recipes import Step
-from core.modules.declaration import Here, Module
+from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from nodes.shared.module_ports import ImageOutput
 
 
 @dataclass(frozen=True)
-class Samples(Want):
+class Samples(Query):
     """The picture of a port as it is."""
 
     port: str
@@ -31,7 +31,7 @@ class Samples(Want):
 
 
 @dataclass(frozen=True)
-class Readouts(Want):
+class Readouts(Query):
     """The read-outs of a node."""
 
     node: str
@@ -48,7 +48,7 @@ class Readouts(Want):
 
 
 @dataclass(frozen=True)
-class Asking(Want):
+class Asking(Query):
     """Calls a function with the pass; asked anew each time."""
 
     function: Any
@@ -81,7 +81,7 @@ class SlowCopy(Module, key="slow_copy", title="Slow Copy", group="Test"):
     added: Annotated[float, Param("what is added")] = 0.0
     ns_per_sample: Annotated[float, Param("time", unit="ns", low=0)] = 0.0
 
-    def run(self, image: Image, here: Here) -> ImageOutput:
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
         """Plan the copy."""
         recipe = Step.of(
             _slowly, image.recipe, node=here.node, added=self.added, ns=self.ns_per_sample
