@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from core.editing.fields import SetExtra
+from core.editing.fields import set_network_field
 from core.editing.operation import ABSENT, Operation
 from core.errors import NetworkError
 from core.names import thaw
@@ -42,7 +42,7 @@ def backdrops_of(network: Network) -> tuple[Backdrop, ...]:
 def add(network: Network, backdrop: Backdrop) -> Operation:
     """Put a backdrop before the others."""
     entries = [*_entries(network), _entry({}, backdrop)]
-    return SetExtra(FIELD, entries, "Add backdrop")
+    return set_network_field(FIELD, entries, "Add backdrop")
 
 
 def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
@@ -56,7 +56,7 @@ def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
     entries = _entries(network)
     place = _place(network, index)
     entries[place] = _entry(entries[place], backdrop)
-    return SetExtra(FIELD, entries, "Change backdrop")
+    return set_network_field(FIELD, entries, "Change backdrop")
 
 
 def remove(network: Network, index: int) -> Operation:
@@ -69,7 +69,7 @@ def remove(network: Network, index: int) -> Operation:
     """
     entries = _entries(network)
     del entries[_place(network, index)]
-    return SetExtra(FIELD, entries or ABSENT, "Delete backdrop")
+    return set_network_field(FIELD, entries or ABSENT, "Delete backdrop")
 
 
 def around(

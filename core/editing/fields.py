@@ -1,181 +1,108 @@
-"""Operations that set one field: of a node's parameters, of a node, of the network."""
+"""The operation that sets one field: of a node's parameters, of a node, of the network."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 from core.editing.operation import ABSENT, Operation, check_plain, with_field
 from core.errors import NetworkError
 from core.names import freeze, thaw
-from core.network.network import Network
+from core.network.network import Network, Node
 
-NodeField = Literal["auto", "disabled"]
-NetworkField = Literal["name", "description", "seed"]
-
-
-@dataclass(frozen=True)
-class SetParameter(Operation):
-    """Give a parameter a value as a network file has it; ABSENT leaves it at its default."""
-
-    sets: ClassVar[bool] = True
-
-    node: str
-    name: str
-    value: Any
-
-    @property
-    def text(self) -> str:
-        """What it does."""
-        return f"{'Reset' if self.value is ABSENT else 'Set'} {self.node}.{self.name}"
-
-    def apply(self, network: Network) -> Network:
-        """The network with the value."""
-        old = network.node(self.node)
-        if self.value is not ABSENT:
-            check_value(self.value, f"{self.node}.{self.name}")
-            return network.with_parameter(self.node, self.name, self.value)
-        params = {name: value for name, value in old.params.items() if name != self.name}
-        return network.with_node(replace(old, params=params))
-
-    def inverse(self, network: Network) -> Operation:
-        """Give it the value it had."""
-        had = network.node(self.node).params.get(self.name, ABSENT)
-        return SetParameter(self.node, self.name, thaw(had))
-
-    def joined(self, later: Operation) -> Operation | None:
-        """The later value, if it is of the same parameter."""
-        if not isinstance(later, SetParameter):
-            return None
-        return later if (later.node, later.name) == (self.node, self.name) else None
+_OF_NODE = ("auto", "disabled")
+_OF_NETWORK = ("name", "description", "seed")
+# Fields that other operations change, as more than one value depends on them.
+_NOT_OF_NODE = {"module", "params", "final"}
+_NOT_OF_NETWORK = {"nodes", "links", "layout", "format", "version"}
 
 
 @dataclass(frozen=True)
-class SetNode(Operation):
-    """Set whether a node is generated automatically, or disabled."""
+class SetField(Operation):
+    """Set the field at a path of the network's file; ABSENT takes it away.
+
+    Parameters
+    ----------
+    path : tuple of str
+        ``("seed",)``, ``("nodes", node, "disabled")`` or ``("nodes", node, "params", parameter)``.
+    value
+        As a network file has it.
+    label : str, optional
+        What the undo menu says.
+    """
 
     sets: ClassVar[bool] = True
 
-    node: str
-    name: NodeField
-    value: bool | None
-
-    @property
-    def text(self) -> str:
-        """What it does."""
-        if self.name == "disabled":
-            return f"{'Disable' if self.value else 'Enable'} {self.node}"
-        return f"{'Hold' if self.value is False else 'Auto-generate'} {self.node}"
-
-    def apply(self, network: Network) -> Network:
-        """The network with the field set."""
-        changes: dict[str, Any] = {self.name: self.value}
-        return network.with_node(replace(network.node(self.node), **changes))
-
-    def inverse(self, network: Network) -> Operation:
-        """Set it as it was."""
-        return SetNode(self.node, self.name, getattr(network.node(self.node), self.name))
-
-    def joined(self, later: Operation) -> Operation | None:
-        """The later value, if it is of the same field."""
-        if not isinstance(later, SetNode):
-            return None
-        return later if (later.node, later.name) == (self.node, self.name) else None
-
-
-@dataclass(frozen=True)
-class SetNodeExtra(Operation):
-    """Set another field of a node, such as ``pinned``; ABSENT takes it away."""
-
-    sets: ClassVar[bool] = True
-
-    node: str
-    name: str
-    value: Any
-
-    @property
-    def text(self) -> str:
-        """What it does."""
-        return f"Set {self.name} of {self.node}"
-
-    def apply(self, network: Network) -> Network:
-        """The network with the field."""
-        check_value(self.value, f"{self.node}.{self.name}")
-        old = network.node(self.node)
-        return network.with_node(replace(old, extra=with_field(old.extra, self.name, self.value)))
-
-    def inverse(self, network: Network) -> Operation:
-        """Set it as it was."""
-        had = network.node(self.node).extra.get(self.name, ABSENT)
-        return SetNodeExtra(self.node, self.name, thaw(had))
-
-    def joined(self, later: Operation) -> Operation | None:
-        """The later value, if it is of the same field."""
-        if not isinstance(later, SetNodeExtra):
-            return None
-        return later if (later.node, later.name) == (self.node, self.name) else None
-
-
-@dataclass(frozen=True)
-class SetNetwork(Operation):
-    """Set the network's name, description or seed."""
-
-    sets: ClassVar[bool] = True
-
-    name: NetworkField
-    value: Any
-
-    @property
-    def text(self) -> str:
-        """What it does."""
-        return f"Set the network's {self.name}"
-
-    def apply(self, network: Network) -> Network:
-        """The network with it."""
-        check_value(self.value, self.name)
-        if self.name != "seed" and not isinstance(self.value, str):
-            raise NetworkError(f"the network's {self.name} must be a text, not {self.value!r:.80}")
-        changes: dict[str, Any] = {self.name: self.value}
-        return replace(network, **changes)
-
-    def inverse(self, network: Network) -> Operation:
-        """Set it as it was."""
-        return SetNetwork(self.name, getattr(network, self.name))
-
-    def joined(self, later: Operation) -> Operation | None:
-        """The later value, if it is of the same field."""
-        return later if isinstance(later, SetNetwork) and later.name == self.name else None
-
-
-@dataclass(frozen=True)
-class SetExtra(Operation):
-    """Set another field of the network, such as ``backdrops``; ABSENT takes it away."""
-
-    sets: ClassVar[bool] = True
-
-    name: str
+    path: tuple[str, ...]
     value: Any
     label: str = ""
 
     @property
     def text(self) -> str:
         """What it does."""
-        return self.label or f"Set {self.name}"
+        if self.label:
+            return self.label
+        match self.path:
+            case ("nodes", node, "params", name):
+                return f"{'Reset' if self.value is ABSENT else 'Set'} {node}.{name}"
+            case ("nodes", node, "disabled"):
+                return f"{'Disable' if self.value else 'Enable'} {node}"
+            case ("nodes", node, "auto"):
+                return f"{'Hold' if self.value is False else 'Auto-generate'} {node}"
+            case ("nodes", node, name):
+                return f"Set {name} of {node}"
+            case (name,) if name in _OF_NETWORK:
+                return f"Set the network's {name}"
+        return f"Set {self.path[-1]}"
 
     def apply(self, network: Network) -> Network:
         """The network with the field."""
-        check_value(self.value, self.name)
-        return replace(network, extra=with_field(network.extra, self.name, self.value))
+        match self.path:
+            case ("nodes", node, "params", name):
+                check_value(self.value, f"{node}.{name}")
+                return _with_parameter(network, node, name, self.value)
+            case ("nodes", node, name) if name not in _NOT_OF_NODE:
+                check_value(self.value, f"{node}.{name}")
+                return network.with_node(_with_node_field(network.node(node), name, self.value))
+            case (name,) if name not in _NOT_OF_NETWORK:
+                check_value(self.value, name)
+                return _with_network_field(network, name, self.value)
+        raise NetworkError(f"{'.'.join(self.path)} is no field that can be set by itself")
 
     def inverse(self, network: Network) -> Operation:
         """Set it as it was."""
-        return SetExtra(self.name, thaw(network.extra.get(self.name, ABSENT)), self.text)
+        had: Any = ABSENT
+        match self.path:
+            case ("nodes", node, "params", name):
+                had = network.node(node).params.get(name, ABSENT)
+            case ("nodes", node, name):
+                fields = network.node(node)
+                had = getattr(fields, name) if name in _OF_NODE else fields.extra.get(name, ABSENT)
+            case (name,):
+                known = name in _OF_NETWORK
+                had = getattr(network, name) if known else network.extra.get(name, ABSENT)
+        return replace(self, value=thaw(had))
 
     def joined(self, later: Operation) -> Operation | None:
         """The later value, if it is of the same field."""
-        if not isinstance(later, SetExtra) or later.name != self.name:
+        if not isinstance(later, SetField) or later.path != self.path:
             return None
-        return replace(later, label=self.text)
+        return replace(later, label=self.label)
+
+
+def set_parameter(node: str, name: str, value: Any) -> SetField:
+    """Give a parameter a value as a network file has it; ABSENT leaves it at its default."""
+    return SetField(("nodes", node, "params", name), value)
+
+
+def set_node_field(node: str, name: str, value: Any) -> SetField:
+    """Set ``auto``, ``disabled`` or another field of a node, such as ``pinned``."""
+    return SetField(("nodes", node, name), value)
+
+
+def set_network_field(name: str, value: Any, label: str = "") -> SetField:
+    """Set the network's name, description, seed or another field, such as ``backdrops``."""
+    return SetField((name,), value, label)
 
 
 def check_value(value: Any, what: str) -> None:
@@ -188,3 +115,26 @@ def check_value(value: Any, what: str) -> None:
     """
     if value is not ABSENT:
         check_plain(freeze(value), what)
+
+
+def _with_parameter(network: Network, node: str, name: str, value: Any) -> Network:
+    old = network.node(node)
+    if value is not ABSENT:
+        return network.with_parameter(node, name, value)
+    return network.with_node(replace(old, params=with_field(old.params, name, ABSENT)))
+
+
+def _with_node_field(node: Node, name: str, value: Any) -> Node:
+    if name in _OF_NODE:
+        changes: dict[str, Any] = {name: value}
+        return replace(node, **changes)
+    return replace(node, extra=with_field(node.extra, name, value))
+
+
+def _with_network_field(network: Network, name: str, value: Any) -> Network:
+    if name not in _OF_NETWORK:
+        return replace(network, extra=with_field(network.extra, name, value))
+    if name != "seed" and not isinstance(value, str):
+        raise NetworkError(f"the network's {name} must be a text, not {value!r:.80}")
+    changes: dict[str, Any] = {name: value}
+    return replace(network, **changes)

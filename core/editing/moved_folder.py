@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.editing.operation import Operation, together
 from core.modules.declaration import declaration
 from core.network.network import Library, Network
@@ -37,7 +37,7 @@ def rebased(
             if parameter.kind == "path" and isinstance(value, str) and _relative(value):
                 moved = _from(old / value, new)
                 if moved != value:
-                    steps.append(SetParameter(node.id, parameter.name, moved))
+                    steps.append(set_parameter(node.id, parameter.name, moved))
     return together(steps, "Keep file names") if steps else None
 
 

@@ -8,7 +8,7 @@ from collections.abc import Container, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from core.editing.fields import SetExtra
+from core.editing.fields import set_network_field
 from core.editing.links import Rewire, displaced
 from core.editing.operation import ABSENT, Operation, Together, named
 from core.editing.references import dropped, renamed
@@ -201,7 +201,7 @@ def _back_to(wanted: Mapping[str, Any], present: Mapping[str, Any]) -> list[Oper
     """What sets the network's other fields as they were."""
     wanted, present = thaw(wanted), thaw(present)
     return [
-        SetExtra(name, wanted.get(name, ABSENT))
+        set_network_field(name, wanted.get(name, ABSENT))
         for name in {**wanted, **present}
         if wanted.get(name, ABSENT) != present.get(name, ABSENT)
     ]

@@ -9,7 +9,7 @@ from typing import Any
 
 from core.editing import backdrops
 from core.editing.clipboard import copied, duplicated, pasted
-from core.editing.fields import SetExtra, SetNetwork, SetNode, SetNodeExtra, SetParameter
+from core.editing.fields import set_network_field, set_node_field, set_parameter
 from core.editing.fitting import fitting, inserted, new_node, refusal, wired_to
 from core.editing.layout.arrange import arranged
 from core.editing.links import Rewire
@@ -199,7 +199,7 @@ def _parameter(e: Editor) -> Operation | None:
     module = e.library.get(e.network.nodes[name].module)
     names = [p.name for p in declaration(module).parameters] if module else ["strange", "new"]
     values = [0, 1, 1.0, True, 0.25, "auto", [1, 2.0], None, {"a": [1]}, Path("a/b.png"), ABSENT]
-    return SetParameter(name, e.random.choice(names), e.random.choice(values)) if names else None
+    return set_parameter(name, e.random.choice(names), e.random.choice(values)) if names else None
 
 
 def _switch(e: Editor) -> Operation | None:
@@ -208,7 +208,7 @@ def _switch(e: Editor) -> Operation | None:
         return None
     field = e.random.choice(["auto", "disabled"])
     values = [True, False] if field == "disabled" else [True, False, None]
-    return SetNode(name, field, e.random.choice(values))
+    return set_node_field(name, field, e.random.choice(values))
 
 
 def _output(e: Editor) -> Operation | None:
@@ -220,17 +220,17 @@ def _output(e: Editor) -> Operation | None:
 def _node_extra(e: Editor) -> Operation | None:
     name = e.name()
     value = e.random.choice([True, False, ABSENT, [1, {"b": 2}]])
-    return SetNodeExtra(name, e.random.choice(["pinned", "note"]), value) if name else None
+    return set_node_field(name, e.random.choice(["pinned", "note"]), value) if name else None
 
 
 def _network_field(e: Editor) -> Operation | None:
     pairs = [("name", "Øre"), ("description", ""), ("seed", e.random.randint(0, 9))]
-    return SetNetwork(*e.random.choice(pairs))
+    return set_network_field(*e.random.choice(pairs))
 
 
 def _extra_field(e: Editor) -> Operation | None:
     value = e.random.choice([ABSENT, [1, 2], {"a": 1}, "jitter_mtf.image", None])
-    return SetExtra(e.random.choice(["final", "published", "conflicts", "other"]), value)
+    return set_network_field(e.random.choice(["final", "published", "conflicts", "other"]), value)
 
 
 def _backdrop(e: Editor) -> Operation | None:
@@ -272,7 +272,7 @@ def _picture(e: Editor) -> Operation | None:
     """A picture that is dropped on the canvas."""
     name, adding = new_node(e.network, e.library, "read_image", e.point())
     path = e.random.choice(["scene.exr", "../pictures/scene.exr", "/elsewhere/scene.exr"])
-    return Together((adding, SetParameter(name, "path", path)), "Read scene.exr")
+    return Together((adding, set_parameter(name, "path", path)), "Read scene.exr")
 
 
 def _rebase(e: Editor) -> Operation | None:

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QApplication, QComboBox, QStyle, QStyleOptionSlide
 
 from app.editor.panels.panel_area import PanelArea
 from app.editor.theme import DARK
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.editing.nodes import Add, Placed
 from core.errors import ParameterError
 from core.modules.declaration import declaration
@@ -58,7 +58,7 @@ def field_of(area, session, name, node="node"):
     for section in sections.sections:
         if name in section.parameters and section.shown_when and not field.isVisible():
             other, values = section.shown_when
-            session.do(SetParameter(node, other, values[0]))
+            session.do(set_parameter(node, other, values[0]))
     QApplication.processEvents()
     area.ensureWidgetVisible(field)
     assert field.isVisible(), name

@@ -22,7 +22,7 @@ from app.editor.measures.trial_window import PaintedPictures, live, settle, tria
 from app.editor.window.documents.opening import Opened, open_named
 from app.editor.window.main_window import MainWindow
 from core.editing.document import Document
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 
 NODE, PARAMETER = "aberration", "sigma_x_mrad"
 MOVES_PER_S = 60
@@ -89,7 +89,7 @@ def open_slider(
     library = window.session.library
     network = open_named("kodak_kir310", library=library).document.network
     for side in ("width", "height"):
-        network = SetParameter("scene", side, size).apply(network)
+        network = set_parameter("scene", side, size).apply(network)
     window.files.show(Opened(Document(replace(network), library=library)))
     settle(window)
     window.session.select([node])

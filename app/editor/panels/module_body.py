@@ -14,7 +14,7 @@ from app.editor.panels.sections_view import SectionsView
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.widgets.colours import set_ink
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.editing.operation import ABSENT
 from core.modules.declaration import Declaration
 from core.network.network import Network
@@ -103,11 +103,11 @@ class ModuleBody(QWidget):
 
     def _edit(self, name: str, value: object, gesture: object) -> None:
         if self._node in self._session.network.nodes:
-            self._session.do(SetParameter(self._node, name, value), gesture=gesture)
+            self._session.do(set_parameter(self._node, name, value), gesture=gesture)
 
     def _trade_off(self, name: str) -> None:
         self.trade_off_requested.emit(self._node, name)
 
     def _reset(self, name: str) -> None:
         if self._node in self._session.network.nodes:
-            self._session.do(SetParameter(self._node, name, ABSENT))
+            self._session.do(set_parameter(self._node, name, ABSENT))

@@ -12,7 +12,7 @@ from app.editor.panels.head import TitleBar
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.widgets.colours import set_ground, set_ink
-from core.editing.fields import SetNetwork
+from core.editing.fields import set_network_field
 from core.errors import ParameterError
 from core.network.network import SEEDS, Network, check_seed
 
@@ -121,11 +121,11 @@ class NetworkPanel(QFrame):
         self.seed_problem.setVisible(bool(text))
 
     def _set_name(self, text: str) -> None:
-        self._session.do(SetNetwork("name", text))
+        self._session.do(set_network_field("name", text))
         self.name.show_text(self._session.network.name)
 
     def _set_description(self, text: str) -> None:
-        self._session.do(SetNetwork("description", text))
+        self._session.do(set_network_field("description", text))
         self.description.show_text(self._session.network.description)
 
     def _set_seed(self, text: str) -> None:
@@ -137,7 +137,7 @@ class NetworkPanel(QFrame):
             self._say(error.message)
             self.seed.mark(self._theme.error)
             return
-        self._session.do(SetNetwork("seed", seed))
+        self._session.do(set_network_field("seed", seed))
         self._show_seed(self._session.network)
 
 

@@ -13,7 +13,7 @@ from app.editor.panels.module_body import ModuleBody
 from app.editor.panels.unknown_body import UnknownBody
 from app.editor.session import Session
 from app.editor.theme import Theme
-from core.editing.fields import SetNode, SetNodeExtra
+from core.editing.fields import set_node_field
 from core.editing.nodes import Rename
 from core.editing.operation import ABSENT, Operation
 from core.editing.output_mark import has_picture, output_toggled
@@ -174,10 +174,10 @@ class NodePanel(QFrame):
         self.head.say_of_name("")
 
     def _set_auto(self) -> None:
-        self._do(SetNode(self.node, "auto", self.head.auto.isChecked()))
+        self._do(set_node_field(self.node, "auto", self.head.auto.isChecked()))
 
     def _set_disabled(self) -> None:
-        self._do(SetNode(self.node, "disabled", self.head.disable.isChecked()))
+        self._do(set_node_field(self.node, "disabled", self.head.disable.isChecked()))
 
     def _mark_output(self) -> None:
         session = self._session
@@ -186,7 +186,7 @@ class NodePanel(QFrame):
 
     def _pin(self) -> None:
         value = True if self.head.pin.isChecked() else ABSENT
-        self._do(SetNodeExtra(self.node, "pinned", value))
+        self._do(set_node_field(self.node, "pinned", value))
 
     def _generate(self) -> None:
         self.generate_requested.emit(self.node)

@@ -14,7 +14,7 @@ from app.editor.panels.network_panel import NetworkPanel
 from app.editor.panels.node_panel import NodePanel
 from app.editor.session import Session, renamed_node
 from app.editor.theme import Theme
-from core.editing.fields import SetNodeExtra
+from core.editing.fields import set_node_field
 from core.editing.operation import ABSENT
 
 
@@ -190,6 +190,6 @@ class PanelArea(QScrollArea):
     def _close(self, name: str) -> None:
         session = self._session
         if session.network.nodes[name].extra.get("pinned") is True:
-            session.do(SetNodeExtra(name, "pinned", ABSENT))
+            session.do(set_node_field(name, "pinned", ABSENT))
         if name in session.selection:
             session.select([other for other in session.selection if other != name])

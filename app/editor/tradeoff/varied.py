@@ -9,7 +9,7 @@ from app.editor.declared_text import label_of
 from app.editor.session import Session
 from app.editor.tradeoff.ranges import Span
 from app.run.output import ANALYSIS
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.errors import ParameterError
 from core.modules.parameters import Parameter, plain
 from core.names import thaw
@@ -85,7 +85,7 @@ class Varied:
             return
         if self._gesture is None:
             self._gesture = object()
-        self._session.do(SetParameter(self.node, self.name, found), gesture=self._gesture)
+        self._session.do(set_parameter(self.node, self.name, found), gesture=self._gesture)
 
     def step(self, span: Span, steps: int) -> None:
         """Move it by hundredths of a range, by one at least where it is whole."""

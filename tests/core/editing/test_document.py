@@ -6,7 +6,7 @@ import pytest
 
 from child_process import run_program
 from core.editing.document import Document
-from core.editing.fields import SetNodeExtra, SetParameter
+from core.editing.fields import set_node_field, set_parameter
 from core.editing.links import Rewire
 from core.editing.nodes import Add, Move, Placed, Remove
 from core.editing.operation import ABSENT, Together
@@ -23,14 +23,14 @@ def document(kodak, library):
 def test_setting_the_present_value_is_no_step(document):
     present = document.network.nodes["init"].params["f_number"]
     for value in (present, int(present), 2.0):
-        assert not document.do(SetParameter("init", "f_number", value))
+        assert not document.do(set_parameter("init", "f_number", value))
     assert document.history.position == 0
     assert not document.modified
 
 
 def test_true_is_not_the_number_one(document):
-    document.do(SetNodeExtra("init", "note", 1))
-    assert document.do(SetNodeExtra("init", "note", True))
+    document.do(set_node_field("init", "note", 1))
+    assert document.do(set_node_field("init", "note", True))
     document.undo()
     assert document.network.nodes["init"].extra["note"] == 1
     assert document.network.nodes["init"].extra["note"] is not True
@@ -88,7 +88,9 @@ def test_a_drag_back_to_where_it_began_is_no_step(document):
 def test_a_drag_of_thousands_of_events_is_undone(document):
     """Its parts must neither pile up nor nest: Python's stack would end."""
     for x in range(3000):
-        step = Together((Move({"init": (float(x), 1.0)}), SetParameter("init", "range_m", x + 1.5)))
+        step = Together(
+            (Move({"init": (float(x), 1.0)}), set_parameter("init", "range_m", x + 1.5))
+        )
         document.do(step, gesture="drag")
     assert document.history.position == 1
     document.undo()
@@ -178,7 +180,7 @@ def test_a_refused_operation_leaves_the_redo_steps(document):
 
 
 def test_saving_writes_what_is_opened_again(document, library, tmp_path):
-    document.do(SetParameter("init", "f_number", ABSENT))
+    document.do(set_parameter("init", "f_number", ABSENT))
     document.save(tmp_path / "a.json")
     assert document.path == tmp_path / "a.json"
     assert document.folder == tmp_path
@@ -204,7 +206,7 @@ FULL_DISK = """
 import resource, signal, sys
 from pathlib import Path
 from core.editing.document import Document
-from core.editing.fields import SetNetwork
+from core.editing.fields import set_network_field
 from core.errors import FileError
 from core.network.network import Network
 document = Document(Network("a"), library={})
@@ -213,7 +215,7 @@ document.save(path)
 old = path.read_bytes()
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
-document.do(SetNetwork("description", "x" * 100_000))
+document.do(set_network_field("description", "x" * 100_000))
 try:
     document.save()
 except FileError as error:

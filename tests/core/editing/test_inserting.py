@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from core.editing.fields import SetNode
+from core.editing.fields import set_node_field
 from core.editing.fitting import inserted, new_node
 from core.editing.links import Rewire
 from core.editing.nodes import Add, Placed
@@ -204,6 +204,6 @@ def test_the_wires_of_unknown_modules_take_nodes(kodak, library):
 
 
 def test_a_disabled_source_is_no_hindrance(kodak, library):
-    network = SetNode("detector", "disabled", True).apply(kodak)
+    network = set_node_field("detector", "disabled", True).apply(kodak)
     wire = "detector.magnitude → charge.magnitude"
     assert dropped(network, library, "jitter_mtf", wire) is not None

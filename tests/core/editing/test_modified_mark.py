@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from core.editing.document import Document
-from core.editing.fields import SetNetwork, SetParameter
+from core.editing.fields import set_network_field, set_parameter
 from core.editing.nodes import Move, Remove
 from core.errors import ImagechainError
 from core.network.network import Network
@@ -27,7 +27,7 @@ def document(kodak, library):
 
 
 def name_it(document, name, gesture=None):
-    document.do(SetNetwork("name", name), gesture)
+    document.do(set_network_field("name", name), gesture)
 
 
 def test_an_edit_after_an_undo_of_what_was_saved_counts_as_work(document, tmp_path):
@@ -56,10 +56,10 @@ def test_nothing_leads_back_to_what_was_saved_and_then_cut_off(document, tmp_pat
 
 
 def test_a_drag_joined_to_the_saved_step_counts_as_work(document, tmp_path):
-    document.do(SetParameter("init", "f_number", 3.0), gesture="drag")
-    document.do(SetParameter("init", "f_number", 4.0), gesture="drag")
+    document.do(set_parameter("init", "f_number", 3.0), gesture="drag")
+    document.do(set_parameter("init", "f_number", 4.0), gesture="drag")
     document.save(tmp_path / "a.json")
-    document.do(SetParameter("init", "f_number", 5.0), gesture="drag")
+    document.do(set_parameter("init", "f_number", 5.0), gesture="drag")
     assert document.modified
     document.undo()
     assert document.network.nodes["init"].params["f_number"] == 4.0

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from core.editing.fields import SetExtra, SetNetwork, SetNode, SetNodeExtra, SetParameter
+from core.editing.fields import set_network_field, set_node_field, set_parameter
 from core.editing.links import Rewire
 from core.editing.nodes import Add, Move, Placed, Remove, Rename, fresh_name
 from core.editing.operation import ABSENT, Together, together
@@ -136,25 +136,28 @@ def test_a_link_that_is_not_there_cannot_be_taken_away(network):
 
 
 def test_a_parameter_is_set_and_left_at_its_default_again(network):
-    after = SetParameter("jitter", "sigma_mrad", 3.0).apply(network)
+    after = set_parameter("jitter", "sigma_mrad", 3.0).apply(network)
     assert after.nodes["jitter"].params == {"sigma_mrad": 3.0}
-    assert SetParameter("jitter", "sigma_mrad", ABSENT).apply(after).nodes["jitter"].params == {}
+    assert set_parameter("jitter", "sigma_mrad", ABSENT).apply(after).nodes["jitter"].params == {}
     assert list(after.nodes) == list(network.nodes)
 
 
 def test_parameters_of_an_unknown_module_are_set_as_well(network, small_library):
     network = Add((Placed(Node("old", "no such module", {"a": [1, 2]})),)).apply(network)
-    after = SetParameter("old", "a", {"b": 1}).apply(network)
+    after = set_parameter("old", "a", {"b": 1}).apply(network)
     assert '"b": 1' in format_network(after, library=small_library)
 
 
 def test_fields_of_nodes_and_of_the_network(network):
-    assert SetNode("init", "disabled", True).apply(network).nodes["init"].disabled is True
-    assert SetNode("jitter", "auto", None).apply(network).nodes["jitter"].auto is None
-    assert SetNodeExtra("init", "pinned", ABSENT).apply(network).nodes["init"].extra == {}
-    assert SetNodeExtra("back", "pinned", True).apply(network).nodes["back"].extra["pinned"]
-    assert SetNetwork("description", "new").apply(network).description == "new"
-    assert SetExtra("final", ABSENT).apply(network).extra.keys() == {"published", "backdrops"}
+    assert set_node_field("init", "disabled", True).apply(network).nodes["init"].disabled is True
+    assert set_node_field("jitter", "auto", None).apply(network).nodes["jitter"].auto is None
+    assert set_node_field("init", "pinned", ABSENT).apply(network).nodes["init"].extra == {}
+    assert set_node_field("back", "pinned", True).apply(network).nodes["back"].extra["pinned"]
+    assert set_network_field("description", "new").apply(network).description == "new"
+    assert set_network_field("final", ABSENT).apply(network).extra.keys() == {
+        "published",
+        "backdrops",
+    }
 
 
 @pytest.mark.parametrize(
@@ -163,10 +166,10 @@ def test_fields_of_nodes_and_of_the_network(network):
 def test_what_no_file_can_hold_is_refused_when_it_is_set(network, value):
     """Else it would be in the document, and every attempt to save would fail."""
     for operation in (
-        SetParameter("init", "focal_length_mm", value),
-        SetNodeExtra("init", "note", value),
-        SetExtra("note", value),
-        SetNetwork("description", value),
+        set_parameter("init", "focal_length_mm", value),
+        set_node_field("init", "note", value),
+        set_network_field("note", value),
+        set_network_field("description", value),
     ):
         with pytest.raises(NetworkError, match="only finite numbers, texts"):
             operation.apply(network)
@@ -177,21 +180,21 @@ def test_what_does_not_fit_says_so(network):
         Remove(("look", "nobody")),
         Move({"nobody": (0, 0)}),
         Rename("nobody", "x"),
-        SetParameter("nobody", "x", 1),
-        SetNode("nobody", "auto", True),
-        SetNodeExtra("nobody", "pinned", True),
+        set_parameter("nobody", "x", 1),
+        set_node_field("nobody", "auto", True),
+        set_node_field("nobody", "pinned", True),
         Add((Placed(Node("look", "back")),)),
         Rewire(add=(Link("nobody", "image", "look", "picture"),)),
-        SetNetwork("seed", -1),
-        SetNetwork("name", 5),
-        SetNodeExtra("look", "module", "x"),
+        set_network_field("seed", -1),
+        set_network_field("name", 5),
+        set_node_field("look", "module", "x"),
     ):
         with pytest.raises(ImagechainError):
             operation.apply(network)
 
 
 def test_several_operations_are_undone_from_the_last_to_the_first(network, text_of):
-    both = Together((Rename("look", "see"), SetParameter("see", "level", 9.0), Remove(("see",))))
+    both = Together((Rename("look", "see"), set_parameter("see", "level", 9.0), Remove(("see",))))
     assert "see" not in both.apply(network).nodes
     assert text_of(undone(network, both)) == text_of(network)
 
@@ -200,7 +203,7 @@ def test_values_set_again_and_again_leave_one_part_each(network):
     whole = together(
         each
         for step in range(50)
-        for each in (Move({"scene": (step, 0)}), SetExtra("backdrops", [{"x": step}]))
+        for each in (Move({"scene": (step, 0)}), set_network_field("backdrops", [{"x": step}]))
     )
     assert len(whole.operations) == 2
     after = whole.apply(network)
@@ -211,10 +214,10 @@ def test_values_set_again_and_again_leave_one_part_each(network):
 def test_a_value_does_not_pass_an_operation_that_makes_way_for_it(network):
     """The second name is that of a node which the operation between brings in."""
     steps = (
-        SetParameter("look", "level", 1.5),
+        set_parameter("look", "level", 1.5),
         Rename("look", "see"),
         Rename("jitter", "look"),
-        SetParameter("look", "level", 2.5),
+        set_parameter("look", "level", 2.5),
     )
     after = together(steps).apply(network)
     assert after.nodes["see"].params["level"] == 1.5

@@ -10,7 +10,7 @@ import pytest
 from app.editor.recovery.recovery_files import Autosave, recoverable
 from child_process import run_program
 from core.editing.document import Document
-from core.editing.fields import SetNetwork
+from core.editing.fields import set_network_field
 from core.editing.stored_file import GONE, mark, mark_of
 from core.errors import ChangedFileError
 from core.network.file import read_text
@@ -36,8 +36,8 @@ def named(path):
 
 def test_the_second_to_save_is_refused_and_the_first_ones_work_stands(file, library):
     one, two = opened(file, library), opened(file, library)
-    one.do(SetNetwork("name", "one"))
-    two.do(SetNetwork("name", "two"))
+    one.do(set_network_field("name", "one"))
+    two.do(set_network_field("name", "two"))
     one.save()
     with pytest.raises(ChangedFileError, match=r"mine.json has been changed since it was opened"):
         two.save()
@@ -52,7 +52,7 @@ def test_the_second_to_save_is_refused_and_the_first_ones_work_stands(file, libr
 def test_one_alone_saves_again_and_again(file, library):
     document = opened(file, library)
     for number in range(5):
-        document.do(SetNetwork("name", f"version {number}"))
+        document.do(set_network_field("name", f"version {number}"))
         document.save()
         assert named(file) == f"version {number}"
 
@@ -65,7 +65,7 @@ def test_a_change_within_one_tick_of_the_clock_is_noticed(file, library):
     os.utime(file, ns=(before.st_atime_ns, before.st_mtime_ns))
     after = file.stat()
     assert (after.st_size, after.st_mtime_ns) == (before.st_size, before.st_mtime_ns)
-    document.do(SetNetwork("name", "mine"))
+    document.do(set_network_field("name", "mine"))
     with pytest.raises(ChangedFileError):
         document.save()
 
@@ -73,7 +73,7 @@ def test_a_change_within_one_tick_of_the_clock_is_noticed(file, library):
 def test_a_file_that_was_only_touched_is_no_other(file, library):
     document = opened(file, library)
     os.utime(file)
-    document.do(SetNetwork("name", "mine"))
+    document.do(set_network_field("name", "mine"))
     document.save()
     assert named(file) == "mine"
 
@@ -82,14 +82,14 @@ def test_a_file_changed_and_changed_back_is_no_other(file, library):
     document, content = opened(file, library), file.read_bytes()
     file.write_text("{}")
     file.write_bytes(content)
-    document.do(SetNetwork("name", "mine"))
+    document.do(set_network_field("name", "mine"))
     document.save()
 
 
 def test_a_removed_file_is_noticed_and_can_be_made_anew(file, library):
     document = opened(file, library)
     file.unlink()
-    document.do(SetNetwork("name", "mine"))
+    document.do(set_network_field("name", "mine"))
     with pytest.raises(ChangedFileError, match="has been removed"):
         document.save()
     document.save(over=True)
@@ -101,7 +101,7 @@ def test_another_name_of_its_own_file_is_its_own_file(file, library):
     link = file.with_name("link.json")
     link.symlink_to(file)
     file.write_text("{}")
-    document.do(SetNetwork("name", "mine"))
+    document.do(set_network_field("name", "mine"))
     with pytest.raises(ChangedFileError):
         document.save(link)
 
@@ -112,10 +112,10 @@ def test_another_file_is_not_looked_at(file, library):
     file.write_text("{}")
     other = file.with_name("other.json")
     other.write_text("old")
-    document.do(SetNetwork("name", "mine"))
+    document.do(set_network_field("name", "mine"))
     document.save(other)
     assert named(other) == "mine"
-    document.do(SetNetwork("name", "mine again"))
+    document.do(set_network_field("name", "mine again"))
     document.save()
     assert named(other) == "mine again"
 
@@ -123,7 +123,7 @@ def test_another_file_is_not_looked_at(file, library):
 def test_a_save_that_is_refused_keeps_the_mark_and_the_path(file, library):
     document = opened(file, library)
     file.write_text("{}")
-    document.do(SetNetwork("name", "mine"))
+    document.do(set_network_field("name", "mine"))
     for _ in range(2):
         with pytest.raises(ChangedFileError):
             document.save()
@@ -155,11 +155,11 @@ import sys
 from pathlib import Path
 from app.editor.recovery.recovery_files import Autosave
 from core.editing.document import Document
-from core.editing.fields import SetNetwork
+from core.editing.fields import set_network_field
 from core.network.network import Network
 path, folder = map(Path, sys.argv[1:])
 document = Document(Network("first"), library={}, path=path)
-document.do(SetNetwork("name", "lost"))
+document.do(set_network_field("name", "lost"))
 Autosave(document, folder).write_if_changed()
 """
 
@@ -195,7 +195,7 @@ def test_recovery_files_of_earlier_versions_still_open(file, tmp_path, library):
 
 def test_what_is_kept_says_what_the_file_held(file, tmp_path, library):
     document = opened(file, library)
-    document.do(SetNetwork("name", "mine"))
+    document.do(set_network_field("name", "mine"))
     kept = Autosave(document, tmp_path / "recovery")
     kept.write_if_changed()
     assert json.loads(kept.path.read_text())["stored"] == mark(file.read_bytes())

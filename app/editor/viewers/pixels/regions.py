@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.editing.operation import ABSENT, Operation, together
 from core.errors import ParameterError
 from core.modules.declaration import Declaration
@@ -96,7 +96,7 @@ def whole(node: str) -> Operation:
 
 
 def _set(node: str, values: dict[str, Any]) -> Operation:
-    each = (SetParameter(node, name, value) for name, value in values.items())
+    each = (set_parameter(node, name, value) for name, value in values.items())
     return together(each, f"Set {node}'s region")
 
 

@@ -9,7 +9,7 @@ from app.editor.canvas.canvas import Canvas
 from app.editor.session import Session
 from core.editing.backdrops import around
 from core.editing.clipboard import copied, duplicated, pasted
-from core.editing.fields import SetNode
+from core.editing.fields import set_node_field
 from core.editing.layout.arrange import arranged
 from core.editing.links import Rewire
 from core.editing.nodes import Move, Remove
@@ -82,7 +82,7 @@ class EditCommands(QObject):
         nodes = [self._session.network.nodes[name] for name in self._session.selection]
         off = not all(node.disabled for node in nodes)
         steps: list[Operation] = [
-            SetNode(node.id, "disabled", off) for node in nodes if node.disabled != off
+            set_node_field(node.id, "disabled", off) for node in nodes if node.disabled != off
         ]
         if steps:
             self._session.do(steps[0] if len(steps) == 1 else together(steps))

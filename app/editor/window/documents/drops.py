@@ -12,7 +12,7 @@ from app.editor.canvas.canvas import Canvas
 from app.editor.session import Session
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.opening import is_network_file
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.editing.fitting import new_node
 from core.editing.operation import Operation, together
 
@@ -63,7 +63,7 @@ class Drops(QObject):
         for number, path in enumerate(paths):
             at = (point[0] + number * _STEP, point[1] + number * _STEP)
             name, adding = new_node(network, self._session.library, READ_IMAGE, at)
-            step = together((adding, SetParameter(name, "path", self._stored(Path(path)))))
+            step = together((adding, set_parameter(name, "path", self._stored(Path(path)))))
             network = step.apply(network)
             steps.append(step)
             names.append(name)

@@ -6,7 +6,7 @@ from PySide6.QtGui import QColor
 from app.editor.evaluation.queries import Badge
 from app.editor.theme import LIGHT
 from core.editing.document import Document
-from core.editing.fields import SetNode, SetParameter
+from core.editing.fields import set_node_field, set_parameter
 from core.editing.links import Rewire
 from core.editing.nodes import Add, Move, Placed, Remove, Rename
 from core.network.network import Link, Network, Node
@@ -93,8 +93,8 @@ def test_only_what_has_changed_is_drawn_anew(opened, canvas):
     session = opened("first_steps")
     items = dict(canvas.content.nodes)
     wires = dict(canvas.content.wires)
-    session.do(SetParameter("blur", "sigma_x_mrad", 0.3))
-    session.do(SetNode("blur", "disabled", True))
+    session.do(set_parameter("blur", "sigma_x_mrad", 0.3))
+    session.do(set_node_field("blur", "disabled", True))
     session.do(Move({"blur": (480.0, 90.0)}))
     assert canvas.content.nodes == items
     assert canvas.content.wires == wires

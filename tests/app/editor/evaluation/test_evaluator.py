@@ -8,7 +8,6 @@ from itertools import count
 
 import numpy as np
 import pytest
-from editor_queries import Asking, Gate, Readouts, Samples
 
 from app.editor.evaluation import evaluator as evaluator_module
 from app.editor.evaluation.evaluator import Evaluator
@@ -16,10 +15,11 @@ from app.editor.evaluation.queries import Answer
 from child_process import PATIENCE_S
 from core.chain.engine import Engine, PlannedNode
 from core.editing.document import Document
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.editing.nodes import Move
 from core.evaluation.policy import Policy
 from core.network.network import Network
+from editor_queries import Asking, Gate, Readouts, Samples
 from scripted_drag import drag
 
 FINAL = Samples("frame_grabber.image")
@@ -82,7 +82,7 @@ def test_what_an_edit_does_not_change_is_not_answered_again(evaluator, answers, 
     evaluator.ask("viewer", [FINAL, Samples("back.image")])
     settled()
     answers.clear()
-    small.do(SetParameter("electronics", "amplifier_snr", 77.0))
+    small.do(set_parameter("electronics", "amplifier_snr", 77.0))
     settled()
     assert [answer.query for answer in answers] == [FINAL]
 
@@ -119,7 +119,7 @@ def test_the_forgotten_hear_nothing_more(evaluator, answers, small, settled):
     settled()
     answers.clear()
     evaluator.forget("viewer")
-    small.do(SetParameter("electronics", "amplifier_snr", 77.0))
+    small.do(set_parameter("electronics", "amplifier_snr", 77.0))
     settled()
     assert {answer.owner for answer in answers} == {"panel"}
 
@@ -128,7 +128,7 @@ def test_a_burst_of_edits_shows_pictures_meanwhile(evaluator, answers, small, se
     evaluator.ask("viewer", [FINAL])
     settled()
     answers.clear()
-    steps = (SetParameter("aberration", "sigma_x_mrad", 0.05 + 0.01 * i) for i in count())
+    steps = (set_parameter("aberration", "sigma_x_mrad", 0.05 + 0.01 * i) for i in count())
     seen = drag(qtbot, small, evaluator, steps, lambda so_far: len(so_far.full) >= 5)
     settled()
     generations = [answer.generation for answer in answers]
@@ -149,7 +149,7 @@ def test_edits_that_come_while_a_pass_runs_make_one_more(evaluator, answers, sma
     qtbot.waitUntil(gate.entered.is_set)
     done.clear()  # that of opening the document
     for snr in range(50, 60):
-        small.do(SetParameter("electronics", "amplifier_snr", float(snr)))
+        small.do(set_parameter("electronics", "amplifier_snr", float(snr)))
     gate.opened.set()
     settled()
     params = [passing.plan.network.nodes["electronics"].params for passing in told]
@@ -205,7 +205,7 @@ def test_cancelling_stops_the_pass_until_the_next_edit(evaluator, answers, small
     settled()
     assert [answer.owner for answer in answers] == ["viewer", "other"]
     gate.opened.set()
-    small.do(SetParameter("electronics", "amplifier_snr", 77.0))
+    small.do(set_parameter("electronics", "amplifier_snr", 77.0))
     settled()
     assert [answer.owner for answer in answers[2:]] == ["viewer", "panel"]
     assert not done[-1].cancelled
@@ -240,7 +240,7 @@ def test_closing_joins_the_thread_and_gives_python_its_old_pace_back(
     assert "imagechain evaluation" not in {thread.name for thread in threading.enumerate()}
     assert sys.getswitchinterval() == usual
     assert evaluator.idle
-    small.do(SetParameter("electronics", "amplifier_snr", 77.0))  # is followed no more
+    small.do(set_parameter("electronics", "amplifier_snr", 77.0))  # is followed no more
     evaluator.close()
     evaluator.deleteLater()
 
@@ -296,6 +296,6 @@ def test_a_want_whose_key_fails_is_answered_by_that_error(evaluator, answers, sm
     assert "no node 'nowhere'" in str(errors["nowhere.image"])
     assert errors[FINAL.port] is None
     answers.clear()
-    small.do(SetParameter("electronics", "amplifier_snr", 77.0))
+    small.do(set_parameter("electronics", "amplifier_snr", 77.0))
     settled()
     assert [answer.query for answer in answers] == [FINAL]  # the same error is not told again

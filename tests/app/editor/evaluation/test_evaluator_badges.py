@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
-from editor_queries import Readouts, Samples, SlowCopy
 
 from app.editor.evaluation.badges import IDENTITY, STALE
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
 from app.editor.session import Session
 from core.editing.document import Document
-from core.editing.fields import SetNode, SetParameter
+from core.editing.fields import set_node_field, set_parameter
 from core.network.network import Link, Network, Node
+from editor_queries import Readouts, Samples, SlowCopy
 from nodes.library import standard_library
 
 SCENE = Node("scene", "test_scene", {"kind": "two_panel", "width": 48, "height": 40})
@@ -81,8 +81,8 @@ def test_an_error_stands_on_its_node_and_the_rest_goes_on(evaluator, open_networ
     evaluator.answered.connect(answers.append)
     session = open_network(chain(sigma_mrad=1.0), Samples("back.image"), Samples("scene.image"))
     answers.clear()
-    session.do(SetParameter("jitter", "sigma_mrad", -1.0))
-    session.do(SetParameter("scene", "delta_K", 3.0))
+    session.do(set_parameter("jitter", "sigma_mrad", -1.0))
+    session.do(set_parameter("scene", "delta_K", 3.0))
     settle(qtbot, evaluator)
     errors = {answer.query.port: answer.error for answer in answers}
     assert "sigma_mrad = -1.0 mrad is not allowed" in str(errors["back.image"])
@@ -113,10 +113,10 @@ def test_an_error_met_while_computing_stands_on_its_node(evaluator, open_network
     assert badges["file"].kind == "error"
     assert badges["bits"] == Badge("incomplete", "waits for file")
     assert set(badges) == {"file", "bits"}
-    session.do(SetParameter("other", "delta_K", 3.0))  # the error stands, unasked again
+    session.do(set_parameter("other", "delta_K", 3.0))  # the error stands, unasked again
     settle(qtbot, evaluator)
     assert evaluator.badges == badges
-    session.do(SetParameter("file", "missing", "mean"))
+    session.do(set_parameter("file", "missing", "mean"))
     settle(qtbot, evaluator)
     assert evaluator.badges == {}
 
@@ -139,7 +139,7 @@ def test_inputs_that_are_not_connected_are_named(evaluator, open_network):
 def test_what_changes_nothing_is_skipped(evaluator, open_network, qtbot):
     session = open_network(chain(sigma_mrad=0.0), Samples("back.image"))
     assert evaluator.badges["jitter"] == Badge("skipped", IDENTITY)
-    session.do(SetParameter("jitter", "sigma_mrad", 1.0))
+    session.do(set_parameter("jitter", "sigma_mrad", 1.0))
     settle(qtbot, evaluator)
     assert "jitter" not in evaluator.badges
 
@@ -155,14 +155,14 @@ def test_what_changes_too_little_is_skipped_with_its_bound(evaluator, open_netwo
     evaluator.ask("panel", [Readouts("init")])
     settle(qtbot, evaluator)
     assert evaluator.badges["jitter"] == badge
-    session.do(SetParameter("jitter", "sigma_mrad", 1.0))
+    session.do(set_parameter("jitter", "sigma_mrad", 1.0))
     settle(qtbot, evaluator)
     assert "jitter" not in evaluator.badges
 
 
 def test_a_disabled_node_says_so(evaluator, open_network, qtbot):
     session = open_network(chain(sigma_mrad=1.0), Samples("back.image"))
-    session.do(SetNode("jitter", "disabled", True))
+    session.do(set_node_field("jitter", "disabled", True))
     settle(qtbot, evaluator)
     assert {name: badge.kind for name, badge in evaluator.badges.items()} == {"jitter": "disabled"}
 
@@ -173,10 +173,10 @@ def test_badges_are_told_only_when_they_change(evaluator, open_network, qtbot):
     session = open_network(chain(sigma_mrad=0.0), Samples("back.image"))
     assert [set(each) for each in told] == [{"jitter"}]
     for temperature in (290.0, 291.0, 292.0):
-        session.do(SetParameter("scene", "temperature_K", temperature))
+        session.do(set_parameter("scene", "temperature_K", temperature))
         settle(qtbot, evaluator)
     assert len(told) == 1
-    session.do(SetParameter("jitter", "sigma_mrad", 1.0))
+    session.do(set_parameter("jitter", "sigma_mrad", 1.0))
     settle(qtbot, evaluator)
     assert told[1:] == [{}]
 
@@ -187,8 +187,8 @@ def test_a_node_held_back_keeps_its_picture_until_all_is_generated(evaluator, op
     port = Samples("back.image")
     session = open_network(chain(sigma_mrad=1.0), port)
     first = answers[-1].value
-    session.do(SetNode("jitter", "auto", False))
-    session.do(SetParameter("jitter", "sigma_mrad", 3.0))
+    session.do(set_node_field("jitter", "auto", False))
+    session.do(set_parameter("jitter", "sigma_mrad", 3.0))
     settle(qtbot, evaluator)
     assert evaluator.badges == {"jitter": Badge("stale", STALE)}
     assert len(answers) == 1
@@ -197,8 +197,8 @@ def test_a_node_held_back_keeps_its_picture_until_all_is_generated(evaluator, op
     assert evaluator.badges == {}
     assert len(answers) == 2
     assert not np.array_equal(answers[-1].value, first)
-    session.do(SetParameter("jitter", "sigma_mrad", 5.0))
-    session.do(SetParameter("jitter", "sigma_mrad", 3.0))  # as it was generated: stale no more
+    session.do(set_parameter("jitter", "sigma_mrad", 5.0))
+    session.do(set_parameter("jitter", "sigma_mrad", 3.0))  # as it was generated: stale no more
     settle(qtbot, evaluator)
     assert evaluator.badges == {}
     assert len(answers) == 2
@@ -206,11 +206,11 @@ def test_a_node_held_back_keeps_its_picture_until_all_is_generated(evaluator, op
 
 def test_what_is_held_back_is_stale_if_something_before_it_changes(evaluator, open_network, qtbot):
     session = open_network(chain(sigma_mrad=1.0), Samples("back.image"))
-    session.do(SetNode("back", "auto", False))
-    session.do(SetParameter("jitter", "sigma_mrad", 3.0))
+    session.do(set_node_field("back", "auto", False))
+    session.do(set_parameter("jitter", "sigma_mrad", 3.0))
     settle(qtbot, evaluator)
     assert evaluator.badges == {"back": Badge("stale", STALE)}
-    session.do(SetNode("back", "auto", True))
+    session.do(set_node_field("back", "auto", True))
     settle(qtbot, evaluator)
     assert evaluator.badges == {}
 

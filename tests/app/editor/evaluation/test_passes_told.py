@@ -1,11 +1,11 @@
 """What the window is told of each pass: which ones followed a change."""
 
 import pytest
-from editor_queries import Readouts, Samples
 
 from app.editor.evaluation.evaluator import Evaluator
 from core.editing.document import Document
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
+from editor_queries import Readouts, Samples
 
 FINAL = [Samples("back.image")]
 
@@ -44,7 +44,7 @@ def test_what_is_looked_at_in_addition_follows_no_change(evaluator, session, tol
     assert told() == [False]
     evaluator.ask("other viewer", [Samples("scene.image")])
     assert told() == [False]
-    session.do(SetParameter("blur", "sigma_x_mrad", 0.5))
+    session.do(set_parameter("blur", "sigma_x_mrad", 0.5))
     assert told() == [True]
     evaluator.ask("third viewer", [Samples("init.magnitude")])
     assert told() == [False]

@@ -4,7 +4,6 @@ from itertools import count
 
 import numpy as np
 import pytest
-from editor_queries import Samples, SlowCopy
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.preview import SMALLEST, reduced_network
@@ -12,10 +11,11 @@ from app.editor.session import Session
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.editing.document import Document
-from core.editing.fields import SetNode, SetParameter
+from core.editing.fields import set_node_field, set_parameter
 from core.evaluation.policy import Policy
 from core.network.file import load_network
 from core.network.network import Link, Network, Node
+from editor_queries import Samples, SlowCopy
 from nodes.library import standard_library
 from scripted_drag import drag
 
@@ -266,7 +266,7 @@ def slow(qtbot):
 
 
 def steps():
-    return (SetParameter("slow", "added", float(step)) for step in count(1))
+    return (set_parameter("slow", "added", float(step)) for step in count(1))
 
 
 def test_a_slow_drag_shows_previews_and_then_the_full_picture(slow, qtbot):
@@ -297,7 +297,7 @@ def test_without_a_preview_a_slow_drag_shows_full_pictures(slow, qtbot):
         links=(*session.network.links, Link(**copy)),
     )
     session.open(Document(network, library=session.library))
-    session.do(SetNode("held", "auto", False))
+    session.do(set_node_field("held", "auto", False))
     qtbot.waitUntil(lambda: evaluator.idle)
     seen = drag(qtbot, session, evaluator, steps(), lambda so_far: len(so_far.full) >= 2)
     assert not seen.previews

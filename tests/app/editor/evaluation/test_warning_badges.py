@@ -8,7 +8,7 @@ from app.editor.evaluation.queries import Badge
 from app.editor.panels.head import PanelHead
 from app.editor.theme import DARK, LIGHT
 from core.chain.engine import Engine
-from core.editing.fields import SetNode, SetParameter
+from core.editing.fields import set_node_field, set_parameter
 from core.errors import DataError
 from viewer_bench import ViewerBench
 
@@ -28,8 +28,8 @@ def shown(bench):
 def test_a_warning_comes_and_goes_with_what_brings_it_about(bench, canvas):
     bench.evaluator.badges_changed.connect(canvas.set_badges)
     assert "electronics" not in shown(bench)
-    bench.do(SetParameter("electronics", "cut_on_um", 3.0))
-    bench.do(SetParameter("electronics", "cut_off_um", 5.0))
+    bench.do(set_parameter("electronics", "cut_on_um", 3.0))
+    bench.do(set_parameter("electronics", "cut_off_um", 5.0))
     badge = shown(bench)["electronics"]
     assert badge.kind == "warning"
     assert "8 to 12 µm" in badge.text
@@ -57,7 +57,7 @@ def test_what_else_there_is_to_say_stands_beside_it(opened, library):
 
 def test_a_disabled_node_warns_of_nothing(opened, library):
     session = opened("inframetrics")
-    session.do(SetNode("optics", "disabled", True))
+    session.do(set_node_field("optics", "disabled", True))
     assert badges(planned(session, library), library)["optics"].kind == "disabled"
 
 

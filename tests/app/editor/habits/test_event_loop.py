@@ -8,14 +8,14 @@ import itertools
 import time
 
 import pytest
-from editor_queries import Asking, Gate, Readouts, Samples
 from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.measures.slider_drag import handle_of, measured, open_slider
 from app.editor.measures.trial_window import PaintedPictures
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
+from editor_queries import Asking, Gate, Readouts, Samples
 from scripted_drag import drag
 
 FINAL = Samples("frame_grabber.image")
@@ -41,7 +41,7 @@ def evaluator(session):
 
 def edits(node, name, low, high):
     values = (low + (high - low) * (step % 250) / 250 for step in itertools.count())
-    return (SetParameter(node, name, value) for value in values)
+    return (set_parameter(node, name, value) for value in values)
 
 
 def test_while_the_worker_computes_edits_are_taken_and_events_handled(opened, evaluator, qtbot):

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QToolButton,
 
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.evaluation.policy import Policy
 from window_hands import CTRL, KEY, WindowHands, add, give_focus
 
@@ -289,7 +289,7 @@ def test_a_held_node_is_stale_until_all_is_generated(window, hand, idle):
     idle(window)
     before = viewer.picture.samples
     blur = next(n.id for n in window.session.network.nodes.values() if n.module == "gaussian_mtf")
-    window.session.do(SetParameter(blur, "sigma_x_mrad", 5.0))
+    window.session.do(set_parameter(blur, "sigma_x_mrad", 5.0))
     idle(window)
     assert window.evaluator.badges["back"].kind == "stale"
     np.testing.assert_array_equal(viewer.picture.samples, before)

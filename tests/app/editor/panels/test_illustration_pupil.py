@@ -9,7 +9,7 @@ from PySide6.QtGui import QBrush, QColor, QImage, QPainter
 
 from app.editor.evaluation.queries import Answer
 from app.editor.panels.illustrations.painting.pupil_drawing import draw_pupil
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.errors import DataError
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
 from illustration_hands import IllustrationBench, sensor, told
@@ -28,7 +28,7 @@ def test_an_answer_that_comes_late_does_not_hide_what_the_document_says(bench):
     bench.evaluator.answered.emit(Answer(99, owner, query, error=DataError("of an old edit")))
     assert told(widget).startswith("clear")
     assert not widget.problem
-    widget.session.do(SetParameter("node", "radius", 400.0))
+    widget.session.do(set_parameter("node", "radius", 400.0))
     bench.evaluator.answered.emit(Answer(99, owner, query, None))
     assert "diameter 800" in told(widget)
     assert widget.problem
@@ -36,10 +36,10 @@ def test_an_answer_that_comes_late_does_not_hide_what_the_document_says(bench):
 
 def test_a_value_that_is_not_allowed_is_said_until_it_is_mended(qtbot, session, bench):
     widget = bench.show(sensor("exit_pupil"))
-    session.do(SetParameter("node", "radius", 400.0))
+    session.do(set_parameter("node", "radius", 400.0))
     assert "at least the aperture's diameter 800" in told(widget)
     assert widget.problem
-    session.do(SetParameter("node", "radius", 100.0))
+    session.do(set_parameter("node", "radius", 100.0))
     assert not widget.problem or not told(widget).startswith("size_x")
     bench.settle()
     assert told(widget).startswith("clear")
@@ -95,7 +95,7 @@ def test_vanes_lie_where_the_samples_have_them():
 def test_the_middle_of_the_array_is_drawn_where_the_aperture_is_small(session, bench):
     widget = bench.show(sensor("exit_pupil", {"radius": 20.0, "size_x": 1024}), evaluated=False)
     assert widget.shown_samples() == (128.0, 64.0)
-    session.do(SetParameter("node", "radius", 200.0))
+    session.do(set_parameter("node", "radius", 200.0))
     widget.grab()
     assert widget.shown_samples() == (1024.0, 512.0)
 
@@ -109,7 +109,7 @@ def test_a_wavefront_error_is_coloured(session, bench):
         return max(image.pixelColor(x, y).hsvSaturation() for x, y in places)
 
     assert colours() < 60
-    session.do(SetParameter("node", "defocus_waves", 0.5))
+    session.do(set_parameter("node", "defocus_waves", 0.5))
     assert colours() > 120
     assert "rms 0.14" in told(widget)
 
@@ -120,7 +120,7 @@ def test_a_file_of_a_pupil_takes_the_place_of_a_shape_and_gives_way_again(
     np.save(tmp_path / "pupil.npy", np.tile([0.0, 1.0], (32, 16)))
     widget = bench.show(sensor("exit_pupil", {"path": "pupil.npy"}))
     assert told(widget).startswith("clear")
-    session.do(SetParameter("node", "shape", "file"))
+    session.do(set_parameter("node", "shape", "file"))
     bench.settle()
     assert told(widget) == "file, 32 × 32 samples, 50 % transmitted"
     session.undo()

@@ -12,7 +12,7 @@ from app.editor.evaluation.queries import Answer
 from app.editor.panels.illustrations import illustration_for
 from app.editor.panels.illustrations.painting.few_digits import brief, kelvin, pair
 from app.editor.theme import DARK, LIGHT
-from core.editing.fields import SetNode, SetParameter
+from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Remove
 from core.errors import DataError
 from core.network.network import Network, Node
@@ -82,7 +82,7 @@ def test_it_follows_edits_and_undo(qtbot, session, bench, tmp_path, key):
     assert before
     assert not widget.problem
     paints = Paints(widget)
-    session.do(SetParameter("node", name, value))
+    session.do(set_parameter("node", name, value))
     bench.settle()
     after = widget.accessibleDescription()
     assert after != before
@@ -137,7 +137,7 @@ def test_it_goes_with_its_panel(qtbot, session, bench, tmp_path, key):
     del widget
     let_go()
     assert kept() is None or not shiboken6.isValid(kept())
-    session.do(SetParameter("node", *EDITS[key][1:]))  # nobody listens any more
+    session.do(set_parameter("node", *EDITS[key][1:]))  # nobody listens any more
     bench.settle()
     let_go()
     assert kept() is None
@@ -147,7 +147,7 @@ def test_it_asks_only_while_it_is_to_be_seen(qtbot, session, bench):
     widget = bench.show(network_of("jitter_mtf", {}))
     before = told(widget)
     widget.hide()
-    session.do(SetParameter("node", "sigma_mrad", 1.0))
+    session.do(set_parameter("node", "sigma_mrad", 1.0))
     bench.settle()
     assert widget.accessibleDescription() == before
     widget.show()
@@ -180,7 +180,7 @@ def test_answers_to_others_are_not_its_own(qtbot, session, bench):
 
 def test_a_disabled_node_says_so(qtbot, session, bench):
     widget = bench.show(network_of("jitter_mtf", {}))
-    session.do(SetNode("node", "disabled", True))
+    session.do(set_node_field("node", "disabled", True))
     bench.settle()
     assert told(widget).startswith("disabled")
     grey_pixels(widget)
@@ -199,7 +199,7 @@ def test_what_is_drawn_from_the_document_needs_no_worker(session, bench, key):
     widget = bench.show(network_of(key, params), evaluated=False)
     before = widget.accessibleDescription()
     assert before
-    session.do(SetParameter("node", name, value))
+    session.do(set_parameter("node", name, value))
     QApplication.processEvents()
     assert widget.accessibleDescription() != before
 

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.editor.evaluation.queries import Badge
 from core.editing.document import Document
-from core.editing.fields import SetNodeExtra, SetParameter
+from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Remove, Rename
 from core.network.network import Network, Node
 from panel_hands import LEFT, LIBRARY, drop, field_of, panel_area, type_in, undo_to
@@ -21,7 +21,7 @@ def test_panels_follow_the_document_without_editing_it(qtbot, session):
     x, y = (field_of(area, session, f"sigma_{axis}_mrad") for axis in "xy")
     QTest.mouseClick(y.edit, LEFT)
     QTest.keyClicks(y.edit, "7")  # being typed
-    session.do(SetParameter("node", "sigma_x_mrad", 2.5))
+    session.do(set_parameter("node", "sigma_x_mrad", 2.5))
     assert x.edit.text() == "2.5"
     assert x.slider.value() == x.slider.maximum() / 2  # of 0 … 5
     assert x.changed
@@ -180,7 +180,7 @@ def test_pinned_panels_stay_open_below_and_are_closed(qtbot, session):
     assert order(area) == []
     session.undo()
     assert order(area) == ["one"]
-    session.do(SetNodeExtra("two", "pinned", True))
+    session.do(set_node_field("two", "pinned", True))
     session.do(Remove(("one",)))
     assert order(area) == ["two"]
     session.select(["three"])
@@ -199,7 +199,7 @@ def order(area):
 def test_a_renamed_pinned_panel_stays_folded(qtbot, session):
     area = panel_area(qtbot, session)
     drop(session, "jitter_mtf")
-    session.do(SetNodeExtra("node", "pinned", True))
+    session.do(set_node_field("node", "pinned", True))
     session.select([])
     area.panels["node"].folded = True
     session.do(Rename("node", "new"))
@@ -264,7 +264,7 @@ def test_a_section_is_shown_only_while_its_parameters_count(qtbot, session):
     for section in conditional:
         name, values = section.shown_when
         for choice in sections.field(name).choices:
-            session.do(SetParameter("node", name, choice))
+            session.do(set_parameter("node", name, choice))
             QApplication.processEvents()
             for inside in section.parameters:
                 assert sections.field(inside).isVisible() == (choice in values)

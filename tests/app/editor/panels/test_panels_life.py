@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from app.editor.panels.panel_area import PanelArea
 from app.editor.theme import DARK, LIGHT
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.modules.declaration import declaration
 from panel_hands import LIBRARY, change, drop, field_of, let_go, panel_area, type_in
 
@@ -46,7 +46,7 @@ def test_the_area_goes_with_all_it_has(qtbot, session):
     del area
     let_go()
     assert not [ref() for ref in kept if ref() is not None and shiboken6.isValid(ref())]
-    session.do(SetParameter("node", "bits", 8))  # nobody listens any more
+    session.do(set_parameter("node", "bits", 8))  # nobody listens any more
 
 
 @pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])

@@ -4,7 +4,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.editing.nodes import Add, Placed
 from core.editing.operation import ABSENT
 from core.network.network import LARGEST_INTEGER, SEEDS, Node
@@ -56,6 +56,6 @@ def test_a_module_the_library_does_not_have_is_shown_and_kept(qtbot, session):
     assert "no module from_the_future" in body.note.text()
     shown = {name: body.findChild(QWidget, f"raw.{name}").text() for name in params}
     assert shown == {"gain": "2.5", "mode": "odd", "list": "[1, 2]"}
-    session.do(SetParameter("what", "gain", ABSENT))
+    session.do(set_parameter("what", "gain", ABSENT))
     let_go()
     assert body.findChild(QWidget, "raw.gain") is None

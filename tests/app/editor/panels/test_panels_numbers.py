@@ -14,7 +14,7 @@ from app.editor.panels.panel_area import PanelArea
 from app.editor.session import Session
 from app.editor.theme import DARK
 from core.editing.document import Document
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.errors import ParameterError
 from core.modules.declaration import declaration
 from core.modules.parameters import Param, Parameter
@@ -156,7 +156,7 @@ def test_a_step_keeps_the_digits_that_were_typed(qtbot, session):
 @given(value=FINITE)
 def test_a_field_shows_any_number_without_changing_it(shared_field, value):
     session, field = shared_field
-    session.do(SetParameter("node", "scale", value))
+    session.do(set_parameter("node", "scale", value))
     position = session.document.history.position
     assert float(field.edit.text()) == session.network.nodes["node"].params["scale"]
     field.edit.setFocus()

@@ -4,7 +4,7 @@ from PySide6.QtCore import QPoint
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from panel_hands import LEFT, drop, panel_area
 
 
@@ -35,7 +35,7 @@ def test_what_is_set_stays_offered_until_something_else_is(qtbot, session):
     sections = area.panels["node"].body.sections
     region, material = sections.field("region"), sections.field("material")
     assert offered(material) == ["HgCdTe", "Si", "manual"]  # set by default, not of the region
-    session.do(SetParameter("node", "material", "Si:As"))
+    session.do(set_parameter("node", "material", "Si:As"))
     press(region, "MWIR")
     assert offered(material) == ["HgCdTe", "InSb", "PtSi", "Si:As", "manual"]
     assert material.buttons[material.choices.index("Si:As")].isChecked()

@@ -15,7 +15,7 @@ from app.editor.panels.readouts import ReadoutsQuery
 from app.permission.write_record import read_record
 from core.chain.engine import Engine
 from core.editing.document import Document
-from core.editing.fields import SetNode, SetParameter
+from core.editing.fields import set_node_field, set_parameter
 from core.editing.links import Rewire
 from core.editing.operation import ABSENT
 from core.evaluation.policy import Policy
@@ -176,14 +176,14 @@ def test_nothing_is_asked_for_a_panel_out_of_sight(qtbot, session, evaluator, tm
     area.panels["node"].folded = True
     answers = read_outs_answered(evaluator)
     with qtbot.waitSignal(evaluator.pass_done):
-        session.do(SetParameter("node", "sigma_mrad", 0.25))
+        session.do(set_parameter("node", "sigma_mrad", 0.25))
     qtbot.waitUntil(lambda: evaluator.idle)
     assert answers == []
     area.panels["node"].folded = False
     qtbot.waitUntil(lambda: len(answers) == 1)
     session.select([])
     with qtbot.waitSignal(evaluator.pass_done):
-        session.do(SetParameter("node", "sigma_mrad", 0.5))
+        session.do(set_parameter("node", "sigma_mrad", 0.5))
     qtbot.waitUntil(lambda: evaluator.idle)
     assert len(answers) == 1
 
@@ -202,16 +202,16 @@ def test_what_does_not_concern_a_node_does_not_have_its_read_outs_made_again(
 
     before = key()
     assert hash(before) == hash(key())
-    session.do(SetParameter("pupil", "radius", 50.0))
+    session.do(set_parameter("pupil", "radius", 50.0))
     assert key() == before
-    session.do(SetParameter("node", "sigma_mrad", 0.5))
+    session.do(set_parameter("node", "sigma_mrad", 0.5))
     assert key() != before
-    session.do(SetParameter("node", "sigma_mrad", ABSENT))
+    session.do(set_parameter("node", "sigma_mrad", ABSENT))
     assert key() == before
-    session.do(SetParameter("init", "focal_length_mm", 60.0))
+    session.do(set_parameter("init", "focal_length_mm", 60.0))
     assert key() != before
     session.undo()
-    session.do(SetNode("node", "disabled", True))
+    session.do(set_node_field("node", "disabled", True))
     assert key() != before
 
 

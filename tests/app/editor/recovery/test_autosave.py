@@ -12,7 +12,7 @@ import pytest
 from app.editor.recovery.recovery_files import Autosave, recoverable
 from child_process import PATIENCE_S, ROOT, finished, kill_program
 from core.editing.document import Document
-from core.editing.fields import SetNetwork
+from core.editing.fields import set_network_field
 from core.editing.nodes import Remove
 from core.errors import FileError, NetworkError
 from core.network.file import read_network
@@ -47,13 +47,13 @@ import sys
 from pathlib import Path
 from app.editor.recovery.recovery_files import Autosave
 from core.editing.document import Document
-from core.editing.fields import SetNetwork
+from core.editing.fields import set_network_field
 from core.process_token import own_token
 from core.network.network import Network, Node
 document = Document(Network("busy"), library={})
 autosave = Autosave(document, Path(sys.argv[1]))
 for number in range(10**9):
-    document.do(SetNetwork("description", f"{number} " * 40_000))
+    document.do(set_network_field("description", f"{number} " * 40_000))
     autosave.write_if_changed()
     if number == 0:
         print("writing", flush=True)
@@ -64,24 +64,24 @@ import resource, signal, sys
 from pathlib import Path
 from app.editor.recovery.recovery_files import Autosave
 from core.editing.document import Document
-from core.editing.fields import SetNetwork
+from core.editing.fields import set_network_field
 from core.errors import FileError
 from core.process_token import own_token
 from core.network.network import Network, Node
 document = Document(Network("a"), library={})
 autosave = Autosave(document, Path(sys.argv[1]))
-document.do(SetNetwork("description", "first"))
+document.do(set_network_field("description", "first"))
 autosave.write_if_changed()
 old = autosave.path.read_bytes()
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
-document.do(SetNetwork("description", "x" * 100_000))
+document.do(set_network_field("description", "x" * 100_000))
 try:
     autosave.write_if_changed()
 except FileError as error:
     assert autosave.path.read_bytes() == old
     print("kept:", error)
-document.do(SetNetwork("description", "short again"))
+document.do(set_network_field("description", "short again"))
 assert autosave.write_if_changed()
 import os
 os._exit(1)
@@ -262,6 +262,6 @@ def test_recovered_work_is_saved_over_its_original(folder, library, tmp_path):
     crashed(folder, tmp_path / "mine.json")
     (work,) = recoverable(folder)
     document = work.document(library)
-    document.do(SetNetwork("name", "back again"))
+    document.do(set_network_field("name", "back again"))
     document.save()
     assert read_network(tmp_path / "mine.json", library=library).name == "back again"

@@ -11,7 +11,7 @@ from app.editor.tradeoff.ranges import Span
 from app.editor.tradeoff.tradeoff_view import TradeOffView
 from child_process import PATIENCE_S
 from core.chain.engine import Engine
-from core.editing.fields import SetNode, SetParameter
+from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Remove, Rename
 from core.evaluation.policy import Policy
 from tradeoff_network import mtf
@@ -22,7 +22,7 @@ MTF = "total.mtf_nyquist_x"
 
 def test_the_curves_follow_an_edit(opened_window, dock, idle, graph):
     before = graph(MTF).y
-    opened_window.session.do(SetParameter("jitter", "sigma_mrad", 0.0))
+    opened_window.session.do(set_parameter("jitter", "sigma_mrad", 0.0))
     idle(opened_window)
     x, y = graph(MTF).x, graph(MTF).y
     variance = x**2
@@ -36,7 +36,7 @@ def test_the_curves_follow_an_edit(opened_window, dock, idle, graph):
 
 def test_moving_the_parameter_itself_moves_the_mark_alone(opened_window, dock, idle):
     points = dict(dock.points)
-    opened_window.session.do(SetParameter("blur", "sigma_x_mrad", 0.25))
+    opened_window.session.do(set_parameter("blur", "sigma_x_mrad", 0.25))
     idle(opened_window)
     assert dock.plots.mark == 0.25
     assert all(dock.points[value] is point for value, point in points.items())
@@ -49,7 +49,7 @@ def test_what_the_figures_do_not_hang_on_leaves_them_alone(opened_window, dock, 
     dock.show_figure("blur.mtf_at_nyquist_x", True)
     idle(opened_window)
     points = dict(dock.points)
-    opened_window.session.do(SetParameter("electronics", "d_star", 3e9))
+    opened_window.session.do(set_parameter("electronics", "d_star", 3e9))
     idle(opened_window)
     assert all(dock.points[value] is point for value, point in points.items())
 
@@ -87,8 +87,8 @@ def test_it_follows_renamed_and_removed_nodes(opened_window, dock, idle):
 
 
 def test_nodes_held_back_count_as_generated(opened_window, dock, idle, graph):
-    opened_window.session.do(SetNode("electronics", "auto", False))
-    opened_window.session.do(SetParameter("electronics", "d_star", 1e9))
+    opened_window.session.do(set_node_field("electronics", "auto", False))
+    opened_window.session.do(set_parameter("electronics", "d_star", 1e9))
     idle(opened_window)
     engine = Engine(opened_window.session.library)
     network = opened_window.session.network.with_parameter("blur", "sigma_x_mrad", 1.0)
@@ -108,7 +108,7 @@ def test_hidden_it_asks_nothing(opened_window, dock, idle):
     opened_window.viewers.tradeoff_dock.hide()
     answers = []
     opened_window.evaluator.answered.connect(lambda answer: answers.append(answer.owner))
-    opened_window.session.do(SetParameter("jitter", "sigma_mrad", 0.01))
+    opened_window.session.do(set_parameter("jitter", "sigma_mrad", 0.01))
     idle(opened_window)
     assert "tradeoff" not in answers
 
@@ -128,11 +128,11 @@ def test_while_edits_come_nothing_is_computed_then_the_coarse_points_first(
         # However long a busy machine takes from one edit to the next, it is no pause.
         patched.setattr(runner, "PAUSE_S", PATIENCE_S)
         for number in range(10):
-            step = SetParameter("jitter", "sigma_mrad", 0.1 + 0.01 * number)
+            step = set_parameter("jitter", "sigma_mrad", 0.1 + 0.01 * number)
             opened_window.session.do(step, gesture="drag")
             qtbot.wait(20)
         assert not answers
-    opened_window.session.do(SetParameter("jitter", "sigma_mrad", 0.7), gesture="drag")
+    opened_window.session.do(set_parameter("jitter", "sigma_mrad", 0.7), gesture="drag")
     opened_window.session.end_gesture()
     idle(opened_window)
     parts = [answer.query.values for answer in answers]

@@ -5,17 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from editor_queries import Asking, Gate, Readouts, Samples
 
 from app.editor.evaluation import runner
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.tradeoff.side_work import SideStore, SideWork
 from child_process import PATIENCE_S
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.evaluation.store import Store
 from core.evaluation.work import Work
+from editor_queries import Asking, Gate, Readouts, Samples
 
 
 @dataclass(frozen=True)
@@ -63,10 +63,10 @@ def test_while_edits_come_it_is_not_asked(evaluator, qtbot, monkeypatch):
         patched.setattr(runner, "PAUSE_S", PATIENCE_S)
         for number in range(5):
             pictures.clear()
-            session.do(SetParameter(name, "sigma_x_mrad", 0.1 + 0.01 * number), gesture="drag")
+            session.do(set_parameter(name, "sigma_x_mrad", 0.1 + 0.01 * number), gesture="drag")
             qtbot.waitUntil(lambda: "picture" in pictures)
         assert not moments
-    session.do(SetParameter(name, "sigma_x_mrad", 0.7), gesture="drag")
+    session.do(set_parameter(name, "sigma_x_mrad", 0.7), gesture="drag")
     session.end_gesture()
     qtbot.waitUntil(lambda: bool(moments) and evaluator.idle)
     assert len(moments) == 1
@@ -79,7 +79,7 @@ def test_it_gives_way_to_an_edit_at_once(evaluator, qtbot):
     evaluator.ask("late", [Waiting(gate)])
     qtbot.waitUntil(lambda: gate.entered.is_set() and bool(told))
     del told[:]
-    session.do(SetParameter(blur(session), "sigma_x_mrad", 0.77))
+    session.do(set_parameter(blur(session), "sigma_x_mrad", 0.77))
     qtbot.waitUntil(lambda: [a.owner for a in told] == ["picture"])
     gate.opened.set()
     qtbot.waitUntil(lambda: [a.owner for a in told] == ["picture", "late"])
@@ -95,7 +95,7 @@ def test_cancelled_it_stays_away_until_the_next_edit(evaluator, qtbot):
     qtbot.waitUntil(lambda: evaluator.idle)
     assert told == []
     gate.opened.set()
-    session.do(SetParameter(blur(session), "sigma_x_mrad", 0.78))
+    session.do(set_parameter(blur(session), "sigma_x_mrad", 0.78))
     qtbot.waitUntil(lambda: [a.owner for a in told] == ["late"])
 
 

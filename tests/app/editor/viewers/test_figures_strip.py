@@ -9,7 +9,7 @@ from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.figures.figures_query import SHOWN, FiguresQuery
 from app.editor.viewers.figures.figures_strip import FiguresStrip, figure_text
 from app.editor.widgets.elided_label import ElidedLabel
-from core.editing.fields import SetNode, SetParameter
+from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Add, Placed, Remove
 from core.network.network import Link, Node
 from viewer_bench import ViewerBench, is_freed
@@ -75,7 +75,7 @@ def test_figures_as_text(value, unit, text):
 
 def test_follows_edits(bench, strip):
     before = strip.text("snr")
-    bench.do(SetParameter("electronics", "amplifier_snr", 40.0))
+    bench.do(set_parameter("electronics", "amplifier_snr", 40.0))
     assert strip.text("snr") != before
     truth = {each.name: each.value for each in figures(bench).figures}
     assert strip.text("snr") == f"{truth['snr']:.4g}"
@@ -88,12 +88,12 @@ def test_without_electronics_there_are_dashes(bench, strip):
 
 
 def test_a_disabled_electronics_has_no_figures(bench, strip):
-    bench.do(SetNode("electronics", "disabled", True))
+    bench.do(set_node_field("electronics", "disabled", True))
     assert {strip.text(name) for name in NAMES} == {"—"}
 
 
 def test_why_there_are_none_is_told(bench, strip):
-    bench.do(SetParameter("electronics", "material", "manual"))
+    bench.do(set_parameter("electronics", "material", "manual"))
     assert {strip.text(name) for name in NAMES} == {"—"}
     assert "d_star" in strip._values["snr"].toolTip()
 
@@ -105,7 +105,7 @@ def second(bench):
         Link("init", "context", "more", "context"),
     )
     bench.do(Add((Placed(node),), links))
-    bench.do(SetParameter("more", "amplifier_snr", 100.0))
+    bench.do(set_parameter("more", "amplifier_snr", 100.0))
 
 
 def test_of_several_that_of_the_final_picture_or_the_selected_one(bench, strip):
@@ -178,7 +178,7 @@ def test_asks_only_while_visible(bench, strip):
     strip.hide()
     bench.settle()
     del bench.answers[:]
-    bench.do(SetParameter("electronics", "amplifier_snr", 40.0))
+    bench.do(set_parameter("electronics", "amplifier_snr", 40.0))
     assert not bench.answers
 
 

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.pixels.grey_levels import grey_levels
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.editing.nodes import Remove, Rename
 from core.errors import ImagechainError
 from viewer_bench import ViewerBench, is_freed
@@ -75,7 +75,7 @@ def test_the_drawn_picture_is_indexed_grey_and_the_right_way_up(bench, viewer):
 
 def test_follows_edits(bench, viewer):
     before = viewer.picture
-    bench.do(SetParameter("blur", "sigma_x_mrad", 3.0))
+    bench.do(set_parameter("blur", "sigma_x_mrad", 3.0))
     assert viewer.picture is not before
     assert (viewer.picture.samples == bench.value(FINAL)).all()
 
@@ -84,7 +84,7 @@ def test_asks_only_while_visible(bench, viewer):
     viewer.hide()
     bench.settle()
     del bench.answers[:]
-    bench.do(SetParameter("blur", "sigma_x_mrad", 3.0))
+    bench.do(set_parameter("blur", "sigma_x_mrad", 3.0))
     assert not bench.answers
     viewer.show()
     bench.settle()
@@ -95,7 +95,7 @@ def test_an_unchanged_picture_is_not_sent_again(bench, viewer):
     viewer.look_at("scene.image")
     bench.settle()
     del bench.answers[:]
-    bench.do(SetParameter("blur", "sigma_x_mrad", 3.0))
+    bench.do(set_parameter("blur", "sigma_x_mrad", 3.0))
     assert not bench.answers
 
 
@@ -137,7 +137,7 @@ def test_zoom_by_keys(viewer, qtbot):
 def test_what_is_zoomed_stays_while_the_picture_changes(bench, viewer):
     viewer.canvas.set_zoom((0.25, 0.5, 0.2))
     seen = viewer.canvas.view.viewRect()
-    bench.do(SetParameter("blur", "sigma_x_mrad", 3.0))
+    bench.do(set_parameter("blur", "sigma_x_mrad", 3.0))
     assert viewer.canvas.view.viewRect() == seen
 
 
@@ -170,7 +170,7 @@ def test_the_menu_offers_the_other_viewers(bench, qtbot):
 
 def test_an_error_keeps_the_last_picture_faint(bench, viewer):
     before = viewer.picture
-    bench.do(SetParameter("scene", "width", -1))
+    bench.do(set_parameter("scene", "width", -1))
     assert viewer.picture is before
     assert viewer.canvas.first.opacity() < 1
     assert "scene" in shown(viewer)

@@ -10,7 +10,7 @@ from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.pixels.colour_maps import NAMES, colour_table
 from app.editor.viewers.pixels.grey_levels import Spread, grey_levels
 from app.editor.viewers.pixels.picture_query import Picture
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.errors import ImagechainError
 from nodes.files.read import read_pixels
 from viewer_bench import ViewerBench
@@ -91,7 +91,7 @@ def test_a_picture_is_painted_once(bench, viewer, qtbot):
     for sigma in (1.0, 1.02, 1.04):
         counting.number = 0
         bench.answers.clear()
-        bench.do(SetParameter("blur", "sigma_x_mrad", sigma))
+        bench.do(set_parameter("blur", "sigma_x_mrad", sigma))
         qtbot.wait(50)
         pictures = sum(isinstance(each.value, Picture) for each in bench.answers)
         # On a slow machine a preview comes first; the two may be painted as one.

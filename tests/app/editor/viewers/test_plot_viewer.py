@@ -17,7 +17,7 @@ from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.plot.curves_query import CurvesQuery
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from core.chain.results import CurveData
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from core.editing.nodes import Add, Placed, Remove, Rename
 from core.errors import ImagechainError
 from core.network.network import Link, Node
@@ -61,7 +61,7 @@ def test_an_edit_draws_only_what_it_changes(bench, viewer):
     items = [item.curve for item in drawn.values()]
     before = [id(item.xData) for item in items]
     axes = [id(plot.getAxis(name).picture) for name in ("left", "bottom")]
-    bench.do(SetParameter("jitter", "sigma_mrad", 2 * SIGMA))
+    bench.do(set_parameter("jitter", "sigma_mrad", 2 * SIGMA))
     assert viewer.canvas._plots[0] is plot
     totals = {each.name for each in curves(bench).curves if each.kind == "total"}
     now = [id(item.xData) for item in items]
@@ -142,14 +142,14 @@ def test_the_legend_switches_curves(viewer):
 
 
 def test_stages_that_do_nothing_are_not_shown_at_first(bench, viewer):
-    bench.do(SetParameter("jitter", "sigma_mrad", 0.0))
+    bench.do(set_parameter("jitter", "sigma_mrad", 0.0))
     drawing = viewer.canvas.drawing
     assert not next(entry.shown for entry in drawing.entries if entry.name == "jitter")
 
 
 def test_follows_edits_without_building_anew(bench, viewer):
     item = viewer.canvas._curves[0]["jitter"]
-    bench.do(SetParameter("jitter", "sigma_mrad", 0.4))
+    bench.do(set_parameter("jitter", "sigma_mrad", 0.4))
     assert viewer.canvas._curves[0]["jitter"] is item
     x, y = item.getData()
     assert y == pytest.approx(np.exp(-2 * math.pi**2 * 0.4**2 * x**2), abs=1e-12)
@@ -282,7 +282,7 @@ def test_asks_only_while_visible(bench, viewer):
     viewer.hide()
     bench.settle()
     del bench.answers[:]
-    bench.do(SetParameter("jitter", "sigma_mrad", 0.4))
+    bench.do(set_parameter("jitter", "sigma_mrad", 0.4))
     assert not bench.answers
 
 

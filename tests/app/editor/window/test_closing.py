@@ -5,7 +5,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox
 
 from app.editor.recovery.recovery_files import recoverable
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from window_hands import CTRL, KEY, SHIFT, WindowHands, add, answer, give_focus
 
 _BUTTON = QMessageBox.StandardButton
@@ -38,7 +38,7 @@ def assert_alive(window, qtbot, folder):
     )
     done = []
     window.evaluator.pass_done.connect(done.append)
-    window.session.do(SetParameter(name, "width", 96))
+    window.session.do(set_parameter(name, "width", 96))
     qtbot.waitUntil(lambda: bool(done) and window.evaluator.idle, timeout=20_000)
     assert window.status.error == ""
 

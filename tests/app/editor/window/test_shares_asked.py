@@ -11,7 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QMessageBox
 
 from app.editor.allowed_shares import Shares
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 
 YES, NO = QMessageBox.StandardButton.Yes, QMessageBox.StandardButton.No
 
@@ -61,7 +61,7 @@ def test_nothing_is_read_before_it_is_allowed(opened, idle, tmp_path):
 def test_no_is_remembered_for_the_session(opened, idle, tmp_path):
     answer(opened, NO)
     idle(opened)
-    opened.session.do(SetParameter("read", "scale", 2.0))
+    opened.session.do(set_parameter("read", "scale", 2.0))
     opened.files.open_now(str(tmp_path / "net.json"))
     idle(opened)
     assert boxes(opened) == []
@@ -69,7 +69,7 @@ def test_no_is_remembered_for_the_session(opened, idle, tmp_path):
 
 
 def test_each_computer_is_asked_for_in_turn(opened, idle, tmp_path):
-    opened.session.do(SetParameter("read", "path", "//other/share/a.npy"))
+    opened.session.do(set_parameter("read", "path", "//other/share/a.npy"))
     answer(opened, NO)
     [box] = boxes(opened)
     assert box.text().endswith(": other")

@@ -16,7 +16,7 @@ from app.editor.theme import DARK, LIGHT
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.main_window import MainWindow
 from app.run.shipped import shipped_networks
-from core.editing.fields import SetParameter
+from core.editing.fields import set_parameter
 from window_hands import add, answer
 
 # --- beginning, opening ------------------------------------------------------------------------
@@ -308,7 +308,7 @@ def test_every_control_has_an_accessible_name(window, idle):
 
 def test_undo_says_what_it_would_undo(window):
     name = add(window, "jitter_mtf")
-    window.session.do(SetParameter(name, "sigma_mrad", 0.5))
+    window.session.do(set_parameter(name, "sigma_mrad", 0.5))
     assert window.actions_by_name["undo"].text() == f"&Undo Set {name}.sigma_mrad"
     window.actions_by_name["undo"].trigger()
     assert window.actions_by_name["redo"].text() == f"&Redo Set {name}.sigma_mrad"

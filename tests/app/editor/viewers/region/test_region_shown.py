@@ -7,7 +7,7 @@ from PySide6.QtCore import QPoint, Qt
 
 from app.editor.theme import DARK, LIGHT
 from app.editor.viewers.pixels.picture_facts import picture_facts
-from core.editing.fields import SetNodeExtra, SetParameter
+from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Add, Placed, Remove
 from core.network.network import Link, Node
 from region_hands import framed, stored
@@ -28,7 +28,7 @@ def test_the_region_of_the_selected_node_is_framed(bench, viewer):
 
 
 def test_the_region_of_a_pinned_panel_is_framed(bench, viewer):
-    bench.do(SetNodeExtra("measured", "pinned", True))
+    bench.do(set_node_field("measured", "pinned", True))
     assert framed(viewer) == AS_SHIPPED
 
 
@@ -65,14 +65,14 @@ def test_it_is_not_framed_on_a_picture_of_another_size_before_it(bench, viewer):
 
 
 def test_typed_values_move_the_frame(bench, viewer, hand):
-    bench.do(SetParameter("measured", "region_x", 7))
+    bench.do(set_parameter("measured", "region_x", 7))
     assert framed(viewer) == (7, 32, 64, 192)
-    bench.do(SetParameter("measured", "region_width", 0))  # to the picture's end
+    bench.do(set_parameter("measured", "region_width", 0))  # to the picture's end
     assert framed(viewer) == (7, 32, 249, 192)
 
 
 def test_one_beyond_the_picture_can_be_brought_back(bench, viewer, hand):
-    bench.do(SetParameter("measured", "region_x", 240))
+    bench.do(set_parameter("measured", "region_x", 240))
     overlay = viewer.canvas.region
     assert framed(viewer) == (240, 32, 16, 192)
     assert "beyond" in overlay.title.toPlainText()
