@@ -41,8 +41,9 @@ class Claims:
         """Claim what a recipe needs: it is going to be made."""
         with self._lock:
             if recipe.key not in self.waiting:
-                self.waiting[recipe.key] = recipe.needs
-                self._take(recipe.needs)
+                needs = recipe.needs
+                self._take(needs)
+                self.waiting[recipe.key] = needs
 
     def settle(self, recipe: Recipe) -> None:
         """Give up what a recipe claims: it has been made, or will not be."""
@@ -60,18 +61,38 @@ class Claims:
             self._give_up(recipes)
 
     def _take(self, recipes: Iterable[Recipe]) -> None:
+        """Count a claim on each of these; where one fails, none of them is counted."""
         coming = list(recipes)
-        while coming:
-            recipe = coming.pop()
-            key = recipe.key
-            claims = self._count.get(key, 0)
-            self._count[key] = claims + 1
-            if claims or self._store.pin(key + self._suffix) or key in self.waiting:
-                continue
-            needs = recipe.needs
-            if needs:
-                self.waiting[key] = needs
-                coming += needs
+        counted: list[str] = []
+        begun: set[str] = set()
+        try:
+            while coming:
+                recipe = coming.pop()
+                key = recipe.key
+                claims = self._count.get(key, 0)
+                there = claims > 0 or self._store.pin(key + self._suffix)
+                self._count[key] = claims + 1
+                counted.append(key)
+                if there or key in self.waiting:
+                    continue
+                needs = recipe.needs
+                if needs:
+                    self.waiting[key] = needs
+                    begun.add(key)
+                    coming += needs
+        except BaseException:
+            self._uncount(counted)
+            for key in begun:
+                del self.waiting[key]
+            raise
+
+    def _uncount(self, keys: Iterable[str]) -> None:
+        """Take back one claim on each of these alone, not on what it needs."""
+        for key in keys:
+            self._count[key] -= 1
+            if not self._count[key]:
+                del self._count[key]
+                self._store.unpin(key + self._suffix)
 
     def _give_up(self, recipes: Iterable[Recipe]) -> None:
         going = list(recipes)

@@ -10,6 +10,7 @@ import pytest
 
 from core.chain.frame_sequence import at_frame
 from core.errors import Cancelled, DataError
+from core.evaluation.claims import Claims
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step, pointwise
 from core.evaluation.region import Region
@@ -151,6 +152,48 @@ class TestLetGo:
         work = Counting(cancel=stop, progress=progress)
         with pytest.raises(Cancelled):
             work.value(chain(9))
+        assert work.nothing_left()
+
+
+class Unclaimable(Step):
+    """A recipe that fails when it is asked what it needs."""
+
+    @property
+    def needs(self):
+        raise MemoryError("no room for a list")
+
+
+class TestFailedClaims:
+    """A claim that fails leaves the counts as they were."""
+
+    def test_none_of_those_asked_for_together_stays(self):
+        store = Store(1)
+        claims = Claims(store, "/x")
+        good, bad = chain(3), Unclaimable.of(made, value=2, node="bad")
+        for wanted in ([good, bad], [bad, good], [Step.of(plus, good, bad), good]):
+            with pytest.raises(MemoryError):
+                claims.take(wanted)
+            assert (store.pinned, claims.waiting) == (0, {})
+
+    def test_claims_of_others_stay(self):
+        store = Store(1)
+        claims = Claims(store, "/x")
+        good, bad = chain(3), Unclaimable.of(made, value=2, node="bad")
+        claims.take([good])
+        pinned, waiting = store.pinned, dict(claims.waiting)
+        with pytest.raises(MemoryError):
+            claims.take([bad, good])
+        with pytest.raises(MemoryError):
+            claims.begin(Step.of(plus, good, bad))
+        assert (store.pinned, claims.waiting) == (pinned, waiting)
+        claims.give_up([good])
+        assert (store.pinned, claims.waiting) == (0, {})
+
+    def test_a_value_that_cannot_be_claimed_leaves_nothing(self):
+        work = Counting()
+        recipe = Step.of(plus, chain(3), Unclaimable.of(plus, chain(2), node="bad"), node="last")
+        with pytest.raises(MemoryError):
+            work.value(recipe)
         assert work.nothing_left()
 
 
