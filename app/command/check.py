@@ -39,7 +39,7 @@ def check(options: Options) -> None:
         raise _printed(place, found.problems) from None
     except InputError as error:
         raise _printed(place, [error]) from None
-    warnings = warning_lines(plan)
+    warnings = warning_lines(plan.warnings())
     if choose := how_to_choose(find_output(plan)):
         warnings.append(f"warning: no {FINAL}: {choose}")
     count = _count(len(warnings), "warning") if warnings else ""

@@ -6,7 +6,7 @@ import json
 import stat
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -36,6 +36,7 @@ from core.errors import FileError, ImagechainError, NetworkError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 from core.evaluation.store import Store
+from core.modules.caution import Caution
 from core.modules.declaration import NodeContext
 from core.modules.library_type import Library
 from core.names import close, printable, shown
@@ -235,18 +236,16 @@ def _write(
     if found.chain.final is not None:
         staging.write(folder / FINAL, partial(_final_png, found, found.chain.final))
     staging.write(folder / MTF, partial(write_text, content=mtf_csv(found.responses)))
-    told = {**found.readouts, **_warnings(found.plan)}
+    told = {**found.readouts, **_warnings(found.cautions)}
     text = json.dumps(jsonable(told), indent=2, ensure_ascii=False, allow_nan=False)
     staging.write(folder / READOUTS, partial(write_text, content=printable(text) + "\n"))
 
 
-def _warnings(plan: Plan) -> dict[str, dict[str, list[str]]]:
+def _warnings(cautions: Iterable[Caution]) -> dict[str, dict[str, list[str]]]:
     """What the nodes warn of, under a name that no node can have; nothing where all is well."""
-    nodes = {
-        name: [each.text for each in node.warnings]
-        for name, node in plan.nodes.items()
-        if node.warnings
-    }
+    nodes: dict[str, list[str]] = {}
+    for each in cautions:
+        nodes.setdefault(each.node, []).append(each.text)
     return {WARNINGS: nodes} if nodes else {}
 
 
@@ -302,7 +301,7 @@ def _print(
     rows = readout_rows(found)
     if rows:
         print(columns(rows, right=(2,)), end="\n\n")
-    told = warning_lines(found.plan)
+    told = warning_lines(found.cautions)
     if told:
         print("\n".join(told), end="\n\n")
     left_out = [

@@ -73,10 +73,11 @@ def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
             staging.write(path, partial(_write, found))
         if cancel is not None and cancel.is_set():
             raise Cancelled("stopped on request")
+        warnings = engine.warnings(plan, engine.work(_policy(options)), known_only=True)
         too_late(cancel)
         staging.commit()
     _print(found, options.outputs)
-    for line in warning_lines(plan):
+    for line in warning_lines(warnings):
         print(line)
 
 
@@ -122,10 +123,9 @@ def _curves(
     varied, second, figures = asked
     sweep = TradeOff(varied.node, varied.parameter.name, varied.values, figures)
     seconds = (None,) if second is None else second.values
-    policy = Policy(options.precision, options.tolerance, options.threads)
     curves: list[Curve] = []
     with Progress(len(seconds) * len(sweep.values)) as progress:
-        work = engine.work(policy, cancel=cancel)
+        work = engine.work(_policy(options), cancel=cancel)
         for value in seconds:
             points: list[Point] = []
             for point in _points(sweep, engine, plan, work, second, value):
@@ -135,6 +135,10 @@ def _curves(
                 progress(f"{len(curves) * len(sweep.values) + len(points)}: {varied.text} {label}")
             curves.append(Curve(value, tuple(points)))
     return tuple(curves)
+
+
+def _policy(options: Options) -> Policy:
+    return Policy(options.precision, options.tolerance, options.threads)
 
 
 def _points(

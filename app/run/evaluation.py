@@ -21,6 +21,7 @@ from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Work
+from core.modules.caution import Caution, PendingCheck
 from core.network.network import Network
 from core.network.validation import NetworkProblems
 from nodes.files.read import check_finite
@@ -68,6 +69,7 @@ class Evaluation:
     chain: Chain
     responses: Responses
     readouts: Readouts
+    cautions: tuple[Caution, ...]
     folder: Path
     seconds: dict[str, float] = field(default_factory=dict)
 
@@ -115,12 +117,15 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
         if not node.node.disabled and node.declaration.readouts
     }
     final = asked_for(plan.output(chain.final)) if chain.final is not None else ()
-    asks = [*sources.values(), *outputs.values(), *figures.values(), final]
+    checks = [each.recipe for each in plan.checks() if isinstance(each, PendingCheck)]
+    asks = [*sources.values(), *outputs.values(), *figures.values(), final, checks]
     with work.hold([recipe for ask in asks for recipe in ask]) as held:
         for port, recipes in sources.items():
             _check_source(plan, port, work)
             held.release(recipes)
         checked = time.perf_counter()
+        cautions = tuple(engine.warnings(plan, work))
+        held.release(checks)
         for (name, output), recipes in outputs.items():
             _evaluate_output(plan, name, output, work)
             held.release(recipes)
@@ -132,7 +137,7 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
         if chain.final is not None:
             engine.value(plan, chain.final, work)
     seconds = {"sources": checked - start, "evaluation": time.perf_counter() - checked}
-    return Evaluation(plan, engine, work, chain, found, readouts, folder, seconds)
+    return Evaluation(plan, engine, work, chain, found, readouts, cautions, folder, seconds)
 
 
 def asked_later(plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recipe]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from app.run.evaluation import Evaluation
-from core.chain.engine import Plan
+from core.modules.caution import Caution
 from core.names import printable
 
 _ROUNDING = 1e-15
@@ -63,9 +63,9 @@ def readout_rows(found: Evaluation) -> list[tuple[str, str, str, str]]:
     return rows
 
 
-def warning_lines(plan: Plan) -> list[str]:
+def warning_lines(warnings: Iterable[Caution]) -> list[str]:
     """One line for each warning of the nodes."""
-    return [printable(f"warning: {each}") for each in plan.warnings()]
+    return [printable(f"warning: {each}") for each in warnings]
 
 
 def columns(rows: Iterable[Sequence[str]], *, right: Sequence[int] = ()) -> str:

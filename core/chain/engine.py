@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +18,8 @@ from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.modules.caution import Caution
-from core.modules.declaration import Declaration, Module, NodeContext, declaration
+from core.modules.caution import Caution, PendingCheck, checked
+from core.modules.declaration import GIVEN, Declaration, Module, NodeContext, declaration
 from core.modules.library_type import Library
 from core.network.network import Link, Network, Node, passed_through
 from core.threads import Workers
@@ -43,17 +43,25 @@ class PlannedNode:
         return declaration(type(self.module))
 
     @cached_property
-    def warnings(self) -> tuple[Caution, ...]:
-        """What its module warns of; nothing of a node that has an error or is disabled."""
+    def checks(self) -> tuple[Caution | PendingCheck, ...]:
+        """What its module warns of, or would if it saw the samples.
+
+        Nothing of a node that has an error or is disabled.
+        """
         if self.error is not None or self.module is None or self.node.disabled:
             return ()
-        known = {**self.inputs, "outputs": self.result}
+        known = {**self.inputs, "outputs": self.result, GIVEN: frozenset(self.node.params)}
         found = []
         for check in self.declaration.warnings:
-            caution = getattr(self.module, check.name)(*(known[name] for name in check.needs))
-            if caution is not None:
-                found.append(caution.at(self.node.id, check.name))
-        return tuple(found)
+            method = getattr(self.module, check.name)
+            asked = partial(method, *(known[name] for name in check.needs))
+            found.append(checked(asked, node=self.node.id, check=check.name))
+        return tuple(each for each in found if each is not None)
+
+    @property
+    def warnings(self) -> tuple[Caution, ...]:
+        """What its module warns of without looking at samples."""
+        return tuple(each for each in self.checks if isinstance(each, Caution))
 
 
 @dataclass(frozen=True)
@@ -99,9 +107,13 @@ class Plan:
         errors = (planned.error for planned in self.nodes.values())
         return list(dict.fromkeys(error for error in errors if error is not None))
 
+    def checks(self) -> list[Caution | PendingCheck]:
+        """What the nodes warn of, or would if they saw the samples, in order."""
+        return [each for planned in self.nodes.values() for each in planned.checks]
+
     def warnings(self) -> list[Caution]:
-        """What the nodes warn of, in order."""
-        return [each for planned in self.nodes.values() for each in planned.warnings]
+        """What the nodes warn of without looking at samples, in order."""
+        return [each for each in self.checks() if isinstance(each, Caution)]
 
 
 class Engine:
@@ -194,6 +206,20 @@ class Engine:
                     except ImagechainError as error:
                         raise error.at(node) from error
                     held.release([value])
+        return found
+
+    def warnings(self, plan: Plan, work: Work, *, known_only: bool = False) -> list[Caution]:
+        """What the nodes warn of, those warnings included for which samples are looked at.
+
+        With `known_only` these are left out where the samples have not been computed so far.
+        """
+        found = []
+        for each in plan.checks():
+            if isinstance(each, Caution):
+                found.append(each)
+            elif not known_only or each.is_ready(work):
+                caution = each.value(work)
+                found += [] if caution is None else [caution]
         return found
 
     def planned_readouts(

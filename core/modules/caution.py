@@ -1,10 +1,23 @@
-"""A finding that does not keep a network from running, but may make its figures wrong."""
+"""A finding that does not keep a network from running, but may make its figures wrong.
+
+A module's method that warns returns a `Caution`, or None; or the recipe of one, where samples have
+to be looked at. A check that fails itself keeps nothing from running either: that it failed stands
+in the place of its finding.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING
 
+from core.errors import Cancelled, ImagechainError
+from core.evaluation.recipes import Recipe
 from core.names import shown
+
+if TYPE_CHECKING:
+    from core.evaluation.work import Work
 
 
 @dataclass(frozen=True)
@@ -37,3 +50,42 @@ class Caution:
 
     def __str__(self) -> str:
         return f"{shown(self.node)}: {self.text}"
+
+
+@dataclass(frozen=True)
+class PendingCheck:
+    """A warning of a node that takes samples: the recipe of a `Caution`, or of None."""
+
+    node: str
+    check: str
+    recipe: Recipe
+
+    def is_ready(self, work: Work) -> bool:
+        """Whether the samples it takes have been computed."""
+        return all(map(work.knows, self.recipe.needs))
+
+    def value(self, work: Work) -> Caution | None:
+        """What it warns of."""
+        found = checked(partial(work.value, self.recipe), node=self.node, check=self.check)
+        return found if isinstance(found, Caution) else None
+
+
+def checked(
+    method: Callable[[], Caution | Recipe | None], *, node: str, check: str
+) -> Caution | PendingCheck | None:
+    """What a method warns of, placed on its node; a failure of its own is a `Caution` too."""
+    try:
+        found = method()
+    except Cancelled:
+        raise
+    except ImagechainError as error:
+        found = Caution(f"its check {check} was not possible: {error.message}", "mend that first")
+    except Exception as error:  # of whoever wrote the method: the network and the rest are sound
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        found = Caution(
+            f"its check {check} failed ({what:.200})",
+            "a fault of this program, not of the network; what it checks may be wrong or right",
+        )
+    if isinstance(found, Recipe):
+        return PendingCheck(node, check, found)
+    return None if found is None else found.at(node, check)

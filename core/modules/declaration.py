@@ -33,8 +33,11 @@ from typing import (
     get_type_hints,
 )
 
+from core.evaluation.recipes import Recipe
 from core.modules.caution import Caution
 from core.modules.parameters import Kind, Parameter, coerce_all
+
+GIVEN = "given"  # what a warning names to have the names of the parameters that are set
 
 
 @dataclass(frozen=True)
@@ -123,11 +126,15 @@ def readout(
     return mark
 
 
-def warning(method: Callable[..., Caution | None]) -> Callable[..., Caution | None]:
+def warning(
+    method: Callable[..., Caution | Recipe | None],
+) -> Callable[..., Caution | Recipe | None]:
     """Mark a method that warns; its docstring says of what.
 
-    Its arguments are as those of a read-out. It returns a `Caution`, or None where all is well. It
-    is asked whenever the node is planned: it compares values, and computes no pixels.
+    Its arguments are as those of a read-out, and `given`, the names of the parameters that the
+    network sets. It returns a `Caution`, or None where all is well. It is asked whenever the node
+    is planned: it compares values, and computes no pixels. Where samples have to be looked at, it
+    returns the recipe of a `Caution` or None, which is computed where the samples are.
     """
     method.is_warning = True  # type: ignore[attr-defined]
     return method

@@ -8,6 +8,7 @@ from app.editor.evaluation.queries import Badge
 from core.chain.engine import Plan, PlannedNode
 from core.chain.skipped import Skip, is_neutral
 from core.errors import ImagechainError, UnconnectedError
+from core.modules.caution import Caution
 from core.modules.declaration import declaration
 from core.modules.library_type import Library
 from core.network.network import Network
@@ -25,6 +26,7 @@ def badges(
     stale: Collection[str] = (),
     met: Iterable[ImagechainError] = (),
     skipped: Mapping[str, str] | None = None,
+    warned: Iterable[Caution] = (),
 ) -> dict[str, Badge]:
     """Badges by node; one that has nothing to say has none.
 
@@ -42,14 +44,18 @@ def badges(
         Errors met while computing.
     skipped : mapping of str to str, optional
         What is left out of a node's work, from `skip_texts`.
+    warned : iterable of Caution
+        Warnings for which samples were looked at.
     """
     found: dict[str, Badge] = {}
+    warned = tuple(warned)
     badge: Badge | None
     for name, planned in plan.nodes.items():
         if planned.error is not None:
             badge = _of_error(plan.network, library, name, planned.error)
         else:
-            badge = _of_state(planned, name in stale, (skipped or {}).get(name))
+            texts = [each.text for each in (*planned.warnings, *warned) if each.node == name]
+            badge = _of_state(planned, name in stale, (skipped or {}).get(name), "\n".join(texts))
         if badge is not None:
             found[name] = badge
     for error in met:
@@ -75,8 +81,7 @@ def skip_texts(skips: Sequence[Skip]) -> dict[str, str]:
     return {name: "\n".join(texts) for name, texts in found.items()}
 
 
-def _of_state(planned: PlannedNode, stale: bool, skipped: str | None) -> Badge | None:
-    told = "\n".join(each.text for each in planned.warnings)
+def _of_state(planned: PlannedNode, stale: bool, skipped: str | None, told: str) -> Badge | None:
     if stale:
         return Badge("stale", f"{STALE}\n{told}" if told else STALE)
     if told:

@@ -23,6 +23,7 @@ from core.chain.skipped import skips
 from core.errors import Cancelled, ImagechainError
 from core.evaluation.policy import Policy
 from core.evaluation.store import Store
+from core.modules.caution import Caution, PendingCheck
 from core.modules.library_type import Library
 from core.network.network import Network
 from core.threads import Workers
@@ -61,6 +62,7 @@ class Runner:
         self._pictured = False
         self._skipped: dict[str, str] = {}
         self._badges: dict[str, Badge] | None = None
+        self._warned: dict[str, Caution | None] = {}
 
     def run(self) -> None:
         """Work on snapshots as they come, until stopped."""
@@ -266,15 +268,26 @@ class Runner:
         if not self._inbox.quiet_until(snapshot.edited_at + PAUSE_S):
             return
         assert self._planned is not None
+        plan = self._planned.shown
         self._has_preview = self._small_network(REDUCTIONS[0]) is not None
         position = Position(0, lambda _: self._inbox.waiting)
         work = PassWork(self._policy, self._engine.store, self._workers, position)
         work.log.add(self._sent.log())
         try:
-            self._skipped = skip_texts(skips(self._planned.shown, work))
+            self._look_at_samples(plan, work)
+            self._skipped = skip_texts(skips(plan, work))
         except ImagechainError:  # something newer has come, or an error that is told elsewhere
             return
         self._tell_badges()
+
+    def _look_at_samples(self, plan: Plan, work: PassWork) -> None:
+        """What nodes warn of once samples are there; for that alone none are computed."""
+        pending = [each for each in plan.checks() if isinstance(each, PendingCheck)]
+        keys = {each.recipe.key for each in pending}
+        self._warned = {key: found for key, found in self._warned.items() if key in keys}
+        for each in pending:
+            if each.recipe.key not in self._warned and each.is_ready(work):
+                self._warned[each.recipe.key] = each.value(work)
 
     def _answer_waiting(self, snapshot: Snapshot) -> None:
         """Answer what could wait until edits paused; whatever comes goes before it."""
@@ -293,12 +306,19 @@ class Runner:
 
     def _tell_badges(self) -> None:
         assert self._planned is not None
+        plan = self._planned.shown
+        known = [
+            self._warned.get(each.recipe.key)
+            for each in plan.checks()
+            if isinstance(each, PendingCheck)
+        ]
         found = badges(
-            self._planned.shown,
+            plan,
             self._engine.library,
             stale=self._planned.stale,
             met=[sent.error for sent in self._sent if sent.error is not None],
             skipped=self._skipped,
+            warned=[each for each in known if each is not None],
         )
         if found != self._badges:
             self._badges = found

@@ -43,7 +43,7 @@ def report_facts(found: Evaluation, skipped: tuple[Skip, ...]) -> dict[str, Any]
             "links": [link.text() for link in network.links],
         },
         "run": _run(found),
-        "warnings": [asdict(each) for each in found.plan.warnings()],
+        "warnings": [asdict(each) for each in found.cautions],
         "pictures": [
             *(picture_facts(found, port, "input") for port in chain.sources),
             *([picture_facts(found, chain.final, "output")] if chain.final else []),

@@ -6,12 +6,15 @@ import pickle
 from dataclasses import replace
 from typing import Annotated, NamedTuple
 
+import numpy as np
 import pytest
 
 from core.chain.engine import Engine
 from core.chain.wires import Image
+from core.errors import Cancelled, ParameterError
+from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe, Step
-from core.modules.caution import Caution
+from core.modules.caution import Caution, PendingCheck
 from core.modules.declaration import Module, declaration, warning
 from core.modules.parameters import Param
 from linked_network import linked_network
@@ -60,8 +63,62 @@ class Stricter(Taker, key="stricter", title="Stricter", group="Test"):
         return None
 
 
+class Failing(Module, key="failing", title="Failing", group="Test"):
+    """Its checks fail themselves."""
+
+    how: Annotated[str, Param("at what")] = "index"
+    seen: Annotated[bool, Param("with samples")] = False
+
+    def run(self, image: Image) -> Outputs:
+        return Outputs(image)
+
+    @warning
+    def broken(self, image: Image) -> Caution | Recipe | None:
+        """Never comes to an end."""
+        if self.seen:
+            return Step.of(_failing, image.recipe, how=self.how)
+        raise FAULTS[self.how]
+
+    @warning
+    def sound(self, given: frozenset[str]) -> Caution | None:
+        """What the network sets."""
+        return Caution(f"sets {', '.join(sorted(given))}", "set less")
+
+
+class Looking(Maker, key="looking", title="Looking", group="Test"):
+    """Looks at its samples."""
+
+    level: Annotated[float, Param("level")] = 1.0
+
+    def run(self) -> Outputs:
+        return Outputs(Image(Step.of(_level, level=self.level), 2, 2))
+
+    @warning
+    def bright(self, outputs: Outputs) -> Recipe:
+        """A mean above 10."""
+        return Step.of(_bright, outputs.image.recipe)
+
+
+def _level(work, *, level):
+    CALLS.append("level")
+    return np.full((2, 2), level)
+
+
+def _bright(work, samples):
+    mean = float(samples.mean())
+    return Caution(f"mean {mean:g}", "dim it") if mean > 10 else None
+
+
+def _failing(work, samples, *, how):
+    raise FAULTS[how]
+
+
+FAULTS = {
+    "index": IndexError("tuple index\nout of range"),
+    "parameter": ParameterError("width", 3, "2"),
+}
 CALLS: list[str] = []
-LIBRARY = {each.key: each for each in (Maker, Taker, Stricter)}
+LIBRARY = {each.key: each for each in (Maker, Taker, Stricter, Failing, Looking)}
 
 
 def _pixels(work) -> Recipe:
@@ -130,3 +187,49 @@ def test_a_disabled_node_and_one_with_an_error_warn_of_nothing():
 def test_they_pickle():
     (caution, *_) = plan().warnings()
     assert pickle.loads(pickle.dumps(caution)) == caution
+
+
+def failing(first="looking", level=3.0, **params):
+    nodes = {"make": (first, {"level": level} if level else {}), "bad": ("failing", params)}
+    return Engine(LIBRARY), linked_network(nodes, [("make.image", "bad.image")])
+
+
+@pytest.mark.parametrize("seen", [False, True])
+@pytest.mark.parametrize(
+    ("how", "line"),
+    [
+        ("index", "its check broken failed (IndexError: tuple index out of range)"),
+        ("parameter", "its check broken was not possible: width = 3 is not allowed: 2"),
+    ],
+)
+def test_a_check_that_fails_is_a_warning_of_its_node_and_keeps_nothing_from_running(
+    how, line, seen
+):
+    engine, network = failing(how=how, seen=seen)
+    found = engine.plan(network)
+    assert found.errors() == []
+    broken, sound = engine.warnings(found, engine.work(Policy()))
+    assert (broken.node, broken.check, broken.message) == ("bad", "broken", line)
+    assert (sound.check, sound.message) == ("sound", "sets how, seen")
+    assert [each.check for each in found.warnings()] == ([] if seen else ["broken"]) + ["sound"]
+
+
+def test_a_stop_is_no_failure_of_a_check():
+    FAULTS["stop"] = Cancelled("stopped on request")
+    engine, network = failing(how="stop", seen=True)
+    with pytest.raises(Cancelled):
+        engine.warnings(engine.plan(network), engine.work(Policy()))
+
+
+@pytest.mark.parametrize(("level", "lines"), [(10.0, []), (11.0, ["make: mean 11: dim it"])])
+def test_a_check_of_samples_is_planned_and_made_when_asked_for(level, lines):
+    engine, network = Engine(LIBRARY), linked_network({"make": ("looking", {"level": level})})
+    found, work = engine.plan(network), engine.work(Policy())
+    (pending,) = found.checks()
+    assert isinstance(pending, PendingCheck)
+    assert (pending.node, pending.check, found.warnings()) == ("make", "bright", [])
+    assert engine.warnings(found, work, known_only=True) == []
+    assert CALLS == []
+    assert list(map(str, engine.warnings(found, work))) == lines
+    assert list(map(str, engine.warnings(found, work, known_only=True))) == lines
+    assert CALLS == ["level"]
