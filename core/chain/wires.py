@@ -21,9 +21,9 @@ Platform = Literal["line", "push", "array"]
 class Header:
     """What an image's file says of the sensor that took it; empty fields are None.
 
-    `bare_integers`: the file stores integers and names no unit of them. `channels`: names of a
-    colour picture's channels, of which the image is one; empty for a picture of one channel.
-    `not_applied`: fields that would change the samples, which are as stored.
+    `bare_integers`: the file stores integers and names no unit of them. `unit_named`: it names one.
+    `channels`: names of a colour picture's channels, of which the image is one; empty for a picture
+    of one channel. `not_applied`: fields that would change the samples, which are as stored.
     """
 
     fov_x_deg: float | None = None
@@ -32,6 +32,7 @@ class Header:
     bare_integers: bool = False
     channels: tuple[str, ...] = ()
     not_applied: tuple[str, ...] = ()
+    unit_named: bool = False
 
 
 def _bound(factors: Iterable[Factor]) -> tuple[Recipe, ...]:

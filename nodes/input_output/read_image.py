@@ -16,6 +16,7 @@ from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo
+from nodes.input_output.radiance_check import radiance_caution
 from nodes.input_output.sample_unit import DEFAULT_UNIT, sample_unit
 from nodes.input_output.source_file import count_missing, picture_source, read_step
 from nodes.shared.module_ports import ImageOutput
@@ -101,6 +102,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
                     bare_integers=np.dtype(info.dtype).kind in "bui" and not info.unit,
                     channels=info.channels,
                     not_applied=info.not_applied,
+                    unit_named=bool(info.unit),
                 ),
             )
         )
@@ -128,10 +130,24 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         )
 
     @warning
-    def one_channel(self, outputs: ImageOutput) -> Caution | None:
-        """A colour picture, of which one channel is read."""
+    def radiance(self, outputs: ImageOutput, given: frozenset[str]) -> Step | None:
+        """Samples that cannot be the radiance they are read as, or look like temperatures."""
+        image = outputs.image
+        band = image.band_um
+        if not is_radiance(image.unit) or self.numbers_without_unit(outputs) is not None:
+            return None
+        return Step.of(
+            radiance_caution,
+            image.recipe,
+            band_um=band if band is None or band[0] < band[1] else None,
+            unit_stated=image.header.unit_named or not given.isdisjoint(("unit", "scale")),
+        )
+
+    @warning
+    def one_channel(self, outputs: ImageOutput, given: frozenset[str]) -> Caution | None:
+        """A colour picture, of which one channel is read that nobody has chosen."""
         channels = outputs.image.header.channels
-        if len(channels) < 2:
+        if len(channels) < 2 or "band" in given:
             return None
         read = channels[self.band] if self.band < len(channels) else f"number {self.band}"
         return Caution(

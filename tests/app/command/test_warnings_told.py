@@ -4,7 +4,10 @@ import json
 import re
 from html import unescape
 
+import numpy as np
 import pytest
+
+from nodes.transform.init_trans import InitTrans
 
 WRITES = "run writes net-output/final.png, net-output/mtf.csv, net-output/readouts.json"
 BAND = (
@@ -106,3 +109,67 @@ def test_markup_in_a_nodes_name_is_plain_text(lwir, write, imagechain, tmp_path)
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "r.html").read_text()
     assert "<b>&lt;b&gt;e&lt;/b&gt;</b>: the picture" in page
+
+
+KELVIN = (
+    "read: the samples, 290 ± 8, look like temperatures in kelvin and are read as W/m²/sr, which "
+    "not even all wavelengths give below 356 K: give the samples' unit, such as K or DN, or the "
+    "scale that makes W/m²/sr of them; cut_on_um and cut_off_um, if it is radiance"
+)
+
+
+@pytest.fixture
+def kelvin(small, write, tmp_path):
+    """A picture of temperatures in place of the scene, its unit left out."""
+    np.save(tmp_path / "t.npy", (290 + 8 * np.resize([-1, 1], (40, 48))).astype(np.float32))
+    params = {"path": "t.npy", "fov_x_deg": 3.0, "fov_y_deg": 2.5}
+    small["nodes"]["read"] = {"module": "read_image", "params": params}
+    del small["nodes"]["scene"]
+    small["links"][0] = ["read.image", "init.image"]
+    write(small)
+    return small
+
+
+def test_a_run_warns_of_samples_that_look_like_kelvin(kelvin, imagechain, tmp_path):
+    done = imagechain("run", "net.json", "--report", "r.html", "--report", "r.json")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert f"warning: {KELVIN}" in done.stdout.splitlines()
+    told = json.loads((tmp_path / "net-output/readouts.json").read_text())
+    assert told["imagechain.warnings"] == {"read": [KELVIN.removeprefix("read: ")]}
+    (fact,) = json.loads((tmp_path / "r.json").read_text())["warnings"]
+    assert (fact["node"], fact["check"]) == ("read", "radiance")
+    assert "look like temperatures in kelvin" in unescape((tmp_path / "r.html").read_text())
+
+
+def test_a_check_reads_no_samples_and_a_unit_ends_the_warning(kelvin, imagechain):
+    assert "warning" not in imagechain("check", "net.json").stdout
+    done = imagechain("run", "net.json", "--set", "read.unit=K")
+    assert done.returncode == 0
+    assert "warning" not in done.stdout
+
+
+def test_a_trade_off_of_samples_warns_and_one_without_reads_none(kelvin, write, imagechain):
+    kelvin["nodes"]["seen"] = {"module": "examine_image"}
+    kelvin["links"] += [["pixels.image", "seen.image"]]
+    write(kelvin)
+    kinds = {"seen.sigma": True, "jitter.half_contrast": False}
+    for figure, warns in kinds.items():
+        words = ("--vary", "jitter.sigma_mrad=0.1,0.2", "--figure", figure)
+        done = imagechain("tradeoff", "net.json", *words)
+        assert done.returncode == 0, done.stderr
+        assert (f"warning: {KELVIN}" in done.stdout.splitlines()) is warns
+
+
+@pytest.mark.parametrize("command", [("check",), ("run",)])
+def test_a_check_that_fails_is_told_of_its_node(small, write, imagechain, monkeypatch, command):
+    def broken(self, image):
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr(InitTrans, "field_of_view", broken)
+    write(small)
+    done = imagechain(*command, "net.json")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (
+        "warning: init: its check field_of_view failed (ZeroDivisionError: division by zero): a "
+        "fault of this program, not of the network; what it checks may be wrong or right"
+    ) in done.stdout.splitlines()

@@ -8,9 +8,11 @@ import pytest
 
 from core.chain.engine import Engine
 from core.chain.wires import Header, Image
+from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.modules.declaration import declaration
 from core.network.file import parse_network
+from nodes.files.pictures import write_picture
 from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library
 from nodes.shared.module_ports import ImageOutput
@@ -121,6 +123,7 @@ CASES = {
 BY_HAND = {  # need what only a file tells
     ("read_image", "numbers_without_unit"),
     ("read_image", "one_channel"),
+    ("read_image", "radiance"),
     ("read_image", "as_stored"),
     ("init_trans", "focal_length"),
 }
@@ -191,7 +194,7 @@ def test_declared_as_contracted(key):
     taken = {each.name for each in (*described.parameters, *described.readouts)}
     for check in described.warnings:
         assert check.meaning.endswith("."), check
-        assert {*check.needs} <= inputs | {"outputs"}, check
+        assert {*check.needs} <= inputs | {"outputs", "given"}, check
         assert check.name not in taken
 
 
@@ -201,6 +204,82 @@ def test_a_disabled_node_warns_of_nothing(planned, key):
     network = plan.network
     off = network.with_node(replace(network.nodes["node"], disabled=True))
     assert Engine(LIBRARY).plan(off, folder=plan.folder).nodes["node"].warnings == ()
+
+
+def checks(folder, **params):
+    """Warnings of a node that reads a file, its samples looked at."""
+    nodes = {"read": {"module": "read_image", "params": params}}
+    document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": []}
+    engine = Engine(LIBRARY)
+    plan = engine.plan(parse_network(json.dumps(document), library=LIBRARY), folder=folder)
+    assert plan.errors() == []
+    return engine.warnings(plan, engine.work(Policy()))
+
+
+def frame(mean, sigma):
+    return mean + sigma * np.resize([-1.0, 1.0], (16, 16))
+
+
+KELVIN = frame(290.0, 8.0)
+LWIR = {"cut_on_um": 8.0, "cut_off_um": 14.0}
+MWIR = {"cut_on_um": 3.0, "cut_off_um": 5.0}
+VISIBLE = {"cut_on_um": 0.4, "cut_off_um": 0.7}
+
+
+class TestRadianceOfFiles:
+    """Samples read as W/m²/sr that cannot be; limits from `test_scene_limits`."""
+
+    @pytest.mark.parametrize("name", ["a.npy", "a.tif"])
+    @pytest.mark.parametrize("dtype", ["float", "double"])
+    def test_kelvin_without_a_band_looks_like_kelvin(self, tmp_path, name, dtype):
+        if name == "a.npy":
+            np.save(tmp_path / name, KELVIN.astype({"float": np.float32}.get(dtype, np.float64)))
+        else:
+            write_picture(tmp_path / name, KELVIN, dtype=dtype)
+        (caution,) = checks(tmp_path, path=name)
+        assert (caution.node, caution.check) == ("read", "radiance")
+        # (π 290 / 5.670374e-8)^¼ = 356.0
+        assert caution.message == (
+            "the samples, 290 ± 8, look like temperatures in kelvin and are read as W/m²/sr, "
+            "which not even all wavelengths give below 356 K"
+        )
+        assert "such as K" in caution.remedy
+
+    @pytest.mark.parametrize("band", [LWIR, MWIR, VISIBLE])
+    def test_kelvin_in_a_band_is_more_than_a_scene_gives(self, tmp_path, band):
+        np.save(tmp_path / "a.npy", KELVIN)
+        (caution,) = checks(tmp_path, path="a.npy", unit="W/m²/sr", **band)
+        assert caution.message.startswith("the samples' mean, 290 W/m²/sr, is more than the ")
+        assert caution.message.endswith("they look like temperatures in kelvin")
+
+    def test_counts_in_a_band(self, tmp_path):
+        np.save(tmp_path / "a.npy", frame(8000.0, 500.0))
+        (caution,) = checks(tmp_path, path="a.npy", scale=2.0, **LWIR)
+        assert "mean, 1.6e+04 W/m²/sr, is more than" in caution.message
+        assert "kelvin" not in caution.message
+
+    @pytest.mark.parametrize(
+        ("samples", "params"),
+        [
+            (KELVIN, {"unit": "K"}),
+            (KELVIN, {"unit": "W/m²/sr"}),  # somebody has said so, of a band nobody names
+            (frame(55.0, 2.0), {}),
+            (frame(55.0, 2.0), LWIR),  # 300 K
+            (frame(2.0, 0.2), MWIR),
+            (frame(100.0, 40.0), VISIBLE),  # in sunlight
+            (frame(240.0, 90.0), {}),  # spread too far for temperatures
+            (frame(0.0, 1.0), LWIR),  # noise
+            (frame(20.0, 1.0), {}),
+        ],
+    )
+    def test_what_may_be_radiance_is_silent(self, tmp_path, samples, params):
+        np.save(tmp_path / "a.npy", samples)
+        assert checks(tmp_path, path="a.npy", **params) == []
+
+    def test_whole_numbers_are_warned_of_once(self, tmp_path):
+        np.save(tmp_path / "a.npy", KELVIN.astype(np.int16))
+        found = [each.check for each in checks(tmp_path, path="a.npy")]
+        assert found == ["numbers_without_unit"]
 
 
 def image(header):
@@ -219,11 +298,18 @@ class TestFiles:
 
     def test_one_channel_of_a_colour_picture(self):
         outputs = ImageOutput(image(Header(channels=("R", "G", "B"))))
-        caution = ReadImage.build({}).one_channel(outputs)
+        caution = ReadImage.build({}).one_channel(outputs, frozenset())
         assert caution.message == "colour picture: channel R of R, G, B is read"
         assert "0 to 2" in caution.remedy
-        assert "channel B" in ReadImage.build({"band": 2}).one_channel(outputs).message
-        assert ReadImage.build({}).one_channel(ImageOutput(image(Header(channels=("Y",))))) is None
+        one = ImageOutput(image(Header(channels=("Y",))))
+        assert ReadImage.build({}).one_channel(one, frozenset()) is None
+
+    @pytest.mark.parametrize("params", [{"band": 0}, {"band": 2}, {}])
+    def test_a_channel_that_was_chosen_is_not_warned_of(self, tmp_path, params):
+        """Not even the first one, which is the default."""
+        write_picture(tmp_path / "a.png", np.zeros((4, 4, 3)), dtype="uint8")
+        found = [each.check for each in checks(tmp_path, path="a.png", unit="DN", **params)]
+        assert ("one_channel" in found) is not bool(params)
 
     def test_gains_of_the_header_that_are_not_applied(self):
         outputs = ImageOutput(image(Header(not_applied=("data gain values",))))

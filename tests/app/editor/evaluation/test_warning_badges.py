@@ -1,5 +1,6 @@
 """Warnings in the window: a badge of their own on the node, and the text in its panel."""
 
+import numpy as np
 import pytest
 
 from app.editor.canvas.items.badge_item import BadgeItem
@@ -9,7 +10,11 @@ from app.editor.panels.head import PanelHead
 from app.editor.theme import DARK, LIGHT
 from core.chain.engine import Engine
 from core.editing.fields import set_node_field, set_parameter
+from core.editing.nodes import Add, Placed
 from core.errors import DataError
+from core.network.network import Node
+from editor_queries import Samples
+from nodes.transform.init_trans import InitTrans
 from viewer_bench import ViewerBench
 
 
@@ -38,6 +43,32 @@ def test_a_warning_comes_and_goes_with_what_brings_it_about(bench, canvas):
     bench.session.undo()
     bench.session.undo()
     assert "electronics" not in shown(bench)
+
+
+def test_samples_that_look_like_kelvin_are_warned_of_once_they_are_seen(bench, tmp_path):
+    np.save(tmp_path / "t.npy", np.full((32, 32), 290.0, np.float32))
+    node = Node("read", "read_image", {"path": str(tmp_path / "t.npy")})
+    bench.do(Add((Placed(node),)))
+    assert "read" not in shown(bench)
+    bench.evaluator.ask("test", [Samples("read.image")])
+    badge = shown(bench)["read"]
+    assert badge.kind == "warning"
+    assert "look like temperatures in kelvin" in badge.text
+    bench.do(set_parameter("read", "unit", "K"))
+    assert "read" not in shown(bench)
+    bench.session.undo()
+    assert shown(bench)["read"] == badge
+
+
+def test_a_check_that_fails_is_a_badge_of_its_node(bench, monkeypatch):
+    def broken(self, image):
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr(InitTrans, "field_of_view", broken)
+    bench.do(set_parameter("init", "range_m", 1234.0))
+    badge = shown(bench)["init"]
+    assert badge.kind == "warning"
+    assert "field_of_view failed (ZeroDivisionError" in badge.text
 
 
 def planned(session, library):
