@@ -25,12 +25,13 @@ from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtyp
 from nodes.files.common.quiet import quiet_stderr
 from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
 from nodes.files.damage import png_bit_depth, refuse_damaged
-from nodes.files.headers.fits_header import read_fits_header
+from nodes.files.headers.fits_header import read_fits_header, refuse_unsupported
 from nodes.files.headers.header_fields import FieldValue, header_fields
 from nodes.files.picture_writing import DTYPES as WRITABLE_DTYPES
 from nodes.files.picture_writing import write_picture
 from nodes.files.tiff.plain_tiff import read_plain_tiff
 from nodes.files.tiff.tiff_deflate import check_deflate, is_deflated
+from nodes.files.tiff.tiff_layout import refuse_predictor
 
 __all__ = ["SUFFIXES", "WRITABLE_DTYPES", "read_band", "read_info", "write_picture"]
 
@@ -61,6 +62,7 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
         The file is missing, damaged or of an unknown format, or holds no plain 2-D picture.
     """
     file = readable_file(path)
+    refuse_unsupported(file)
     with _opened(file) as picture:
         return _info(file, picture)
 
@@ -87,6 +89,7 @@ def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
         As `read_info`; damage among the samples; there is no such channel.
     """
     file = readable_file(path)
+    refuse_unsupported(file)
     refuse_damaged(file)
     with _opened(file) as picture:
         info = _info(file, picture)
@@ -201,6 +204,8 @@ def _info(path: Path, picture: Any) -> PictureInfo:
         kind=kind,
         channels=() if kind == "fits" else _channel_names(spec),  # planes of a cube are no colours
     )
+    if kind == "tiff":
+        refuse_predictor(path)
     bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
     if kind == "png":
         bits = png_bit_depth(first_bytes(path, 32)) or 0

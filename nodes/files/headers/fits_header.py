@@ -1,8 +1,8 @@
 """The first header of a FITS file: what turns stored numbers into values, and the checksums.
 
-Source: Pence and others, Definition of the Flexible Image Transport System 3.0, A&A 524 (2010),
-sections 4.2 (values; D as the sign of an exponent), 4.4.2.5 (BSCALE, BZERO, BLANK) and appendix J
-(DATASUM, CHECKSUM).
+Source: FITS Working Group of the IAU, Definition of the Flexible Image Transport System 4.0 (2018),
+sections 4.1.2 (value indicator: an equal sign and a blank), 4.2 (values; D as the sign of an
+exponent), 4.4.1 (BITPIX, NAXIS), 4.4.2.5 (BSCALE, BZERO, BLANK) and appendix J (DATASUM, CHECKSUM).
 """
 
 from __future__ import annotations
@@ -25,7 +25,10 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EDed][-+]?\d+)?")
 _TEXT = re.compile(r"'((?:[^']|'')*)'")
 
 # Those that say what the samples are.
-_USED = ("BITPIX", "NAXIS", "NAXIS1", "NAXIS2", "NAXIS3", "BSCALE", "BZERO", "BLANK", "DATASUM")
+_NUMBERS = ("BITPIX", "NAXIS", "NAXIS1", "NAXIS2", "NAXIS3", "BSCALE", "BZERO", "BLANK")
+_USED = (*_NUMBERS, "DATASUM")
+_START, _EXTENSION = b"SIMPLE  =", b"XTENSION"
+_BITPIX = ("8", "16", "32", "-32", "-64")
 
 
 @dataclass(frozen=True)
@@ -90,6 +93,36 @@ def read_fits_header(path: Path) -> FitsHeader:
     raise FileError(f"{path}: this FITS file is damaged or truncated: its header has no END")
 
 
+def refuse_unsupported(path: Path) -> None:
+    """Refuse a FITS file whose first header is not that of a picture that can be read.
+
+    Raises
+    ------
+    FileError
+        There is none in it, as where pictures are in extensions; its samples are of another type;
+        or as of `read_fits_header`.
+    """
+    try:
+        with path.open("rb") as file:
+            if file.read(len(_START)) != _START:
+                return
+            header = read_fits_header(path)
+            file.seek(header.length)
+            extension = file.read(len(_EXTENSION)) == _EXTENSION
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from error
+    if header.cards.get("NAXIS") == "0":
+        where = ", only its extensions hold data" if extension else ""
+        remedy = ": save the extension as a file of its own" if extension else ""
+        raise FileError(
+            f"{path}: the primary header of this FITS file holds no picture (NAXIS = 0){where}; "
+            f"allowed: a picture in the primary header{remedy}"
+        )
+    bits = header.cards.get("BITPIX", "")
+    if bits not in _BITPIX:
+        raise FileError(f"{path}: BITPIX = {bits:.40}; allowed: {', '.join(_BITPIX)}")
+
+
 def _header(path: Path, cards: dict[str, str], length: int) -> FitsHeader:
     zero, scale = _number(path, cards, "BZERO", 0.0), _number(path, cards, "BSCALE", 1.0)
     blank = cards.get("BLANK")
@@ -116,9 +149,17 @@ def _number(path: Path, cards: dict[str, str], key: str, default: float) -> floa
 def _add(cards: dict[str, str], card: str, path: Path) -> None:
     key = card[:8].rstrip()
     if card[8:10] != "= " or not key:
+        if key in _USED:
+            # By the standard it has no value; whoever wrote it meant one, and samples hang on it.
+            raise FileError(
+                f"{path}: {key} has no value, as {card[8:].strip():.40} does not begin with an "
+                "equal sign and a blank; allowed: these in columns 9 and 10, then the value"
+            )
         return
     text = card[10:].strip()
     quoted = _TEXT.match(text)
+    if quoted and key in _NUMBERS:
+        raise FileError(f"{path}: {key} = {text:.40} is a text; allowed: a number without quotes")
     value = quoted[1].replace("''", "'").rstrip() if quoted else text.partition("/")[0].strip()
     if cards.setdefault(key, value) != value and key in _USED:
         raise FileError(

@@ -14,6 +14,7 @@ from core.errors import FileError
 from nodes.files.tiff.tiff_directory import Tags, byte_order, read_tags
 
 NONE, DEFLATES = 1, (8, 32946)
+_UNPREDICTED = {NONE: "no compression", 32773: "PackBits"}
 _COLUMNS, _ROWS, _BITS, _COMPRESSION, _COLOUR = 256, 257, 258, 259, 262
 _BIT_ORDER, _CHANNELS, _PLANAR, _PREDICTOR, _FORMAT = 266, 277, 284, 317, 339
 _STRIPS, _STRIP_ROWS, _STRIP_SIZES = 273, 278, 279
@@ -69,6 +70,28 @@ def compression_of(content: mmap.mmap, path: Path) -> int:
         return read_tags(content).get(_COMPRESSION, (NONE,))[0]
     except (KeyError, IndexError, struct.error) as error:
         raise FileError(f"{path}: this TIFF file is damaged: its directory: {error}") from error
+
+
+def refuse_predictor(path: Path) -> None:
+    """Refuse differences between neighbours in a packing that has none.
+
+    TIFF 6.0 defines the predictor for LZW, and the library undoes it for that, deflate, LZMA and
+    Zstandard; where the tag stands with PackBits or without compression it is passed over. Other
+    programs write and read differences there, and nothing in the file says which it is.
+
+    Raises
+    ------
+    FileError
+        Naming predictor and packing; or that the directory is damaged.
+    """
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        packing = _UNPREDICTED.get(compression_of(content, path))
+        predictor = next(iter(read_tags(content).get(_PREDICTOR, ())), 1)
+    if packing is not None and predictor != 1:
+        raise FileError(
+            f"{path}: predictor {predictor} with {packing} cannot be read: programs differ on what "
+            "that means; allowed: predictor 1, or deflate or LZW"
+        )
 
 
 def read_tiff_layout(content: mmap.mmap, path: Path) -> TiffLayout:

@@ -132,8 +132,37 @@ def test_a_block_of_fewer_rows_or_none_is_refused(tmp_path):
         read_pixels(path)
 
 
+def with_predictor(path, samples, compression, predictor):
+    """A little-endian TIFF of one strip; PackBits in literal runs of up to 128 bytes."""
+    raw = samples.tobytes()
+    if compression == 32773:
+        runs = [raw[start : start + 128] for start in range(0, len(raw), 128)]
+        raw = b"".join(bytes([len(run) - 1]) + run for run in runs)
+    rows, columns = samples.shape
+    fields = [(256, columns), (257, rows), (258, 8 * samples.itemsize), (259, compression)]
+    fields += [(262, 1), (273, 8), (277, 1), (278, rows), (279, len(raw)), (317, predictor)]
+    entries = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in fields)
+    head = b"II*\0" + struct.pack("<I", 8 + len(raw))
+    path.write_bytes(head + raw + struct.pack("<H", len(fields)) + entries + bytes(4))
+
+
+@pytest.mark.parametrize(("compression", "name"), [(32773, "PackBits"), (1, "no compression")])
+@pytest.mark.parametrize("dtype", ["u1", "<u2"])
+def test_a_tiff_predictor_that_programs_differ_on(tmp_path, compression, name, dtype):
+    truth = np.add.outer(np.arange(8), np.arange(30)).astype(dtype)
+    path = tmp_path / "a.tif"
+    with_predictor(path, truth, compression, 1)
+    assert np.array_equal(read_pixels(path), truth)
+    with_predictor(path, np.diff(truth, axis=1, prepend=truth[:, :1] * 0), compression, 2)
+    for read in (read_info, read_pixels):
+        with pytest.raises(FileError, match=f"predictor 2 with {name} cannot be read: .*; allowed"):
+            read(path)
+
+
 def fits(cards, data):
-    text = "".join(f"{key:<8}= {value!s:>20}".ljust(80) for key, value in cards)
+    """A file of these cards, as key and value or as they stand."""
+    lines = [f"{c[0]:<8}= {c[1]!s:>20}" if isinstance(c, tuple) else c for c in cards]
+    text = "".join(line.ljust(80) for line in lines)
     head = (text + "END".ljust(80)).encode()
     return head + b" " * (-len(head) % 2880) + data + bytes(-len(data) % 2880)
 
@@ -174,6 +203,10 @@ def test_fits_blank_is_a_missing_sample(tmp_path):
         ([("BSCALE", "0.0")], "BSCALE = 0.0; allowed: a finite number other than 0"),
         ([("BLANK", "1.5")], "BLANK = 1.5; allowed: a whole number"),
         ([("BZERO", "1"), ("BZERO", "2")], "BZERO stands twice, as 1 and as 2"),
+        (["BZERO   =32768"], "BZERO has no value, as =32768 does not begin with an equal sign and"),
+        (["BSCALE  2.0"], "BSCALE has no value, as 2.0 does not begin with"),
+        (["BZERO   = '32768'"], "BZERO = '32768' is a text; allowed: a number without quotes"),
+        (["BLANK   = '5' / none"], "BLANK = '5' / none is a text"),
     ],
 )
 def test_fits_cards_that_cannot_be_used(tmp_path, cards, words):
@@ -182,6 +215,43 @@ def test_fits_cards_that_cannot_be_used(tmp_path, cards, words):
     for read in (read_info, read_pixels):
         with pytest.raises(FileError, match=re.escape(words)):
             read(path)
+
+
+def test_fits_comments_are_no_values(tmp_path):
+    """A keyword without a value that no sample hangs on, and a commentary that names one."""
+    cards = ["OBSERVER=me", "COMMENT BZERO   =32768", "HISTORY BSCALE  = '2'"]
+    (tmp_path / "a.fits").write_bytes(fits([*CARDS, *cards], STORED.tobytes()))
+    assert np.array_equal(read_pixels(tmp_path / "a.fits"), STORED[::-1])
+
+
+EMPTY = [("SIMPLE", "T"), ("BITPIX", 8), ("NAXIS", 0)]
+EXTENSION = fits([("XTENSION", "'IMAGE   '"), *CARDS[1:]], STORED.tobytes())
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (
+            fits(EMPTY, b"") + EXTENSION,
+            "holds no picture (NAXIS = 0), only its extensions hold data;",
+        ),
+        (fits(EMPTY, b""), "holds no picture (NAXIS = 0); allowed: a picture in the primary"),
+        (
+            fits([("SIMPLE", "T"), ("BITPIX", 64), *CARDS[2:]], STORED.astype(">i8").tobytes()),
+            "BITPIX = 64; allowed: 8, 16, 32, -32, -64",
+        ),
+    ],
+)
+def test_fits_without_a_picture_that_can_be_read(tmp_path, content, words):
+    (tmp_path / "a.fits").write_bytes(content)
+    for read in (read_info, read_pixels):
+        with pytest.raises(FileError, match=re.escape(words)):
+            read(tmp_path / "a.fits")
+
+
+def test_a_picture_before_extensions_is_read(tmp_path):
+    (tmp_path / "a.fits").write_bytes(fits(CARDS, STORED.tobytes()) + EXTENSION)
+    assert np.array_equal(read_pixels(tmp_path / "a.fits"), STORED[::-1])
 
 
 def test_fits_sums(tmp_path):
