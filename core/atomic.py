@@ -78,6 +78,30 @@ def _target(path: str | os.PathLike[str]) -> Path:
     return Path(os.path.realpath(text))
 
 
+_KINDS = {
+    stat.S_IFIFO: "named pipe (FIFO)",
+    stat.S_IFSOCK: "socket",
+    stat.S_IFCHR: "character device",
+    stat.S_IFBLK: "block device",
+}
+
+
+def no_regular_file(mode: int) -> str:
+    """Why what is there cannot be replaced, and what can; empty for a regular file.
+
+    Parameters
+    ----------
+    mode : int
+        `st_mode` of what is there, links followed.
+    """
+    if stat.S_ISREG(mode):
+        return ""
+    if stat.S_ISDIR(mode):
+        return "it is a folder; allowed: the name of a file, such as one in that folder"
+    kind = _KINDS.get(stat.S_IFMT(mode), "special file")
+    return f"it is a {kind}, not a regular file; allowed: a new name, or a regular file to replace"
+
+
 def _mode_of_existing(target: Path) -> int | None:
     """Permissions of the file to be replaced; None where there is none."""
     try:
@@ -86,10 +110,8 @@ def _mode_of_existing(target: Path) -> int | None:
         return None
     except OSError as error:
         raise FileError(f"cannot write {target}: {_reason(error)}") from error
-    if stat.S_ISDIR(status.st_mode):
-        raise FileError(f"cannot write {target}: it is a folder")
-    if not stat.S_ISREG(status.st_mode):
-        raise FileError(f"cannot write {target}: it is not a regular file")
+    if unfit := no_regular_file(status.st_mode):
+        raise FileError(f"cannot write {target}: {unfit}")
     # A rename needs no permission on the old file: without this a read-only file would be lost.
     if not os.access(target, os.W_OK):
         raise FileError(f"cannot write {target}: the file is read-only")

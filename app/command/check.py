@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from app.command.run import FINAL, MTF, READOUTS, open_network, sink_targets
+from app.command.run import FINAL, input_files, open_network, own_files, sink_targets
 from app.options.command_options import Options
 from app.permission.write_rules import write_rules
 from app.run.evaluation import planned
 from app.run.output import find_output, how_to_choose
 from app.run.readout_tables import warning_lines
 from app.run.shipped import Place, find_network
+from app.run.staging import Staging, check_folder
 from core.chain.engine import Engine, Plan
 from core.errors import ImagechainError, InputError
 from core.network.validation import NetworkProblems
@@ -56,15 +57,16 @@ def planned_writes(
     Raises
     ------
     InputError
-        If it would write nothing at all.
+        If it would write nothing at all, as its folder is none.
     """
     folder = options.output_dir or Path(f"{place.name}-output")
-    names = (FINAL, MTF, READOUTS) if find_output(plan).port is not None else (MTF, READOUTS)
-    own = [folder / name for name in names]
-    sinks = sink_targets(plan, place.folder)
+    check_folder(folder)
+    rules = write_rules(options, place, folder)
+    own, sinks = own_files(plan, folder), sink_targets(plan, place.folder)
+    staging = Staging(folder, [place.path, *input_files(plan, place.folder)])
     lines = [f"run writes {', '.join(map(str, own))}"]
     lines += [f"{node}: run writes {target}" for node, target in sinks.items()]
-    return lines, write_rules(options, place, folder).refused(sinks, own)
+    return lines, rules.refused(sinks, own, staging)
 
 
 def _printed(place: Place, problems: Sequence[ImagechainError]) -> InputError:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import stat
 import threading
 import time
 from collections.abc import Callable, Iterable
@@ -26,13 +25,13 @@ from app.run.responses import mtf_csv
 from app.run.saving import check_suffix, save_value
 from app.run.sequence import MOST_FRAMES, save_frames
 from app.run.shipped import Place, find_network
-from app.run.staging import Staging
+from app.run.staging import Staging, check_folder
 from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan
 from core.chain.realize import realize
 from core.chain.skipped import Skip, skips
 from core.chain.wires import Image
-from core.errors import FileError, ImagechainError, NetworkError, UsageError
+from core.errors import ImagechainError, NetworkError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 from core.evaluation.store import Store
@@ -74,12 +73,12 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
     engine = Engine(library, None if options.reports else Store(KEPT_BYTES))
     plan = planned(engine, network, place.folder)
     folder = options.output_dir or Path(f"{place.name}-output")
-    _check_folder(folder)
+    check_folder(folder)
     rules = write_rules(options, place, folder)
     with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
         sinks = sink_targets(plan, place.folder)
         writers = _claim(plan, options, staging)
-        _claim_guarded(folder, sinks, rules, staging)
+        _claim_guarded(own_files(plan, folder), sinks, rules, staging)
         with Progress(len(plan.nodes)) as progress:
             work = TimedWork(_policy(options), engine.store, progress, cancel)
             work.check()
@@ -128,23 +127,6 @@ def _policy(options: Options) -> Policy:
     return Policy(options.precision, options.tolerance, options.threads)
 
 
-def _check_folder(folder: Path) -> None:
-    try:
-        status = folder.stat()
-    except FileNotFoundError:  # it will be made
-        return
-    except OSError as error:
-        raise FileError(f"cannot write to {folder}: {_not_a_folder(error)}") from error
-    if not stat.S_ISDIR(status.st_mode):
-        raise FileError(f"cannot write to {folder}: it is not a folder")
-
-
-def _not_a_folder(error: OSError) -> str:
-    if isinstance(error, NotADirectoryError):
-        return "a part of its path is not a folder"
-    return error.strerror or str(error)
-
-
 def input_files(plan: Plan, folder: Path) -> list[Path]:
     """Files that the network reads: no output may take their place."""
     found = []
@@ -176,11 +158,10 @@ def _claim(plan: Plan, options: Options, staging: Staging) -> list[tuple[Path, s
 
 
 def _claim_guarded(
-    folder: Path, sinks: dict[str, Path], rules: WriteRules, staging: Staging
+    own: list[Path], sinks: dict[str, Path], rules: WriteRules, staging: Staging
 ) -> None:
     """Say early what the network writes, and refuse what it may not."""
-    own = [folder / name for name in (FINAL, MTF, READOUTS)]
-    refused = rules.refused(sinks, own)
+    refused = rules.refused(sinks, own, staging)
     if refused:
         raise NetworkProblems(refused) from refused[0]
     for path in own:
@@ -190,6 +171,12 @@ def _claim_guarded(
             staging.claim(path, partial(rules.check, node))
         except ImagechainError as error:
             raise error.at(node) from error
+
+
+def own_files(plan: Plan, folder: Path) -> list[Path]:
+    """Files that a run writes of its own, whatever the nodes are."""
+    names = (FINAL, MTF, READOUTS) if find_output(plan).port is not None else (MTF, READOUTS)
+    return [folder / name for name in names]
 
 
 def sink_targets(plan: Plan, folder: Path) -> dict[str, Path]:

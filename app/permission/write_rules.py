@@ -69,7 +69,7 @@ class WriteRules:
         leads = f" (a link to {real})" if target.is_symlink() else ""
         if not any(_within(real, folder) for folder in self.folders):
             why = "it lies outside the network's folder and the output folder"
-        elif os.path.lexists(real) and not self._has_written(real):
+        elif real.is_file() and not self._has_written(real):  # `Staging` refuses all but files
             why = "the file that is there was not written by this network, or has changed since"
         else:
             return
@@ -87,17 +87,23 @@ class WriteRules:
             self.check("", target)
 
     def refused(
-        self, sinks: Mapping[str, Path], own: Sequence[Path]
+        self, sinks: Mapping[str, Path], own: Sequence[Path], staging: Staging
     ) -> tuple[ImagechainError, ...]:
-        """Why each of these files may not be written: by the rules, or as another one is."""
-        checks = [partial(self.check, node, target) for node, target in sinks.items()]
-        checks += [partial(self.check_own, target) for target in own]
+        """Why these files cannot or may not be written: by their place, the rules, or one another.
+
+        Changes nothing; `run` refuses them so, and `check` lists them.
+        """
+        checks = [("", partial(self.check_own, target), target) for target in own]
+        checks += [
+            (node, partial(self.check, node, target), target) for node, target in sinks.items()
+        ]
         found: list[ImagechainError] = []
-        for check in checks:
+        for node, allow, target in checks:
             try:
-                check()
+                allow()
+                staging.check(target)
             except FileError as error:
-                found.append(error)
+                found.append(error.at(node) if node else error)
         return (*found, *_twice(sinks, own))
 
     def commit(self, staging: Staging) -> str:

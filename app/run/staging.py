@@ -12,6 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from core.atomic import no_regular_file
 from core.errors import FileError, ImagechainError
 from core.file_lock import FileLock, take
 from core.leftovers import FOLDER_PREFIX, LOCK, new_mark, sweep
@@ -45,6 +46,7 @@ class Staging:
         self._folder = None if folder is None else real_target(folder)
         self._inputs = {real_target(path) for path in inputs}
         self._claimed: dict[Path, Path] = {}
+        self._led_to: dict[Path, Path] = {}
         self._staged: list[_Staged] = []
         self._guards: dict[Path, Guard] = {}
         self._places: dict[Path, Path] = {}
@@ -74,22 +76,35 @@ class Staging:
         Raises
         ------
         FileError
-            If it cannot be written, is asked for twice, or is one of the inputs.
+            As of `check`; or if it is asked for twice.
         """
         real = real_target(target)
         if real in self._claimed:
             raise FileError(f"cannot write: two outputs are to go to {target}")
+        self.check(target)
+        if guard is not None:
+            guard(target)
+            self._guards[real] = guard
+        self._sweep(real.parent)
+        self._claimed[real] = target
+        self._led_to[target] = real
+
+    def check(self, target: Path) -> None:
+        """Refuse a file that cannot be written; changes nothing.
+
+        Raises
+        ------
+        FileError
+            If it is an input, a folder or no regular file, or its folder is missing, is none or
+            may not be written to.
+        """
+        real = real_target(target)
         if real in self._inputs:
             raise FileError(f"cannot write {target}: it is an input of this run")
         try:
             self._check_place(real, target)
         except OSError as error:
             raise _cannot(target, error) from error
-        if guard is not None:
-            guard(target)
-            self._guards[real] = guard
-        self._sweep(real.parent)
-        self._claimed[real] = target
 
     def _check_place(self, real: Path, target: Path) -> None:
         _check_existing(real, target)
@@ -115,6 +130,7 @@ class Staging:
         ImagechainError
             From `writer`.
         """
+        self._check_way(target)
         real = real_target(target)
         if real not in self._claimed:
             self.claim(target, guard)
@@ -159,12 +175,20 @@ class Staging:
             raise
 
     def _check_again(self, each: _Staged) -> None:
+        self._check_way(each.given)
+        self.check(each.given)
         guard = self._guards.get(each.target)
-        if guard is None:
-            return
-        if real_target(each.given) != each.target:
-            raise FileError(f"cannot write {each.given}: it has become a link to another place")
-        guard(each.given)
+        if guard is not None:
+            guard(each.given)
+
+    def _check_way(self, target: Path) -> None:
+        """Refuse a file that leads to another place than when it was claimed."""
+        now = real_target(target)
+        if self._led_to.get(target, now) != now:
+            raise FileError(
+                f"cannot write {target}: it, or a folder on its way, has become a link to another "
+                f"place, {now}, since the run began"
+            )
 
     def _place(self, real: Path, target: Path) -> Path:
         # Beside the target, so that the final rename stays within one file system.
@@ -193,6 +217,33 @@ class Staging:
                 sweep(folder)
 
 
+def check_folder(folder: Path) -> None:
+    """Refuse an output folder that is none, or that cannot be made or written to.
+
+    Raises
+    ------
+    FileError
+        Naming it.
+    """
+    try:
+        status = folder.stat()
+    except FileNotFoundError:  # it will be made
+        above = _existing(real_target(folder))
+        status = above.stat()
+    except NotADirectoryError as error:
+        reason = "a part of its path is not a folder"
+        raise FileError(f"cannot write to {folder}: {reason}") from error
+    except OSError as error:
+        raise _cannot(folder, error) from error
+    else:
+        above = folder
+    if not stat.S_ISDIR(status.st_mode):
+        raise FileError(f"cannot write to {folder}: it is not a folder")
+    if not os.access(above, os.W_OK | os.X_OK):
+        where = "" if above is folder else f" in {above}"
+        raise FileError(f"cannot write to {folder}: no permission to write{where}")
+
+
 def real_target(target: Path) -> Path:
     """Where a file or folder really lies, links followed.
 
@@ -218,10 +269,8 @@ def _check_existing(real: Path, target: Path) -> None:
         return
     except OSError as error:
         raise FileError(f"cannot write {target}: {error.strerror or error}") from error
-    if stat.S_ISDIR(status.st_mode):
-        raise FileError(f"cannot write {target}: it is a folder")
-    if not stat.S_ISREG(status.st_mode):
-        raise FileError(f"cannot write {target}: it is not a regular file")
+    if unfit := no_regular_file(status.st_mode):
+        raise FileError(f"cannot write {target}: {unfit}")
     if not os.access(real, os.W_OK):
         raise FileError(f"cannot write {target}: the file is read-only")
 

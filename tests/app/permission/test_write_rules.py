@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.command import run as app_run
 from app.command.cli import main
 from app.options.command_options import parse
 from app.permission import write_rules
@@ -238,7 +239,9 @@ def test_what_changes_while_it_computes_is_seen(tmp_path):
                 staging.commit()
         return str(caught.value)
 
-    assert "become a link" in disturbed(lambda: target.symlink_to(tmp_path / "elsewhere/a.txt"))
+    assert "become a link to another place" in disturbed(
+        lambda: target.symlink_to(tmp_path / "elsewhere/a.txt")
+    )
     target.unlink()
     assert CHANGED in disturbed(lambda: target.write_text("my own work"))
     assert target.read_text() == "my own work"
@@ -360,6 +363,104 @@ def test_two_outputs_in_one_file_are_told_by_check_too(paths, small, write, run,
     assert refused(net) == f"imagechain: {line}\n"
     code, out, _ = run("check", net)
     assert (code, out.splitlines()[-1]) == (2, line)
+
+
+def make_folder(path):
+    path.mkdir(parents=True)
+
+
+def make_pipe(path):
+    path.parent.mkdir(exist_ok=True)
+    os.mkfifo(path)
+
+
+FOLDER = "it is a folder; allowed: the name of a file, such as one in that folder"
+PIPE = (
+    "it is a named pipe (FIFO), not a regular file; "
+    "allowed: a new name, or a regular file to replace"
+)
+BAD_TARGETS = {
+    "a folder": ("nets/a.tif", make_folder, ("a.tif",), f"out: cannot write nets/a.tif: {FOLDER}"),
+    "a pipe": ("nets/a.tif", make_pipe, ("a.tif",), f"out: cannot write nets/a.tif: {PIPE}"),
+    "an own folder": (
+        "net-output/mtf.csv",
+        make_folder,
+        ("a.tif",),
+        f"cannot write net-output/mtf.csv: {FOLDER}",
+    ),
+    "an own pipe": (
+        "net-output/final.png",
+        make_pipe,
+        ("a.tif",),
+        f"cannot write net-output/final.png: {PIPE}",
+    ),
+    "no folder": (
+        "nets/b",
+        make_folder,
+        ("sub/a.tif",),
+        "out: cannot write nets/sub/a.tif: there is no folder nets/sub",
+    ),
+    "the output folder": (
+        "net-output",
+        Path.touch,
+        ("a.tif",),
+        "cannot write to net-output: it is not a folder",
+    ),
+    "below a file": (
+        "there",
+        Path.touch,
+        ("a.tif", "--output-dir", "there/below"),
+        "cannot write to there/below: a part of its path is not a folder",
+    ),
+}
+
+
+@pytest.mark.parametrize(("place", "make", "words", "line"), BAD_TARGETS.values(), ids=BAD_TARGETS)
+def test_check_lists_what_run_refuses_in_the_same_words(
+    place, make, words, line, network, run, refused, tmp_path
+):
+    make(tmp_path / place)
+    net = network(words[0])
+    assert refused(net, *words[1:]) == f"imagechain: {line}\n"
+    code, out, _ = run("check", net, *words[1:])
+    assert (code, out.splitlines()[-1]) == (2, line)
+
+
+def test_an_input_is_no_output(small, write, run, refused, tmp_path):
+    np.save(tmp_path / "nets/in.npy", np.ones((4, 4)))
+    small["nodes"]["read"] = {"module": "read_image", "params": {"path": "in.npy"}}
+    small["nodes"]["out"] = {"module": "write_image", "params": {"path": "in.npy"}}
+    small["links"].append(["back.image", "out.image"])
+    net = write(small, "nets/net.json")
+    line = "out: cannot write nets/in.npy: it is an input of this run"
+    words = ("--allow-writes-to", "nets")
+    assert refused(net, *words) == f"imagechain: {line}\n"
+    assert run("check", net, *words)[1].splitlines()[-1] == line
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_an_output_folder_swapped_for_a_link_during_the_run_is_not_followed(
+    there, network, run, tmp_path, monkeypatch
+):
+    """By whoever may write beside it, once the run has looked at it."""
+    net, real = network("a.tif"), app_run.evaluate
+    output, moved = tmp_path / "net-output", tmp_path / "moved"
+    if there:
+        output.mkdir()
+
+    def swapping(*words):
+        if there:
+            output.rename(moved)
+        output.symlink_to(tmp_path / "elsewhere", target_is_directory=True)
+        return real(*words)
+
+    monkeypatch.setattr(app_run, "evaluate", swapping)
+    code, _, line = run("run", net)
+    assert code == 2
+    assert "cannot write net-output/" in line
+    assert f"become a link to another place, {tmp_path}/elsewhere/" in line
+    assert not list((tmp_path / "elsewhere").iterdir())
+    assert not (tmp_path / "nets/a.tif").exists()
 
 
 def test_check_lists_what_run_writes(network, run, tmp_path):

@@ -8,7 +8,7 @@ from functools import partial
 import pytest
 
 from app.run.staging import Staging
-from child_process import kill_program
+from child_process import kill_program, run_program
 from core.atomic import write_text
 from core.errors import FileError
 
@@ -84,6 +84,64 @@ def test_refuses_what_it_may_not_write(tmp_path, monkeypatch):
         staging.claim(tmp_path / "old.txt")
     with pytest.raises(FileError, match="permission"):
         staging.claim(tmp_path / "new.txt")
+
+
+# As root nothing is forbidden: the child becomes an ordinary user first.
+FORBIDDEN = """
+import os, tempfile
+from pathlib import Path
+from app.run.staging import Staging, check_folder
+from core.errors import FileError
+if os.getuid() == 0:
+    os.setuid(65534)
+with tempfile.TemporaryDirectory() as name:
+    os.chdir(name)
+    Path("there").mkdir()
+    Path("there").chmod(0o555)
+    os.chmod(".", 0o555)
+    for test in (
+        lambda: check_folder(Path("new/deep")),
+        lambda: check_folder(Path("there")),
+        lambda: Staging(Path("there")).check(Path("there/a.txt")),
+    ):
+        try:
+            test()
+        except FileError as error:
+            print(error.message.replace(os.path.realpath(name), "HERE"))
+    os.chmod(".", 0o755)
+"""
+
+
+def test_folders_that_may_not_be_written_to():
+    assert run_program(FORBIDDEN).stdout.splitlines() == [
+        "cannot write to new/deep: no permission to write in HERE",
+        "cannot write to there: no permission to write",
+        "cannot write there/a.txt: no permission to write in HERE/there",
+    ]
+
+
+def test_a_target_that_leads_elsewhere_since_it_was_claimed(tmp_path):
+    """Both before it is prepared and once it is; nothing is written either way."""
+    for before in (True, False):
+        here, there = tmp_path / f"here{before}", tmp_path / f"there{before}"
+        there.mkdir()
+        with Staging(here) as staging:
+            staging.claim(here / "a.txt")
+            writing = partial(staging.write, here / "a.txt", partial(write_text, content="new"))
+            if not before:
+                writing()
+            here.symlink_to(there, target_is_directory=True)
+            with pytest.raises(FileError, match=f"link to another place, {there}/a.txt, since"):
+                (writing if before else staging.commit)()
+        assert not list(there.iterdir())
+
+
+def test_a_pipe_put_in_place_of_a_target_is_refused(tmp_path):
+    with Staging(tmp_path) as staging:
+        staging.write(tmp_path / "a.txt", partial(write_text, content="new"))
+        os.mkfifo(tmp_path / "a.txt")
+        with pytest.raises(FileError, match=r"named pipe \(FIFO\), not a regular file; allowed"):
+            staging.commit()
 
 
 KILLED = """
