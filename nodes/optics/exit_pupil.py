@@ -12,8 +12,9 @@ from core.chain.wires import Pupil
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext
+from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
+from core.physics.optics.enclosing_circle import support_circle
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
 
 Array = NDArray[Any]
@@ -35,8 +36,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     360°/n from +x. The wavefront error is in waves at the band's mean wavelength, on the disc of
     the aperture's radius. Of a file this is the smallest circle round all samples above 1 % of the
     largest, about the array's centre where that is at most a sample larger; a `radius` typed in is
-    centred on the array. Sources: Tantalo 1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of
-    the wavefront).
+    centred on the array. `aperture_radius` reads out the one that was taken. Sources: Tantalo
+    1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
     """
 
     shape: Annotated[
@@ -127,6 +128,16 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
             self.defocus_waves,
             self.zernike_waves if any(self.zernike_waves) else (),
         )
+
+    @readout("samples")
+    def aperture_radius(self, outputs: PupilOutput) -> Step | float:
+        """Radius of the disc on which the wavefront error is: of a file, the circle's round it."""
+        pupil = outputs.pupil
+        return Step.of(_circled, pupil.samples) if pupil.radius is None else pupil.radius
+
+
+def _circled(work: Work, samples: Array) -> float:
+    return support_circle(samples)[2]
 
 
 def _sampled(work: Work, *, shape: PupilShape, rows: int, columns: int) -> Array:

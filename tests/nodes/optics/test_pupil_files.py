@@ -113,3 +113,24 @@ def test_an_empty_radius_of_a_shape_is_that_of_the_thesis(tmp_path):
     typed = mtf(tmp_path, {"radius": 75.0})
     np.testing.assert_array_equal(mtf(tmp_path, {}), typed)
     assert typed[0, 5] < 1.0
+
+
+@pytest.mark.parametrize(
+    ("pupil", "expected"),
+    [
+        ({"shape": "clear"}, 75.0),
+        ({"shape": "cassegrain", "radius": 60.0}, 60.0),
+        ({"shape": "file", "path": "pupil.npy"}, 13.0),
+        ({"shape": "file", "path": "pupil.npy", "radius": 20.0}, 20.0),
+    ],
+)
+def test_the_radius_that_was_taken_is_read_out(tmp_path, pupil, expected):
+    """Two open samples, 24 across and 10 along of one another: 26 apart, off the middle."""
+    array = np.zeros((64, 64))
+    array[10, 8] = array[20, 32] = 1.0
+    np.save(tmp_path / "pupil.npy", array)
+    engine = Engine(standard_library())
+    plan = engine.plan(linked_network({"pupil": ("exit_pupil", pupil)}), folder=tmp_path)
+    assert plan.nodes["pupil"].declaration.readouts[0].unit == "samples"
+    found = engine.readouts(plan, "pupil", engine.work(Policy(precision="double")))
+    assert found == {"aperture_radius": pytest.approx(expected, abs=1e-9)}
