@@ -1,7 +1,7 @@
 """Signs that the picture of an edge was cut off at a limit, where its MTF would be a wrong one.
 
-Not every clipped edge shows: one without noise that is cut off at both ends and left narrower than
-a pixel looks like the unblurred edge of a smaller pixel.
+Not every clipped edge shows: one with little or no noise that is cut off at both ends and left
+narrower than a pixel looks like the unblurred edge of a smaller pixel.
 """
 
 from __future__ import annotations
@@ -35,6 +35,8 @@ _LEAST_SAMPLES = 10  # that tell the noise on a half of the ramp
 _SPACING = 0.125  # samples between those that are compared for it
 _FADED = 0.52  # noise of photons in the dark half of the ramp, of that on the bright side
 _SURE = 2.5  # times the doubt of that ratio
+_ERRORS = 3.0  # standard errors of the line that count as possible
+_TURNS, _SEARCHES = 81, 3  # of the line, the range of one search being a step of the one before
 
 
 def refuse_piled_up(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread, height: float) -> None:
@@ -116,7 +118,10 @@ def _step(levels: Vector) -> float:
 def refuse_quiet_side(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread) -> None:
     """An edge with noise beside which the samples are all at a limit, without any, was cut off.
 
-    Noise that fades towards the dark (photons, with no background) is none that was cut off.
+    Noise that fades towards the dark (photons, with no background) is none that was cut off. Nor is
+    what a small turn of the edge's line puts in order: the places found in the rows of an edge
+    narrower than a pixel, as one decimated without a blur, scatter by up to half a sample, and a
+    line a little askew mixes up the samples of a steep edge as noise would.
     """
     away = _away(picture, line)
     left, right = spread.levels
@@ -125,6 +130,9 @@ def refuse_quiet_side(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread) ->
     ramp = inside & (share > 0.1) & (share < 0.9)
     curvature = float(np.max(np.abs(np.diff(spread.values, 2)))) * BINS_PER_SAMPLE**2
     least = max(2.0 * _step(picture[ramp]), _NOISE_SHOWS * abs(right - left))
+    steepest = float(np.max(np.abs(np.diff(spread.values)))) * BINS_PER_SAMPLE
+    askew = _ERRORS * line.scatter * float(np.sqrt(2.0 / line.rows)) * steepest
+    risen = picture * np.sign(right - left)
     limits = float(picture.min()), float(picture.max())
     for k, (side, half) in enumerate(((-away, share < 0.45), (away, share > 0.55))):
         samples = picture[(side > 0.75 * spread.away[-1]) & (side <= spread.away[-1])]
@@ -138,10 +146,37 @@ def refuse_quiet_side(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread) ->
             beyond = float(np.sqrt(np.mean(spread.scatter[spread.sides[1 - k]] ** 2)))
             if noise < _FADED * beyond * np.exp(_SURE / np.sqrt(count)):
                 continue
+        if noise < askew and _disorder(away[ramp], risen[ramp], line, ramp) < least:
+            continue
         raise DataError(
             f"the picture is clipped: {max(at_dark, at_bright):.0%} of the samples beside the "
             f"edge have the same extreme value, though the edge itself has noise. {_REMEDY}"
         )
+
+
+def _disorder(away: Vector, values: Vector, line: EdgeLine, ramp: NDArray[np.bool_]) -> float:
+    """How far values are from rising along an edge, rms, for the best line there can be.
+
+    The least distance of a rising function from all values is half of what they fall by; that is
+    zero for an edge of any form without noise. Lines are those within three standard errors of the
+    fitted one's slope.
+    """
+    row = np.nonzero(ramp)[0] - (line.rows - 1) / 2.0
+    width = _ERRORS * line.scatter * np.sqrt(12.0 / line.rows**3)
+    middle, least = 0.0, np.inf
+    for _ in range(_SEARCHES):
+        turns = middle + width * np.linspace(-1.0, 1.0, _TURNS)
+        found = [_fall(values[np.argsort(away - turn * row, kind="stable")]) for turn in turns]
+        best = int(np.argmin(found))
+        middle, least = float(turns[best]), min(least, found[best])
+        width *= 2.0 / (_TURNS - 1)
+    return least
+
+
+def _fall(values: Vector) -> float:
+    above = np.maximum.accumulate(values)
+    below = np.minimum.accumulate(values[::-1])[::-1]
+    return float(np.sqrt(np.mean((above - below) ** 2))) / 2.0
 
 
 def _noise(away: Vector, values: Vector, curvature: float) -> tuple[float, int]:

@@ -201,6 +201,22 @@ def test_unblurred_edges_and_smears_are_not_taken_for_clipped(angle):
     slanted_edge(picture=np.mean(steps, axis=0), frequency=FREQUENCY)
 
 
+@pytest.mark.parametrize("parts", [1.5, 2, 3, 4, 6, 8, 30])
+def test_edges_of_a_part_of_a_pixel_are_measured(parts):
+    """As of a finer picture of which one sample of several is taken: no noise, nothing cut off.
+
+    The MTF is that of the part, up to what doubt of the line and bins of a quarter sample leave.
+    """
+    rows, columns = np.mgrid[:100, :64]
+    for angle in (2, 3, 5, 7, 10):
+        tilt = math.radians(angle)
+        for phase in (30.9, 31.2):
+            away = (columns - phase) * math.cos(tilt) + (rows - 49.5) * math.sin(tilt)
+            picture = np.clip(parts * away + 0.5, 0, 1)
+            found = slanted_edge(picture=picture, frequency=FREQUENCY)
+            assert np.abs(found.mtf - np.sinc(FREQUENCY / parts)).max() < 0.05
+
+
 @pytest.mark.parametrize("steps", [16, 64, 256])
 def test_quantized_edges_are_not_taken_for_clipped(steps):
     noise = np.random.default_rng(5).normal(0, 0.02, (64, 64))
