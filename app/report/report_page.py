@@ -89,6 +89,27 @@ def _pictures(found: Evaluation, facts: dict[str, Any]) -> str:
     outputs = [each for each in shown if each["role"] == "output"]
     others = [each for each in shown if each["role"] == "other output"]
     shown = [*inputs[:_MOST_INPUTS], *outputs]
+    rows = [
+        (
+            each["port"],
+            *(number(_clean(each, name)) for name in ("minimum", "maximum", "mean", "sigma")),
+            each["unit"],
+        )
+        for each in facts["pictures"]
+    ]
+    heads = ("picture", "minimum", "maximum", "mean", "σ", "unit")
+    return (
+        "<h2>Input and output</h2>"
+        + _shown_pictures(found, shown)
+        + _other_pictures(found, others, len(shown))
+        + table(heads, rows, numbers=(1, 2, 3, 4))
+    )
+
+
+def _shown_pictures(found: Evaluation, shown: list[dict[str, Any]]) -> str:
+    """Figure of the chain's pictures; none where several end unlinked and no chain begins."""
+    if not shown:
+        return ""
     drawn = pictures_png([_picture(found, each, each["role"].capitalize()) for each in shown])
     alike = [
         f"{each['port']}: {each['columns']} × {each['rows']} samples"
@@ -103,21 +124,7 @@ def _pictures(found: Evaluation, facts: dict[str, Any]) -> str:
         "; ".join(alike) + ". Each picture has grey levels of its own, between its 0.1 % and "
         "99.9 % quantiles."
     )
-    rows = [
-        (
-            each["port"],
-            *(number(_clean(each, name)) for name in ("minimum", "maximum", "mean", "sigma")),
-            each["unit"],
-        )
-        for each in facts["pictures"]
-    ]
-    heads = ("picture", "minimum", "maximum", "mean", "σ", "unit")
-    return (
-        "<h2>Input and output</h2>"
-        + figure(drawn, caption, "input and output pictures")
-        + _other_pictures(found, others, len(shown))
-        + table(heads, rows, numbers=(1, 2, 3, 4))
-    )
+    return figure(drawn, caption, "input and output pictures")
 
 
 def _clean(picture: dict[str, Any], name: str) -> float:

@@ -90,6 +90,19 @@ def test_html_needs_no_other_file(imagechain, write, published, tmp_path):
         assert words in page
 
 
+def test_pictures_that_end_unlinked_without_a_chain(imagechain, write, tmp_path):
+    scene = {"module": "test_scene", "params": {"kind": "point", "width": 9, "height": 9}}
+    network = {"format": "imagechain-network", "version": 1, "name": "Two pictures"}
+    network |= {"nodes": {"left": scene, "right": scene}, "links": []}
+    done = imagechain("run", write(network), "--report", "r.html")
+    assert (done.returncode, done.stderr) == (0, "")
+    page = (tmp_path / "r.html").read_text()
+    assert 'alt="other output pictures"' in page  # both, since neither is the network's output
+    assert 'alt="input and output pictures"' not in page
+    for port in ("left.image", "right.image"):
+        assert f"<td>{port}</td>" in page
+
+
 def test_noise_pictures(imagechain, write, small, tmp_path):
     small["nodes"]["noise"] = {"module": "poisson_noise"}
     small["links"][0] = ["scene.image", "noise.image"]
