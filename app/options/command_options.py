@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Literal, NoReturn, cast
 
 from app.options.command_words import (
@@ -190,8 +191,8 @@ def _places(found: argparse.Namespace) -> dict[str, Any]:
 
 def _found(argv: list[str]) -> argparse.Namespace:
     """The words as argparse reads them; one it does not know is told with what is like it."""
-    parser, commands = _parser()
     first = argv[0]
+    parser, commands = _parser(first)
     if not first.startswith("-") and first not in commands:
         hint = close(first, commands) or f"; there are {', '.join(commands)}"
         parser.error(f"there is no command {shown(first)}{hint}")
@@ -217,8 +218,8 @@ def _shipped() -> str:
     )
 
 
-def _parser() -> tuple[_Parser, Mapping[str, _Parser]]:
-    """All the words, and those of each command."""
+def _parser(used: str) -> tuple[_Parser, Mapping[str, _Parser]]:
+    """The parser of all commands, and that of each; only the used one knows its words."""
     parser = _Parser(
         prog="imagechain",
         description="Simulate electro-optical and infrared image chains.",
@@ -228,21 +229,34 @@ def _parser() -> tuple[_Parser, Mapping[str, _Parser]]:
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    edit_words(commands.add_parser("edit", help="open the editor", allow_abbrev=False))
-    run_words(commands.add_parser("run", help="evaluate a network", allow_abbrev=False))
-    check = commands.add_parser("check", help="validate a network", allow_abbrev=False)
-    network_words(check)
-    place_words(check)
-    varying = commands.add_parser(
-        "tradeoff", help="figures of merit as a parameter moves", allow_abbrev=False
-    )
-    tradeoff_words(varying)
-    commands.add_parser("networks", help="list the shipped networks", allow_abbrev=False)
-    modules = commands.add_parser("modules", help="list the library", allow_abbrev=False)
-    modules.add_argument("key", metavar="KEY", nargs="?", help="only this module")
-    modules.add_argument("--json", action="store_true", help="for programs")
-    bench_words(commands.add_parser("bench", help="time against error", allow_abbrev=False))
+    for name, (about, words) in _COMMANDS.items():
+        command = commands.add_parser(name, help=about, allow_abbrev=False)
+        if name == used:  # the words of them all take longer to build than to read
+            words(command)
     return parser, commands.choices
+
+
+def _check_words(parser: argparse.ArgumentParser) -> None:
+    network_words(parser)
+    place_words(parser)
+
+
+def _modules_words(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("key", metavar="KEY", nargs="?", help="only this module")
+    parser.add_argument("--json", action="store_true", help="for programs")
+
+
+_COMMANDS: Mapping[str, tuple[str, Callable[[argparse.ArgumentParser], object]]] = MappingProxyType(
+    {
+        "edit": ("open the editor", edit_words),
+        "run": ("evaluate a network", run_words),
+        "check": ("validate a network", _check_words),
+        "tradeoff": ("figures of merit as a parameter moves", tradeoff_words),
+        "networks": ("list the shipped networks", lambda _: None),
+        "modules": ("list the library", _modules_words),
+        "bench": ("time against error", bench_words),
+    }
+)
 
 
 def version() -> str:
