@@ -56,8 +56,14 @@ def close(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {alike[0]}?" if alike else ""
 
 
+# Most values are one of these: to ask whether they are mappings takes ten times as long.
+SCALARS = frozenset({str, int, float, bool, type(None)})
+
+
 def freeze(value: Any) -> Any:
     """Plain JSON data that cannot be changed: tuples and read-only mappings."""
+    if type(value) in SCALARS:
+        return value
     if isinstance(value, Mapping):
         return MappingProxyType({name: freeze(item) for name, item in value.items()})
     if isinstance(value, list | tuple):
@@ -67,6 +73,8 @@ def freeze(value: Any) -> Any:
 
 def thaw(value: Any) -> Any:
     """Lists and dicts again; what is no plain data stays as it is."""
+    if type(value) in SCALARS:
+        return value
     if isinstance(value, Mapping):
         return {name: thaw(item) for name, item in value.items()}
     if isinstance(value, list) or type(value) is tuple:

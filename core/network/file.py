@@ -13,7 +13,7 @@ from core.atomic import write_text
 from core.errors import FileError, NetworkError, ParameterError
 from core.modules.declaration import Declaration, declaration
 from core.modules.parameters import plain
-from core.names import thaw
+from core.names import SCALARS, thaw
 from core.network.json_reading import LARGEST
 from core.network.migrations import VERSION
 from core.network.network import Library, Network, Node
@@ -137,6 +137,8 @@ def format_network(network: Network, *, library: Library) -> str:
 
 
 def _lines(value: Any, newline: str, encode: Any) -> str:
+    if type(value) in SCALARS:
+        return str(encode(value))
     inner = newline + "  "
     if isinstance(value, Mapping) and value:
         rows = [f"{encode(name)}: {_lines(item, inner, encode)}" for name, item in value.items()]
