@@ -111,17 +111,14 @@ def mdtd_K(  # noqa: N802
         limit = positive("eye_limit_mrad", eye_limit_mrad, unit="mrad")
     if window not in ("target", "image"):
         raise ParameterError("window", window, "target or image")
-    sides, intensity = [], np.ones(size.shape)
+    transfers = []
     for name, mtf in (("mtf_x", mtf_x), ("mtf_y", mtf_y)):
         transfer = all_finite(name, mtf)
         if transfer.shape != at.shape:
             allowed = f"the shape of frequency, {at.shape}"
             raise ParameterError(name, f"an array of shape {transfer.shape}", allowed)
-        side = size if window == "target" else _image_width(size, at, transfer)
-        # Of a target of which nothing is left the image has no width; any will do.
-        side = np.where(side < np.inf, np.minimum(side, limit), size)
-        sides.append(side)
-        intensity *= _mean_intensity(size, side, at, transfer)
+        transfers.append(transfer)
+    *sides, intensity = _blurred(size, at, transfers, window, limit)
     bandwidths = noise_bandwidth_x_cyc_per_mrad, noise_bandwidth_y_cyc_per_mrad
     left = _variance_left(noise, sides, bandwidths, 1.0 / frame_count(frames), spectrum)
     seen = intensity > 0.0
@@ -165,28 +162,35 @@ def _variance_left(
     return np.asarray(fixed + in_time * temporal)
 
 
-def _image_width(size: Vector, at: Vector, transfer: Vector) -> Vector:
-    """Width of the rectangle that has area and power of the blurred target's profile."""
-    power = _sums(size, size, at, np.square(transfer))
-    with np.errstate(divide="ignore"):
-        return np.asarray(1.0 / power)
+def _blurred(
+    size: Vector, at: Vector, transfers: list[Vector], window: Window, limit: float
+) -> tuple[Vector, Vector, Vector]:
+    """Sides of the window across and along, and Ī over both, for each size of the target.
 
-
-def _mean_intensity(size: Vector, side: Vector, at: Vector, transfer: Vector) -> Vector:
-    return size * _sums(size, side, at, transfer)
-
-
-def _sums(first: Vector, second: Vector, at: Vector, transfer: Vector) -> Vector:
-    """∫ sinc(first·ξ)·sinc(second·ξ)·transfer dξ, each pair in turn, by the trapezoidal rule.
-
-    The rule is exact where the profile that the product is the spectrum of ends within 1/step.
+    The integrals over frequency are sums by the trapezoidal rule, which is exact where the profile
+    that the product is the spectrum of ends within 1/step.
     """
-    weights = 2.0 * float(at[1]) * transfer
-    weights[0] *= 0.5
-    weights[-1] *= 0.5
-    return np.array(
-        [
-            float(np.dot(sinc(one * at) * sinc(other * at), weights))
-            for one, other in zip(first.ravel(), second.ravel(), strict=True)
-        ]
-    ).reshape(first.shape)
+    steps = np.full(at.shape, 2.0 * float(at[1]))
+    steps[[0, -1]] *= 0.5
+    amplitudes = [steps * transfer for transfer in transfers]
+    powers = [steps * np.square(transfer) for transfer in transfers]
+    rows = []
+    for length in size.ravel():
+        square = sinc(length * at)
+        sides, intensity = [], 1.0
+        for amplitude, power in zip(amplitudes, powers, strict=True):
+            side = length if window == "target" else _image_width(square, power)
+            # Of a target of which nothing is left the image has no width; any will do.
+            side = min(side, limit) if side < math.inf else length
+            averaged = square if side == length else sinc(side * at)
+            intensity *= length * float(np.dot(square * averaged, amplitude))
+            sides.append(side)
+        rows.append((*sides, intensity))
+    across, along, intensities = np.array(rows, np.float64).reshape(-1, 3).T
+    return across.reshape(size.shape), along.reshape(size.shape), intensities.reshape(size.shape)
+
+
+def _image_width(square: Vector, power: Vector) -> float:
+    """Width of the rectangle that has area and power of the blurred target's profile."""
+    total = float(np.dot(np.square(square), power))
+    return 1.0 / total if total else math.inf
