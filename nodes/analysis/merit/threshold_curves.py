@@ -29,6 +29,7 @@ _SIZES = 97
 _SMALLEST, _LARGEST = 0.25, 25.0  # side of a target in samples
 _MOST = 1e200  # K², above which noise is no number to reckon with
 _FINEST = 32.0  # times Nyquist: up to where the spectrum of the smallest target is summed
+_LEFT_OUT = 1e-3  # share of any target that a sum which ends before may leave out
 
 
 @dataclass(frozen=True)
@@ -252,7 +253,11 @@ def mdtd_curve(
     size = np.geomspace(_SMALLEST, _LARGEST, _SIZES) * widest
     # The sums repeat after the inverse of the step: twice the largest target, and its blur.
     step = 0.25 / float(size[-1])
-    count = int(np.ceil(_FINEST * max(grid.nyquist_x, grid.nyquist_y) / step))
+    # Samples of very different sides would need sums of any length. Beyond ξ lies at most
+    # 2W ∫ dξ/(πWξ)² = 2/(π²Wξ) of a target, where the transfer function does not exceed 1.
+    enough = 2.0 / (np.pi**2 * float(size[0]) * _LEFT_OUT)
+    highest = min(_FINEST * max(grid.nyquist_x, grid.nyquist_y), enough)
+    count = int(np.ceil(highest / step))
     frequency = step * np.arange(count + 1, dtype=np.float64)
     noise = found.noise_K2
     if observer.model == "ratches_1976":
