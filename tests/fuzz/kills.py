@@ -26,9 +26,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from app.command.cli import main
-
 ROOT = Path(__file__).resolve().parents[2]
+# A script beside this one is named like the package of the shipped networks: the root comes first.
+sys.path.insert(0, str(ROOT))
+
+from app.command.cli import main  # noqa: E402
+
 CANCELLED = "imagechain: cancelled; nothing was written\n"
 SIZE = ("scene.width=128", "scene.height=128", "frame_grabber.width=80", "frame_grabber.height=80")
 VARIANTS = ("aberration.sigma_x_mrad=0.1", "aberration.sigma_x_mrad=0.3")
