@@ -70,8 +70,26 @@ class Verdict:
 Try = Callable[[Case], None]
 
 
-def command(script: str, about: str, attempt: Try, *, count: int, limit_s: float = LIMIT_S) -> int:
-    """Carry out a fuzzer's command line; gives its exit code, 1 where there are findings."""
+def memory_folder() -> str | None:
+    """A folder in memory, where flushing a file costs nothing; None for the usual one."""
+    folder = "/dev/shm"
+    there = "TMPDIR" not in os.environ and os.access(folder, os.W_OK | os.X_OK)
+    return folder if there and shutil.disk_usage(folder).free > MEMORY else None
+
+
+def command(
+    script: str,
+    about: str,
+    attempt: Try,
+    *,
+    count: int,
+    limit_s: float = LIMIT_S,
+    folder: str | None = None,
+) -> int:
+    """Carry out a fuzzer's command line; gives its exit code, 1 where there are findings.
+
+    The cases' own folders lie in `folder`, by default where temporary files usually do.
+    """
     parser = argparse.ArgumentParser(description=about)
     parser.add_argument("--count", type=int, default=count, help=f"cases (default {count})")
     parser.add_argument("--seed", type=int, default=1, help="of all cases (default 1)")
@@ -85,14 +103,14 @@ def command(script: str, about: str, attempt: Try, *, count: int, limit_s: float
         _serve(attempt, words.seed)
         return 0
     if words.case is not None:
-        verdict = _alone(attempt, words.seed, words.case, words.keep)
+        verdict = _alone(attempt, words.seed, words.case, words.keep, folder)
         print(verdict.finding or "no finding", dict(verdict.counts))
         return 1 if verdict.finding else 0
     numbers = iter(range(words.first, words.first + words.count))
     program = [sys.executable, "-X", "faulthandler", script, "--serve", "--seed", str(words.seed)]
     start = told = time.monotonic()
     verdicts = []
-    for verdict in carried_out(program, numbers, words.workers, limit_s):
+    for verdict in carried_out(program, numbers, words.workers, limit_s, folder):
         verdicts.append(verdict)
         if verdict.finding:
             repeat = f"{Path(script).name} --seed {words.seed} --case {verdict.number}"
@@ -105,10 +123,14 @@ def command(script: str, about: str, attempt: Try, *, count: int, limit_s: float
 
 
 def carried_out(
-    program: list[str], numbers: Iterator[int], workers: int, limit_s: float
+    program: list[str],
+    numbers: Iterator[int],
+    workers: int,
+    limit_s: float,
+    folder: str | None = None,
 ) -> Iterator[Verdict]:
     """The verdicts of the cases as they come; a crash and a hang are verdicts, too."""
-    pool = [_Worker(program, limit_s) for _ in range(workers)]
+    pool = [_Worker(program, limit_s, folder) for _ in range(workers)]
     try:
         busy = [worker for worker in pool if worker.begin_next(numbers)]
         while busy:
@@ -128,14 +150,16 @@ def carried_out(
 class _Worker:
     """A process that takes numbers of cases and gives their verdicts, one line each."""
 
-    def __init__(self, program: list[str], limit_s: float) -> None:
+    def __init__(self, program: list[str], limit_s: float, folder: str | None) -> None:
         self._program = program
         self._limit_s = limit_s
         self._process: subprocess.Popen[bytes] | None = None
         self._left = 0
         self._number = -1
         # What a case that is killed has in its folder goes with the folder.
-        self._folder = tempfile.TemporaryDirectory(prefix="fuzz-", ignore_cleanup_errors=True)
+        self._folder = tempfile.TemporaryDirectory(
+            prefix="fuzz-", dir=folder, ignore_cleanup_errors=True
+        )
         self._said = tempfile.TemporaryFile()  # noqa: SIM115
         self._begun = self._spent = 0.0
 
@@ -238,9 +262,11 @@ def _serve(attempt: Try, seed: int) -> None:
         answers.flush()
 
 
-def _alone(attempt: Try, seed: int, number: int, keep: Path | None = None) -> Verdict:
+def _alone(
+    attempt: Try, seed: int, number: int, keep: Path | None = None, within: str | None = None
+) -> Verdict:
     """Carry out one case in a folder of its own, the present one meanwhile."""
-    folder = Path(tempfile.mkdtemp(prefix="fuzz-")) if keep is None else keep.absolute()
+    folder = Path(tempfile.mkdtemp(prefix="fuzz-", dir=within)) if keep is None else keep.absolute()
     folder.mkdir(parents=True, exist_ok=True)
     case = Case(seed, number, folder)
     finding = ""

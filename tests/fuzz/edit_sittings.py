@@ -73,7 +73,9 @@ class _Sitting:
         operation = maker(Editor(self.random, document.network, document.library))
         if operation is None:
             return
-        before, position = document.text(), document.history.position
+        # What the text was when the document came to this state: it must not have moved since.
+        position = document.history.position
+        before = self.texts[position]
         try:
             changed = document.do(operation, self.gesture)
         except ImagechainError as error:

@@ -27,6 +27,8 @@ MAKERS = {
     "table": ("examine_image",),
 }
 LARGEST_SIDE = 64
+SIDES = (1, 2, 3, 5, 8, 13, 16, 16, 24, 29, 32, 48, 61, LARGEST_SIDE)
+LARGE_SIDES = (127, 211, 256, 384, 509)  # of 2 of 100 networks: what is done in blocks of rows
 # What sizes an array or a loop: values for people, not the largest ones allowed.
 SIZES = {
     "width", "height", "size_x", "size_y", "columns", "rows", "frames", "wavelengths", "nodes",
@@ -47,8 +49,8 @@ class Network:
         self.ports: dict[str, list[str]] = {}
         # Of most networks none: a single one often makes the whole network refused.
         self.extremes = 0.05 if random.random() < 0.15 else 0.0
-        self.side = random.choice((1, 2, 3, 5, 8, 13, 16, 24, 32, 32, 48, LARGEST_SIDE))
-        self.size = (self._length(), self._length())
+        self.side = random.choice(SIDES)
+        self.size = self._size()
         self.files = [self._frame(number) for number in range(random.randint(1, 2))]
 
     def document(self) -> Document:
@@ -122,6 +124,17 @@ class Network:
             (f"{key}_{number}", f"{key}_{number}", f"n{number}", f"ζ {number}", f"${number}_x$")
         )
 
+    def _size(self) -> tuple[int, int]:
+        """Rows and columns of the network's pictures: of 100, 2 are large and 4 a single line."""
+        random = self.random
+        chosen = random.random()
+        if chosen < 0.02:
+            return random.choice(LARGE_SIDES), random.choice((*LARGE_SIDES, 3, 1))
+        if chosen < 0.06:
+            line = (1, random.choice((2, 7, 64, 127, 211)))
+            return line if random.random() < 0.5 else line[::-1]
+        return self._length(), self._length()
+
     def _length(self) -> int:
         return self.random.choice((self.side, self.side, self.random.randint(1, LARGEST_SIDE)))
 
@@ -156,6 +169,9 @@ class Network:
             if random.random() < chance:
                 params[parameter.name] = self._value(parameter)
         if key == "test_scene":
+            # The default is one of those that take longest to draw.
+            if "kind" not in params:
+                params["kind"] = random.choice(declared.parameter("kind").choices)
             params["height"], params["width"] = self.size if random.random() < 0.8 else (9, 14)
         if key == "exit_pupil" and random.random() < 0.9:
             params |= SMALL_PUPIL

@@ -10,6 +10,7 @@ from app.run.evaluation import planned
 from battery_settings import SMALL_PUPIL
 from core.chain.engine import Engine
 from core.errors import InputError, ParameterError
+from core.evaluation.store import Store
 from core.network.parsing import parse_network
 from core.network.validation import NetworkProblems, check_network
 from nodes.library import standard_library
@@ -21,25 +22,29 @@ MOST_STEPS = 60
 def mended(document: Document, folder: Path) -> Document:
     """The document with what the errors name taken away: first a value, then all, then the node."""
     for _ in range(MOST_STEPS):
-        error = fault(document, folder)
-        if error is None or error.node is None or error.node not in document["nodes"]:
+        # One step for each node named: the next round says what is still wrong.
+        named = {e.node: e for e in faults(document, folder) if e.node in document["nodes"]}
+        if not named:
             break
-        _take_away(document, error)
+        for error in named.values():
+            if error.node in document["nodes"]:
+                _take_away(document, error)
     return document
 
 
-def fault(document: Document, folder: Path) -> InputError | None:
-    """The first fault of a network, found without computing it."""
+def faults(document: Document, folder: Path) -> list[InputError]:
+    """The faults of a network that show without computing it; of planning the first one."""
     library = standard_library()
     try:
         network = parse_network(json.dumps(document), library=library)
         check_network(network, library=library)
-        planned(Engine(library), network, folder)
+        # Nothing is computed, nor kept.
+        planned(Engine(library, Store(0)), network, folder)
     except NetworkProblems as error:
-        return next((each for each in error.problems if isinstance(each, InputError)), error)
+        return [each for each in error.problems if isinstance(each, InputError)]
     except InputError as error:
-        return error
-    return None
+        return [error]
+    return []
 
 
 def _take_away(document: Document, error: InputError) -> None:
