@@ -3,9 +3,11 @@
     python tests/fuzz/kills.py --count 200 --seed 1
 
 Each trial starts a run of the Kodak KIR-310 over the files of another run of it, sends SIGKILL,
-SIGTERM or SIGINT, and then lets a run come to its end. It fails if a file is neither the whole old
-one nor the whole new one, if what the exit code and stderr say is not true, if a traceback is
-printed, or if the last run leaves anything hidden.
+SIGTERM or SIGINT, and then lets a run come to its end. Of ten trials three count the moment from
+the start, four from the first file that is written, three from the first that is put in its place;
+in the run's own processor time, so that the moments are spread over it however busy the machine is.
+A trial fails if a file is neither the whole old one nor the whole new one, if what the exit code
+and stderr say is not true, if a traceback is printed, or if the last run leaves anything hidden.
 """
 
 from __future__ import annotations
@@ -15,8 +17,10 @@ import collections
 import contextlib
 import io
 import json
+import math
 import os
 import random
+import resource
 import signal
 import subprocess
 import sys
@@ -39,6 +43,13 @@ SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 FILES = ("out/final.png", "out/mtf.csv", "out/readouts.json", "saved.npy")
 REPORTS = ("report.json", "report.html")
 LONGEST_S = 600.0
+# After which moment, in how many of ten trials, and how long at most: a run's processor time from
+# there to its end, measured; None for the whole of it.
+MOMENTS: dict[str, tuple[int, float | None]] = {
+    "of the start": (3, None),
+    "of writing": (4, 0.15),
+    "of putting in place": (3, 0.01),
+}
 
 
 @dataclass(frozen=True)
@@ -49,13 +60,12 @@ class Trial:
     variant: int
     signal: signal.Signals
     with_page: bool
-    in_writing: bool
+    moment: str
     after: float
 
     def __str__(self) -> str:
-        when = "of writing" if self.in_writing else "of the start"
         page = ", with a page" if self.with_page else ""
-        return f"trial {self.number}: {self.signal.name} {self.after:.3f} s {when}{page}"
+        return f"trial {self.number}: {self.signal.name} {self.after:.4f} s {self.moment}{page}"
 
 
 class Kills:
@@ -87,14 +97,15 @@ class Kills:
     def trial(self, number: int) -> list[str]:
         """Carry out one trial; what is wrong afterwards."""
         page = self.pages > 0 and number % self.pages == 0
-        in_writing = self.random.random() < 0.5
+        shares = [share for share, _ in MOMENTS.values()]
+        (moment,) = self.random.choices(list(MOMENTS), shares)
         trial = Trial(
             number,
             1 - self.last,
             self.random.choice(SIGNALS),
             page,
-            in_writing,
-            self.random.uniform(0, 0.1 if in_writing else 1.1 * self.seconds * (4 if page else 1)),
+            moment,
+            self.random.uniform(0, MOMENTS[moment][1] or self.seconds * (2 if page else 1)),
         )
         before = self._reports()
         code, line, started = self._disturbed(trial)
@@ -129,20 +140,26 @@ class Kills:
             stderr=subprocess.PIPE,
             text=True,
         )
-        if trial.in_writing:
-            last = time.monotonic() + LONGEST_S
-            while process.poll() is None and not self._writes() and time.monotonic() < last:
-                time.sleep(0.001)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(trial.after)
+        last = time.monotonic() + LONGEST_S
+        before = self._inodes()
+        reached = {
+            "of the start": lambda: True,
+            "of writing": self._writes,
+            "of putting in place": lambda: self._inodes() != before,
+        }[trial.moment]
+        while process.poll() is None and not reached() and time.monotonic() < last:
+            time.sleep(0.0002)
+        begun = 0.0 if trial.moment == "of the start" else _processor_s(process.pid)
+        while process.poll() is None and _processor_s(process.pid) < begun + trial.after:
+            time.sleep(0.0002)
         started = _has_begun(process.pid)
         process.send_signal(trial.signal)
         _, line = process.communicate(timeout=LONGEST_S)
         return process.returncode, line, started
 
     def _measured(self) -> float:
-        """How long a run takes in a process of its own."""
-        start = time.monotonic()
+        """How much processor time a run takes in a process of its own."""
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run(
             [sys.executable, "-m", "app.command.cli", *self._words(self.last)],
             cwd=self.folder,
@@ -151,7 +168,8 @@ class Kills:
             timeout=LONGEST_S,
             check=True,
         )
-        return time.monotonic() - start
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
     def _outcome(
         self, trial: Trial, code: int, line: str, started: bool, reported: bool
@@ -212,10 +230,27 @@ class Kills:
         paths = [self.folder / name for name in REPORTS]
         return tuple(path.stat().st_ino for path in paths if path.exists())
 
+    def _inodes(self) -> list[int]:
+        """Which files are there, 0 for none: one put in the place of another is another."""
+        found = []
+        for name in FILES:
+            try:
+                found.append((self.folder / name).stat().st_ino)
+            except FileNotFoundError:
+                found.append(0)
+        return found
+
     def _writes(self) -> bool:
         places = (self.folder, self.folder / "out")
         found = (path.name for place in places for path in place.iterdir())
         return any(name.startswith(".imagechain-") for name in found)
+
+
+def _processor_s(pid: int) -> float:
+    """Seconds that all threads of a process have computed; endless when it has ended."""
+    with contextlib.suppress(OSError):
+        return time.clock_gettime(~pid << 3 | 2)  # clock_getcpuclockid(3), which Python lacks
+    return math.inf
 
 
 def _has_begun(pid: int) -> bool:
