@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from html import escape
 from typing import Any
 
+from app.report.blocks import Block, Drawn, Grid, Heading, Text, of_many
 from app.report.drawing.picture_drawing import COLOURS, figure, strongest
 from app.report.drawing.printed_numbers import number
-from app.report.markup import figure as shown
-from app.report.markup import of_many, table
 from nodes.analysis.noise.budget_tables import source_words
 
 Fact = dict[str, Any]
@@ -16,11 +14,11 @@ _ACROSS, _ALONG = COLOURS[0], COLOURS[1]
 _KINDS = {"temporal": "#6d8fb3", "fixed": "#b8894a"}
 
 
-def budget(facts: Fact) -> str:
+def budget(facts: Fact) -> list[Block]:
     """The section; of what there is none, it says why."""
     found = facts["budget"]
     noise, blur = found["noise"], found["blur"]
-    text = "<h2>What contributes how much</h2>"
+    blocks: list[Block] = [Heading(2, "What contributes how much")]
     if noise or blur:
         caption = " ".join(
             [
@@ -30,13 +28,13 @@ def budget(facts: Fact) -> str:
         )
         caption += of_many(len(noise["sources"]), "noises") if noise else ""
         caption += of_many(len(blur["stages"])) if blur else ""
-        text += shown(bars_png(noise, blur), caption, "shares of noise and blur")
-    text += _noise(noise) if noise else _untold("Noise", found["noise_reason"])
-    return text + (_blur(blur) if blur else _untold("Blur", found["blur_reason"]))
+        blocks.append(Drawn(bars_png(noise, blur), caption, "shares of noise and blur"))
+    blocks += _noise(noise) if noise else _not_shared("Noise", found["noise_reason"])
+    return blocks + (_blur(blur) if blur else _not_shared("Blur", found["blur_reason"]))
 
 
-def _untold(what: str, reason: str) -> str:
-    return f"<p>{what} is not shared out: {escape(reason)}.</p>"
+def _not_shared(what: str, reason: str) -> list[Block]:
+    return [Text(f"{what} is not shared out: {reason}.")]
 
 
 def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
@@ -128,7 +126,7 @@ def _distinct(names: list[str], rows: list[Fact]) -> list[str]:
     ]
 
 
-def _noise(noise: Fact) -> str:
+def _noise(noise: Fact) -> list[Block]:
     rows = [
         (
             _name(each),
@@ -145,18 +143,19 @@ def _noise(noise: Fact) -> str:
     unit = f" ({noise['unit']})" if noise["unit"] else ""
     heads = ("noise", "node", f"σ temporal{unit}", f"σ fixed{unit}", "share (%)")
     told = (
-        f"<p>Predicted for {escape(noise['port'])} from the chain, for all sensors of this kind: "
+        f"Predicted for {noise['port']} from the chain, for all sensors of this kind: "
         "temporal noise changes from frame to frame, fixed patterns stay. "
-        f"{_beside(noise)}</p>"
+        f"{_beside(noise)}"
     )
-    return "<h3>Noise in the final picture</h3>" + told + table(heads, rows, numbers=(2, 3, 4))
+    heading = Heading(3, "Noise in the final picture")
+    return [heading, Text(told), Grid(heads, rows, numbers=(2, 3, 4))]
 
 
 def _beside(noise: Fact) -> str:
     """The prediction of all noise, and what this picture has of it."""
     all_noise = f"All noise: σ = {number(noise['summed'])} predicted"
     if noise["together"] is None:
-        reason = escape(noise["together_reason"])
+        reason = noise["together_reason"]
         return f"{all_noise}; this picture’s own noise is not known: {reason}."
     unit = f" {noise['unit']}" if noise["unit"] else ""
     return (
@@ -165,7 +164,7 @@ def _beside(noise: Fact) -> str:
     )
 
 
-def _blur(blur: Fact) -> str:
+def _blur(blur: Fact) -> list[Block]:
     xi, eta = number(blur["xi_cyc_per_mrad"]), number(blur["eta_cyc_per_mrad"])
     rows = [
         (
@@ -180,9 +179,9 @@ def _blur(blur: Fact) -> str:
     ]
     rows.append(("All together", "", number(blur["mtf_x"]), "", number(blur["mtf_y"]), ""))
     heads = ("stage", "node", "|MTF| x", "share x (%)", "|MTF| y", "share y (%)")
-    told = f"<p>At {xi} cyc/mrad across and {eta} along."
+    told = f"At {xi} cyc/mrad across and {eta} along."
     if blur["behind"] is not None:
-        node = escape(blur["behind"])
-        told += f" What {node} does is not known as transfer functions: stages behind it alone."
-    told += "</p>"
-    return "<h3>Blur of the stages</h3>" + told + table(heads, rows, numbers=(2, 3, 4, 5))
+        told += f" What {blur['behind']} does is not known as transfer functions: stages behind it "
+        told += "alone."
+    heading = Heading(3, "Blur of the stages")
+    return [heading, Text(told), Grid(heads, rows, numbers=(2, 3, 4, 5))]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from app.report.blocks import Block, Grid, Heading
 from app.report.drawing.printed_numbers import number
-from app.report.markup import table
 
 Fact = dict[str, Any]
 
@@ -23,7 +23,7 @@ _KINDS = {
 }
 
 
-def economy(facts: dict[str, Any]) -> str:
+def economy(facts: dict[str, Any]) -> list[Block]:
     """The section; empty where all there is was computed."""
     budget = number(_rounded(facts["run"]["tolerance"]))
     rows = []
@@ -37,9 +37,9 @@ def economy(facts: dict[str, Any]) -> str:
         if where:
             rows.append((what, why.format(budget=budget), ", ".join(where)))
     if not rows:
-        return ""
+        return []
     heads = ("not computed", "because", "where")
-    return "<h2>What was not computed, and why</h2>" + table(heads, rows, kind="economy")
+    return [Heading(2, "What was not computed, and why"), Grid(heads, rows, kind="economy")]
 
 
 def state(listed: list[Fact]) -> str:

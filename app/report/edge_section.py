@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from html import escape
 from typing import Any
 
 import numpy as np
 
+from app.report.blocks import Block, Drawn, Grid, Heading, Text
 from app.report.drawing.drawn_as import named
 from app.report.drawing.picture_drawing import COLOURS, figure
 from app.report.drawing.printed_numbers import number
-from app.report.markup import figure as shown
-from app.report.markup import table
 
 Fact = dict[str, Any]
 _METHODS = {"slanted_edge": "slanted edge", "row_average": "row average"}
@@ -21,24 +19,24 @@ _MARKS = 32  # of measured points along a curve
 _NO_ERROR = 5e-7
 
 
-def judged(facts: Fact) -> str:
+def judged(facts: Fact) -> list[Block]:
     """The section; says why where nothing could be measured."""
     told, drawn_as = facts["judged"], facts["drawn_as"]
-    text = "<h2>Judged by measurement</h2>"
+    blocks: list[Block] = [Heading(2, "Judged by measurement")]
     if told["reason"]:
-        return text + f"<p>Not measured: {escape(told['reason'])}.</p>"
+        return [*blocks, Text(f"Not measured: {told['reason']}.")]
     good = [each for each in told["measurements"] if each["reason"] is None]
     if good:
-        text += f"<p>{escape(_introduction(told))}</p>"
+        blocks.append(Text(_introduction(told)))
         published = drawn_as.get("judged")
         drawn = judged_png(told, mirrored=published is not None)
-        text += shown(drawn, _caption(published), "measured and expected MTF")
-        text += _table(good)
+        blocks.append(Drawn(drawn, _caption(published), "measured and expected MTF"))
+        blocks.append(_table(good))
     for each in told["measurements"]:
         if each["reason"] is not None:
             what = f"{each['direction']}, {_METHODS[each['method']]}"
-            text += f"<p>Not measured ({what}): {escape(each['reason'])}.</p>"
-    return text
+            blocks.append(Text(f"Not measured ({what}): {each['reason']}."))
+    return blocks
 
 
 def _introduction(told: Fact) -> str:
@@ -120,7 +118,7 @@ def _sides(mirrored: bool, frequency: Any, *curves: Any) -> list[Any]:
     return sides + [np.concatenate([curve[:0:-1], curve]) for curve in curves]
 
 
-def _table(measurements: Iterable[Fact]) -> str:
+def _table(measurements: Iterable[Fact]) -> Grid:
     rows = [
         (
             each["direction"],
@@ -138,7 +136,7 @@ def _table(measurements: Iterable[Fact]) -> str:
         "direction", "edge", "MTF50 (cyc/mrad)", "expected", "MTF at Nyquist", "expected",
         "largest difference", "at (cyc/mrad)",
     )  # fmt: skip
-    return table(heads, rows, numbers=range(2, 8))
+    return Grid(heads, rows, numbers=range(2, 8))
 
 
 def _with_error(value: float | None, error: float | None) -> str:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 from typing import Any
 
+from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text, Warnings
 from app.report.budget_section import budget
 from app.report.drawing.node_curves import MOST, curves_png, node_curves
 from app.report.drawing.picture_drawing import noise_png, panels_png, pictures_png
@@ -14,8 +14,7 @@ from app.report.drawing.pupils import pupil_panels
 from app.report.economy_section import economy, state
 from app.report.edge_section import judged
 from app.report.facts.published import DIFFERENT, REPRODUCED
-from app.report.markup import figure, table
-from app.report.page_style import CSS
+from app.report.html_page import html_page
 from app.report.transfer_section import transfer
 from app.run.evaluation import Evaluation
 from core.chain.realize import realize
@@ -30,33 +29,27 @@ def page(found: Evaluation, facts: dict[str, Any]) -> str:
     """The report as HTML."""
     network = facts["network"]
     title = network["name"] or "Image chain"
-    parts = [
-        f"<h1>{escape(title)}</h1>",
-        f"<p class=lead>{escape(network['description'])}</p>" if network["description"] else "",
+    blocks = [
+        Heading(1, title),
+        *([Text(network["description"], "lead")] if network["description"] else []),
         _run_line(facts),
-        _warnings(facts),
-        _pictures(found, facts),
-        _published(facts),
-        transfer(found, facts),
-        judged(facts),
-        _pupils(found),
-        _curves(found),
-        _noise(found, facts),
-        budget(facts),
-        _readouts(facts),
-        economy(facts),
-        _nodes(facts),
+        *_warnings(facts),
+        *_pictures(found, facts),
+        *_published(facts),
+        *transfer(found, facts),
+        *judged(facts),
+        *_pupils(found),
+        *_curves(found),
+        *_noise(found, facts),
+        *budget(facts),
+        *_readouts(facts),
+        *economy(facts),
+        *_nodes(facts),
     ]
-    body = "\n".join(part for part in parts if part)
-    return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title)} · Imagechain</title>\n<style>{CSS}</style>\n</head>\n"
-        f"<body>\n<main>\n{body}\n</main>\n</body>\n</html>\n"
-    )
+    return html_page(title, blocks)
 
 
-def _run_line(facts: dict[str, Any]) -> str:
+def _run_line(facts: dict[str, Any]) -> Block:
     run = facts["run"]
     versions = " · ".join(f"{name} {each}" for name, each in run["versions"].items())
     words = [
@@ -69,22 +62,18 @@ def _run_line(facts: dict[str, Any]) -> str:
         f"transforms by {run['transforms']}",
         run["date"],
     ]
-    return f"<p class=run>{escape(' · '.join(words))}</p>"
+    return Text(" · ".join(words), "run")
 
 
-def _warnings(facts: dict[str, Any]) -> str:
-    items = "".join(
-        f"<li><b>{escape(each['node'])}</b>: {escape(each['message'])}. "
-        f"<span>{escape(each['remedy'][:1].upper() + each['remedy'][1:])}.</span></li>"
-        for each in facts["warnings"]
-    )
-    return f"<div class=warnings><h2>Warnings</h2><ul>{items}</ul></div>" if items else ""
+def _warnings(facts: dict[str, Any]) -> list[Block]:
+    rows = [(each["node"], each["message"], each["remedy"]) for each in facts["warnings"]]
+    return [Warnings(tuple(rows))] if rows else []
 
 
-def _pictures(found: Evaluation, facts: dict[str, Any]) -> str:
+def _pictures(found: Evaluation, facts: dict[str, Any]) -> list[Block]:
     shown = facts["pictures"]
     if not shown:
-        return ""
+        return []
     inputs = [each for each in shown if each["role"] == "input"]
     outputs = [each for each in shown if each["role"] == "output"]
     others = [each for each in shown if each["role"] == "other output"]
@@ -98,18 +87,18 @@ def _pictures(found: Evaluation, facts: dict[str, Any]) -> str:
         for each in facts["pictures"]
     ]
     heads = ("picture", "minimum", "maximum", "mean", "σ", "unit")
-    return (
-        "<h2>Input and output</h2>"
-        + _shown_pictures(found, shown)
-        + _other_pictures(found, others, len(shown))
-        + table(heads, rows, numbers=(1, 2, 3, 4))
-    )
+    return [
+        Heading(2, "Input and output"),
+        *_shown_pictures(found, shown),
+        *_other_pictures(found, others, len(shown)),
+        Grid(heads, rows, numbers=(1, 2, 3, 4)),
+    ]
 
 
-def _shown_pictures(found: Evaluation, shown: list[dict[str, Any]]) -> str:
+def _shown_pictures(found: Evaluation, shown: list[dict[str, Any]]) -> list[Block]:
     """Figure of the chain's pictures; none where several end unlinked and no chain begins."""
     if not shown:
-        return ""
+        return []
     drawn = pictures_png([_picture(found, each, each["role"].capitalize()) for each in shown])
     alike = [
         f"{each['port']}: {each['columns']} × {each['rows']} samples"
@@ -124,7 +113,7 @@ def _shown_pictures(found: Evaluation, shown: list[dict[str, Any]]) -> str:
         "; ".join(alike) + ". Each picture has grey levels of its own, between its 0.1 % and "
         "99.9 % quantiles."
     )
-    return figure(drawn, caption, "input and output pictures")
+    return [Drawn(drawn, caption, "input and output pictures")]
 
 
 def _clean(picture: dict[str, Any], name: str) -> float:
@@ -134,13 +123,13 @@ def _clean(picture: dict[str, Any], name: str) -> float:
     return 0.0 if abs(value) < 1e-15 * largest else value
 
 
-def _other_pictures(found: Evaluation, others: list[dict[str, Any]], beside: int) -> str:
+def _other_pictures(found: Evaluation, others: list[dict[str, Any]], beside: int) -> list[Block]:
     if not others:
-        return ""
+        return []
     shown, rest = others[:_MOST_OTHERS], others[_MOST_OTHERS:]
     drawn = pictures_png([_picture(found, each, each["port"]) for each in shown], beside)
     more = _not_shown([each["port"] for each in rest])
-    return figure(drawn, "Other pictures the network ends in." + more, "other output pictures")
+    return [Drawn(drawn, "Other pictures the network ends in." + more, "other output pictures")]
 
 
 def _not_shown(ports: Sequence[str]) -> str:
@@ -158,35 +147,37 @@ def _picture(found: Evaluation, each: dict[str, Any], title: str) -> tuple[str, 
     return title, image, realize(image, found.work)
 
 
-def _published(facts: dict[str, Any]) -> str:
+def _published(facts: dict[str, Any]) -> list[Block]:
     rows = facts["published"]
-    text = ""
+    blocks: list[Block] = []
     if rows:
         good = sum(row["verdict"] == REPRODUCED for row in rows)
-        text += f"<h2>Beside the published figures</h2><p>{good} of {len(rows)} reproduced.</p>"
-        text += table(
-            ("figure", "where", "published", "here", "unit", "verdict", "reason"),
-            [
-                (
-                    row["figure"],
-                    row["where"],
-                    _published_value(row),
-                    number(row["ours"]),
-                    row["unit"],
-                    row["verdict"],
-                    "" if row["verdict"] == REPRODUCED else row["reason"],
-                )
-                for row in rows
-            ],
-            numbers=(2, 3),
-            kind="published",
-            marks={5: {REPRODUCED: "good", DIFFERENT: "bad"}},
-        )
+        blocks += [
+            Heading(2, "Beside the published figures"),
+            Text(f"{good} of {len(rows)} reproduced."),
+            Grid(
+                ("figure", "where", "published", "here", "unit", "verdict", "reason"),
+                [
+                    (
+                        row["figure"],
+                        row["where"],
+                        _published_value(row),
+                        number(row["ours"]),
+                        row["unit"],
+                        row["verdict"],
+                        "" if row["verdict"] == REPRODUCED else row["reason"],
+                    )
+                    for row in rows
+                ],
+                numbers=(2, 3),
+                kind="published",
+                marks={5: {REPRODUCED: "good", DIFFERENT: "bad"}},
+            ),
+        ]
     if facts["conflicts"]:
-        items = "".join(f"<li>{escape(text)}</li>" for text in facts["conflicts"])
-        level = "h3" if rows else "h2"
-        text += f"<{level}>Conflicts within the source</{level}><ul>{items}</ul>"
-    return text
+        blocks.append(Heading(3 if rows else 2, "Conflicts within the source"))
+        blocks.append(Items(tuple(facts["conflicts"])))
+    return blocks
 
 
 def _published_value(row: dict[str, Any]) -> str:
@@ -194,10 +185,10 @@ def _published_value(row: dict[str, Any]) -> str:
     return number(row["value"]) + within
 
 
-def _pupils(found: Evaluation) -> str:
+def _pupils(found: Evaluation) -> list[Block]:
     panels, left_out = pupil_panels(found)
     if not panels:
-        return ""
+        return []
     told = {
         "samples": "amplitude transmission of the exit pupils (axes in samples)",
         "cyc/mrad": "autocorrelations of pupils at frequencies of their own (axes in cyc/mrad)",
@@ -206,36 +197,37 @@ def _pupils(found: Evaluation) -> str:
     caption = "; ".join(kinds).capitalize() + ". Grey is linear from the least to the greatest."
     more = _not_shown(left_out)
     drawn = panels_png(panels)
-    return "<h2>Pupils</h2>" + figure(drawn, caption + more, "exit pupils and autocorrelations")
+    shown = Drawn(drawn, caption + more, "exit pupils and autocorrelations")
+    return [Heading(2, "Pupils"), shown]
 
 
-def _curves(found: Evaluation) -> str:
+def _curves(found: Evaluation) -> list[Block]:
     curves = node_curves(found)
     if not curves:
-        return ""
+        return []
     caption = "What nodes plot; gaps where there is no value."
     caption += _not_shown([port for port, _ in curves[MOST:]])
-    return "<h2>Curves</h2>" + figure(curves_png(curves[:MOST]), caption, "curves of nodes")
+    return [Heading(2, "Curves"), Drawn(curves_png(curves[:MOST]), caption, "curves of nodes")]
 
 
-def _noise(found: Evaluation, facts: dict[str, Any]) -> str:
+def _noise(found: Evaluation, facts: dict[str, Any]) -> list[Block]:
     alive = [each for each in facts["noise"] if each["maximum"] != each["minimum"]]
     still = [each["port"] for each in facts["noise"] if each not in alive]
     if not facts["noise"]:
-        return ""
-    text = "<h2>Noise</h2>"
+        return []
+    blocks: list[Block] = [Heading(2, "Noise")]
     if alive:
         drawn = noise_png([_picture(found, each, each["port"]) for each in alive[:_MOST_NOISES]])
         caption = "Noise pictures between their 0.1 % and 99.9 % quantiles, and their histograms."
         caption += _not_shown([each["port"] for each in alive[_MOST_NOISES:]])
-        text += figure(drawn, caption, "noise pictures and histograms")
+        blocks.append(Drawn(drawn, caption, "noise pictures and histograms"))
     if still:
-        text += f"<p>The same everywhere: {escape(_listed(still))}.</p>"
-    return text
+        blocks.append(Text(f"The same everywhere: {_listed(still)}."))
+    return blocks
 
 
-def _readouts(facts: dict[str, Any]) -> str:
-    text = ""
+def _readouts(facts: dict[str, Any]) -> list[Block]:
+    blocks: list[Block] = []
     for name, node in facts["nodes"].items():
         rows = [
             (each, number(one["value"], one["unit"]), one["unit"], one["meaning"])
@@ -250,14 +242,13 @@ def _readouts(facts: dict[str, Any]) -> str:
             if row["name"] not in node["readouts"] and row["value"] is not None
         ]
         if rows:
-            text += f"<h3>{escape(node['title'])} <small>{escape(name)}</small></h3>"
-            text += table(
-                ("read-out", "value", "unit", "meaning"), rows, numbers=(1,), kind="readouts"
-            )
-    return f"<h2>Read-outs</h2>{text}" if text else ""
+            heads = ("read-out", "value", "unit", "meaning")
+            blocks.append(Heading(3, node["title"], aside=name))
+            blocks.append(Grid(heads, rows, numbers=(1,), kind="readouts"))
+    return [Heading(2, "Read-outs"), *blocks] if blocks else []
 
 
-def _nodes(facts: dict[str, Any]) -> str:
+def _nodes(facts: dict[str, Any]) -> list[Block]:
     rows = []
     for name, node in facts["nodes"].items():
         values = [
@@ -270,11 +261,11 @@ def _nodes(facts: dict[str, Any]) -> str:
             (name, node["title"], ", ".join(values), said, f"{1e3 * node['seconds']:.1f} ms")
         )
     seconds = facts["run"]["seconds"]
-    return (
-        "<h2>Nodes</h2>"
-        + table(("node", "module", "set", "", "time"), rows, numbers=(4,))
-        + "<p>Parameters not listed have their defaults. A node that only "
-        "multiplies the spectrum takes no time of its own: the product is applied where the "
-        f"picture is made. Input pictures {seconds['sources']:.3f} s, evaluation "
-        f"{seconds['evaluation']:.3f} s, {seconds['total']:.3f} s in all before this report.</p>"
+    words = (
+        "Parameters not listed have their defaults. A node that only multiplies the spectrum takes "
+        "no time of its own: the product is applied where the picture is made. Input pictures "
+        f"{seconds['sources']:.3f} s, evaluation {seconds['evaluation']:.3f} s, "
+        f"{seconds['total']:.3f} s in all before this report."
     )
+    heads = ("node", "module", "set", "", "time")
+    return [Heading(2, "Nodes"), Grid(heads, rows, numbers=(4,)), Text(words)]

@@ -9,6 +9,7 @@ import pytest
 
 from app.assessment.noise_and_blur_budget import blur_budget, noise_budget
 from app.assessment.silencing import noise_sources
+from app.report.blocks import Text
 from app.report.budget_section import budget
 from app.report.facts.budget_facts import budget_facts
 from budget_chain import (
@@ -227,7 +228,7 @@ def test_nothing_to_tell_says_why():
         "blur": None,
         "blur_reason": "no transfer function other than 1 leads to scene.image",
     }
-    page = budget(facts)
+    page = " ".join(block.text for block in budget(facts) if isinstance(block, Text))
     assert "Noise is not shared out: no noise is added on the way to scene.image." in page
     assert "Blur is not shared out: no transfer function other than 1" in page
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from app.report.blocks import of_many
 from app.report.drawing.curves import drawn_stages
 from app.report.drawing.picture_drawing import MOST_DRAWN
-from app.report.markup import of_many
 from app.run.evaluation import TimedWork, asked_later, evaluate, planned
 from app.run.responses import Response, Responses, StageResponse
 from core.chain.engine import Engine

@@ -1,0 +1,82 @@
+"""What pages are made of, as plain data; `html_page` writes it.
+
+Texts are texts: what they hold is never markup.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from app.report.drawing.picture_drawing import DPI, MOST_DRAWN
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading of a level from 1 to 3; `aside` stands smaller behind it."""
+
+    level: int
+    text: str
+    aside: str = ""
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph; `kind` is a class of the style sheet."""
+
+    text: str
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Items:
+    """A list."""
+
+    texts: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Warnings:
+    """What a reader must know first: for each node a message and its remedy."""
+
+    rows: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A picture within the file, with its caption; `alt` says what it shows."""
+
+    png: bytes
+    caption: str
+    alt: str
+
+    @property
+    def width(self) -> int:
+        """As many CSS pixels as it has inches."""
+        return int.from_bytes(self.png[16:20], "big") * 96 // DPI
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table; columns in `numbers` end together, `marks` gives cells of a column a class."""
+
+    heads: Sequence[str]
+    rows: Iterable[Sequence[str]]
+    numbers: Sequence[int] = ()
+    marks: Mapping[int, Mapping[str, str]] = field(default_factory=dict)
+    kind: str = ""
+
+    def classes(self, column: int, cell: str | None = None) -> str:
+        """Classes of a head, or of a cell of that text."""
+        mark = "" if cell is None else self.marks.get(column, {}).get(cell, "")
+        return " ".join([*(["n"] if column in self.numbers else []), *([mark] if mark else [])])
+
+
+Block = Heading | Text | Items | Warnings | Drawn | Grid
+
+
+def of_many(count: int, what: str = "stages") -> str:
+    """What a caption adds where not all is drawn; empty else."""
+    if count <= MOST_DRAWN:
+        return ""
+    return f" Drawn are the {MOST_DRAWN} of {count} {what} that do most; the table has all of them."
