@@ -72,7 +72,8 @@ def stoppable(*, to_the_end: bool = False) -> Iterator[Stop]:
     ----------
     to_the_end : bool
         Whether the process ends after it: Ctrl-C then ends what is left of it without a word,
-        where Python would print a traceback.
+        where Python would print a traceback. A signal to end that comes once more changes nothing:
+        the process is ending, with the exit code of its stop.
     """
     stop = Stop()
     previous: dict[signal.Signals, Any] = {}
@@ -94,6 +95,8 @@ def stoppable(*, to_the_end: bool = False) -> Iterator[Stop]:
         yield stop
     finally:
         for number, handler in previous.items():
-            signal.signal(number, signal.SIG_DFL if to_the_end else handler)
+            again = stop.is_set() and number != signal.SIGINT
+            at_end = signal.SIG_IGN if again else signal.SIG_DFL
+            signal.signal(number, at_end if to_the_end else handler)
         if not to_the_end:
             sys.unraisablehook = hook

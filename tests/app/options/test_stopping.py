@@ -87,6 +87,18 @@ def test_a_second_stop_while_files_are_cleared_away(disturbed, tmp_path):
     assert names(tmp_path) == ["net.json"]
 
 
+@pytest.mark.parametrize("second", [signal.SIGTERM, signal.SIGHUP])
+def test_a_second_signal_to_end_while_the_interpreter_ends(second, disturbed, tmp_path):
+    """It does not change how the first one was obeyed: exit code 1, one line."""
+    done = disturbed(f"""
+import atexit
+atexit.register(told, {int(second)})
+before(app.command.run, "evaluate")
+""")
+    assert (done.returncode, done.stderr) == (1, CANCELLED)
+    assert names(tmp_path) == ["net.json"]
+
+
 @pytest.mark.parametrize("late", ["app.command.run, '_print'", "app.run.staging, '_put'"])
 def test_a_stop_once_files_appear_comes_too_late(late, disturbed, tmp_path):
     done = disturbed(f"before({late})")
