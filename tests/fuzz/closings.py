@@ -2,8 +2,9 @@
 
     python tests/fuzz/closings.py --count 50
 
-So many by each of four ways (Ctrl+Q, File > Quit, the window manager's button, SIGTERM), over four
-states (unmodified, modified, computing, with a dialog open). Needs Xvfb and xdotool.
+So many by each of five ways (Ctrl+Q, File > Quit, the window manager's button, SIGTERM, and that
+twice), over four states (unmodified, modified, computing, with a dialog open). Needs Xvfb and
+xdotool.
 """
 
 import argparse

@@ -3,17 +3,19 @@
 import json
 import signal
 import subprocess
+import time
 from dataclasses import dataclass
 
 from app.run.shipped import shipped_networks
 from editor_process import EditorProcess
 
-WAYS = ("keys", "menu", "window manager", "SIGTERM")
+WAYS = ("keys", "menu", "window manager", "SIGTERM", "SIGTERM twice")
 STATES = ("unmodified", "modified", "computing", "dialog")
 # Keys that open something, and whether it is a question that itself asks for unsaved work.
 DIALOGS = {
     "open": "ctrl+o",
     "save as": "ctrl+shift+s",
+    "replace": "ctrl+shift+s",
     "export": "ctrl+e",
     "shortcuts": "question",
     "module search": "Tab",
@@ -21,6 +23,7 @@ DIALOGS = {
     "menu": "alt+e",
 }
 LARGE = 2048
+AGAIN_S = 0.3
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,11 @@ class Trial:
     dialog: str = ""
     modified: bool = False
     answer: str = "Discard"
+
+    @property
+    def is_told(self):
+        """Whether a signal tells it to end, so that it asks nothing."""
+        return self.way.startswith("SIGTERM")
 
 
 def trials(count):
@@ -65,11 +73,16 @@ def close(trial, folder, screen):
             editor.keys("ctrl+Return")
         elif trial.dialog:
             editor.keys(DIALOGS[trial.dialog])
+            if trial.dialog == "replace":
+                editor.wait(lambda: editor.window("^Save the network"), "the dialog")
+                editor.focus(editor.window("^Save the network"))
+                editor.keys("Return")  # the network's own file, which is there
+                editor.wait(lambda: editor.window("^Replace file"), "the question to replace it")
             if trial.dialog == "new":
                 editor.wait(lambda: editor.asks, "the question of a new network")
         go(trial.way, editor)
         outcome = editor.outcome()
-        if trial.way == "SIGTERM" and outcome == "asked":  # of New: told to end, it ends
+        if trial.is_told and outcome == "asked":  # of New: told to end, it ends
             editor.wait(lambda: editor.gone, "the end")
             outcome = "ended"
         assert outcome in ("ended", "asked"), f"{outcome}; it said {editor.said!r}"
@@ -77,7 +90,7 @@ def close(trial, folder, screen):
             assert trial.modified, "it asks, though there is no unsaved work"
             answered(trial, editor, before)
         else:
-            assert not trial.modified or trial.way == "SIGTERM", "it ended without a question"
+            assert not trial.modified or trial.is_told, "it ended without a question"
             ended(editor)
             assert json.loads(editor.file.read_text()) == before, "it wrote the file unasked"
             assert len(editor.kept()) == trial.modified, "kept against a crash"
@@ -97,6 +110,10 @@ def go(way, editor):
         editor.press_close_button()
     else:
         editor.process.send_signal(signal.SIGTERM)
+        if way == "SIGTERM twice":
+            # As somebody who sees nothing happen: before it has ended, or while it does.
+            time.sleep(AGAIN_S)
+            editor.process.send_signal(signal.SIGTERM)
 
 
 def answered(trial, editor, before):

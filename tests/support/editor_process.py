@@ -18,7 +18,7 @@ import signal, sys
 for name in ("SIGHUP", "SIGINT", "SIGTERM"):
     signal.signal(getattr(signal, name), signal.SIG_DFL)
 from app.command.cli import main
-sys.exit(main(sys.argv[1:]))
+sys.exit(main())  # as the command itself, which ends with it
 """
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Qt
-from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox, QWidget
+from PySide6.QtWidgets import QApplication, QDialog, QMessageBox, QWidget
 
 from app.editor.session import Session
 from app.editor.tradeoff.tradeoff_view import TradeOffView
@@ -16,6 +16,7 @@ from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.actions.module_text import ModuleText
 from app.editor.window.actions.shortcut_list import ShortcutList
 from app.editor.window.docks.viewer_docks import ViewerDocks
+from app.editor.window.documents.save_dialog import SaveDialog
 from app.options.command_options import version
 from core.errors import ImagechainError
 
@@ -72,10 +73,8 @@ class Help(QObject):
         """Ask where to write what it shows."""
         self._exported = viewer
         kinds = _PICTURES if isinstance(viewer, ImageViewer) else _CURVES
-        dialog = QFileDialog(self._window, "Export", str(Path.cwd()), kinds)
+        dialog = SaveDialog(self._window, "Export", str(Path.cwd()), kinds)
         dialog.setObjectName("export_dialog")
-        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
-        dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
         dialog.setDefaultSuffix("png")
         dialog.fileSelected.connect(self._export_to)
         self._show(dialog)

@@ -12,13 +12,13 @@ from app.editor.session import Session
 from app.editor.window.documents.opening import Opened, open_named
 from app.editor.window.documents.questions import Question, changed_file, save_changes
 from app.editor.window.documents.remembered_settings import Settings
+from app.editor.window.documents.save_dialog import SaveDialog
 from core.editing.document import Document
 from core.editing.moved_folder import rebased
 from core.errors import ImagechainError
 from core.network.network import Network
 
 _FILTER = "Networks (*.json);;All files (*)"
-_ACCEPT = QFileDialog.AcceptMode
 Next = Callable[[], object]
 
 
@@ -55,7 +55,8 @@ class Files(QObject):
 
     def open_dialog(self) -> None:
         """Ask for a file and open it."""
-        dialog = self._ask_for_file("Open a network", _ACCEPT.AcceptOpen)
+        dialog = self._in_place_of_other(QFileDialog(*self._words("Open a network")))
+        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
         dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
         dialog.fileSelected.connect(self.open)
         dialog.show()
@@ -101,7 +102,7 @@ class Files(QObject):
     def save_as(self, following: Next | None = None) -> None:
         """Ask for a file and save to it; then go on, if it was saved."""
         self.about_to_save.emit()
-        dialog = self._ask_for_file("Save the network", _ACCEPT.AcceptSave)
+        dialog = self._in_place_of_other(SaveDialog(*self._words("Save the network")))
         dialog.setDefaultSuffix("json")
         dialog.selectFile(self._proposal())
         dialog.fileSelected.connect(lambda text: self.save_to(Path(text), following))
@@ -190,14 +191,14 @@ class Files(QObject):
         kept = "".join(c if c.isalnum() or c in "-_" else "_" for c in name.lower())
         return f"{kept}.json"
 
-    def _ask_for_file(self, title: str, mode: QFileDialog.AcceptMode) -> QFileDialog:
-        """A dialog to be filled and shown, in the place of the one that is open."""
-        self._drop_dialog()
+    def _words(self, title: str) -> tuple[QWidget, str, str, str]:
         path = self._session.document.path
-        dialog = QFileDialog(self._window, title, str(path.parent if path else Path.cwd()), _FILTER)
+        return self._window, title, str(path.parent if path else Path.cwd()), _FILTER
+
+    def _in_place_of_other(self, dialog: QFileDialog) -> QFileDialog:
+        """The dialog, to be filled and shown; the one that is open goes."""
+        self._drop_dialog()
         dialog.setObjectName("file_dialog")
-        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
-        dialog.setAcceptMode(mode)
         dialog.finished.connect(lambda: self._forget(dialog))
         dialog.finished.connect(dialog.deleteLater)
         self._dialog = dialog

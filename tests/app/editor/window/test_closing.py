@@ -2,7 +2,7 @@
 
 import pytest
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox
+from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox, QPushButton
 
 from app.editor.recovery.recovery_files import recoverable
 from core.editing.fields import set_parameter
@@ -218,6 +218,67 @@ def test_saving_as_asked_at_the_close_ends_the_window(window, qtbot, tmp_path):
     dialog.fileSelected.emit(str(tmp_path / "mine.json"))
     qtbot.waitUntil(lambda: not window.isVisible())
     assert b"test_scene" in (tmp_path / "mine.json").read_bytes()
+
+
+# --- over a file that is there -----------------------------------------------------------------
+
+
+@pytest.fixture
+def replacing(window, hand, qtbot, tmp_path):
+    """Save As, with the name of a file that is there; gives what to call to enter it, and more."""
+    other = tmp_path / "other.json"
+    other.write_text("mine")
+
+    def begin(action="save_as"):
+        window.actions_by_name[action].trigger()
+        (dialog,) = (each for each in dialogs(window) if isinstance(each, QFileDialog))
+        dialog.setDirectory(str(tmp_path))
+        dialog.selectFile(str(other))
+        dialog.accept()
+        (box,) = window.findChildren(QMessageBox, "replace_file")
+        assert box.isVisible()
+        return dialog, box, other
+
+    return begin
+
+
+@pytest.mark.parametrize("modified", [False, True], ids=["unmodified", "modified"])
+def test_the_question_to_replace_a_file_is_not_in_the_way(
+    window, replacing, qtbot, tmp_path, modified
+):
+    window.session.select([add(window, "test_scene")])
+    if not modified:
+        window.session.save(tmp_path / "mine.json")
+    _, _, other = replacing()
+    assert QApplication.activeModalWidget() is None
+    assert window.close() is not modified
+    if modified:
+        answer(qtbot, window, _BUTTON.Discard)
+    qtbot.waitUntil(lambda: not window.isVisible())
+    assert not dialogs(window)
+    assert other.read_text() == "mine"
+
+
+def test_a_file_is_replaced_only_once_that_is_agreed(window, replacing, qtbot):
+    add(window, "test_scene")
+    dialog, box, other = replacing()
+    QTest.keyClick(box, KEY.Key_Escape)
+    assert dialog.isVisible()
+    assert other.read_text() == "mine"
+    dialog.accept()  # asks anew
+    box = next(each for each in window.findChildren(QMessageBox) if each.isVisible())
+    box.findChild(QPushButton, "replace").click()
+    assert not dialog.isVisible()
+    assert "test_scene" in other.read_text()
+
+
+def test_an_export_asks_before_it_replaces_a_file_too(window, replacing, qtbot):
+    window.session.select([add(window, "test_scene")])
+    dialog, box, other = replacing("export")
+    box.findChild(QPushButton, "cancel").click()
+    assert dialog.isVisible()
+    dialog.reject()
+    assert other.read_text() == "mine"
 
 
 def test_closing_while_the_name_is_asked_for_asks_anew(window, qtbot, tmp_path):

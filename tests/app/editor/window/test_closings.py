@@ -11,7 +11,11 @@ TRIALS = (
     Trial("window manager", "computing", modified=True, answer="Discard"),
     Trial("window manager", "dialog", "save as", modified=True, answer="Cancel"),
     Trial("keys", "dialog", "shortcuts"),
+    Trial("window manager", "dialog", "replace", modified=True, answer="Discard"),
+    Trial("keys", "dialog", "replace"),
+    Trial("SIGTERM", "dialog", "replace", modified=True),
     Trial("SIGTERM", "computing", modified=True),
+    Trial("SIGTERM twice", "computing", modified=True),
 )
 
 
@@ -24,4 +28,4 @@ def screen():
 @pytest.mark.parametrize("trial", TRIALS, ids=lambda trial: f"{trial.way}, {trial.state}")
 def test_it_ends_or_asks_and_nothing_is_lost(trial, tmp_path, screen):
     outcome = close(trial, tmp_path, screen)
-    assert outcome == ("asked" if trial.modified and trial.way != "SIGTERM" else "ended")
+    assert outcome == ("asked" if trial.modified and not trial.is_told else "ended")
