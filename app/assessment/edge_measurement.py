@@ -22,10 +22,10 @@ from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
+from core.lineage.step_lineage import lineage_of, source_step
 from core.physics.measurement.row_average import row_average
 from core.physics.measurement.slanted_edge import falls_to
 from nodes.analysis.lineage import transfer_of
-from nodes.analysis.lineage.transfer_lineage import PASSING
 from nodes.analysis.mtf.mtf_measuring import (
     Figure,
     Measured,
@@ -33,7 +33,6 @@ from nodes.analysis.mtf.mtf_measuring import (
     measured_rows,
     measured_slanted,
 )
-from nodes.electronics.noise_steps import read_out
 from nodes.scenes.scene_targets import slanted_edge
 
 Array = NDArray[Any]
@@ -185,17 +184,19 @@ class _Chain:
         def change(each: Recipe) -> Recipe | None:
             if each.key == self.scene.recipe.key:
                 return self.edge(angle_deg)
-            if not isinstance(each, Step) or each.function not in PASSING:
+            lineage = lineage_of(each)
+            if lineage is None or lineage.noise is None:
                 return None
-            if each.function is read_out and dict(each.parameters)["model"] == "literal":
-                raise DataError("gain_model literal: the gain error as printed scales the picture")
+            if lineage.linear.by_chance:
+                raise DataError(lineage.linear.by_chance)
             self._silenced.add(each.node or "")
-            return made.of(each.inputs[0])
+            return made.of(lineage.noise.picture)
 
         made = Remaking(change)
         return self.final.with_recipe(made.of(self.final.recipe))
 
 
+@source_step(area_means=True)
 def edge_drawn(work: Work, scene: Array, *, width: int, height: int, angle_deg: float) -> Array:
     """An edge through the middle, from the scene's lowest to its highest value."""
     low, high = float(scene.min()), float(scene.max())

@@ -12,13 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.evaluation.work import Work
+from core.lineage.linear_change import PlaceDependent
 from core.physics.numerics.sinc import sinc
-from core.physics.sampling.interpolation import interpolation_mtf
-from core.physics.sampling.resampling import folded, resampling_response
-from core.transfer.factors import Factor, Law, Separable
+from core.physics.sampling.resampling import folded
+from core.transfer.factors import factor_at
 from nodes.analysis.lineage import ImageTransfer
-from nodes.analysis.lineage.line_transfer import factor_at
-from nodes.transform.interpolate import taps
 
 Vector = NDArray[np.float64]
 
@@ -51,34 +49,11 @@ def expected_mtf(passed: ImageTransfer, work: Work, waves: Waves) -> Vector:
         if factor.part != "mtf":
             continue
         work.check()
-        if isinstance(factor, Separable) and _interpolates(factor):
-            total = total * _interpolated(factor.x, xi, waves.seen_x)
-            total = total * _interpolated(factor.y, eta, waves.seen_y)
+        if isinstance(factor, PlaceDependent):
+            if factor.x is not None:
+                total = total * factor.mean_over(factor.x, xi, waves.seen_x)
+            if factor.y is not None:
+                total = total * factor.mean_over(factor.y, eta, waves.seen_y)
         else:
             total = total * factor_at(work, factor, *within)
     return np.asarray(np.abs(total), np.float64)
-
-
-def _interpolates(factor: Factor) -> bool:
-    return any(law.function is interpolation_mtf for law in factor.laws)
-
-
-def _interpolated(law: Law | None, frequency: Vector, seen: float) -> Vector:
-    """Mean response of the new samples that are seen."""
-    if law is None:
-        return np.ones(len(frequency))
-    given = dict(law.parameters)
-    old, new = given["old"], given["new"]
-    base, further = taps(old, new, given["order"], None)
-    places = (np.arange(new) + 0.5) * old / new - 0.5
-    # How much of each new sample lies within what is seen of them.
-    away = np.abs(np.arange(new) + 0.5 - 0.5 * new)
-    share = np.clip(0.5 * max(1.0, seen * new) + 0.5 - away, 0.0, 1.0)
-    used = share > 0.0
-    return resampling_response(
-        frequency=frequency * law.scale * given["interval_mrad"],
-        places=places[used],
-        base=base[used],
-        further=[(index[used], weight[used]) for index, weight in further],
-        share=share[used],
-    )

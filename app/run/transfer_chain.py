@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from app.run.output import Output, ancestors, find_output, source_images
-from core.chain.back_transformed import Delivered, block_combine
+from core.chain.back_transformed import Delivered
 from core.chain.engine import Plan
 from core.chain.wires import Image, Transfer
-from core.evaluation.recipes import Step
+from core.lineage.step_lineage import lineage_of
 from core.transfer.factors import Factor
 from core.transfer.grid import Grid
 
@@ -132,10 +132,8 @@ def _combined(plan: Plan, names: Iterable[str]) -> Grid | None:
 
 def _combines_pixels(image: Image) -> bool:
     """Whether the last step to the picture combines pixels, or its transform does."""
-    recipe = image.recipe
-    if isinstance(recipe, Delivered):
-        return (recipe.factor_x, recipe.factor_y) != (1, 1)
-    return isinstance(recipe, Step) and recipe.function is block_combine
+    lineage = lineage_of(image.recipe)
+    return lineage is not None and lineage.linear.combines_pixels
 
 
 def _stages(plan: Plan, factors: Iterable[Factor], before: set[str]) -> list[Stage]:

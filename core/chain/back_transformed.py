@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -16,8 +16,12 @@ from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.filtering.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
 from core.filtering.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
+from core.lineage.linear_change import Axis, Blocks, Filtering, Linear, Vector
+from core.lineage.step_lineage import Lineage, picture_step
+from core.noise.noise_power import NoisePower
 from core.transfer.error_budget import Skipped, spend
 from core.transfer.factors import Factor
+from core.transfer.grid import Edges, Grid
 from core.transfer.planar_blocks import Axes, axes_of, known_planes
 from core.transfer.product import Product
 
@@ -106,6 +110,13 @@ class Delivered(Recipe):
         return Step.of(transform, self.magnitude.image.recipe, node=self.node)
 
     @property
+    def lineage(self) -> Lineage | None:
+        """The picture filtered and its pixels combined, where magnitude and phase are of one."""
+        if self.magnitude.image is None or not self.one_source:
+            return None
+        return Lineage(self.magnitude.image.recipe, _Delivery(self))
+
+    @property
     def mirrored(self) -> bool:
         """Whether the frame goes on mirrored beyond its edges."""
         return self.one_source and self.magnitude.edges == "reflect"
@@ -183,6 +194,73 @@ class Delivered(Recipe):
         )
 
 
+@dataclass(frozen=True)
+class _Delivery(Linear):
+    """What a delivered image's factors and pixel means do, in one."""
+
+    recipe: Delivered
+
+    @property
+    def _filtering(self) -> Filtering:
+        magnitude, phase = self.recipe.magnitude, self.recipe.phase
+        edges: Edges = "reflect" if self.recipe.mirrored else "periodic"
+        return Filtering((*magnitude.factors, *phase.factors), magnitude.grid, edges)
+
+    @property
+    def _blocks(self) -> Blocks:
+        recipe = self.recipe
+        return Blocks(recipe.factor_x, recipe.factor_y, recipe.mode, recipe.magnitude.grid.shape)
+
+    @property
+    def gain(self) -> float:
+        """Of a sum of pixels."""
+        return self._blocks.gain
+
+    @property
+    def combines_pixels(self) -> bool:
+        """Whether a factor says so."""
+        return (self.recipe.factor_x, self.recipe.factor_y) != (1, 1)
+
+    def size_before(self, rows: int, columns: int) -> tuple[int, int]:  # noqa: ARG002
+        """Of the spectrum."""
+        return self.recipe.magnitude.grid.shape
+
+    def grid_before(self, grid: Grid) -> Grid:
+        """That of the spectrum, in the unit of the image's."""
+        before = self.recipe.magnitude.grid
+        ratios = self._ratios(grid)
+        if ratios is None:
+            return before
+        x, y = before.interval_x_mrad * ratios[0], before.interval_y_mrad * ratios[1]
+        return replace(before, interval_x_mrad=x, interval_y_mrad=y)
+
+    def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
+        """All factors, those of the phase last, and the pixel means."""
+        factors = self._filtering.factors
+        ratios = self._ratios(after)
+        if ratios is not None:
+            factors = tuple(factor.rescaled(*ratios) for factor in factors)
+        return (*factors, *self._blocks.transfer(before, after, node))
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Filtered, and combined."""
+        return self._blocks.noise(work, self._filtering.noise(work, power))
+
+    def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
+        """Filtered, and combined."""
+        return self._blocks.row(work, self._filtering.row(work, row, axis), axis)
+
+    def _ratios(self, grid: Grid) -> tuple[float, float] | None:
+        """Intervals of the image over the spectrum's; None where these are in the same unit.
+
+        A spectrum's frequencies may be in units of its own, such as cycles a sample.
+        """
+        recipe, before = self.recipe, self.recipe.magnitude.grid
+        x = grid.interval_x_mrad / (before.interval_x_mrad * recipe.factor_x)
+        y = grid.interval_y_mrad / (before.interval_y_mrad * recipe.factor_y)
+        return (x, y) if max(abs(x - 1.0), abs(y - 1.0)) > 1e-9 else None
+
+
 def combine_pixels(
     image: Image, *, factor_x: int, factor_y: int, mode: BinMode = "mean", node: str | None = None
 ) -> Image:
@@ -209,7 +287,13 @@ def combine_pixels(
         )
     else:
         combined = Step.of(
-            block_combine, recipe, factor_x=factor_x, factor_y=factor_y, mode=mode, node=node
+            block_combine,
+            recipe,
+            node=node,
+            factor_x=factor_x,
+            factor_y=factor_y,
+            mode=mode,
+            old=image.shape,
         )
     x, y = image.interval_x_mrad, image.interval_y_mrad
     return image.with_recipe(
@@ -223,7 +307,7 @@ def combine_pixels(
 
 
 def _combined_part(
-    work: Work, region: Region, image: Recipe, *, factor_x: int, factor_y: int, mode: str
+    work: Work, region: Region, image: Recipe, *, factor_x: int, factor_y: int, **how: Any
 ) -> Array:
     wanted = Region(
         region.top * factor_y,
@@ -232,11 +316,24 @@ def _combined_part(
         region.columns * factor_x,
     )
     blocks = work.part(image, wanted)
-    return block_combine(work, blocks, factor_x=factor_x, factor_y=factor_y, mode=mode)
+    return block_combine(work, blocks, factor_x=factor_x, factor_y=factor_y, **how)
 
 
+def _blocks(_: Recipe, **how: Any) -> Blocks:
+    return Blocks(**how)
+
+
+@picture_step(linear=_blocks)
 @in_parts(_combined_part)
-def block_combine(work: Work, image: Array, *, factor_x: int, factor_y: int, mode: str) -> Array:
+def block_combine(
+    work: Work,
+    image: Array,
+    *,
+    factor_x: int,
+    factor_y: int,
+    mode: str,
+    old: tuple[int, int],  # noqa: ARG001  (of the whole image, for its lineage)
+) -> Array:
     """Mean or sum of whole blocks, sums in double."""
     rows, columns = image.shape[0] // factor_y, image.shape[1] // factor_x
     total = np.zeros((rows, columns))

@@ -12,7 +12,7 @@ from core.chain.results import SampledTransfer
 from core.chain.wires import Curve, Image, Magnitude, Phase, SpectrumWire, Table, Transfer
 from core.errors import ParameterError
 from core.evaluation.float_guard import require_finite
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.filtering.fft_backend import fourier
@@ -130,6 +130,7 @@ def _acting(work: Work, factors: tuple[Factor, ...], xi: Array, eta: Array) -> A
     return plane
 
 
+@ends_lineage
 def spectrum(work: Work, image: Array) -> Array:
     """Unnormalised plain FFT of the frame, its mean exact to double precision."""
     mean = float(np.mean(image, dtype=np.float64))

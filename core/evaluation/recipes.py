@@ -52,6 +52,14 @@ class Recipe(ABC):
         """
         return self.inputs
 
+    @property
+    def lineage(self) -> Any:
+        """What becomes of a picture in it; None where nothing behind it can be followed.
+
+        Its vocabulary is that of `core.lineage`, and not known here.
+        """
+        return None
+
     @cached_property
     def key(self) -> str:
         """Content key; fields declared with ``compare=False`` do not enter it."""
@@ -153,6 +161,12 @@ class Step(Recipe):
         make: Callable[..., Any] = self.function.part  # type: ignore[attr-defined]
         return make(work, region, *self.inputs, **dict(self.parameters))
 
+    @property
+    def lineage(self) -> Any:
+        """As the function is marked, by `picture_step`, `source_step` or `ends_lineage`."""
+        declared: Callable[[Step], Any] = getattr(self.function, "lineage", _ended)
+        return declared(self)
+
     def share(self, region: Region, shape: tuple[int, int]) -> float:
         """As it was given to `in_parts`."""
         told: Share = getattr(self.function, "share", None) or super().share
@@ -185,3 +199,17 @@ def pointwise(function: F) -> F:
         return function(work, *work.parts(inputs, region), **parameters)
 
     return in_parts(part)(function)
+
+
+def ends_lineage(function: F) -> F:
+    """Mark a step's function that carries no picture on.
+
+    It makes figures, curves or patterns, or a picture of which no transfer function is known.
+    Functions that do carry one on are marked in the words of `core.lineage`.
+    """
+    function.lineage = _ended  # type: ignore[attr-defined]
+    return function
+
+
+def _ended(_: Step) -> None:
+    """Nothing behind the step is followed."""

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.evaluation.float_guard import require_finite
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.filtering.cosine_transforms import Kind, row_blocks, transform_block, transform_columns
@@ -42,6 +43,7 @@ class MeanFree:
     mean: float
 
 
+@ends_lineage
 def mirrored_spectrum(work: Work, image: Array) -> MeanFree:
     """DCT-II of the frame less its mean, which keeps single precision precise.
 

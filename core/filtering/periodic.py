@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.evaluation.float_guard import require_finite
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.filtering.fft_backend import backend, fourier
@@ -23,6 +24,7 @@ from core.transfer.product import Product
 Array = NDArray[Any]
 
 
+@ends_lineage
 def periodic_spectrum(work: Work, image: Array) -> MeanFree:
     """Half spectrum (rows, columns // 2 + 1) of the frame less its mean."""
     mean = float(np.mean(image))

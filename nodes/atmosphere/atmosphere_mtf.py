@@ -9,7 +9,7 @@ import numpy as np
 from core.chain.realize import transfer_plane
 from core.chain.wires import Context, Magnitude, Transfer
 from core.errors import ParameterError
-from core.evaluation.recipes import Step
+from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
@@ -225,6 +225,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         return Step.of(_negligible, Step.of(_largest_change, transfer=outputs.mtf))
 
 
+@ends_lineage
 def _largest_change(work: Work, *, transfer: Transfer) -> float:
     """Look along the radius to the band's corner: every form here depends on ρ alone."""
     corner = np.hypot(transfer.grid.nyquist_x, transfer.grid.nyquist_y)
@@ -232,5 +233,6 @@ def _largest_change(work: Work, *, transfer: Transfer) -> float:
     return float(np.max(np.abs(1.0 - line)))
 
 
+@ends_lineage
 def _negligible(work: Work, largest: float) -> str:
     return "yes" if largest < NEGLIGIBLE else "no"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from core.chain.results import TableData, TableRow
 from core.errors import DataError, ParameterError
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.detector.detectivity import band_d_star, cold_shield_half_angle_deg
 from core.physics.noise.noise_equivalent import (
@@ -53,6 +54,7 @@ class Statistics:
     high: float
 
 
+@ends_lineage
 def statistics(work: Work, image: Array) -> Statistics:
     """Mean (in double) and extremes."""
     return Statistics(
@@ -72,6 +74,7 @@ class DetectorFigures:
     netd_K: float
 
 
+@ends_lineage
 def detector_figures(work: Work, seen: Statistics, *, detector: Detector) -> DetectorFigures:
     """Figures of the detector under the background it sees."""
     band = {"cut_on_um": detector.cut_on_um, "cut_off_um": detector.cut_off_um}
@@ -95,6 +98,7 @@ def detector_figures(work: Work, seen: Statistics, *, detector: Detector) -> Det
     return DetectorFigures(background, throughput, d_star, nep, ner, netd)
 
 
+@ends_lineage
 def figures(
     work: Work,
     seen: Statistics,

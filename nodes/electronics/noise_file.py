@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from core.chain.wires import Image
 from core.errors import DataError
-from core.evaluation.recipes import Step
+from core.evaluation.recipes import Recipe, Step, pointwise
+from core.evaluation.work import Work
+from core.lineage.step_lineage import picture_step
+from core.lineage.step_noise import AtStep, Noise
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
-from nodes.electronics.periodic_noise import NoiseOutputs, summed
+from nodes.electronics.periodic_noise import NoiseOutputs
 from nodes.files.common.paths import checked_band
 from nodes.input_output.source_file import picture_source, read_step
+
+Array = NDArray[Any]
 
 
 class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics & Noise"):
@@ -41,5 +49,16 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
         noise = read_step(source, band=self.band, scale=self.scale, node=here.node)
         if self.scale == 0.0:
             return NoiseOutputs(image, image.with_recipe(noise))
-        total = Step.of(summed, image.recipe, noise, node=here.node)
+        total = Step.of(with_file, image.recipe, noise, node=here.node)
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(noise))
+
+
+def _from_file(at: AtStep, image: Recipe, noise: Recipe) -> list[Noise]:
+    return [at.known("file")]
+
+
+@picture_step(noise=_from_file)
+@pointwise
+def with_file(work: Work, image: Array, noise: Array) -> Array:
+    """Picture and noise."""
+    return np.add(image, noise, dtype=work.policy.dtype)

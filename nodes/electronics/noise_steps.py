@@ -7,23 +7,30 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy.fft
 from numpy.typing import NDArray
 
 from core.chain.results import TableData, TableRow
 from core.chain.wires import Image, Platform
-from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step, in_parts, pointwise
+from core.errors import DataError, ParameterError
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.filtering.line_filter import filter_lines
+from core.lineage.linear_change import Filtering, Linear
+from core.lineage.step_lineage import picture_step
+from core.lineage.step_noise import AtStep, Noise
+from core.noise.noise_power import NoisePower
 from core.noise.random_fields import BLOCK, Stream, normal_field, normal_part
 from core.physics.electronics.gain_bias import apply_gain_bias
 from core.physics.electronics.quantization import quantization_rms, quantize
+from core.physics.electronics.rounding_noise import rounding_variances
 from core.transfer.factors import Separable
 from core.transfer.grid import Edges, Grid
 from nodes.electronics.detector_figures import DetectorFigures, Statistics
 
 Array = NDArray[Any]
+STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
 
 
 @dataclass(frozen=True)
@@ -136,18 +143,21 @@ def _deviates_share(region: Region, shape: tuple[int, int]) -> float:
     return len(region.blocks(shape[1], BLOCK)) / -(-shape[0] * shape[1] // BLOCK)
 
 
+@ends_lineage
 @in_parts(_deviates_part, _deviates_share)
 def unit_deviates(work: Work, *, stream: Stream, shape: tuple[int, int]) -> Array:
     """Standard normal deviates."""
     return normal_field(stream, shape, dtype=work.policy.dtype, each=work.each)
 
 
+@ends_lineage
 @pointwise
 def in_double(work: Work, pattern: Array) -> Array:
     """A pattern of one line or one sample, whose digits cost nothing."""
     return pattern.astype(np.float64)
 
 
+@ends_lineage
 def value_range(
     work: Work, picture: Array, *, low: float | None, high: float | None
 ) -> tuple[float, float]:
@@ -166,6 +176,25 @@ def value_range(
     return lowest, highest
 
 
+def _rounding(
+    at: AtStep, picture: Recipe, limits: Recipe | tuple[float, float], *, bits: int
+) -> list[Noise]:
+    """Rounding errors: what temporal noise stirs changes with it, the rest stays."""
+    low, high = at.work.value(limits) if isinstance(limits, Recipe) else limits
+    if not high > low:
+        return []
+    width = (high - low) / (2.0**bits - 1.0)
+    stirring = sum(each.power.moments().sample for each in at.before if each.temporal)
+    if stirring < (STILL * width) ** 2:
+        return [at.known("quantization")]
+    temporal, fixed = rounding_variances(step=width, noise_variance=stirring)
+    return [
+        at.white("quantization", temporal),
+        at.white("quantization", fixed, temporal=False),
+    ]
+
+
+@picture_step(noise=_rounding, looks_at=("limits",))
 @pointwise
 def quantized(work: Work, picture: Array, limits: tuple[float, float], *, bits: int) -> Array:
     """Nearest of 2^bits levels between the limits."""
@@ -173,6 +202,7 @@ def quantized(work: Work, picture: Array, limits: tuple[float, float], *, bits: 
     return quantize(picture, bits=bits, low=low, high=high, each=work.each)
 
 
+@ends_lineage
 def with_quantization(work: Work, table: TableData, final: Array, before: Array) -> TableData:
     """The figures with the rms error of the quantizer."""
     rms = 0.0 if final is before else quantization_rms(original=before, quantized=final)
@@ -180,11 +210,106 @@ def with_quantization(work: Work, table: TableData, final: Array, before: Array)
     return TableData((*table.rows, row))
 
 
+@ends_lineage
 def pick(work: Work, table: TableData, *, name: str) -> Any:
     """One figure of a table."""
     return table.as_dict()[name]
 
 
+@dataclass(frozen=True)
+class ScaledByChance(Linear):
+    """The gain error as printed in eq. 4.59: it scales the whole picture."""
+
+    seen: Recipe
+    gain_percent: float
+
+    @property
+    def by_chance(self) -> str:
+        """The setting it is due to."""
+        return "gain_model literal: the gain error as printed scales the picture"
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Scaled by the rms gain error."""
+        return power.scaled(self.gain_percent / 100.0 * work.value(self.seen).mean)
+
+
+def _scaling(
+    picture: Recipe, seen: Recipe, *_: Recipe, model: str, gain_percent: float, **how: Any
+) -> Linear:
+    return ScaledByChance(seen, gain_percent) if model == "literal" else Linear()
+
+
+def _read_out_noises(
+    at: AtStep,
+    picture: Recipe,
+    seen: Recipe,
+    gain_pattern: Recipe,
+    bias_pattern: Recipe,
+    figures: Recipe,
+    *_: Recipe,
+    gain_percent: float,
+    bias_percent: float,
+    model: str,
+    variability_percent: float,
+) -> list[Noise]:
+    """Errors of gain and bias, constant along the direction of collection, and detector noise."""
+    mean = at.work.value(seen).mean
+    gain, bias = gain_percent / 100.0, bias_percent / 100.0
+    found = []
+    if gain and model != "literal":
+        seen_by_each = model == "per_pixel" and not at.uniform
+        weight = at.work.value(picture) if seen_by_each else None
+        power = _pattern_power(at, gain_pattern, gain, mean, weight)
+        found.append(at.coloured("gain", power, temporal=False))
+    if bias and model != "literal":
+        power = _pattern_power(at, bias_pattern, bias, mean, None)
+        found.append(at.coloured("bias", power, temporal=False))
+    return [*found, *_detector(at, figures, variability_percent)]
+
+
+def _pattern_power(
+    at: AtStep, pattern: Recipe, spread: float, mean: float, weight: Array | None
+) -> NoisePower:
+    """Power of unit deviates times the spread, times what each sample weighs or the mean."""
+    rows, columns = at.rows, at.columns
+    shape = _shape_of(pattern)
+    seen = np.full((1, 1), mean) if weight is None else np.asarray(weight, np.float64)
+    if shape == (rows, columns):
+        variances = spread**2 * np.broadcast_to(seen**2, (rows, columns))
+        return NoisePower.white(rows, columns, variances)
+    whole = np.broadcast_to(seen, (rows, columns))
+    if shape == (1, columns):
+        # Each column is multiplied by a deviate of its own: along it stays what it has seen.
+        waves = scipy.fft.dct(whole, type=2, axis=0, norm="ortho")
+        return NoisePower(rows, columns, spread**2 * np.mean(waves**2, axis=1, keepdims=True))
+    waves = scipy.fft.dctn(whole, type=2, norm="ortho")
+    return NoisePower(rows, columns, spread**2 * waves**2)
+
+
+def _shape_of(pattern: Recipe) -> tuple[int, int]:
+    """Of the unit deviates, as `NoisePlan` plans them: one for each detector."""
+    assert isinstance(pattern, Step)
+    if pattern.inputs:  # in double
+        return _shape_of(*pattern.inputs)
+    shape: tuple[int, int] = dict(pattern.parameters)["shape"]
+    return shape
+
+
+def _without_gain(picture: Recipe, *_: Recipe, model: str, **how: Any) -> Recipe:
+    if model == "literal":
+        raise DataError(
+            "gain_model literal scales the picture by the gain error: without it nothing is "
+            "left; take per_pixel or published"
+        )
+    return picture
+
+
+@picture_step(
+    linear=_scaling,
+    noise=_read_out_noises,
+    looks_at=("picture", "seen", "figures"),
+    noise_free=_without_gain,
+)
 @pointwise
 def read_out(
     work: Work,
@@ -192,7 +317,8 @@ def read_out(
     seen: Statistics,
     gain_pattern: Array,
     bias_pattern: Array,
-    *noise: Any,
+    figures: DetectorFigures,
+    *deviates: Array,
     gain_percent: float,
     bias_percent: float,
     model: Any,
@@ -208,20 +334,36 @@ def read_out(
         mean_radiance=seen.mean,
         model=model,
     )
-    read += _detector_noise(work, *noise, variability_percent=variability_percent)
+    read += _detector_noise(work, figures, *deviates, variability_percent=variability_percent)
     return read
 
 
+def _detector(at: AtStep, figures: Recipe, variability_percent: float) -> list[Noise]:
+    spread = variability_percent / 100.0
+    return [at.white("detector", at.work.value(figures).ner ** 2 * (1.0 + spread**2))]
+
+
+def _detector_alone(
+    at: AtStep, picture: Recipe, figures: Recipe, *_: Recipe, variability_percent: float
+) -> list[Noise]:
+    return _detector(at, figures, variability_percent)
+
+
+@picture_step(noise=_detector_alone, looks_at=("figures",))
 @pointwise
 def with_detector_noise(
-    work: Work, picture: Array, *noise: Any, variability_percent: float
+    work: Work,
+    picture: Array,
+    figures: DetectorFigures,
+    *deviates: Array,
+    variability_percent: float,
 ) -> Array:
     """The picture with the noise of detectors alone."""
-    return np.asarray(
-        picture + _detector_noise(work, *noise, variability_percent=variability_percent)
-    )
+    noise = _detector_noise(work, figures, *deviates, variability_percent=variability_percent)
+    return np.asarray(picture + noise)
 
 
+@ends_lineage
 @pointwise
 def _detector_noise(
     work: Work,
@@ -238,6 +380,12 @@ def _detector_noise(
     return np.asarray(deviates * np.asarray(sigma, deviates.dtype))
 
 
+def _amplifier(at: AtStep, picture: Recipe, table: Recipe, deviates: Recipe) -> list[Noise]:
+    sigma = at.work.value(table).as_dict()["amplifier_noise"]
+    return [at.white("amplifier", sigma**2)]
+
+
+@picture_step(noise=_amplifier, looks_at=("table",))
 @pointwise
 def with_amplifier_noise(work: Work, picture: Array, table: TableData, deviates: Array) -> Array:
     """The picture with noise of the amplifier's rms."""
@@ -251,12 +399,20 @@ def _filtered_part(work: Work, region: Region, picture: Recipe, *, grid: Grid, *
     return np.ascontiguousarray(lines[:, region.slices[1]])
 
 
+def _line_filter(
+    picture: Recipe, *, factors: tuple[Separable, ...], grid: Grid, edges: Edges
+) -> Filtering:
+    return Filtering(factors, grid, edges, label="Electronics")
+
+
+@picture_step(linear=_line_filter)
 @in_parts(_filtered_part, lambda region, shape: region.rows / shape[0])
 def filtered_lines(work: Work, picture: Array, **how: Any) -> Array:
     """The picture filtered along its lines: see `core.filtering.line_filter`."""
     return filter_lines(work, picture, **how)
 
 
+@ends_lineage
 @pointwise
 def _difference(work: Work, picture: Array, other: Array) -> Array:
     return np.asarray(picture - other)

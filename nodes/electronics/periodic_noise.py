@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.wires import Image
-from core.evaluation.recipes import Step, in_parts, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
+from core.lineage.step_lineage import picture_step
+from core.lineage.step_noise import AtStep, Noise
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from core.physics.electronics.periodic_wave import periodic_pattern
@@ -68,10 +70,11 @@ class PeriodicNoise(
             flat = Step.of(silence, rows=image.rows, columns=image.columns, node=here.node)
             return NoiseOutputs(image, image.with_recipe(flat))
         pattern = Step.of(drawn, node=here.node, grid=image.grid(), **values)
-        total = Step.of(summed, image.recipe, pattern, node=here.node)
+        total = Step.of(with_pattern, image.recipe, pattern, node=here.node)
         return NoiseOutputs(image.with_recipe(total), image.with_recipe(pattern))
 
 
+@ends_lineage
 def silence(work: Work, *, rows: int, columns: int) -> Array:
     """No noise."""
     return np.zeros((rows, columns), work.policy.dtype)
@@ -92,13 +95,19 @@ def _drawn_part(work: Work, region: Region, *, grid: Grid, **values: float) -> A
     return pattern
 
 
+@ends_lineage
 @in_parts(_drawn_part)
 def drawn(work: Work, *, grid: Grid, **values: float) -> Array:
     """The pattern on the picture's samples."""
     return _drawn_part(work, Region(0, 0, *grid.shape), grid=grid, **values)
 
 
+def _periodic(at: AtStep, image: Recipe, noise: Recipe) -> list[Noise]:
+    return [at.known("periodic")]
+
+
+@picture_step(noise=_periodic)
 @pointwise
-def summed(work: Work, image: Array, noise: Array) -> Array:
+def with_pattern(work: Work, image: Array, noise: Array) -> Array:
     """Picture and noise."""
     return np.add(image, noise, dtype=work.policy.dtype)

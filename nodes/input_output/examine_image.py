@@ -15,7 +15,7 @@ from core.chain.realize import asked_for, realize, spectrum
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Magnitude, Phase, Table, Transfer
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
@@ -132,17 +132,20 @@ class ExamineImage(
         return Step.of(figure, outputs.table.recipe, name="sigma")
 
 
+@ends_lineage
 def realized(work: Work, *known: Any, value: Any) -> Array:
     """Samples of a magnitude, phase or transfer function; of a complex one the modulus."""
     samples: Array = realize(value, work)
     return np.abs(samples) if np.iscomplexobj(samples) else samples
 
 
+@ends_lineage
 def figure(work: Work, table: TableData, *, name: str) -> float | int | str | None:
     """One value of a table."""
     return table.as_dict()[name]
 
 
+@ends_lineage
 def figures(
     work: Work,
     samples: Array,
@@ -186,6 +189,7 @@ def apparent_temperature(radiance: float, band_um: Band) -> float | None:
     return float(found)
 
 
+@ends_lineage
 def displayed_histogram(
     work: Work, samples: Array, *, display: Display, bins: int, label: str, is_image: bool
 ) -> CurveData:

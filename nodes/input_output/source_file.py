@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError, FileError, ParameterError
-from core.evaluation.recipes import Step
+from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
+from core.lineage.step_lineage import source_step
 from core.modules.declaration import NodeContext
 from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import PictureInfo
@@ -86,6 +87,7 @@ def read_step(
     )
 
 
+@source_step(area_means=False)  # a scene in a file may be blurred by anything
 def read_scaled(
     work: Work,
     *,
@@ -115,6 +117,7 @@ def read_scaled(
     return _scaled(work, samples, scale, file)
 
 
+@ends_lineage
 def count_missing(
     work: Work,
     *,

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Header, Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Step
+from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
+from core.lineage.step_lineage import source_step
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
@@ -112,16 +113,19 @@ def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
     return None if fov_deg is None else interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
 
 
+@source_step(area_means=True)
 def drawn(work: Work, **values: Any) -> NDArray[np.floating]:
     """The scene's samples in the evaluation's precision."""
     return draw_scene(dtype=work.policy.dtype, each=work.each, **values)
 
 
+@ends_lineage
 def shares_drawn(work: Work, **values: Any) -> Shares:
     """Where the scene's surfaces are seen."""
     return draw_shares(dtype=work.policy.dtype, each=work.each, **values)
 
 
+@source_step(area_means=True)
 def shown(work: Work, shares: Shares, **values: Any) -> NDArray[np.floating]:
     """The scene's samples from the shares of its surfaces."""
     return with_radiance(shares, each=work.each, **values)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Pupil
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Step
+from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
@@ -136,14 +136,17 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         return Step.of(_circled, pupil.samples) if pupil.radius is None else pupil.radius
 
 
+@ends_lineage
 def _circled(work: Work, samples: Array) -> float:
     return support_circle(samples)[2]
 
 
+@ends_lineage
 def _sampled(work: Work, *, shape: PupilShape, rows: int, columns: int) -> Array:
     return sample_pupil(shape, rows=rows, columns=columns)
 
 
+@ends_lineage
 def _loaded(work: Work, *, path: Path, stamp: object) -> Array:
     from nodes.files.read import check_finite, read_pixels
 

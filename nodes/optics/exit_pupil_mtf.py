@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from core.chain.probe import TransferAt
 from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
-from core.evaluation.recipes import Step
+from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
@@ -213,6 +213,7 @@ def _cutoff(pupil: Pupil, axis: int, interval: float) -> Step | float:
     return interval * (across if axis == 1 else along)
 
 
+@ends_lineage
 def _lit_extent(work: Work, samples: NDArray[np.float64], *, axis: int, interval: float) -> float:
     """From the first to the last transparent sample."""
     lit = np.flatnonzero(samples.any(axis=1 - axis))

@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
 from core.evaluation.work import Work
 from core.filtering.local_mean import local_mean
+from core.lineage.step_lineage import picture_step
+from core.lineage.step_noise import AtStep, Noise
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.parameters import Param
@@ -101,6 +103,7 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
         return Step.of(_moment, Step.of(_moments, outputs.noise.recipe), which="sigma")
 
 
+@ends_lineage
 def published_noise(
     work: Work, image: Array, *, sigma_px: float, percent: float, stream: Stream
 ) -> Array:
@@ -113,6 +116,13 @@ def published_noise(
     return poisson_field(means, stream, each=work.each, in_place=True)
 
 
+def _photons_counted(
+    at: AtStep, image: Recipe, *, photons_per_unit: float, stream: Stream
+) -> list[Noise]:
+    return [at.white("photons", at.work.value(image) / photons_per_unit)]
+
+
+@picture_step(noise=_photons_counted, looks_at=("image",))
 def photon_counts(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
     """The picture made of numbers of photons."""
     means = photon_means(image, photons_per_unit=photons_per_unit)
@@ -120,25 +130,55 @@ def photon_counts(work: Work, image: Array, *, photons_per_unit: float, stream: 
     return radiance_of_photons(counts, photons_per_unit=photons_per_unit)
 
 
+def _photons_added(at: AtStep, image: Recipe, noise: Recipe) -> list[Noise]:
+    """Poisson deviates of a share of the local mean: that is their variance too."""
+    how = _share_of(noise)
+    local = local_mean(at.work, at.work.value(image), sigma_px=how["sigma_px"])
+    return [at.white("photons", how["percent"] / 100.0 * local)]
+
+
+def _mean_added(image: Recipe, noise: Recipe) -> Step:
+    """Photons added as a share of the picture have a mean, which is no noise."""
+    return Step.of(expected, image, **_share_of(noise))
+
+
+def _share_of(noise: Recipe) -> dict[str, Any]:
+    assert isinstance(noise, Step)
+    how = dict(noise.parameters)
+    return {name: how[name] for name in ("sigma_px", "percent")}
+
+
+@ends_lineage
+def expected(work: Work, image: Array, *, sigma_px: float, percent: float) -> Array:
+    """Picture and mean of the photons that are added to it."""
+    means = published_means(local_mean(work, image, sigma_px=sigma_px), percent=percent)
+    return np.add(image, means, dtype=work.policy.dtype)
+
+
+@picture_step(noise=_photons_added, looks_at=("image",), noise_free=_mean_added)
 @pointwise
 def added(work: Work, image: Array, noise: Array) -> Array:
     """Picture and noise."""
     return np.asarray(image + noise)
 
 
+@ends_lineage
 @pointwise
 def _difference(work: Work, noisy: Array, image: Array) -> Array:
     return np.asarray(noisy - image)
 
 
+@ends_lineage
 def _moments(work: Work, noise: Array) -> Statistics:
     return statistics(noise, each=work.each)
 
 
+@ends_lineage
 def _moment(work: Work, moments: Statistics, *, which: str) -> float:
     found: float = getattr(moments, which)
     return found
 
 
+@ends_lineage
 def _nothing(work: Work, *, rows: int, columns: int) -> Array:
     return np.zeros((rows, columns), work.policy.dtype)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -11,12 +12,24 @@ from core.chain.wires import Image
 from core.evaluation.recipes import Recipe, Step, in_parts
 from core.evaluation.region import Region
 from core.evaluation.work import Work
+from core.lineage.linear_change import Axis, Linear, PlaceDependent
+from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
-from core.transfer.grid import Edges
+from core.noise.noise_power import NoisePower, Operator
+from core.physics.sampling.interpolation import (
+    interpolation_mtf,
+    interpolation_ptf,
+    takes_the_later,
+)
+from core.physics.sampling.resampling import resampling_response
+from core.transfer.factors import Factor, Law
+from core.transfer.grid import Edges, Grid
+from nodes.shared.factor_helpers import separable
 from nodes.shared.module_ports import ImageOutput
 
 Array = NDArray[Any]
+Vector = NDArray[np.float64]
 Taps = tuple[NDArray[np.intp], list[tuple[NDArray[np.intp], NDArray[np.float64]]]]
 _BLOCK_SAMPLES = 1 << 18  # 512² are done sooner in one block than by two threads
 
@@ -84,6 +97,11 @@ def _resampled_part(
     return _sampled(work, work.part(image, Region(top, left, height, width)), along, across)
 
 
+def _resampling(image: Recipe, **how: Any) -> Resampling:
+    return Resampling(**how)
+
+
+@picture_step(linear=_resampling)
 @in_parts(_resampled_part)
 def resampled(
     work: Work,
@@ -189,3 +207,107 @@ def _within(index: NDArray[np.int64], size: int, edges: Edges | None) -> NDArray
         return np.asarray(index % size, np.intp)
     turned = index % (2 * size)
     return np.asarray(np.minimum(turned, 2 * size - 1 - turned), np.intp)
+
+
+@dataclass(frozen=True)
+class Resampling(Linear):
+    """What interpolation does to transfer functions, noise and rows."""
+
+    old: tuple[int, int]
+    new: tuple[int, int]
+    order: int
+    edges: Edges | None
+
+    def size_before(self, rows: int, columns: int) -> tuple[int, int]:
+        """The old one."""
+        return self.old
+
+    def grid_before(self, grid: Grid) -> Grid:
+        """The same field in the old samples."""
+        rows, columns = self.old
+        return Grid(
+            rows,
+            columns,
+            grid.interval_x_mrad * grid.columns / columns,
+            grid.interval_y_mrad * grid.rows / rows,
+        )
+
+    def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
+        """The mean over all samples, and its phase where they lie half-way between two."""
+        axes: list[dict[str, Any] | None] = [
+            {"interval_mrad": interval, "order": self.order, "old": old, "new": new}
+            if old != new
+            else None
+            for interval, old, new in (
+                (before.interval_x_mrad, before.columns, after.columns),
+                (before.interval_y_mrad, before.rows, after.rows),
+            )
+        ]
+        if axes == [None, None]:
+            return ()
+        moved = [
+            axis
+            if axis and takes_the_later(order=self.order, old=axis["old"], new=axis["new"])
+            else None
+            for axis in axes
+        ]
+        x, y = (None if axis is None else Law.of(interpolation_mtf, **axis) for axis in axes)
+        named: dict[str, Any] = {"label": "Interpolation", "node": node}
+        return (
+            InterpolationMTF(x, y, **named),
+            *separable(interpolation_ptf, x=moved[0], y=moved[1], part="ptf", **named),
+        )
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Interpolated, as columns and rows are."""
+        along, across = (
+            interpolator(self.old[axis], self.new[axis], self.order, self.edges) for axis in (0, 1)
+        )
+        return power.resampled(self.new, along, across)
+
+    def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
+        """Interpolated."""
+        new = self.new[1 if axis == "x" else 0]
+        if new == len(row):
+            return row
+        base, further = taps(len(row), new, self.order, self.edges)
+        made = row[base]
+        for index, weight in further:
+            made = made + weight * (row[index] - row[base])
+        return np.asarray(made, np.float64)
+
+
+@dataclass(frozen=True)
+class InterpolationMTF(PlaceDependent):
+    """Interpolation's MTF: the new samples lie at several places between the old ones."""
+
+    def mean_over(self, law: Law, frequency: Vector, share: float) -> Vector:
+        """Modulus of the mean over the new samples within the share."""
+        how = dict(law.parameters)
+        old, new = how["old"], how["new"]
+        base, further = taps(old, new, how["order"], None)
+        places = (np.arange(new) + 0.5) * old / new - 0.5
+        # How much of each new sample lies within the share.
+        away = np.abs(np.arange(new) + 0.5 - 0.5 * new)
+        counted = np.clip(0.5 * max(1.0, share * new) + 0.5 - away, 0.0, 1.0)
+        used = counted > 0.0
+        return resampling_response(
+            frequency=frequency * law.scale * how["interval_mrad"],
+            places=places[used],
+            base=base[used],
+            further=[(index[used], weight[used]) for index, weight in further],
+            share=counted[used],
+        )
+
+
+def interpolator(old: int, new: int, order: int, edges: Edges | None) -> Operator:
+    """Interpolation of columns of samples as a linear operator."""
+    base, further = taps(old, new, order, edges)
+
+    def interpolated(waves: Array) -> Array:
+        total = waves[base]
+        for index, weight in further:
+            total = total + weight[:, np.newaxis] * (waves[index] - waves[base])
+        return total
+
+    return interpolated

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.results import CurveData, Series, TableData, TableRow
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.measurement.sample_sums import Between
 from core.physics.sampling.footprint_means import footprint_coverage, footprint_means, strips_error
@@ -30,6 +31,7 @@ FINER = 4  # times as many strips, to tell the error
 CURVE_POINTS = 129
 
 
+@ends_lineage
 def laid_footprints(_: Work, *, camera: Camera, ground: Ground, strips: int) -> Footprints:
     """The camera's footprints on the scene."""
     return _laid(camera, ground, strips)
@@ -55,11 +57,13 @@ def _laid(camera: Camera, ground: Ground, strips: int) -> Footprints:
     )
 
 
+@ends_lineage
 def covered(work: Work, laid: Footprints) -> Array:
     """Share of each footprint that lies on the scene."""
     return footprint_coverage(laid=laid, dtype=work.policy.dtype, each=work.each)
 
 
+@ends_lineage
 def sampled(
     work: Work,
     scene: Array,
@@ -87,6 +91,7 @@ def swath_m(camera: Camera) -> float:
     return float(np.hypot(x[1] - x[0], y[1] - y[0]))
 
 
+@ends_lineage
 def ground_curve(_: Work, *, camera: Camera) -> CurveData:
     """Ground samples along the middle line, against the view angle."""
     count = min(camera.columns, CURVE_POINTS)
@@ -103,6 +108,7 @@ def ground_curve(_: Work, *, camera: Camera) -> CurveData:
     return CurveData("Ground sample", f"{axis} (deg)", "size (m)", tuple(series))
 
 
+@ends_lineage
 def geometry_told(
     _: Work,
     scene: Array,

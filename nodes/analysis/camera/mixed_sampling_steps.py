@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.results import CurveData, Series, TableData, TableRow
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.filtering.mixed_sampling import Filtered, Method, filter_mixed
 from core.filtering.scan_chain import ScanChain
@@ -20,6 +21,7 @@ Array = NDArray[Any]
 Scan = Literal["x", "y"]
 
 
+@ends_lineage
 def mixed(
     work: Work,
     image: Array,
@@ -45,11 +47,13 @@ def mixed(
     )
 
 
+@ends_lineage
 def picture_of(_: Work, found: Filtered) -> Array:
     """The samples."""
     return found.picture
 
 
+@ends_lineage
 def by_view_angle(
     _: Work, picture: Array, whole: Array, *, scan: Scan, view_angles_rad: tuple[float, ...]
 ) -> CurveData:
@@ -68,6 +72,7 @@ def by_view_angle(
     )
 
 
+@ends_lineage
 def told(
     _: Work,
     found: Filtered,

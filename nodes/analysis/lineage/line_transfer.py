@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.chain.results import SampledTransfer
 from core.evaluation.work import Work
-from core.transfer.factors import Factor, Part, Separable
+from core.transfer.factors import Factor, Part, factor_at
 from core.transfer.grid import Grid
 
 Array = NDArray[Any]
@@ -92,18 +92,6 @@ def _factor_along(work: Work, factor: Factor, line: Line, frequency: Vector) -> 
     if line.across == 0.0:
         return np.asarray(factor.plane(work, np.zeros(1), eta)[:, 0], np.float64)
     return factor_at(work, factor, xi, eta)
-
-
-def factor_at(work: Work, factor: Factor, xi: Vector, eta: Vector) -> Vector:
-    """A factor's MTF, signed, or its PTF in radians, at pairs of frequencies."""
-    if isinstance(factor, Separable):
-        x, y = factor.axis(work, factor.x, xi), factor.axis(work, factor.y, eta)
-        neutral = 1.0 if factor.part == "mtf" else 0.0
-        row, column = neutral if x is None else x, neutral if y is None else y
-        each = row * column if factor.part == "mtf" else row + column
-        return np.broadcast_to(np.asarray(each, np.float64), xi.shape)
-    value = np.broadcast_to(factor.transfer(work, xi, eta), xi.shape)
-    return np.asarray(np.angle(value) if factor.take == "phase" else np.real(value), np.float64)
 
 
 def samples_along(

@@ -2,19 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
-
 from core.chain.frame_sequence import Remaking
-from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step
-from core.evaluation.work import Work
-from core.filtering.local_mean import local_mean
-from core.physics.noise.poisson_deviates import published_means
-from nodes.analysis.lineage.transfer_lineage import PASSING
-from nodes.electronics.noise_steps import Array, read_out
-from nodes.optics.poisson_noise import added, published_noise
+from core.evaluation.recipes import Recipe
+from core.lineage.step_lineage import lineage_of
 
 
 def noise_free(recipe: Recipe, *, but: Recipe | None = None) -> Recipe:
@@ -34,30 +24,12 @@ def noise_free(recipe: Recipe, *, but: Recipe | None = None) -> Recipe:
     """
 
     def change(each: Recipe) -> Recipe | None:
-        if not isinstance(each, Step) or each.function not in PASSING:
+        lineage = lineage_of(each)
+        if lineage is None or lineage.noise is None:
             return None
-        values = dict(each.parameters)
-        if each.function is read_out and values["model"] == "literal":
-            raise DataError(
-                "gain_model literal scales the picture by the gain error: without it nothing is "
-                "left; take per_pixel or published"
-            )
-        picture = made.of(each.inputs[0])
-        if but is not None and each.key == but.key:
-            return replace(each, inputs=(picture, *each.inputs[1:]))
-        noise = each.inputs[1] if each.function is added else None
-        if isinstance(noise, Step) and noise.function is published_noise:
-            # Photons added as a share of the picture have a mean, which is no noise.
-            how = dict(noise.parameters)
-            sigma_px, percent = how["sigma_px"], how["percent"]
-            return Step.of(expected, picture, node=each.node, sigma_px=sigma_px, percent=percent)
-        return picture
+        picture = made.of(lineage.noise.picture)
+        alone = but is not None and each.key == but.key
+        return lineage.noise.on(picture) if alone else lineage.noise.free(picture)
 
     made = Remaking(change)
     return made.of(recipe)
-
-
-def expected(work: Work, image: Array, *, sigma_px: float, percent: float) -> Array:
-    """Picture and mean of the photons that are added to it."""
-    means = published_means(local_mean(work, image, sigma_px=sigma_px), percent=percent)
-    return np.add(image, means, dtype=work.policy.dtype)

@@ -5,26 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from core.chain.back_transformed import Delivered, block_combine
+from core.chain.back_transformed import Delivered
 from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
-from core.noise.noise_power import Array, NoisePower, Operator
+from core.lineage.linear_change import Linear
+from core.lineage.step_lineage import Lineage, lineage_of
+from core.lineage.step_noise import AtStep, Noise
+from core.noise.noise_power import Array, NoisePower
 from core.noise.noise_spectrum import spectrum_of
+from core.noise.random_fields import Stream
 from core.physics.noise.noise_components import NoiseVariances, components_of_moments
-from core.transfer.grid import Edges, Grid
-from core.transfer.planar_blocks import Axes
-from nodes.analysis.lineage import noise_sources as sources
 from nodes.analysis.lineage.noise_free import noise_free
-from nodes.analysis.lineage.transfer_lineage import PASSING
-from nodes.analysis.space.spatial_blur import blurred
-from nodes.electronics.noise_steps import filtered_lines, read_out
-from nodes.transform.interpolate import resampled, taps
 
 
 @dataclass(frozen=True)
@@ -139,21 +135,19 @@ class NoiseOf(Recipe):
         terms = tuple(
             NoiseTerm(each.node, each.name, each.temporal, _components(each)) for each in found
         )
-        mean = sources.mean_of(work, self._mean_of)
+        mean = float(np.mean(work.value(self._mean_of), dtype=np.float64))
         spectrum = spectrum_of([each.power for each in found if each.temporal])
         return ImageNoise(terms, mean, tuple(dict.fromkeys(known.unknown)), spectrum)
 
-    def _with_patterns(self, work: Work, noises: list[sources.Noise]) -> list[sources.Noise]:
+    def _with_patterns(self, work: Work, noises: list[Noise]) -> list[Noise]:
         """Known patterns as they show in the picture."""
         picture = self.image.recipe
         without = noise_free(picture)
-        alone = [
-            noise_free(picture, but=each.pattern.step) if each.pattern else None for each in noises
-        ]
+        alone = [noise_free(picture, but=each.pattern) if each.pattern else None for each in noises]
         with work.hold([without, *(each for each in alone if each is not None)]) as held:
             clean = work.value(without)
 
-            def seen(noise: sources.Noise, recipe: Recipe | None) -> sources.Noise:
+            def seen(noise: Noise, recipe: Recipe | None) -> Noise:
                 if recipe is None:
                     return noise
                 pattern = np.subtract(work.value(recipe), clean, dtype=float)
@@ -163,35 +157,34 @@ class NoiseOf(Recipe):
             return [seen(*each) for each in zip(noises, alone, strict=True)]
 
 
-def _components(noise: sources.Noise) -> NoiseVariances:
+def _components(noise: Noise) -> NoiseVariances:
     power = noise.power
     return components_of_moments(
         moments=power.moments(), rows=power.rows, columns=power.columns, temporal=noise.temporal
     )
 
 
-# Steps through which noises are followed: to their first input.
-_FOLLOWED = (*PASSING, filtered_lines, blurred, block_combine, resampled)
-
-
-def _way_up(recipe: Recipe) -> Iterator[Recipe]:
+def _way_up(recipe: Recipe) -> Iterator[tuple[Recipe, Lineage | None]]:
     """A picture and those it stems from, up to a filtered one or where nothing is known."""
-    yield recipe
-    while isinstance(recipe, Step) and recipe.inputs and recipe.function in _FOLLOWED:
-        recipe = recipe.inputs[0]
-        yield recipe
+    while True:
+        lineage = lineage_of(recipe)
+        yield recipe, lineage
+        if isinstance(recipe, Delivered) or lineage is None or lineage.picture is None:
+            return
+        recipe = lineage.picture
 
 
 def _behind(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
     """The noises behind the transform that a picture comes from, if any."""
-    *_, last = _way_up(recipe)
+    *_, (last, _) = _way_up(recipe)
     return (_DeliveredNoise(last, uniform),) if isinstance(last, Delivered) else ()
 
 
 def _asked(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
     """What `_Follow.to` asks for."""
-    steps = [each for each in _way_up(recipe) if isinstance(each, Step)]
-    looked_at = (one for each in steps for one in sources.asked_by(each))
+    looked_at = (
+        one for _, lineage in _way_up(recipe) if lineage is not None for one in lineage.looks_at
+    )
     return (*looked_at, *_behind(recipe, uniform))
 
 
@@ -203,93 +196,44 @@ class _Follow:
         self._uniform = uniform
         self.unknown: list[str] = []
 
-    def to(self, recipe: Recipe, rows: int, columns: int) -> list[sources.Noise]:
+    def to(self, recipe: Recipe, rows: int, columns: int) -> list[Noise]:
         """All noises in a picture of this size."""
-        noises: list[sources.Noise] = []
-        way: list[tuple[Step, int, int]] = []
-        for each in _way_up(recipe):
+        noises: list[Noise] = []
+        way: list[tuple[Recipe, Lineage, int, int]] = []
+        for each, lineage in _way_up(recipe):
             self._work.check()
             if isinstance(each, Delivered):
                 behind: _Behind = self._work.value(_DeliveredNoise(each, self._uniform))
                 self.unknown += behind.unknown
                 noises = list(behind.noises)
-            elif isinstance(each, Step) and each.inputs and each.function in _FOLLOWED:
-                way.append((each, rows, columns))
-                rows, columns = self._size_before(each, rows, columns)
-            elif isinstance(each, Step) and each.inputs:
+            elif lineage is None or lineage.picture is None:
                 noises = self._lost(each)
-        for step, rows, columns in reversed(way):
-            noises = self._after(step, noises, rows, columns)
+            else:
+                way.append((each, lineage, rows, columns))
+                rows, columns = lineage.linear.size_before(rows, columns)
+        for step, lineage, rows, columns in reversed(way):
+            noises = self._changed(lineage.linear, noises)
+            if lineage.noise is not None:
+                assert isinstance(step, Step)
+                at = AtStep(self._work, step, rows, columns, tuple(noises), self._uniform)
+                noises = [*noises, *lineage.noise.at(at)]
         return noises
 
-    def _size_before(self, step: Step, rows: int, columns: int) -> tuple[int, int]:
-        """Size of the picture that a step takes."""
-        if step.function is block_combine:
-            shape: tuple[int, int] = self._work.value(step.inputs[0]).shape
-            return shape  # some rows may have been cropped
-        if step.function is resampled:
-            old: tuple[int, int] = dict(step.parameters)["old"]
-            return old
-        return rows, columns
-
-    def _after(
-        self, step: Step, before: list[sources.Noise], rows: int, columns: int
-    ) -> list[sources.Noise]:
-        """All noises in the picture that a step makes."""
-        values = dict(step.parameters)
-        if step.function is filtered_lines or step.function is blurred:
-            settings = values
-            if step.function is blurred:
-                settings = dict(step.inputs[1].parameters)  # type: ignore[attr-defined]
-            axes: Axes = "mirrored" if values["edges"] == "reflect" else "periodic"
-            return self._filtered(before, settings["factors"], settings["grid"], axes)
-        if step.function is block_combine:
-            return _combined(before, values)
-        if step.function is resampled:
-            return _resampled(before, values)
-        if step.function is read_out and values["model"] == "literal":
-            # The gain error as printed scales the whole picture.
-            mean = self._work.value(step.inputs[1]).mean
-            before = [_scaled(each, values["gain_percent"] / 100.0 * mean) for each in before]
-        found = sources.arising(self._work, step, rows, columns, before, self._uniform)
-        return [*before, *found]
-
-    def delivered(self, recipe: Delivered) -> list[sources.Noise]:
+    def delivered(self, recipe: Delivered) -> list[Noise]:
         """All noises in a filtered picture."""
-        source = recipe.magnitude.image
-        if source is None or not recipe.one_source:
+        lineage = lineage_of(recipe)
+        if lineage is None or lineage.picture is None:
             return self._lost(recipe)
-        grid = recipe.magnitude.grid
-        before = self.to(source.recipe, grid.rows, grid.columns)
-        factors = (*recipe.magnitude.factors, *recipe.phase.factors)
-        axes: Axes = "mirrored" if recipe.mirrored else "periodic"
-        behind = self._filtered(before, factors, grid, axes, recipe.factor_x, recipe.factor_y)
-        if recipe.mode == "sum":
-            return [_scaled(each, recipe.factor_x * recipe.factor_y) for each in behind]
-        return behind
+        before = self.to(lineage.picture, *recipe.magnitude.grid.shape)
+        return self._changed(lineage.linear, before)
 
-    def _filtered(
-        self,
-        noises: list[sources.Noise],
-        factors: tuple[Any, ...],
-        grid: Grid,
-        axes: Axes,
-        factor_x: int = 1,
-        factor_y: int = 1,
-    ) -> list[sources.Noise]:
-        return [
-            replace(
-                each,
-                power=each.power.filtered(
-                    self._work, factors, grid, axes, factor_x=factor_x, factor_y=factor_y
-                ),
-            )
-            for each in noises
-        ]
+    def _changed(self, change: Linear, noises: list[Noise]) -> list[Noise]:
+        """The noises behind a linear change."""
+        return [replace(each, power=change.noise(self._work, each.power)) for each in noises]
 
-    def _lost(self, recipe: Recipe) -> list[sources.Noise]:
+    def _lost(self, recipe: Recipe) -> list[Noise]:
         """Nothing is known to come through; said only where there was noise to be followed."""
-        if any(sources.is_noisy(each) for each in recipe.inputs):
+        if any(_is_noisy(each) for each in recipe.inputs):
             self.unknown.append(recipe.node or "a node")
         return []
 
@@ -298,7 +242,7 @@ class _Follow:
 class _Behind:
     """Noises behind a transform, and the nodes through which none could be followed."""
 
-    noises: tuple[sources.Noise, ...]
+    noises: tuple[Noise, ...]
     unknown: tuple[str, ...]
 
 
@@ -339,31 +283,14 @@ class _DeliveredNoise(Recipe):
         return _Behind(noises, tuple(known.unknown))
 
 
-def _combined(noises: list[sources.Noise], values: dict[str, Any]) -> list[sources.Noise]:
-    x, y = values["factor_x"], values["factor_y"]
-    behind = [replace(each, power=each.power.averaged(x, y)) for each in noises]
-    return [_scaled(each, x * y) for each in behind] if values["mode"] == "sum" else behind
-
-
-def _resampled(noises: list[sources.Noise], values: dict[str, Any]) -> list[sources.Noise]:
-    old, new = values["old"], values["new"]
-    how = values["order"], values["edges"]
-    along, across = (interpolator(old[axis], new[axis], *how) for axis in (0, 1))
-    return [replace(each, power=each.power.resampled(new, along, across)) for each in noises]
-
-
-def _scaled(noise: sources.Noise, factor: float) -> sources.Noise:
-    return replace(noise, power=noise.power.scaled(factor))
-
-
-def interpolator(old: int, new: int, order: int, edges: Edges | None) -> Operator:
-    """Interpolation of columns of samples as a linear operator."""
-    base, further = taps(old, new, order, edges)
-
-    def interpolated(waves: Array) -> Array:
-        total = waves[base]
-        for index, weight in further:
-            total = total + weight[:, np.newaxis] * (waves[index] - waves[base])
-        return total
-
-    return interpolated
+def _is_noisy(recipe: Recipe) -> bool:
+    """Whether anything a recipe is made of is drawn at random."""
+    seen, waiting = {recipe.key}, [recipe]
+    while waiting:
+        each = waiting.pop()
+        if isinstance(each, Step) and any(isinstance(v, Stream) for _, v in each.parameters):
+            return True
+        fresh = [one for one in each.inputs if one.key not in seen]
+        seen.update(one.key for one in fresh)
+        waiting += fresh
+    return False

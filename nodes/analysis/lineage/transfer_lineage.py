@@ -2,48 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
-from core.chain.back_transformed import Delivered, block_combine
 from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, Step
-from core.physics.sampling.interpolation import (
-    block_mean_mtf,
-    interpolation_mtf,
-    interpolation_ptf,
-    takes_the_later,
-)
-from core.transfer.factors import Factor, Separable
+from core.evaluation.recipes import Recipe
+from core.lineage.step_lineage import lineage_of
+from core.transfer.factors import Factor
 from core.transfer.grid import Grid
 from nodes.analysis.lineage.line_transfer import Stage, stages_of
-from nodes.analysis.space.spatial_blur import blurred
-from nodes.electronics.noise_steps import (
-    filtered_lines,
-    quantized,
-    read_out,
-    with_amplifier_noise,
-    with_detector_noise,
-)
-from nodes.electronics.periodic_noise import summed
-from nodes.optics.poisson_noise import added, photon_counts
-from nodes.shared.factor_helpers import separable
-from nodes.transform.interpolate import resampled
-
-# Their first input is the picture, which they pass on with noise.
-PASSING: tuple[Any, ...] = (
-    added,
-    photon_counts,
-    summed,
-    with_detector_noise,
-    read_out,
-    with_amplifier_noise,
-    quantized,
-)
-
-
-Behind = tuple[Recipe, Grid, tuple[Factor, ...]]
 
 
 @dataclass(frozen=True)
@@ -63,6 +29,8 @@ class ImageTransfer:
     gain : float or None
         What a uniform scene is multiplied by, such as the pixels of a sum; None where it is left
         to chance (a gain error as printed).
+    area_means : bool
+        Whether the source's samples are known to be means over their area, which blurs too.
     """
 
     stages: tuple[Stage, ...]
@@ -70,6 +38,7 @@ class ImageTransfer:
     source_grid: Grid
     source: Recipe
     gain: float | None = 1.0
+    area_means: bool = False
 
     @property
     def factors(self) -> tuple[Factor, ...]:
@@ -95,128 +64,19 @@ def transfer_of(image: Image) -> ImageTransfer:
     """
     grid = image.grid()
     factors: list[Factor] = []
-    recipe, here, gain = image.recipe, grid, 1.0
-    known = True
-    while True:
-        found = _before(recipe, here)
-        if found is None:
-            stages = stages_of(tuple(factors))
-            return ImageTransfer(stages, grid, here, recipe, gain if known else None)
-        gain *= _summed_pixels(recipe)
-        known = known and not _is_literal(recipe)
-        recipe, here, stage = found
-        factors = [*stage, *factors]
-
-
-def _before(recipe: Recipe, grid: Grid) -> Behind | None:
-    """What a picture was made of, its sampling, and the transfer function in between."""
-    if isinstance(recipe, Delivered):
-        return _before_transform(recipe, grid)
-    if not isinstance(recipe, Step) or not recipe.inputs:
-        return None
-    if recipe.function in PASSING:
-        return recipe.inputs[0], grid, ()
-    known = _KNOWN.get(recipe.function)
-    return known(recipe, dict(recipe.parameters), grid) if known else None
-
-
-def _summed_pixels(recipe: Recipe) -> int:
-    """Pixels whose sum is taken, 1 of a mean."""
-    if isinstance(recipe, Delivered):
-        return recipe.factor_x * recipe.factor_y if recipe.mode == "sum" else 1
-    values = dict(recipe.parameters) if isinstance(recipe, Step) else {}
-    if isinstance(recipe, Step) and recipe.function is block_combine and values["mode"] == "sum":
-        return int(values["factor_x"] * values["factor_y"])
-    return 1
-
-
-def _is_literal(recipe: Recipe) -> bool:
-    if not isinstance(recipe, Step) or recipe.function is not read_out:
-        return False
-    return bool(dict(recipe.parameters)["model"] == "literal")
-
-
-def _before_transform(recipe: Delivered, grid: Grid) -> Behind | None:
-    source = recipe.magnitude.image
-    if source is None or not recipe.one_source:
-        return None
-    before = recipe.magnitude.grid
-    factors = (*recipe.magnitude.factors, *recipe.phase.factors)
-    ratio_x = grid.interval_x_mrad / (before.interval_x_mrad * recipe.factor_x)
-    ratio_y = grid.interval_y_mrad / (before.interval_y_mrad * recipe.factor_y)
-    if max(abs(ratio_x - 1.0), abs(ratio_y - 1.0)) > 1e-9:
-        # Its frequencies are in units of its own, such as cycles a sample.
-        factors = tuple(factor.rescaled(ratio_x, ratio_y) for factor in factors)
-        x, y = before.interval_x_mrad * ratio_x, before.interval_y_mrad * ratio_y
-        before = replace(before, interval_x_mrad=x, interval_y_mrad=y)
-    blocks = _combined(before, recipe.factor_x, recipe.factor_y, recipe.node)
-    return source.recipe, before, (*factors, *blocks)
-
-
-def _before_lines(recipe: Step, values: dict[str, Any], grid: Grid) -> Behind:
-    named = (replace(f, label="Electronics", node=recipe.node) for f in values["factors"])
-    return recipe.inputs[0], grid, tuple(named)
-
-
-def _before_convolution(recipe: Step, values: dict[str, Any], grid: Grid) -> Behind:
-    kernels = recipe.inputs[1]
-    assert isinstance(kernels, Step)
-    return recipe.inputs[0], grid, tuple(dict(kernels.parameters)["factors"])
-
-
-def _before_blocks(recipe: Step, values: dict[str, Any], grid: Grid) -> Behind:
-    x, y = values["factor_x"], values["factor_y"]
-    before = Grid(
-        grid.rows * y, grid.columns * x, grid.interval_x_mrad / x, grid.interval_y_mrad / y
-    )
-    return recipe.inputs[0], before, _combined(before, x, y, recipe.node)
-
-
-def _before_interpolation(recipe: Step, values: dict[str, Any], grid: Grid) -> Behind:
-    rows, columns = values["old"]
-    before = Grid(
-        rows,
-        columns,
-        grid.interval_x_mrad * grid.columns / columns,
-        grid.interval_y_mrad * grid.rows / rows,
-    )
-    return recipe.inputs[0], before, _interpolated(before, grid, values["order"], recipe.node)
-
-
-_KNOWN: dict[Any, Callable[[Step, dict[str, Any], Grid], Behind]] = {
-    filtered_lines: _before_lines,
-    blurred: _before_convolution,
-    block_combine: _before_blocks,
-    resampled: _before_interpolation,
-}
-
-
-def _combined(grid: Grid, factor_x: int, factor_y: int, node: str | None) -> tuple[Separable, ...]:
-    if (factor_x, factor_y) == (1, 1):
-        return ()
-    return separable(
-        block_mean_mtf,
-        x={"interval_mrad": grid.interval_x_mrad, "samples": factor_x} if factor_x > 1 else None,
-        y={"interval_mrad": grid.interval_y_mrad, "samples": factor_y} if factor_y > 1 else None,
-        label="Combined pixels",
-        node=node,
-    )
-
-
-def _interpolated(before: Grid, after: Grid, order: int, node: str | None) -> tuple[Separable, ...]:
-    axes: list[dict[str, Any] | None] = [
-        {"interval_mrad": interval, "order": order, "old": old, "new": new} if old != new else None
-        for interval, old, new in (
-            (before.interval_x_mrad, before.columns, after.columns),
-            (before.interval_y_mrad, before.rows, after.rows),
-        )
-    ]
-    moved = [
-        axis if axis and takes_the_later(order=order, old=axis["old"], new=axis["new"]) else None
-        for axis in axes
-    ]
-    named: dict[str, Any] = {"label": "Interpolation", "node": node}
-    return (
-        *separable(interpolation_mtf, x=axes[0], y=axes[1], **named),
-        *separable(interpolation_ptf, x=moved[0], y=moved[1], part="ptf", **named),
+    recipe, here, gain, known = image.recipe, grid, 1.0, True
+    while (lineage := lineage_of(recipe)) is not None and lineage.picture is not None:
+        change = lineage.linear
+        before = change.grid_before(here)
+        factors = [*change.transfer(before, here, recipe.node), *factors]
+        gain *= change.gain
+        known = known and not change.by_chance
+        recipe, here = lineage.picture, before
+    return ImageTransfer(
+        stages_of(tuple(factors)),
+        grid,
+        here,
+        recipe,
+        gain if known else None,
+        area_means=lineage is not None and lineage.area_means,
     )

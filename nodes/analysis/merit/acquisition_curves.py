@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.results import CurveData, Series, TableData, TableRow
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.acquisition.eye_contrast import CYC_PER_DEG, eye_contrast_threshold
 from core.physics.acquisition.target_acquisition import (
@@ -84,6 +85,7 @@ class Acquisition:
     ttp_range: float | None
 
 
+@ends_lineage
 def acquisition(work: Work, found: Thresholds, *, task: Task) -> Acquisition:
     """Johnson's and the TTP probability, and the ranges at which they are one half."""
 
@@ -150,6 +152,7 @@ def _contrast_threshold(found: Thresholds, mrtd: Vector, mtf: Vector, task: Task
     return np.where(resolved, np.hypot(through, noise), np.inf)
 
 
+@ends_lineage
 def probability_curve(work: Work, found: Acquisition) -> CurveData:
     """Probabilities against range."""
     km = found.range_m / 1000.0
@@ -158,6 +161,7 @@ def probability_curve(work: Work, found: Acquisition) -> CurveData:
     return CurveData("Target acquisition", "range (km)", "probability", tuple(series))
 
 
+@ends_lineage
 def merit_table(
     work: Work,
     seen: Sensitivity,

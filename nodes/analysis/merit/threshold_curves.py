@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from core.chain.results import CurveData, Series
 from core.errors import DataError
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.acquisition.mdtd import Window, mdtd_K
 from core.physics.acquisition.mrtd import mrtd_flir92_K, mrtd_ratches_K, mrtd_two_dimensional
@@ -97,6 +98,7 @@ class Thresholds:
     both: Vector
 
 
+@ends_lineage
 def sensitivity(
     work: Work,
     seen: ImageNoise,
@@ -141,6 +143,7 @@ def sensitivity(
     return found
 
 
+@ends_lineage
 def thresholds(
     work: Work,
     found: Sensitivity,
@@ -224,6 +227,7 @@ def _to_first_zero(work: Work, stages: tuple[Stage, ...], line: Line, frequency:
     return np.where(passed, total, 0.0)
 
 
+@ends_lineage
 def mrtd_curve(work: Work, found: Thresholds) -> CurveData:
     """MRTD horizontal, vertical and for both directions, as far as anything is resolved."""
     series = (
@@ -240,6 +244,7 @@ def _shown(label: str, x: Vector, y: Vector) -> tuple[Series, ...]:
     return (Series(label, x[there], y[there]),) if there.any() else ()
 
 
+@ends_lineage
 def mdtd_curve(
     work: Work,
     found: Sensitivity,

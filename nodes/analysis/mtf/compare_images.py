@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from core.chain.results import TableData, TableRow
 from core.chain.wires import Curve, Image, Table
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
 from core.evaluation.work import Work
 from core.filtering.mirrored import mirrored_spectrum
 from core.filtering.periodic import periodic_spectrum
@@ -99,12 +99,14 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
         return Step.of(figure, outputs.table.recipe, name="mean_difference")
 
 
+@ends_lineage
 @pointwise
 def subtracted(work: Work, image: Array, reference: Array) -> Array:
     """Image less reference."""
     return np.subtract(image, reference, dtype=work.policy.dtype)
 
 
+@ends_lineage
 def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableData:
     """Figures of the difference, in double precision."""
     largest, sums = 0.0, []

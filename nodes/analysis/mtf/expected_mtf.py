@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Image
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.measurement.slanted_edge import falls_to
 from core.physics.numerics.sinc import sinc
+from core.transfer.factors import factor_at
 from core.transfer.grid import Grid
 from nodes.analysis.lineage import transfer_of
-from nodes.analysis.lineage.line_transfer import Stage, factor_at
+from nodes.analysis.lineage.line_transfer import Stage
 from nodes.analysis.mtf.mtf_measuring import Measured
-from nodes.input_output.test_scene import drawn, shown
 
 Vector = NDArray[np.float64]
 _FINE = 513
@@ -52,7 +52,7 @@ def chain_behind(image: Image) -> dict[str, Any] | None:
         found = transfer_of(image)
     except DataError:
         return None
-    is_scene = _is_scene(found.source)
+    is_scene = found.area_means
     if not is_scene and (found.source.inputs or not found.stages):
         return None
     return {
@@ -63,10 +63,7 @@ def chain_behind(image: Image) -> dict[str, Any] | None:
     }
 
 
-def _is_scene(source: Recipe) -> bool:
-    return isinstance(source, Step) and source.function in (drawn, shown)
-
-
+@ends_lineage
 def expected(
     work: Work,
     found: Measured,

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.measurement.edge_line import Target
 from core.physics.measurement.row_average import row_average
@@ -65,6 +66,7 @@ class Measured:
     line_spread: Vector
 
 
+@ends_lineage
 def measured_slanted(
     work: Work,
     image: Array,
@@ -114,6 +116,7 @@ def measured_slanted(
     )
 
 
+@ends_lineage
 def measured_rows(
     work: Work,
     image: Array,

@@ -8,7 +8,7 @@ import numpy as np
 
 from core.chain.results import CurveData, SampledTransfer, Series
 from core.chain.wires import Curve, Magnitude, Transfer
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
@@ -105,12 +105,14 @@ def _end(transfer: Transfer | Magnitude, line: Line) -> Recipe | None:
     return Step.of(value_at_end, stage=whole, part=part, grid=transfer.grid, line=line)
 
 
+@ends_lineage
 def value_at_end(work: Work, *, stage: Stage, part: Part, grid: Grid, line: Line) -> float:
     """Value where the line leaves the band."""
     end = np.array([line.end(grid.nyquist_x, grid.nyquist_y)])
     return float(stage_along(work, stage, part, line, end)[0])
 
 
+@ends_lineage
 def slices(
     work: Work,
     *,
@@ -136,6 +138,7 @@ def slices(
     return _curves(series, part, lines)
 
 
+@ends_lineage
 def own_slices(
     work: Work,
     sampled: SampledTransfer,

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from core.chain.results import CurveData, Series, TableData, TableRow
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from nodes.analysis.mtf.expected_mtf import Expected
 from nodes.analysis.mtf.mtf_measuring import Measured
@@ -15,6 +16,7 @@ Axis = Literal["cyc_per_mrad", "cyc_per_pixel"]
 UNITS: dict[Axis, str] = {"cyc_per_mrad": "cyc/mrad", "cyc_per_pixel": "cyc/pixel"}
 
 
+@ends_lineage
 def curve_of(work: Work, found: Measured, *expected: Expected, axis: Axis) -> CurveData:
     """MTF, the bounds of one standard error, and what is expected where that is known."""
     axis, factor = _axis(found, axis)
@@ -27,6 +29,7 @@ def curve_of(work: Work, found: Measured, *expected: Expected, axis: Axis) -> Cu
     return CurveData(f"MTF {found.direction}", f"frequency ({UNITS[axis]})", "MTF", tuple(series))
 
 
+@ends_lineage
 def spread_of(work: Work, found: Measured, *, unit: str) -> CurveData:
     """Edge spread and line spread, per pixel, against the distance along the normal."""
     y_label = f"value ({unit})" if unit else "value"
@@ -37,6 +40,7 @@ def spread_of(work: Work, found: Measured, *, unit: str) -> CurveData:
     return CurveData(f"Spread {found.direction}", "distance (pixels)", y_label, series)
 
 
+@ends_lineage
 def table_of(work: Work, found: Measured, *expected: Expected, axis: Axis, unit: str) -> TableData:
     """Figures with their standard errors, and what is expected where that is known."""
     axis, factor = _axis(found, axis)
@@ -72,6 +76,7 @@ def _axis(found: Measured, axis: Axis) -> tuple[Axis, float]:
     return "cyc_per_pixel", 1.0
 
 
+@ends_lineage
 def figure_of(work: Work, found: Measured, *, name: str) -> float | None:
     """One figure, frequencies in cycles per pixel or per mrad as the name says."""
     if name == "edge_angle_deg":
@@ -105,6 +110,7 @@ def _expected_rows(found: Expected | None, factor: float, unit: str) -> list[Tab
     ]
 
 
+@ends_lineage
 def expected_figure(_work: Work, measured: Measured, found: Expected, *, name: str) -> float | None:
     """One figure for a read-out; frequencies in cycles/mrad."""
     if name == "expected_at_nyquist":

@@ -8,11 +8,11 @@ from typing import Literal
 
 import numpy as np
 
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.physics.noise.loss_shares import loss, shares_of_losses
 from nodes.analysis.lineage import ImageNoise, ImageTransfer
 from nodes.analysis.lineage.line_transfer import Line, Stage, stage_along
-from nodes.input_output.test_scene import drawn, shown
 
 Kind = Literal["all", "temporal", "fixed"]
 _NOTHING = 1e-20  # of the variance: what a source of two kinds has so little of, it has not
@@ -96,6 +96,7 @@ class BlurShares:
         return x, y
 
 
+@ends_lineage
 def noise_shares(work: Work, noise: ImageNoise, *, kind: Kind) -> NoiseShares:
     """Sources of the noises of a kind, one entry for each, and their shares.
 
@@ -146,6 +147,7 @@ def _kind(temporal: bool) -> Kind:
     return "temporal" if temporal else "fixed"
 
 
+@ends_lineage
 def blur_shares(
     work: Work, *, stages: tuple[Stage, ...], frequency: tuple[float, float], before: str | None
 ) -> BlurShares:
@@ -179,7 +181,6 @@ def _node_of(stage: Stage) -> str:
 def unknown_before(found: ImageTransfer) -> str | None:
     """The node whose transfer function is not known, so that nothing before it counts."""
     source = found.source
-    is_scene = getattr(source, "function", None) in (drawn, shown)
-    if is_scene or not source.inputs:
+    if found.area_means or not source.inputs:
         return None
     return source.node or "a node"

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from core.chain.results import CurveData, Series, TableData, TableRow
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from nodes.analysis.noise.budget_shares import BlurShares, Kind, NoiseShare, NoiseShares
 
@@ -22,6 +23,7 @@ def source_words(name: str) -> str:
     return _WORDS.get(name, name)
 
 
+@ends_lineage
 def noise_bars(work: Work, found: NoiseShares, *, kind: Kind, show: Show, unit: str) -> CurveData:
     """A bar for each source: its share of the variance, or its deviation."""
     title = "Noise" if kind == "all" else f"{kind.capitalize()} noise"
@@ -47,6 +49,7 @@ def noise_bars(work: Work, found: NoiseShares, *, kind: Kind, show: Show, unit: 
     return _bars(title, "source", label, names, zip(kinds, heights, strict=True))
 
 
+@ends_lineage
 def blur_bars(work: Work, found: BlurShares, *, show: Show) -> CurveData:
     """Two bars for each stage, across and along: its share of −ln |MTF|, or that itself."""
     title = "Blur" if found.before is None else f"Blur behind {found.before}"
@@ -82,6 +85,7 @@ def _distinct(names: list[tuple[str, str]]) -> tuple[str, ...]:
     return tuple(f"{name} ({node})" if plain.count(name) > 1 else name for name, node in names)
 
 
+@ends_lineage
 def budget_table(
     work: Work, noise: NoiseShares, blur: BlurShares, *, kind: Kind, unit: str
 ) -> TableData:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from core.chain.frame_sequence import at_frame
 from core.chain.results import CurveData, Series, TableData, TableRow
-from core.evaluation.recipes import Recipe
+from core.evaluation.recipes import Recipe, ends_lineage
 from core.evaluation.work import Work
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
 from core.physics.noise.noise_cube import MeasuredNoise, NoiseCube
@@ -67,6 +67,7 @@ class FrameNoise(Recipe):
         return cube.measured()
 
 
+@ends_lineage
 def table_of(
     work: Work, predicted: ImageNoise, measured: MeasuredNoise | None = None, *, unit: str
 ) -> TableData:
@@ -97,6 +98,7 @@ def table_of(
     return TableData(tuple(rows))
 
 
+@ends_lineage
 def bars_of(
     work: Work, predicted: ImageNoise, measured: MeasuredNoise | None = None, *, unit: str
 ) -> CurveData:
@@ -116,6 +118,7 @@ def bars_of(
     )
 
 
+@ends_lineage
 def sigma_of(work: Work, table: TableData, *, name: str) -> float | None:
     """A figure of the table, None where it was not measured."""
     value = table.as_dict().get(name)

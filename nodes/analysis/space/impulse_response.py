@@ -10,6 +10,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.transfer.factors import Factor
 from core.transfer.grid import Edges, Grid
@@ -87,6 +88,7 @@ class Kernels:
         return total
 
 
+@ends_lineage
 def impulse_responses(
     work: Work, *, factors: tuple[Factor, ...], grid: Grid, edges: Edges, cut: Cut
 ) -> Kernels:

@@ -11,8 +11,10 @@ from core.chain.back_transformed import back_transform
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Magnitude, Phase, Table
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
+from core.lineage.linear_change import Filtering
+from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from core.transfer.grid import Edges, Grid
@@ -98,6 +100,14 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
         return Step.of(figure, outputs.table.recipe, name="error_bound")
 
 
+def _convolution(image: Recipe, kernels: Recipe, *, edges: Edges) -> Filtering:
+    """By the transfer functions that the kernels are made of, as if they were whole."""
+    assert isinstance(kernels, Step)
+    how = dict(kernels.parameters)
+    return Filtering(how["factors"], how["grid"], edges)
+
+
+@picture_step(linear=_convolution)
 def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges) -> Array:
     """The frame convolved.
 
@@ -115,6 +125,7 @@ def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges) -> Arra
     return convolved(work, image, kernels, edges=edges)
 
 
+@ends_lineage
 def response(_: Work, kernels: Kernels, *, grid: Grid) -> CurveData:
     """Each pass' taps against their lag: rows and columns through lag 0."""
     series = []
@@ -136,6 +147,7 @@ def _lags(size: int, before: int, interval_mrad: float) -> NDArray[np.float64]:
     return np.asarray((np.arange(size) - before) * interval_mrad, np.float64)
 
 
+@ends_lineage
 def told(_: Work, kernels: Kernels) -> TableData:
     """Sizes of the kernels and what cutting them short costs."""
     planes = [kernel for kernel in kernels.passes if min(kernel.taps.shape) > 1]

@@ -13,10 +13,9 @@ from core.physics.detector.charge_transfer import charge_transfer_mtf, charge_tr
 from core.physics.optics.gaussian import gaussian_mtf
 from core.transfer.factors import Law, Planar
 from core.transfer.grid import Grid
-from nodes.analysis.lineage.noise_lineage import interpolator
 from nodes.library import standard_library
 from nodes.shared.factor_helpers import radial, separable
-from nodes.transform.interpolate import resampled
+from nodes.transform.interpolate import interpolator, resampled
 
 ROWS, COLUMNS = 8, 12
 GRID = Grid(ROWS, COLUMNS, 1.0, 1.2)

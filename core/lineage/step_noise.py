@@ -1,0 +1,70 @@
+"""Noise where a step adds it: its name, whether it changes in time, its power."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import NDArray
+
+from core.evaluation.recipes import Step
+from core.evaluation.work import Work
+from core.noise.noise_power import NoisePower
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Noise:
+    """A noise on its way: which node added it, whether it changes in time, and its power now.
+
+    What becomes of a pattern that is known to the last sample is seen by making the picture with it
+    alone: `pattern` is the step that adds it.
+    """
+
+    node: str
+    name: str
+    temporal: bool
+    power: NoisePower
+    pattern: Step | None = None
+
+
+@dataclass(frozen=True)
+class AtStep:
+    """A step that adds noise, and the picture there.
+
+    Parameters
+    ----------
+    work : Work
+        Makes the values of inputs.
+    step : Step
+        The step itself.
+    rows, columns : int
+        Size of its picture.
+    before : tuple of Noise
+        What its picture has already.
+    uniform : bool
+        Whether gain errors are to be those of a uniform field of the picture's mean.
+    """
+
+    work: Work
+    step: Step
+    rows: int
+    columns: int
+    before: tuple[Noise, ...]
+    uniform: bool = False
+
+    def white(self, name: str, variance: float | Array, *, temporal: bool = True) -> Noise:
+        """Of independent samples, of one variance or each of its own."""
+        return self.coloured(
+            name, NoisePower.white(self.rows, self.columns, variance), temporal=temporal
+        )
+
+    def coloured(self, name: str, power: NoisePower, *, temporal: bool = True) -> Noise:
+        """Of this power over the frame's waves."""
+        return Noise(self.step.node or "", name, temporal, power)
+
+    def known(self, name: str) -> Noise:
+        """A pattern known to the last sample, the same in every frame."""
+        none = NoisePower.white(self.rows, self.columns, 0.0)
+        return Noise(self.step.node or "", name, False, none, self.step)
