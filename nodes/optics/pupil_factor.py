@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.chain.results import SampledTransfer
 from core.chain.wires import Pupil
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.physics.optics.enclosing_circle import support_circle
 from core.physics.optics.pupil_otf import (
@@ -75,53 +75,47 @@ def exact_factor(pupil: Pupil, scale: PupilScale, label: str, node: str) -> Plan
     """The factor in closed form, or None where only samples will do."""
     if pupil.shape is None or any(pupil.zernike_waves):
         return None
-    law = _exact_law(pupil, pupil.shape, scale)
-    if law is None:
+    factor = _exact_factor(pupil, pupil.shape, scale)
+    if factor is None:
         return None
     width, height = opening(pupil.shape)
     shortest = min(scale.wavelengths_um)
-    return Planar(
-        law,
-        radial=law.function is not geometric_pupil_otf,
-        # Unequal sizes of a sample make an ellipse of a disc, and of its OTF.
-        ratios=(1.0, scale.pitch_x_mm / scale.pitch_y_mm)
-        if law.function is circular_pupil_otf
-        else (1.0, 1.0),
-        cutoff=(width * scale.pitch_x_mm / shortest, height * scale.pitch_y_mm / shortest),
-        label=label,
-        node=node,
-    )
+    cutoff = (width * scale.pitch_x_mm / shortest, height * scale.pitch_y_mm / shortest)
+    return replace(factor, cutoff=cutoff, label=label, node=node)
 
 
-def _exact_law(pupil: Pupil, shape: PupilShape, scale: PupilScale) -> Law | None:
+def _exact_factor(pupil: Pupil, shape: PupilShape, scale: PupilScale) -> Planar | None:
+    band: dict[str, Any] = {"wavelengths_um": scale.wavelengths_um, "weights": scale.weights}
     if not pupil.defocus_waves and shape.shape in ("clear", "cassegrain"):
         obscured = shape.shape == "cassegrain"
-        return Law.of(
+        disc = Law.of(
             circular_pupil_otf,
             diameter_mm=2 * shape.radius * scale.pitch_x_mm,
             obscuration_ratio=shape.obscuration_radius / shape.radius if obscured else 0.0,
-            wavelengths_um=scale.wavelengths_um,
-            weights=scale.weights,
+            **band,
         )
+        # Unequal sizes of a sample make an ellipse of a disc, and of its OTF.
+        return Planar(disc, radial=True, ratios=(1.0, scale.pitch_x_mm / scale.pitch_y_mm))
     if not pupil.defocus_waves:
-        return Law.of(
-            geometric_pupil_otf,
-            shape=shape,
-            pitch_x_mm=scale.pitch_x_mm,
-            pitch_y_mm=scale.pitch_y_mm,
-            wavelengths_um=scale.wavelengths_um,
-            weights=scale.weights,
+        return Planar(
+            Law.of(
+                geometric_pupil_otf,
+                shape=shape,
+                pitch_x_mm=scale.pitch_x_mm,
+                pitch_y_mm=scale.pitch_y_mm,
+                **band,
+            )
         )
     if shape.shape != "clear" or scale.pitch_x_mm != scale.pitch_y_mm:
         return None
-    return Law.of(
+    defocused = Law.of(
         defocused_disc_otf,
         diameter_mm=2 * shape.radius * scale.pitch_x_mm,
         w20_waves=pupil.defocus_waves,
         reference_um=scale.mean_um,
-        wavelengths_um=scale.wavelengths_um,
-        weights=scale.weights,
+        **band,
     )
+    return Planar(defocused, radial=True)
 
 
 def sampled_factors(
@@ -212,6 +206,7 @@ def _complex_samples(
     return complex_pupil(transmission=samples, wavefront_waves=wavefront)
 
 
+@ends_lineage
 def _correlations(
     work: Work, samples: Array, *, ratios: tuple[float, ...], **wavefront: Any
 ) -> tuple[Array, ...]:
@@ -223,6 +218,7 @@ def _correlations(
     return tuple(found)
 
 
+@ends_lineage
 def _raw(
     work: Work,
     found: tuple[Array, ...],
@@ -240,10 +236,12 @@ def _raw(
     return SampledTransfer(values.astype(work.policy.dtype), interval_x, interval_y)
 
 
+@ends_lineage
 def _finely_sampled(work: Work, *, shape: PupilShape, rows: int, columns: int) -> Array:
     return sample_pupil(shape, rows=rows, columns=columns, oversampling=2)
 
 
+@ends_lineage
 def _error(work: Work, samples: Array, *, shape: PupilShape | None, **wavefront: Any) -> float:
     pupil = _complex_samples(samples, 1.0, **wavefront)
     correlation = autocorrelation(pupil, workers=work.policy.workers)
