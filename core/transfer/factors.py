@@ -1,7 +1,8 @@
 """Transfer factors: functions of frequency with their parameters bound, no arrays.
 
 Most factors separate into a vector over xi and a vector over eta; a few are planar (radial, or
-fully two-dimensional). A factor is one of three `Part`s of H = MTF·exp(i·PTF): a signed MTF, a PTF
+fully two-dimensional). A factor is made, and a network planned, only with arguments
+that its function takes. It is one of three `Part`s of H = MTF·exp(i·PTF): a signed MTF, a PTF
 in radians, or a complex H of which a wire carries the modulus or the phase.
 """
 
@@ -64,6 +65,21 @@ class Law:
         """Recipes among the bound arguments."""
         return tuple(value for _, value in self.parameters if isinstance(value, Recipe))
 
+    def check(self, *frequencies: str) -> None:
+        """Have the function check its bound arguments now, at frequency zero.
+
+        It does so once. Of a law with a recipe bound nothing is known before its value is made.
+
+        Raises
+        ------
+        ParameterError
+            What the function raises for an argument out of range.
+        """
+        known = vars(self)
+        if "checked" not in known and not self.inputs:
+            self.function(**{name: np.zeros(1) for name in frequencies}, **dict(self.parameters))
+            known["checked"] = True
+
     def __call__(self, work: Work | None, **frequencies: Array) -> Array:
         """Evaluate at the given frequencies; `work` is needed when a recipe is bound."""
         bound: dict[str, Any] = {}
@@ -110,6 +126,11 @@ class Separable:
     argument: str = "frequency"
     label: str = field(default="", compare=False)
     node: str | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        with _placed(self.node):
+            for law in self.laws:
+                law.check(self.argument)
 
     @cached_property
     def key(self) -> str:
@@ -184,6 +205,10 @@ class Planar:
     cutoff: tuple[float, float] | None = field(default=None, compare=False)
     label: str = field(default="", compare=False)
     node: str | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        with _placed(self.node):
+            self.law.check(*(("rho",) if self.radial else ("xi", "eta")))
 
     @property
     def laws(self) -> tuple[Law, ...]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.physics.numerics.scalar_checks import positive
 from core.physics.optics.annular_otf import annular_otf
 from core.physics.optics.defocus_otf import defocus_otf
 from core.physics.optics.geometric_otf import geometric_otf
@@ -46,6 +47,11 @@ def geometric_pupil_otf(
     ndarray of float64
         Σ w·γ(λ·xi/pitch_x, λ·eta/pitch_y), γ the normalised autocorrelation of the pupil.
 
+    Raises
+    ------
+    ParameterError
+        For a size out of range.
+
     Notes
     -----
     Source: Tantalo 1996, eqs. 4.13 to 4.19 (after Gaskill 1979), with λ in µm times cycles/mrad
@@ -53,11 +59,11 @@ def geometric_pupil_otf(
     half width; the aperture's is its diameter over the wavelength.
     """
     xi, eta = np.asarray(xi, np.float64), np.asarray(eta, np.float64)
+    x_mm = positive("pitch_x_mm", pitch_x_mm, unit="mm")
+    y_mm = positive("pitch_y_mm", pitch_y_mm, unit="mm")
     return _over_band(
         (
-            geometric_otf(
-                shape, lag_x=wavelength * xi / pitch_x_mm, lag_y=wavelength * eta / pitch_y_mm
-            )
+            geometric_otf(shape, lag_x=wavelength * xi / x_mm, lag_y=wavelength * eta / y_mm)
             for wavelength in wavelengths_um
         ),
         weights,
@@ -87,16 +93,22 @@ def circular_pupil_otf(
     -------
     ndarray of float64
 
+    Raises
+    ------
+    ParameterError
+        For a size out of range.
+
     Notes
     -----
     Source: as `geometric_pupil_otf`; Tantalo 1996, appendix E.
     """
+    diameter = positive("diameter_mm", diameter_mm, unit="mm")
 
     def tile(rho: Array) -> Array:
         return _over_band(
             (
                 annular_otf(
-                    frequency_ratio=wavelength * rho / diameter_mm,
+                    frequency_ratio=wavelength * rho / diameter,
                     obscuration_ratio=obscuration_ratio,
                 )
                 for wavelength in wavelengths_um
@@ -133,13 +145,20 @@ def defocused_disc_otf(
     -------
     ndarray of float64
         Real and signed.
+
+    Raises
+    ------
+    ParameterError
+        For a size, wavelength or defocus out of range.
     """
     rho = np.asarray(rho, np.float64)
+    diameter = positive("diameter_mm", diameter_mm, unit="mm")
+    reference = positive("reference_um", reference_um, unit="µm")
     return _over_band(
         (
             defocus_otf(
-                frequency_ratio=wavelength * rho / diameter_mm,
-                w20_waves=w20_waves * reference_um / wavelength,
+                frequency_ratio=wavelength * rho / diameter,
+                w20_waves=w20_waves * reference / wavelength,
             )
             for wavelength in wavelengths_um
         ),

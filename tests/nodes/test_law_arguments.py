@@ -1,0 +1,98 @@
+"""Arguments of transfer functions are refused when a network is planned, not when it is run."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from battery_settings import EXAMPLES
+from child_process import ROOT
+from core.chain.engine import Engine
+from core.errors import ParameterError
+from core.network.file import load_network
+from core.transfer.factors import Law, Planar, Separable
+from library_battery import LIBRARY, planned
+from library_battery import network as battery_network
+
+SHIPPED = sorted((ROOT / "networks").glob("*.json"))
+# Settings that the panel allows, and what they come to: beyond what a number can hold.
+BEYOND = {
+    "vibration_mtf": (
+        {"amplitude_x_mrad": 1, "frequency_Hz": 1e300, "integration_time_s": 1e30},
+        "it: periods in one exposure = inf is not allowed: a finite number",
+    ),
+    "detector_mtf": (
+        {"detector_x_um": 1e30, "focal_length_mm": 1e-300},
+        "it: effective_ifov_mrad = inf mrad is not allowed: a finite number, zero or above",
+    ),
+    "electronics_noise": (
+        {
+            "scan_mirror_rate_Hz": 1e-30,
+            "use_mtf": True,
+            "post_filter": "lowpass",
+            "post_corner_Hz": 1e300,
+        },
+        "it: corner_cyc_per_mrad = inf cyc/mrad is not allowed: a finite number above zero",
+    ),
+}
+
+
+@pytest.mark.parametrize("key", BEYOND)
+def test_it_is_refused_on_its_node_when_planned(key, folder):
+    settings, line = BEYOND[key]
+    params = {**EXAMPLES[key], **settings}
+    plan = Engine(LIBRARY).plan(battery_network(key, params), folder=folder)
+    assert isinstance(plan.nodes["it"].error, ParameterError)
+    assert [str(error) for error in plan.errors()] == [line]
+
+
+def laws_of(plan):
+    """Laws of a plan's factors that are bound to no recipe, each with a factor that has it."""
+    found = {}
+    for node in plan.nodes.values():
+        for value in node.outputs.values():
+            for factor in getattr(value, "factors", ()):
+                found |= {law.function: (law, factor) for law in factor.laws if not law.inputs}
+    return found.values()
+
+
+def made_again(factor, law):
+    if isinstance(factor, Separable):
+        return replace(factor, x=law, y=None)
+    return replace(factor, law=law)
+
+
+def assert_each_number_is_checked(plan):
+    for law, factor in laws_of(plan):
+        assert made_again(factor, law).laws == (law,)
+        for name, value in law.parameters:
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                continue
+            wrong = Law.of(law.function, **{**dict(law.parameters), name: math.nan})
+            with pytest.raises(ParameterError, match="nan"):
+                made_again(factor, wrong)
+
+
+@pytest.mark.parametrize("key", LIBRARY)
+def test_no_factor_of_a_module_is_made_of_what_is_no_number(key, folder):
+    assert_each_number_is_checked(planned(key, EXAMPLES[key], folder))
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_nor_one_of_a_shipped_network(path):
+    network = load_network(path, library=LIBRARY)
+    assert_each_number_is_checked(Engine(LIBRARY).plan(network, folder=path.parent))
+
+
+def test_a_law_is_checked_once():
+    asked = []
+
+    def flat(*, rho):
+        asked.append(rho)
+        return rho
+
+    factor = Planar(Law.of(flat), radial=True, symmetric=True)
+    replace(factor, label="again")
+    assert [list(rho) for rho in asked] == [[0.0]]
