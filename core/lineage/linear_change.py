@@ -138,11 +138,9 @@ class Blocks(Linear):
         return self.old
 
     def grid_before(self, grid: Grid) -> Grid:
-        """Finer by the factors."""
-        x, y = self.factor_x, self.factor_y
-        return Grid(
-            grid.rows * y, grid.columns * x, grid.interval_x_mrad / x, grid.interval_y_mrad / y
-        )
+        """Finer by the factors, with what is cropped."""
+        x, y = grid.interval_x_mrad / self.factor_x, grid.interval_y_mrad / self.factor_y
+        return Grid(*self.old, x, y)
 
     def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
         """Of the mean of neighbouring samples."""

@@ -128,3 +128,20 @@ def test_noise_on_the_way_changes_nothing(tmp_path):
     )
     a, b = (tuple(f.key for f in transfer_of(image).factors) for image in (quiet, loud))
     assert a == b
+
+
+def test_what_a_block_crops_moves_no_interval(tmp_path):
+    """100 samples of 0.5 mrad become 101, of which blocks of two leave one over."""
+    np.save(tmp_path / "in.npy", np.ones((100, 100)))
+    fov = np.degrees(100 * 0.5 / 1000)
+    nodes = {
+        "in": ("read_image", {"path": "in.npy", "fov_x_deg": fov, "fov_y_deg": fov}),
+        "more": ("interpolate", {"width": 101}),
+        "pixels": ("combine_pixels", {"factor_x": 2}),
+    }
+    links = [("in.image", "more.image"), ("more.image", "pixels.image")]
+    plan = Engine(LIBRARY).plan(linked_network(nodes, links), folder=tmp_path)
+    found = transfer_of(plan.output("pixels.image"))
+    assert [stage.label for stage in found.stages] == ["Interpolation", "Combined pixels"]
+    assert found.source_grid.shape == (100, 100)
+    assert found.source_grid.interval_x_mrad == pytest.approx(0.5, rel=1e-12)
