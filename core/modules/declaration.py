@@ -9,7 +9,8 @@
 
 Parameters are the annotated fields, input ports the arguments of `run`, output ports the fields of
 the named tuple it returns, read-outs the methods marked with `readout`, warnings those marked with
-`warning`.
+`warning`. The class attribute `panel` groups the parameters where they are many, `illustration`
+names the picture on top of the panel where it is not the curve of an `mtf` or `ptf` output.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ from typing import (
 
 from core.evaluation.recipes import Recipe
 from core.modules.caution import Caution
+from core.modules.panel_sections import Section, complete
 from core.modules.parameters import Kind, Parameter, coerce_all
 
 GIVEN = "given"  # what a warning names to have the names of the parameters that are set
@@ -95,6 +97,8 @@ class Declaration:
     warnings: tuple[WarningCheck, ...]
     replaces: tuple[str, ...]
     sink: bool
+    panel: tuple[Section, ...]
+    illustration: str
 
     def parameter(self, name: str) -> Parameter | None:
         """The parameter of that name."""
@@ -145,7 +149,8 @@ class Module:
     """Base of every module; a subclass with a `key` is one of the library.
 
     A class without a key only shares parameters between modules. `replaces` lists keys the module
-    had in old files, `renamed` the old names of parameters and ports.
+    had in old files, `renamed` the old names of parameters and ports. Parameters that no section of
+    `panel` names stand below them without a title.
     """
 
     key: ClassVar[str] = ""
@@ -155,6 +160,8 @@ class Module:
     replaces: ClassVar[tuple[str, ...]] = ()
     renamed: ClassVar[Mapping[str, str]] = {}
     sink: ClassVar[bool] = False
+    panel: ClassVar[tuple[Section, ...]] = ()
+    illustration: ClassVar[str] = ""
     run: ClassVar[Callable[..., Any]]
 
     def __init_subclass__(
@@ -206,6 +213,11 @@ def declaration(module: type[Module]) -> Declaration:
 @cache
 def _derive(module: Any) -> Declaration:
     text = inspect.cleandoc(module.__doc__ or "")
+    parameters = _parameters(module)
+    try:
+        panel = complete(module.panel, [parameter.name for parameter in parameters])
+    except TypeError as error:
+        raise TypeError(f"{module.__name__}: {error}") from error
     return Declaration(
         key=module.key,
         title=module.title,
@@ -215,11 +227,13 @@ def _derive(module: Any) -> Declaration:
         text=text,
         inputs=_inputs(module),
         outputs=_outputs(module),
-        parameters=_parameters(module),
+        parameters=parameters,
         readouts=_readouts(module),
         warnings=_warnings(module),
         replaces=module.replaces,
         sink=module.sink,
+        panel=panel,
+        illustration=module.illustration,
     )
 
 

@@ -13,6 +13,7 @@ from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.atmosphere.scattering_and_turbulence import (
     aerosol_mtf,
@@ -95,6 +96,30 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         float,
         Param("scale height of the aerosol, looking down or up", unit="km", low=0, above=True),
     ] = 1.0
+
+    panel = (
+        Section("", ("apply",)),
+        Section("Turbulence", ("turbulence",)),
+        Section("", ("fwhm_mrad",), shown_when=("turbulence", ("gaussian",))),
+        Section(
+            "",
+            ("fried_r0_m", "cn2", "wavelength_um"),
+            shown_when=("turbulence", ("long_exposure", "short_exposure")),
+        ),
+        Section("", ("aperture_mm", "alpha"), shown_when=("turbulence", ("short_exposure",))),
+        Section("Turbidity", ("turbidity",)),
+        Section(
+            "",
+            ("turbidity_cutoff_cyc_per_mrad",),
+            shown_when=("turbidity", ("low", "moderate", "high", "custom")),
+        ),
+        Section(
+            "",
+            ("scatter_depth", "absorption_per_km", "scattering_per_km", "scale_height_km"),
+            shown_when=("turbidity", ("custom",)),
+        ),
+        Section("Path", ("view",)),
+    )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan turbulence and turbidity."""

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from core.chain.wires import Context
 from core.modules.declaration import Module
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import ifov_mrad
 from nodes.shared.context_defaults import of_context
@@ -29,6 +30,11 @@ class ChargeTransfer(Module):
         Literal["image", "detector"],
         Param("charge packets are one image sample apart, or one detector pitch"),
     ] = "image"
+
+    panel = (
+        Section("", ("apply",)),
+        Section("Charge transfer", ("detectors_per_line", "efficiency", "model", "nyquist")),
+    )
 
     def neutral(self) -> bool:
         """Whether all charge moves on."""

@@ -7,6 +7,7 @@ from typing import Annotated
 from core.chain.wires import Context, Magnitude
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.detector.detector_aperture import aperture_mtf, first_zero_cyc_per_mrad
 from core.physics.sampling.detector_sampling import ifov_mrad
@@ -34,6 +35,12 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     ] = None
     fill_x: Annotated[float | None, Param("fill factor across", low=0, high=1)] = None
     fill_y: Annotated[float | None, Param("fill factor along", low=0, high=1)] = None
+
+    panel = (
+        Section("", ("apply",)),
+        Section("Detector", ("detector_x_um", "detector_y_um", "focal_length_mm")),
+        Section("Fill factors", ("fill_x", "fill_y")),
+    )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the average."""

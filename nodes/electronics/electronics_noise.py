@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import MappingProxyType
 from typing import Annotated, Literal, NamedTuple
 
 from core.chain.wires import Context, Image, Table, Transfer
@@ -10,6 +11,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Offer, Section
 from core.modules.parameters import Param
 from core.physics.electronics.filters import (
     dwell_time_s,
@@ -24,6 +26,7 @@ from core.physics.electronics.post_filter import (
     post_filter_ptf,
 )
 from core.physics.noise.noise_equivalent import detector_area_cm2
+from core.physics.radiometry.materials import MANUAL, MATERIALS_BY_REGION
 from core.transfer.factors import Separable
 from nodes.electronics import noise_steps as steps
 from nodes.electronics.detector_figures import (
@@ -34,8 +37,15 @@ from nodes.electronics.detector_figures import (
 )
 from nodes.shared.context_defaults import given_band, of_context, with_interval
 from nodes.shared.factor_helpers import separable
-from nodes.shared.noise_seed import SeededModule
+from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
 from nodes.shared.shared_warnings import apart_caution, band_caution, unit_caution
+
+_MATERIALS = MappingProxyType(
+    {
+        region: (*(material.name for material in materials), MANUAL)
+        for region, materials in MATERIALS_BY_REGION.items()
+    }
+)
 
 
 class ElectronicsOutputs(NamedTuple):
@@ -145,6 +155,50 @@ class ElectronicsNoise(
         float | None,
         Param("background; empty: brightness temperature of the mean", unit="K", low=0),
     ] = None
+
+    illustration = "detectivity"
+    panel = (
+        Section("Band", ("cut_on_um", "cut_off_um"), page="Detector"),
+        Section(
+            "Wavelength region and material",
+            ("region", "material", "d_star"),
+            page="Detector",
+            offer=Offer("material", "region", _MATERIALS),
+        ),
+        Section("Optics", ("optics_transmission", "filter_transmission"), page="Detector"),
+        Section(
+            "Scan and bandwidth",
+            ("scan_mirror_rate_Hz", "time_constant_s", "bandwidth_Hz"),
+            page="Detector",
+        ),
+        Section("Background", ("background_K",), page="Detector"),
+        Section("Gain and bias", ("gain_percent", "bias_percent", "gain_model"), page="Gain"),
+        Section("Noise among detectors", ("noise_variability_percent",), page="Gain"),
+        Section("Pre-amplifier", ("use_mtf",), page="Amplifier"),
+        Section("Amplifier noise", ("amplifier_snr", "snr_reference"), page="Amplifier"),
+        Section("Post filter", ("post_filter",), page="Amplifier"),
+        Section(
+            "",
+            ("post_corner_Hz",),
+            page="Amplifier",
+            shown_when=("post_filter", ("lowpass", "highpass", "boost")),
+        ),
+        Section(
+            "",
+            ("post_poles",),
+            page="Amplifier",
+            shown_when=("post_filter", ("lowpass", "highpass")),
+        ),
+        Section("", ("post_gain",), page="Amplifier", shown_when=("post_filter", ("boost",))),
+        Section("Quantize the picture", ("bits",), page="Quantizer"),
+        Section(
+            "Range",
+            ("range_low", "range_high"),
+            page="Quantizer",
+            shown_when=("bits", (4, 6, 8, 12, 16, 24, 32, 64)),
+        ),
+        *SEED_SECTIONS,
+    )
 
     def check(self) -> None:
         """Refuse an empty range of quantization; two zeros mean automatic."""

@@ -15,6 +15,7 @@ from core.evaluation.work import Work
 from core.lineage.step_lineage import picture_step
 from core.lineage.step_noise import AtStep, Noise
 from core.modules.declaration import Module, NodeContext
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.electronics.periodic_wave import periodic_pattern
 from core.transfer.grid import Grid
@@ -59,6 +60,14 @@ class PeriodicNoise(
         float,
         Param("phase of the modulation at the first sample", unit="deg", slider=(-180, 180)),
     ] = 0.0
+
+    illustration = "sinusoid"
+    panel = (
+        Section("Sinusoid", ("amplitude", "xi", "eta", "phase_deg")),
+        Section(
+            "Modulation", ("modulation", "modulation_xi", "modulation_eta", "modulation_phase_deg")
+        ),
+    )
 
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
         """Plan the pattern and the sum."""

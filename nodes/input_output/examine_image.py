@@ -19,6 +19,7 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.radiometry.planck import brightness_temperature
 from nodes.input_output.sample_statistics import histogram, statistics
@@ -57,6 +58,12 @@ class ExamineImage(
         int | None, Param("row of the sample to tell, from 0", low=0, zero_is_empty=False)
     ] = None
     bins: Annotated[int, Param("bins of the histogram", low=1, high=65536)] = 256
+
+    panel = (
+        Section("", ("display",)),
+        Section("Pixel probe", ("probe_x", "probe_y")),
+        Section("Histogram", ("bins",)),
+    )
 
     def check(self) -> None:
         """Refuse half a probe."""

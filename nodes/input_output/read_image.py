@@ -12,6 +12,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.paths import checked_band
@@ -58,6 +59,13 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         Literal["refuse", "mean", "zero"],
         Param("samples that are NaN, infinite or missing: an error, or the others' mean or 0"),
     ] = "refuse"
+
+    illustration = "picture"
+    panel = (
+        Section("File", ("path", "band", "scale", "unit", "missing")),
+        Section("Field of view", ("fov_x_deg", "fov_y_deg")),
+        Section("Band", ("cut_on_um", "cut_off_um")),
+    )
 
     def check(self) -> None:
         """Refuse half a band and an empty one."""

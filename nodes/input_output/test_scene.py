@@ -13,6 +13,7 @@ from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
 from core.modules.declaration import Module, NodeContext
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.scenes import draw_scene, draw_shares, in_two_steps, with_radiance
@@ -69,6 +70,16 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
     frequency: Annotated[
         float, Param("cycles across the frame, or spokes of the star", low=0, above=True)
     ] = 16.0
+
+    illustration = "picture"
+    panel = (
+        Section("Scene", ("kind", "width", "height")),
+        Section("Temperatures", ("temperature_K", "delta_K")),
+        Section("Pattern", ("angle_deg",), shown_when=("kind", ("slanted_edge", "sine"))),
+        Section("", ("frequency",), shown_when=("kind", ("four_bar", "siemens_star", "sine"))),
+        Section("Field of view", ("fov_x_deg", "fov_y_deg")),
+        Section("Band", ("cut_on_um", "cut_off_um")),
+    )
 
     def check(self) -> None:
         """Refuse an empty band and temperatures below zero."""

@@ -16,6 +16,7 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.files.arrays import write_npy
 from nodes.files.picture_writing import DTYPES, MetadataValue, write_picture
@@ -55,6 +56,11 @@ class WriteImage(
     range_high: Annotated[
         float | None, Param("sample stored as the largest integer", zero_is_empty=False)
     ] = None
+
+    panel = (
+        Section("File", ("path", "format", "dtype")),
+        Section("Range of integer types", ("range_low", "range_high")),
+    )
 
     def check(self) -> None:
         """Refuse an empty range."""

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from core.chain.wires import Context, Magnitude
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.motion.platform_motion import blur_mrad, line_motion_mtf, motion_mtf
 from core.transfer.factors import Factor, Law, Planar
@@ -40,6 +41,13 @@ class RelativeMotionMTF(
     model: Annotated[
         Literal["published", "line"], Param("rectangle (eq. 4.31) or straight smear")
     ] = "published"
+
+    panel = (
+        Section("", ("apply",)),
+        Section("Image", ("image_velocity_x", "image_velocity_y")),
+        Section("Platform", ("platform_velocity_x", "platform_velocity_y")),
+        Section("Smear", ("integration_time_s", "range_m", "model")),
+    )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the smear."""

@@ -13,9 +13,16 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.enclosing_circle import support_circle
-from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
+from core.physics.optics.pupil_shapes import (
+    BARRED_SHAPES,
+    OBSCURED_SHAPES,
+    SHAPES,
+    PupilShape,
+    sample_pupil,
+)
 
 Array = NDArray[Any]
 USUAL_RADIUS = 75.0  # of the thesis' example, 150 samples of 512
@@ -73,6 +80,17 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
             "Zernike coefficients from Noll's 1 (piston) on", unit="waves rms", low=-100, high=100
         ),
     ] = ()
+
+    illustration = "pupil"
+    panel = (
+        Section("Aperture", ("shape", "radius")),
+        Section("", ("obscuration_radius",), shown_when=("shape", OBSCURED_SHAPES)),
+        Section("", ("slit_width",), shown_when=("shape", BARRED_SHAPES)),
+        Section("", ("vanes", "vane_width"), shown_when=("shape", ("spider",))),
+        Section("", ("path",), shown_when=("shape", ("file",))),
+        Section("Pupil array", ("size_x", "size_y"), shown_when=("shape", SHAPES)),
+        Section("Wavefront error", ("defocus_waves", "zernike_waves")),
+    )
 
     def run(self, here: NodeContext) -> PupilOutput:
         """Plan the samples."""

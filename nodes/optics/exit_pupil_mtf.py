@@ -13,6 +13,7 @@ from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.polychromatic import band_wavelengths
 from core.transfer.factors import Factor
@@ -74,6 +75,13 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
         int, Param("wavelengths over the band; 1 is the band's mean", low=1, high=256)
     ] = 1
     apply: Apply = "multiply"
+
+    panel = (
+        Section("Wavelengths", ("cut_on_um", "cut_off_um", "wavelengths")),
+        Section("Whole pupil array", ("size_x_cm", "size_y_cm")),
+        Section("Autocorrelation", ("interpolation", "method")),
+        Section("Output", ("apply",)),
+    )
 
     def run(
         self,

@@ -16,12 +16,13 @@ from core.lineage.step_lineage import picture_step
 from core.lineage.step_noise import AtStep, Noise
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.photon_events import displaced_events, events_are_few
 from core.noise.random_fields import Stream, poisson_field
 from core.physics.noise.poisson_deviates import photon_means, published_means, radiance_of_photons
 from nodes.input_output.sample_statistics import Statistics, statistics
-from nodes.shared.noise_seed import SeededModule
+from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
 from nodes.shared.shared_warnings import is_temperature, unit_caution
 
 Array = NDArray[Any]
@@ -54,6 +55,13 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
     ] = None
     mode: Annotated[Literal["published", "photon"], Param("add a deviate, or replace by one")] = (
         "published"
+    )
+
+    panel = (
+        Section("", ("mode",)),
+        Section("", ("width_px", "percent"), shown_when=("mode", ("published",))),
+        Section("", ("photons_per_unit",), shown_when=("mode", ("photon",))),
+        *SEED_SECTIONS,
     )
 
     def run(self, image: Image, here: NodeContext) -> NoiseOutputs:

@@ -5,8 +5,14 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from core.modules.declaration import Module, NodeContext
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.random_fields import Stream
+
+SEED_SECTIONS = (
+    Section("Seed", ("seed_mode",)),
+    Section("", ("seed",), shown_when=("seed_mode", ("typed",))),
+)
 
 
 class SeededModule(Module):

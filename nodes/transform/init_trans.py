@@ -9,6 +9,7 @@ from core.chain.wires import Context, Image, Magnitude, Phase, Platform
 from core.errors import ParameterError
 from core.modules.caution import Caution
 from core.modules.declaration import Module, readout, warning
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad, oversampling
 from core.transfer.grid import Edges, Grid
@@ -65,6 +66,25 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
     edges: Annotated[
         Edges, Param("frame mirrored without end, or repeated as the plain FFT sees it")
     ] = "reflect"
+
+    illustration = "sampling"
+    panel = (
+        Section(
+            "Detector and optics",
+            (
+                "detector_x_um",
+                "detector_y_um",
+                "focal_length_mm",
+                "f_number",
+                "range_m",
+                "fill_x",
+                "fill_y",
+            ),
+        ),
+        Section("Field of view", ("fov_x_deg", "fov_y_deg")),
+        Section("Collection", ("platform", "velocity_m_per_s", "scan_velocity_mrad_per_s")),
+        Section("Fourier transform", ("edges",)),
+    )
 
     def run(self, image: Image) -> InitOutputs:
         """Plan the transform."""

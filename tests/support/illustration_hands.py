@@ -12,6 +12,7 @@ from app.editor.theme import DARK
 from core.chain.engine import Engine
 from core.editing.document import Document
 from core.evaluation.policy import Policy
+from core.modules.declaration import declaration
 from core.network.network import Link, Network, Node
 from nodes.library import standard_library
 
@@ -24,6 +25,11 @@ INFRAMETRICS = {
     "fill_x": 0.95,
     "fill_y": 0.95,
 }
+
+
+def illustration_of(key):
+    """The class of the illustration of a module of the library."""
+    return illustration_for(declaration(LIBRARY[key]))
 
 
 def sensor(key, params=None, *, scene=None, init=None, pupil=None, node="node"):
@@ -87,7 +93,7 @@ class IllustrationBench:
         path = self._folder / "network.json"
         session.open(Document(network, library=session.library, path=path))
         self.evaluator = Evaluator(session) if evaluated else None
-        kind = illustration_for(network.nodes[node].module)
+        kind = illustration_of(network.nodes[node].module)
         widget = kind(session, self.evaluator, node, theme)
         self._qtbot.addWidget(widget)
         widget.resize(width, widget.sizeHint().height())

@@ -7,7 +7,6 @@ from PySide6.QtWidgets import QFrame, QLabel, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.illustrations import illustration_for
-from app.editor.panels.layouts import layout_of
 from app.editor.panels.ports_section import PortsView
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
@@ -52,11 +51,11 @@ class ModuleBody(QWidget):
         self._column.setContentsMargins(8, 4, 8, 8)
         self._column.setSpacing(4)
         self.illustration: QWidget | None = None
-        special = illustration_for(declaration.key)
+        special = illustration_for(declaration)
         if special is not None:
             self.illustration = special(session, evaluator, node, theme, self)
             self._column.addWidget(self.illustration)
-        self.sections = SectionsView(declaration, layout_of(declaration), session, theme, self)
+        self.sections = SectionsView(declaration, session, theme, self)
         self.sections.edited.connect(self._edit)
         self.sections.reset_wanted.connect(self._reset)
         self.sections.gesture_ended.connect(session.end_gesture)

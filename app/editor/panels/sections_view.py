@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from PySide6.QtCore import Signal
@@ -11,13 +11,13 @@ from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
 from app.editor.panels.fields.choice import ButtonsField
 from app.editor.panels.fields.field import Field
 from app.editor.panels.fields.make import field_for
-from app.editor.panels.sections import Section
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.widgets.colours import set_ink
 from app.editor.widgets.page_tabs import PageTabs
 from core.editing.operation import ABSENT
 from core.modules.declaration import Declaration
+from core.modules.panel_sections import Section
 from core.network.network import Node
 
 
@@ -36,7 +36,6 @@ class SectionsView(QWidget):
     def __init__(
         self,
         declaration: Declaration,
-        sections: Sequence[Section],
         session: Session,
         theme: Theme,
         parent: QWidget | None = None,
@@ -46,7 +45,7 @@ class SectionsView(QWidget):
         self._declaration = declaration
         self._session = session
         self._theme = theme
-        self.sections = tuple(sections)
+        self.sections = declaration.panel
         self._boxes: list[QWidget] = []
         self._titles: list[QLabel] = []
         self.fields: list[Field] = []

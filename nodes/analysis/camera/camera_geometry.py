@@ -8,6 +8,7 @@ from core.chain.wires import Curve, Header, Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import NodeContext, readout
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.measurement.sample_sums import Between
 from core.physics.sampling.ground_geometry import (
@@ -67,6 +68,28 @@ class CameraGeometry(
         "refuse"
     )
     fill_value: Annotated[float, Param("what is there, in the scene's unit")] = 0.0
+
+    illustration = "ground_sampling"
+    panel = (
+        Section("Camera", ("kind", "altitude_m", "columns", "rows"), page="Camera"),
+        Section(
+            "Samples", ("fov_x_deg", "pitch_x_um", "pitch_y_um", "focal_length_mm"), page="Camera"
+        ),
+        Section(
+            "Flight",
+            ("velocity_m_per_s", "line_rate_Hz"),
+            page="Camera",
+            shown_when=("kind", ("line", "pushbroom")),
+        ),
+        Section("Attitude", ("roll_deg", "pitch_deg", "yaw_deg"), page="Attitude"),
+        Section(
+            "Scene",
+            ("ground_interval_m", "ground_interval_y_m", "offset_x_m", "offset_y_m"),
+            page="Scene",
+        ),
+        Section("Sampling", ("interpolation", "strips", "outside"), page="Scene"),
+        Section("", ("fill_value",), page="Scene", shown_when=("outside", ("fill",))),
+    )
 
     def run(self, image: Image, here: NodeContext) -> CameraOutputs:
         """Plan the sampling."""

@@ -12,6 +12,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.filtering.mixed_sampling import MOST_NODES, Method
 from core.filtering.scan_chain import ScanChain
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.motion.line_scanner import line_intervals_mrad, view_angles_rad
 from core.transfer.product import Product
@@ -101,6 +102,15 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     tolerance: Annotated[
         float, Param("largest error of the transfer function by blending", low=0, high=1)
     ] = 1e-5
+
+    panel = (
+        Section("Scan", ("scan", "look_angle_deg", "nadir_column")),
+        Section("Scan lines on the ground", ("spacing",)),
+        Section("", ("line_spacing_m",), shown_when=("spacing", ("typed",))),
+        Section("", ("altitude_m",), shown_when=("spacing", ("typed", "flight"))),
+        Section("Apertures and other planar factors", ("method",)),
+        Section("", ("nodes", "tolerance"), shown_when=("method", ("nodes",))),
+    )
 
     def check(self) -> None:
         """Refuse two ways to say where nadir is."""

@@ -11,6 +11,7 @@ from core.chain.wires import Context, Curve, Image, Table
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.acquisition.eye import frames_integrated
 from core.physics.acquisition.mdtd import Window
@@ -216,6 +217,23 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             unit="km", low=0, high=1e6, slider=(0, 20),
         ),
     ] = None  # fmt: skip
+
+    panel = (
+        Section("", ("model", "scanning", "snr_threshold"), page="Sensor"),
+        Section("Noise", ("cut_on_um", "cut_off_um", "background_K"), page="Sensor"),
+        Section("In time", ("frame_rate_Hz", "eye_integration_s"), page="Eye"),
+        Section("MDTD", ("mdtd_window", "eye_limit_mrad"), page="Eye"),
+        Section(
+            "Target",
+            ("target_size_m", "target_delta_K", "extinction_per_km", "range_max_km"),
+            page="Target",
+        ),
+        Section(
+            "Johnson", ("n50_detection", "n50_recognition", "n50_identification"), page="Target"
+        ),
+        Section("Task and scene", ("v50", "scene_contrast_K"), page="TTP"),
+        Section("Display", ("display_cd_m2", "display_deg", "magnification"), page="TTP"),
+    )
 
     def run(self, context: Context, image: Image, here: NodeContext) -> MeritOutputs:
         """Plan each curve as a value of its own: a new task does not repeat the MRTD."""

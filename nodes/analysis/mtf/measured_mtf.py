@@ -8,6 +8,7 @@ from core.chain.wires import Curve, Image, Table
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.measurement.edge_line import Target
 from core.physics.measurement.slanted_edge import Window
@@ -100,6 +101,16 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     axis: Annotated[
         Axis, Param("unit of the frequency; without a sampling interval always per pixel")
     ] = "cyc_per_mrad"
+
+    panel = (
+        Section("", ("method", "target", "direction")),
+        Section("Region", ("region_x", "region_y", "region_width", "region_height")),
+        Section("Slanted edge", ("window", "samples"), shown_when=("method", ("slanted_edge",))),
+        Section(
+            "Level ends", ("clip_left_px", "clip_right_px"), shown_when=("method", ("row_average",))
+        ),
+        Section("Curve", ("axis",)),
+    )
 
     def run(self, image: Image, here: NodeContext) -> MeasuredOutputs:
         """Plan the measurement."""

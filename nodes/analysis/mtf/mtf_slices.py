@@ -11,6 +11,7 @@ from core.chain.wires import Curve, Magnitude, Transfer
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.transfer.factors import Part
 from core.transfer.grid import Grid
@@ -52,6 +53,12 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
         257
     )
     stages: Annotated[bool, Param("each stage too, not the total alone")] = True
+
+    panel = (
+        Section("Line of frequencies", ("direction",)),
+        Section("", ("angle_deg",), shown_when=("direction", ("angle",))),
+        Section("Curves", ("stages", "samples")),
+    )
 
     def run(self, transfer: Transfer | Magnitude, here: NodeContext) -> CurveOutput:
         """Plan the curves."""

@@ -9,6 +9,7 @@ from core.chain.wires import Curve, Image, Table
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.analysis.lineage import NoiseOf, noise_free
 from nodes.analysis.noise.frame_noise import FrameNoise, bars_of, sigma_of, table_of
@@ -47,6 +48,8 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     frames: Annotated[
         int, Param("frames to simulate; 0: prediction alone", low=0, high=100000, slider=(0, 200))
     ] = 16
+
+    panel = (Section("Measurement", ("frames",)),)
 
     def check(self) -> None:
         """Refuse a single frame, of which nothing temporal can be told."""

@@ -8,6 +8,7 @@ from typing import Annotated, NamedTuple
 from core.chain.wires import Curve, Image, Table
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.analysis.lineage import NoiseOf, transfer_of
 from nodes.analysis.noise.budget_shares import Kind, blur_shares, noise_shares, unknown_before
@@ -59,6 +60,8 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     show: Annotated[
         Show, Param("bars: share in percent, or amount: standard deviation, and −ln of the MTF")
     ] = "share"
+
+    panel = (Section("Noise and blur", ("noise", "frequency", "show")),)
 
     def run(self, image: Image, here: NodeContext) -> BudgetOutputs:
         """Plan both budgets."""

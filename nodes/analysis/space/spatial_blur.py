@@ -16,6 +16,7 @@ from core.evaluation.work import Work
 from core.lineage.linear_change import Filtering
 from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.transfer.grid import Edges, Grid
 from nodes.analysis.space.impulse_response import (
@@ -67,6 +68,12 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
         float,
         Param("largest error, as a share of the scene's departure from its mean", low=0, high=1),
     ] = 0.001
+
+    panel = (
+        Section("Kernels", ("truncation",)),
+        Section("", ("half_width_px",), shown_when=("truncation", ("half_width",))),
+        Section("", ("error",), shown_when=("truncation", ("error",))),
+    )
 
     def run(self, magnitude: Magnitude, phase: Phase, here: NodeContext) -> SpatialOutputs:
         """Plan the convolution."""

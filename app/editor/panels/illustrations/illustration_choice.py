@@ -16,35 +16,32 @@ from app.editor.panels.illustrations.transfer_illustration import (
     PhaseIllustration,
     TransferIllustration,
 )
+from core.modules.declaration import Declaration
 
-
-def illustration_for(module: str) -> type[Illustration] | None:
-    """The class of a module's illustration, by the module's key; None where there is none."""
-    return _ILLUSTRATIONS.get(module)
-
-
-_MTF_MODULES = (
-    "atmosphere_mtf",
-    "exit_pupil_mtf",
-    "gaussian_mtf",
-    "crosstrack_mtf",
-    "alongtrack_mtf",
-    "relative_motion_mtf",
-    "jitter_mtf",
-    "vibration_mtf",
-    "detector_mtf",
-    "charge_eff_mtf",
-)
-_ILLUSTRATIONS: Mapping[str, type[Illustration]] = MappingProxyType(
+_BY_WORD: Mapping[str, type[Illustration]] = MappingProxyType(
     {
-        **dict.fromkeys(_MTF_MODULES, TransferIllustration),
-        "charge_eff_phase": PhaseIllustration,
-        "read_image": ThumbnailIllustration,
-        "test_scene": ThumbnailIllustration,
-        "periodic_noise": PeriodicNoiseIllustration,
-        "init_trans": InitTransIllustration,
-        "exit_pupil": ExitPupilIllustration,
-        "electronics_noise": ElectronicsIllustration,
-        "camera_geometry": CameraIllustration,
+        "picture": ThumbnailIllustration,
+        "sampling": InitTransIllustration,
+        "pupil": ExitPupilIllustration,
+        "detectivity": ElectronicsIllustration,
+        "sinusoid": PeriodicNoiseIllustration,
+        "ground_sampling": CameraIllustration,
     }
 )
+
+
+def illustration_for(declaration: Declaration) -> type[Illustration] | None:
+    """The class of a module's illustration; None where there is nothing to be drawn.
+
+    The one that the declaration names, else the curve of its `mtf` output, else of its `ptf`.
+
+    Raises
+    ------
+    KeyError
+        The declaration names none that there is.
+    """
+    if declaration.illustration:
+        return _BY_WORD[declaration.illustration]
+    if declaration.output("mtf") is not None:
+        return TransferIllustration
+    return PhaseIllustration if declaration.output("ptf") is not None else None

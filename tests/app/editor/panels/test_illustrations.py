@@ -1,6 +1,7 @@
 """Illustrations on the screen: they follow the document, and go with their panel."""
 
 import weakref
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -10,16 +11,31 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from app.editor.evaluation.queries import Answer
 from app.editor.panels.illustrations import illustration_for
+from app.editor.panels.illustrations.exit_pupil_illustration import ExitPupilIllustration
 from app.editor.panels.illustrations.painting.few_digits import brief, kelvin, pair
+from app.editor.panels.illustrations.transfer_illustration import (
+    PhaseIllustration,
+    TransferIllustration,
+)
 from app.editor.theme import DARK, LIGHT
+from core.chain.wires import Transfer
 from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Remove
 from core.errors import DataError
+from core.modules.declaration import Module, declaration
 from core.network.network import Network, Node
-from illustration_hands import LIBRARY, IllustrationBench, Paints, grey_pixels, sensor, told
+from illustration_hands import (
+    LIBRARY,
+    IllustrationBench,
+    Paints,
+    grey_pixels,
+    illustration_of,
+    sensor,
+    told,
+)
 from panel_hands import let_go
 
-ILLUSTRATED = [key for key in LIBRARY if illustration_for(key) is not None]
+ILLUSTRATED = [key for key in LIBRARY if illustration_of(key) is not None]
 INIT = {"detector_x_um": 60.0, "detector_y_um": 60.0, "focal_length_mm": 50.0, "f_number": 2.0}
 MOVING = {"range_m": 1000.0, "integration_time_s": 0.01}
 
@@ -69,8 +85,27 @@ def test_each_mtf_module_and_every_special_panel_has_one():
     wanted = {key for key in LIBRARY if key.endswith("_mtf")} - measured | special
     assert wanted <= set(ILLUSTRATED)
     assert set(EDITS) == set(ILLUSTRATED)
-    assert illustration_for("back_transform") is None
-    assert illustration_for("starlight") is None
+    assert illustration_of("back_transform") is None
+
+
+def test_it_is_derived_from_what_a_module_declares():
+    def of(word, *outputs):
+        class Made(Module, key="made", title="Made", group="Tests"):
+            """Do nothing."""
+
+            illustration = word
+
+            def run(self) -> NamedTuple("Outputs", [(name, Transfer) for name in outputs]):
+                """Nothing."""
+
+        return illustration_for(declaration(Made))
+
+    assert of("") is of("", "table") is None
+    assert of("", "magnitude", "mtf", "ptf") is TransferIllustration
+    assert of("", "phase", "ptf") is PhaseIllustration
+    assert of("pupil", "mtf") is ExitPupilIllustration
+    with pytest.raises(KeyError, match="starlight"):
+        of("starlight")
 
 
 @pytest.mark.parametrize("key", ILLUSTRATED)
@@ -129,7 +164,7 @@ def test_it_goes_with_its_panel(qtbot, session, bench, tmp_path, key):
     bench.show(network_of(key, EDITS[key][0]))
     panel = QWidget()
     qtbot.addWidget(panel)
-    widget = illustration_for(key)(session, bench.evaluator, "node", DARK, panel)
+    widget = illustration_of(key)(session, bench.evaluator, "node", DARK, panel)
     panel.show()
     bench.settle()
     kept = weakref.ref(widget)

@@ -5,13 +5,12 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from app.editor.panels.layouts import layout_of
-from app.editor.panels.sections import Section
 from core.chain.engine import Engine
 from core.errors import ImagechainError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
 from core.modules.declaration import declaration
+from core.modules.panel_sections import Section
 from core.network.network import Link, Network, Node
 from nodes.library import standard_library
 
@@ -20,7 +19,7 @@ DECLARED = {key: declaration(module) for key, module in LIBRARY.items()}
 CONDITIONAL = [
     pytest.param(key, section, id=f"{key}-{'-'.join(section.parameters)}")
     for key, declared in DECLARED.items()
-    for section in layout_of(declared)
+    for section in declared.panel
     if section.shown_when
 ]
 ENOUGH = {  # to be computed whatever is chosen
@@ -47,13 +46,13 @@ INIT = {
 
 @pytest.mark.parametrize("key", DECLARED)
 def test_every_parameter_stands_on_the_panel_once(key):
-    placed = Counter(name for section in layout_of(DECLARED[key]) for name in section.parameters)
+    placed = Counter(name for section in DECLARED[key].panel for name in section.parameters)
     assert placed == Counter(parameter.name for parameter in DECLARED[key].parameters)
 
 
 @pytest.mark.parametrize("key", [key for key, d in DECLARED.items() if len(d.parameters) > 5])
 def test_a_panel_of_many_parameters_has_sections_with_titles(key):
-    assert any(section.title for section in layout_of(DECLARED[key]))
+    assert any(section.title for section in DECLARED[key].panel)
 
 
 @pytest.mark.parametrize(("key", "section"), CONDITIONAL)
@@ -62,19 +61,19 @@ def test_what_shows_a_section_is_a_choice_that_is_always_shown(key, section):
     parameter = DECLARED[key].parameter(name)
     assert parameter.kind == "choice"
     assert set(values) < set(parameter.choices)
-    home = next(other for other in layout_of(DECLARED[key]) if name in other.parameters)
+    home = next(other for other in DECLARED[key].panel if name in other.parameters)
     assert home.shown_when is None
     assert home.page == section.page
 
 
 def test_the_published_order_of_the_initialization_panel():
-    placed = [name for section in layout_of(DECLARED["init_trans"]) for name in section.parameters]
+    placed = [name for section in DECLARED["init_trans"].panel for name in section.parameters]
     published = ["detector_x_um", "detector_y_um", "focal_length_mm", "f_number", "range_m"]
     assert placed[:7] == [*published, "fill_x", "fill_y"]  # fig. 4.3
 
 
 def test_the_published_order_of_the_electronics_panel():
-    sections = layout_of(DECLARED["electronics_noise"])
+    sections = DECLARED["electronics_noise"].panel
     placed = [name for section in sections for name in section.parameters]
     published = ["cut_on_um", "cut_off_um", "region", "material", "optics_transmission"]
     published += ["filter_transmission", "bits", "seed_mode", "seed"]  # fig. 4.42
@@ -82,7 +81,7 @@ def test_the_published_order_of_the_electronics_panel():
 
 
 def test_each_region_offers_its_materials():
-    sections = layout_of(DECLARED["electronics_noise"])
+    sections = DECLARED["electronics_noise"].panel
     (offer,) = [section.offer for section in sections if section.offer]
     assert (offer.parameter, offer.by) == ("material", "region")
     offered = {region: set(choices) for region, choices in offer.choices.items()}
@@ -95,7 +94,7 @@ def test_each_region_offers_its_materials():
 
 def test_a_module_that_nobody_laid_out_has_all_its_parameters_in_one_section():
     plain = DECLARED["combine_pixels"]
-    assert layout_of(plain) == (Section("", ("factor_x", "factor_y", "mode")),)
+    assert plain.panel == (Section("", ("factor_x", "factor_y", "mode")),)
 
 
 def other_values(parameter):

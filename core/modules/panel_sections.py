@@ -1,12 +1,11 @@
-"""How a panel's parameters are grouped under titles and on pages."""
+"""How a module's parameters are grouped on its panel: under titles, on pages, under conditions."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
-
-from core.modules.declaration import Declaration
 
 
 @dataclass(frozen=True)
@@ -20,7 +19,7 @@ class Offer:
     parameter : str
         The one whose choices they are.
     by : str
-        The one that tells which.
+        The one whose value decides.
     choices : mapping of value to tuple
         The choices by the value of `by`; all for a value that is not there.
     """
@@ -54,14 +53,26 @@ class Section:
     shown_when: tuple[str, tuple[Any, ...]] | None = None
     offer: Offer | None = None
 
+    def mentioned(self) -> tuple[str, ...]:
+        """Every parameter that it names."""
+        offer, condition = self.offer, self.shown_when
+        further = () if offer is None else (offer.parameter, offer.by)
+        return (*self.parameters, *further, *(() if condition is None else condition[:1]))
 
-def plain_layout(declaration: Declaration) -> tuple[Section, ...]:
-    """All parameters in one section without title."""
-    return (Section("", tuple(parameter.name for parameter in declaration.parameters)),)
 
+def complete(sections: tuple[Section, ...], parameters: Sequence[str]) -> tuple[Section, ...]:
+    """The sections, and one more with the parameters that none of them has.
 
-def complete(sections: tuple[Section, ...], declaration: Declaration) -> tuple[Section, ...]:
-    """The sections, and one more with the parameters that none of them has."""
-    placed = {name for section in sections for name in section.parameters}
-    left = tuple(p.name for p in declaration.parameters if p.name not in placed)
+    Raises
+    ------
+    TypeError
+        A section names what is no parameter, or a parameter stands in two places.
+    """
+    placed = Counter(name for section in sections for name in section.parameters)
+    wrong = [name for section in sections for name in section.mentioned() if name not in parameters]
+    wrong += [name for name, places in placed.items() if places > 1]
+    if wrong:
+        allowed = f"each of {', '.join(parameters)} once"
+        raise TypeError(f"the sections of the panel name {', '.join(wrong)}; allowed: {allowed}")
+    left = tuple(name for name in parameters if name not in placed)
     return (*sections, Section("", left)) if left else sections
