@@ -19,7 +19,7 @@ STANDARD = set(sys.stdlib_module_names)
 # What each layer may import beside the standard library and itself.
 ALLOWED = {
     "core": {"numpy", "scipy"},
-    "nodes": {"numpy", "scipy", "core", "OpenImageIO", "spectral"},
+    "nodes": {"numpy", "scipy", "core", "OpenImageIO"},
 }
 
 
@@ -111,7 +111,7 @@ def test_run_loads_neither_qt_nor_what_only_reports_need(tmp_path):
     loaded = loaded_by(["run", "first_steps"], tmp_path)
     packages = {name.split(".")[0] for name in loaded}
     assert not packages & QT
-    assert not packages & {"matplotlib", "rich", "spectral", "OpenImageIO", "PIL"}
+    assert not packages & {"matplotlib", "rich", "OpenImageIO", "PIL"}
     of_scipy = {name.split(".")[1] for name in loaded if name.startswith("scipy.")}
     public = {name for name in of_scipy if not name.startswith("_")}
     assert public <= {"fft", "special", "version", "linalg"}
@@ -120,7 +120,7 @@ def test_run_loads_neither_qt_nor_what_only_reports_need(tmp_path):
 def test_a_trade_off_loads_neither_qt_nor_what_only_pictures_need(tmp_path):
     words = ["tradeoff", "first_steps", "--vary", "blur.sigma_x_mrad=0,1", "--output", "a.csv"]
     packages = {name.split(".")[0] for name in loaded_by(words, tmp_path)}
-    assert not packages & (QT | {"matplotlib", "rich", "spectral", "OpenImageIO", "PIL"})
+    assert not packages & (QT | {"matplotlib", "rich", "OpenImageIO", "PIL"})
 
 
 def test_modules_loads_no_qt(tmp_path):

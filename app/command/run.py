@@ -42,6 +42,7 @@ from core.names import close, printable, shown
 from core.network.file import read_network
 from core.network.network import Network
 from core.network.validation import NetworkProblems, check_network
+from nodes.files.formats import NPY
 from nodes.files.read import check_finite
 from nodes.library import standard_library
 
@@ -148,7 +149,7 @@ def _claim(plan: Plan, options: Options, staging: Staging) -> list[tuple[Path, s
     for save in options.saves:
         path, value = Path(save.text), _port_value(plan, save.node, save.name)
         check_suffix(save.port, value, path)
-        if options.frames is not None and isinstance(value, Image) and path.suffix != ".npy":
+        if options.frames is not None and isinstance(value, Image) and not NPY.matches(path):
             raise UsageError(f"--save {save.port}={path}: --frames of an image need a .npy")
         saves.append((path, save.port, _region(save, value)))
         staging.claim(path)

@@ -31,6 +31,8 @@ from core.evaluation.work import Work
 from core.modules.library_type import Library
 from core.names import close, printable, shown
 from core.network.network import Network
+from nodes.files.common.file_format import CSV, JSON
+from nodes.files.formats import PNG
 from nodes.library import standard_library
 
 _MOST_VARIED = 2
@@ -173,12 +175,11 @@ def _check_told(found: Results) -> None:
 
 
 def _write(found: Results, path: Path) -> None:
-    suffix = path.suffix.lower()
-    if suffix == ".csv":
+    if CSV.matches(path):
         write_text(path, printable(csv_text(found)))
-    elif suffix == ".json":
+    elif JSON.matches(path):
         write_text(path, printable(json_text(found)))
-    elif suffix == ".png":
+    elif PNG.matches(path):
         from app.tradeoff.tradeoff_drawing import trade_off_png
 
         write_bytes(path, trade_off_png(found))

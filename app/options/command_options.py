@@ -34,6 +34,7 @@ from core.errors import UsageError
 from core.evaluation.policy import Precision
 from core.modules.parameters import LARGEST_INTEGER
 from core.names import close, shown
+from nodes.files.formats import PNG
 
 _EPILOG = """\
 shipped networks:
@@ -139,7 +140,7 @@ def parse(argv: list[str]) -> Options:
         )
     if found.command == "edit":
         shot = file_path("--screenshot", found.screenshot)
-        if shot is not None and shot.suffix.lower() != ".png":
+        if shot is not None and not PNG.matches(shot):
             raise UsageError(f"--screenshot {found.screenshot}: a name that ends in .png")
         return Options(
             "edit",

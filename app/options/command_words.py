@@ -5,7 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from app.options.option_values import OUTPUT_SUFFIXES, SAVE_SUFFIXES
+from app.options.option_values import OUTPUTS, REPORTS
+from nodes.files.common.file_format import suffixes
+from nodes.files.formats import SAVED
 
 BENCH_PARTS = ("speed", "precision", "peers", "editor")
 SCREENSHOT_PARTS = ("window", "canvas", "panel", "curves", "picture")
@@ -97,7 +99,7 @@ def run_words(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NODE.PORT=FILE",
-        help=f"write what a port gives, as {' '.join(SAVE_SUFFIXES)}; NODE.PORT[TOP:BOTTOM,"
+        help=f"write what a port gives, as {' '.join(suffixes(*SAVED))}; NODE.PORT[TOP:BOTTOM,"
         "LEFT:RIGHT]=FILE writes those rows and columns of an image, counted from 0, the ends "
         "exclusive, a bound left out being the image's; may be repeated",
     )
@@ -114,7 +116,7 @@ def run_words(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        help="write a report, .html or .json; may be repeated",
+        help=f"write a report, {' or '.join(suffixes(*REPORTS))}; may be repeated",
     )
     _numerical_words(parser)
 
@@ -146,7 +148,7 @@ def tradeoff_words(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        help=f"write the figures, as {' '.join(OUTPUT_SUFFIXES)}; may be repeated",
+        help=f"write the figures, as {' '.join(suffixes(*OUTPUTS))}; may be repeated",
     )
     _numerical_words(parser)
 

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from core.errors import UsageError
+from nodes.files.common.file_format import CSV, HTML, JSON, Format, suffixes
+from nodes.files.formats import PNG, SAVED
 
 if TYPE_CHECKING:
     from core.evaluation.region import Region
 
-REPORT_SUFFIXES = (".json", ".html")
-OUTPUT_SUFFIXES = (".csv", ".json", ".png", ".html")
-SAVE_SUFFIXES = (".npy", ".exr", ".tif", ".tiff", ".png", ".csv")
+REPORTS = (JSON, HTML)
+OUTPUTS = (CSV, JSON, PNG, HTML)
 _LONGEST_NUMBER = 20
 _BOUNDS = re.compile(r"([0-9]{0,18}):([0-9]{0,18}),([0-9]{0,18}):([0-9]{0,18})", re.ASCII)
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
@@ -90,25 +91,27 @@ def save_target(text: str) -> Save:
             raise UsageError(f"--save {text!r:.120}: write {form}")
         text = f"{port}={file}"
     save = assignment("--save", text, "NODE.PORT=FILE")
-    _with_suffix("--save", save.text, SAVE_SUFFIXES)
+    _with_suffix("--save", save.text, SAVED)
     return Save(save.node, save.name, save.text, bounds)
 
 
 def report_path(text: str) -> Path:
     """The file of a report."""
-    return _with_suffix("--report", text, REPORT_SUFFIXES)
+    return _with_suffix("--report", text, REPORTS)
 
 
 def output_path(text: str) -> Path:
     """The file of a trade-off."""
-    return _with_suffix("--output", text, OUTPUT_SUFFIXES)
+    return _with_suffix("--output", text, OUTPUTS)
 
 
-def _with_suffix(option: str, text: str, allowed: tuple[str, ...]) -> Path:
+def _with_suffix(option: str, text: str, allowed: tuple[Format, ...]) -> Path:
     path = file_path(option, text)
     assert path is not None
-    if path.suffix.lower() not in allowed:
-        raise UsageError(f"{option} {text!r:.120}: the file's name must end in {_or(allowed)}")
+    if not any(each.matches(path) for each in allowed):
+        raise UsageError(
+            f"{option} {text!r:.120}: the file's name must end in {_or(suffixes(*allowed))}"
+        )
     return path
 
 

@@ -11,6 +11,7 @@ from app.run.readout_tables import jsonable
 from core.atomic import write_text
 from core.chain.skipped import Skip
 from core.names import printable
+from nodes.files.common.file_format import JSON
 
 
 def write_report(found: Evaluation, skipped: tuple[Skip, ...], path: Path) -> None:
@@ -31,7 +32,7 @@ def write_report(found: Evaluation, skipped: tuple[Skip, ...], path: Path) -> No
         If a figure cannot be computed, or the file not be written.
     """
     facts = report_facts(found, skipped)
-    if path.suffix.lower() == ".json":
+    if JSON.matches(path):
         text = json.dumps(jsonable(facts), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     else:
         from app.report.report_page import page

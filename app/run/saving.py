@@ -20,14 +20,16 @@ from core.chain.wires import Context, Curve, Image, Table
 from core.errors import UsageError
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from nodes.files.arrays import write_curves, write_matrix, write_npy
+from nodes.files.arrays import write_curves, write_matrix
+from nodes.files.common.file_format import CSV, Format, suffixes
 from nodes.files.curve_text import columns_text, is_plain
-from nodes.files.picture_writing import write_picture
+from nodes.files.formats import PNG, SAVED, WRITTEN, written_format
 from nodes.files.read import check_finite
+from nodes.files.write import write_picture
 
 Array = NDArray[Any]
-_TABLES = (".csv",)
-_CURVES = (".csv", ".npy", ".exr", ".tif", ".tiff")
+_TABLES = (CSV,)
+_CURVES = (CSV, *(each for each in WRITTEN if each.stores_floats))
 
 
 def check_suffix(port: str, value: Any, path: Path) -> None:
@@ -38,15 +40,14 @@ def check_suffix(port: str, value: Any, path: Path) -> None:
     UsageError
         Saying which can.
     """
-    allowed: tuple[str, ...] | None = None
+    allowed: tuple[Format, ...] = SAVED
     if isinstance(value, Table | Context):
         allowed = _TABLES
     elif isinstance(value, Curve):
         allowed = _CURVES
-    if allowed is not None and path.suffix.lower() not in allowed:
-        raise UsageError(
-            f"--save {port}={path}: a {value.port_type} is written as {' '.join(allowed)}"
-        )
+    if not any(each.matches(path) for each in allowed):
+        words = " ".join(suffixes(*allowed))
+        raise UsageError(f"--save {port}={path}: a {value.port_type} is written as {words}")
 
 
 def save_value(
@@ -65,18 +66,17 @@ def save_value(
         From computing, or from the writer.
     """
     made = realize(value, work, region)
-    suffix = path.suffix.lower()
     if isinstance(made, TableData):
         _save_rows(path, [(row.name, row.value, row.unit, row.meaning) for row in made.rows])
     elif isinstance(made, Context):
         _save_rows(path, _context_rows(made))
     elif isinstance(made, CurveData):
-        _save_curve(path, made, suffix, work)
+        _save_curve(path, made, work)
     else:
         array = real_array(made, work)
         check_finite(array, port)
         metadata = metadata_of(value, array.shape) if isinstance(value, Image) else {}
-        save_array(path, array, suffix, metadata)
+        save_array(path, array, metadata)
 
 
 def real_array(made: Array, work: Work) -> Array:
@@ -86,24 +86,26 @@ def real_array(made: Array, work: Work) -> Array:
         return real.astype(work.policy.dtype, copy=False)
 
 
-def save_array(path: Path, array: Array, suffix: str, metadata: dict[str, Any]) -> None:
-    """Write a real array in the format of a suffix, ``.png`` from its least to greatest sample.
+def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
+    """Write a real array in the format of the suffix; integers from its least to greatest sample.
 
     Raises
     ------
     ImagechainError
         From the writer.
     """
-    if suffix == ".npy":
-        write_npy(path, array)
-    elif suffix == ".csv":
+    kind = written_format(path)
+    if kind is None:
         write_matrix(path, array)
-    elif suffix == ".png":
-        levels = grey_levels(float(array.min()), float(array.max()), array)
-        write_bytes(path, encode_png(levels))
-    else:
-        double = array.dtype == np.float64 and suffix != ".exr"  # EXR knows no doubles
+    elif kind.stores_floats:
+        double = array.dtype == np.float64 and "double" in kind.dtypes
         write_picture(path, array, dtype="double" if double else "float", metadata=metadata)
+    else:
+        levels = grey_levels(float(array.min()), float(array.max()), array)
+        if kind is PNG:
+            write_bytes(path, encode_png(levels))
+        else:
+            write_picture(path, levels, dtype=kind.dtypes[0], metadata=metadata)
 
 
 def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
@@ -118,15 +120,15 @@ def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
     return {name: value for name, value in header.items() if value not in (None, "")}
 
 
-def _save_curve(path: Path, curve: CurveData, suffix: str, work: Work) -> None:
+def _save_curve(path: Path, curve: CurveData, work: Work) -> None:
     shared = all(np.array_equal(series.x, curve.series[0].x) for series in curve.series[1:])
-    if suffix == ".csv" and shared and curve.series:
+    if CSV.matches(path) and shared and curve.series:
         named = _columns(curve)
         if is_plain(curve):
             write_curves(path, named)
         else:
             write_text(path, columns_text(curve, named))
-    elif suffix == ".csv":
+    elif CSV.matches(path):
         points = [
             (series.label, repr(float(x)), repr(float(y)))
             for series in curve.series
@@ -135,7 +137,7 @@ def _save_curve(path: Path, curve: CurveData, suffix: str, work: Work) -> None:
         write_text(path, _lines([("series", curve.x_label, curve.y_label), *points]))
     elif shared and curve.series:
         columns = [curve.series[0].x, *(series.y for series in curve.series)]
-        save_array(path, real_array(np.stack(columns, axis=1), work), suffix, {})
+        save_array(path, real_array(np.stack(columns, axis=1), work), {})
     else:
         raise UsageError(f"{path}: curves with different axes are written as .csv")
 

@@ -37,7 +37,7 @@ from typing import (
 from core.evaluation.recipes import Recipe
 from core.modules.caution import Caution
 from core.modules.panel_sections import Section, complete
-from core.modules.parameters import Kind, Parameter, coerce_all
+from core.modules.parameters import Kind, Param, Parameter, coerce_all
 
 GIVEN = "given"  # what a warning names to have the names of the parameters that are set
 
@@ -245,7 +245,7 @@ def _parameters(module: type[Module]) -> tuple[Parameter, ...]:
         if get_origin(hint) is not Annotated:
             raise TypeError(f"{module.__name__}.{field.name} needs Annotated[type, Param(...)]")
         base, param = get_args(hint)[:2]
-        kind, choices, empty = _kind(base)
+        kind, choices, empty = _kind(base, param)
         found.append(
             Parameter(
                 name=field.name,
@@ -259,11 +259,13 @@ def _parameters(module: type[Module]) -> tuple[Parameter, ...]:
     return tuple(found)
 
 
-def _kind(base: Any) -> tuple[Kind, tuple[Any, ...], bool]:
+def _kind(base: Any, param: Param) -> tuple[Kind, tuple[Any, ...], bool]:
     empty = False
     if get_origin(base) in (Union, types.UnionType):
         members = [arg for arg in get_args(base) if arg is not type(None)]
         empty, base = len(members) < len(get_args(base)), members[0]
+    if param.choices:
+        return "choice", param.choices, empty
     if get_origin(base) is Literal:
         return "choice", get_args(base), empty
     if get_origin(base) is tuple:

@@ -33,6 +33,8 @@ class Param:
         The part of the range a slider should cover.
     zero_is_empty : bool
         For a number that may be empty: whether 0 means empty.
+    choices : tuple
+        For choices that are derived: all of them, where a `Literal` would list them again.
     """
 
     text: str
@@ -43,6 +45,7 @@ class Param:
     below: bool = False
     slider: tuple[float, float] | None = None
     zero_is_empty: bool = True
+    choices: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True)

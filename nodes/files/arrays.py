@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.atomic import atomic_file, write_text
 from core.errors import DataError, FileError, ParameterError
+from nodes.files.common.file_format import CSV
 from nodes.files.common.paths import checked_band, first_bytes, readable_file
-from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples, delivered_dtype
 from nodes.files.common.size_limits import refuse_oversized
 
-TEXT_SUFFIXES = (".txt", ".csv", ".prn")
 # numpy evaluates the header as a Python literal, and lets pass whatever that raises.
 _HEADER_FAULTS = (
     OSError,
@@ -92,6 +92,16 @@ def write_npy(path: str | os.PathLike[str], array: ArrayLike) -> None:
         np.lib.format.write_array(file, samples, allow_pickle=False)
 
 
+def write_npy_picture(
+    path: Path, stored: NDArray[Any], metadata: Mapping[str, MetadataValue]
+) -> None:
+    """Write samples (rows, columns, channels) as ``.npy``, which has no room for metadata.
+
+    One channel becomes (rows, columns). Errors as `write_npy`.
+    """
+    write_npy(path, stored[:, :, 0] if stored.shape[2] == 1 else stored)
+
+
 def read_matrix_info(path: str | os.PathLike[str]) -> PictureInfo:
     """Read the size of a text matrix, for which all of it must be read; errors as `read_matrix`."""
     matrix = read_matrix(path)
@@ -118,6 +128,13 @@ def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     return _parsed(_text(file), file)
 
 
+def read_matrix_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
+    """Read a text matrix, which is one band; errors as `read_matrix`, or there is no such band."""
+    matrix = read_matrix(path)
+    checked_band(band, 1, Path(os.fspath(path)))
+    return matrix
+
+
 def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
     """Write a matrix as plain numbers, which MathCad's READPRN reads.
 
@@ -142,7 +159,7 @@ def write_matrix(path: str | os.PathLike[str], array: ArrayLike) -> None:
     if samples.ndim != 2 or samples.size == 0:
         raise DataError(f"an array of shape {samples.shape} is no matrix: (rows, columns)")
     _refuse_not_finite(samples, "the matrix")
-    separator = "," if Path(os.fspath(path)).suffix.lower() == ".csv" else " "
+    separator = "," if CSV.matches(Path(os.fspath(path))) else " "
     lines = io.StringIO()
     for row in samples:
         lines.write(separator.join(_numbers(row)) + "\n")

@@ -27,16 +27,10 @@ from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
 from nodes.files.damage import png_bit_depth, refuse_damaged
 from nodes.files.headers.fits_header import read_fits_header, refuse_unsupported
 from nodes.files.headers.header_fields import FieldValue, header_fields
-from nodes.files.picture_writing import DTYPES as WRITABLE_DTYPES
-from nodes.files.picture_writing import write_picture
 from nodes.files.tiff.plain_tiff import read_plain_tiff
 from nodes.files.tiff.tiff_deflate import check_deflate, is_deflated
 from nodes.files.tiff.tiff_layout import refuse_predictor
 
-__all__ = ["SUFFIXES", "WRITABLE_DTYPES", "read_band", "read_info", "write_picture"]
-
-# Pictures by their suffix, whatever .hdr lies beside them; others are known by their content.
-SUFFIXES = (".exr", ".tif", ".tiff", ".png", ".jpg", ".jpeg", ".jp2", ".bmp", ".fits", ".fit")
 # Rows that a format packs together: 256 of DWAB, fewer of all others.
 _STRIP_ROWS, _STRIP_BYTES = 256, 1 << 25
 # These two invent a picture or draw on the terminal instead of reading the file.

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import DataError, FileError
-from nodes.files import arrays, pictures
-from nodes.files.common.paths import checked_band, readable_file
+from core.errors import DataError
+from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import PictureInfo, Samples
-from nodes.files.headers import envi, envi_header
+from nodes.files.formats import format_of
 
 _BLOCK_SAMPLES = 1 << 20
 
@@ -21,9 +19,8 @@ _BLOCK_SAMPLES = 1 << 20
 def read_info(path: str | os.PathLike[str]) -> PictureInfo:
     """Describe a picture file of any supported kind without reading its samples.
 
-    The kind is known by suffix and content: ``.npy`` and text matrices (``.txt``, ``.csv``,
-    ``.prn``), ENVI where an ENVI header lies beside the file or is the file, and every other
-    by OpenImageIO.
+    The kind is known by suffix, by content, and as ENVI by a header that lies beside the file or
+    is the file: see `nodes.files.formats`.
 
     Raises
     ------
@@ -31,15 +28,7 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
         The file is missing, a folder, empty, not readable, damaged or of an unknown format.
     """
     file = readable_file(path)
-    match _kind(file):
-        case "npy":
-            return arrays.read_npy_info(file)
-        case "text":
-            return arrays.read_matrix_info(file)
-        case "envi":
-            return envi.read_info(file)
-        case _:
-            return pictures.read_info(file)
+    return format_of(file).read_info(file)
 
 
 def read_pixels(path: str | os.PathLike[str], band: int = 0) -> Samples:
@@ -65,17 +54,7 @@ def read_pixels(path: str | os.PathLike[str], band: int = 0) -> Samples:
         As `read_info`, or there is no such band.
     """
     file = readable_file(path)
-    match _kind(file):
-        case "npy":
-            return arrays.read_npy(file, band)
-        case "text":
-            matrix = arrays.read_matrix(file)
-            checked_band(band, 1, file)
-            return matrix
-        case "envi":
-            return envi.read_band(file, band)
-        case _:
-            return pictures.read_band(file, band)
+    return format_of(file).read_band(file, band)
 
 
 def check_finite(array: NDArray[Any], name: str, *, advice: str = "") -> None:
@@ -113,22 +92,3 @@ def check_finite(array: NDArray[Any], name: str, *, advice: str = "") -> None:
             f"{name}: {many} not finite (NaN or infinite), the first "
             f"({array[first]}) at row {first[0]}, column {first[1]}" + (advice and f"; {advice}")
         )
-
-
-def _kind(path: Path) -> str:
-    suffix = path.suffix.lower()
-    if suffix == ".npy" or arrays.is_npy(path):
-        return "npy"
-    if suffix == ".hdr":
-        # Radiance pictures have the same suffix.
-        return "envi" if envi_header.is_envi_header(path) else "picture"
-    if suffix in pictures.SUFFIXES:
-        return "picture"
-    if envi_header.header_beside(path):
-        return "envi"
-    if suffix in arrays.TEXT_SUFFIXES:
-        return "text"
-    if suffix in envi_header.DATA_SUFFIXES[2:] or suffix == ".img":
-        expected = f"{path.name}.hdr or {path.with_suffix('.hdr').name}"
-        raise FileError(f"{path}: its ENVI header is missing; expected {expected} beside it")
-    return "picture"

@@ -17,6 +17,7 @@ from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo
+from nodes.files.formats import readable_formats
 from nodes.input_output.radiance_check import radiance_caution
 from nodes.input_output.sample_unit import DEFAULT_UNIT, sample_unit
 from nodes.input_output.source_file import count_missing, picture_source, read_step
@@ -25,7 +26,7 @@ from nodes.shared.shared_warnings import is_radiance
 
 
 class ReadImage(Module, key="read_image", title="Read Image", group="Input and output"):
-    """Read a picture: EXR, TIFF, HDR, PNG, FITS, ENVI as DIRSIG writes it, .npy or plain text.
+    """Read a picture from a file: ENVI as DIRSIG writes it, or of any format that `path` names.
 
     Samples are the numbers the file stores times `scale`. Where an ENVI header gives wavelengths,
     its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for every other
@@ -38,9 +39,10 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     or the file's value for no data, are refused unless `missing` says what stands for them.
     """
 
-    path: Annotated[Path | None, Param("picture file, relative to the network file's folder")] = (
-        None
-    )
+    path: Annotated[
+        Path | None,
+        Param(f"picture file, relative to the network file's folder: {readable_formats()}"),
+    ] = None
     band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0
     scale: Annotated[float, Param("factor on the samples", slider=(0, 10000))] = 1.0
     unit: Annotated[str, Param("unit of the samples after scaling")] = DEFAULT_UNIT

@@ -18,21 +18,16 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
-from nodes.files.arrays import write_npy
-from nodes.files.picture_writing import DTYPES, MetadataValue, write_picture
+from nodes.files.common.file_format import suffixes
+from nodes.files.common.picture_info import MetadataValue
+from nodes.files.formats import WRITTEN, written_format
 from nodes.files.read import check_finite
+from nodes.files.write import write_picture
 
-Format = Literal["by_suffix", "exr", "tif", "png", "npy"]
 Dtype = Literal["automatic", "float", "double", "half", "uint8", "uint16"]
 Files = list[tuple[Path, Callable[[Path], None]]]
 
-_HOLDS: Mapping[str, tuple[str, ...]] = {**DTYPES, ".npy": ("float", "double")}
-_SUFFIXES: Mapping[str, tuple[str, ...]] = {
-    "exr": (".exr",),
-    "tif": (".tif", ".tiff"),
-    "png": (".png",),
-    "npy": (".npy",),
-}
+_BY_SUFFIX = "by_suffix"
 
 
 class WriteImage(
@@ -48,7 +43,9 @@ class WriteImage(
     path: Annotated[Path | None, Param("file to write, relative to the network file's folder")] = (
         None
     )
-    format: Annotated[Format, Param("format of the file")] = "by_suffix"
+    format: Annotated[
+        str, Param("format of the file", choices=(_BY_SUFFIX, *(each.name for each in WRITTEN)))
+    ] = _BY_SUFFIX
     dtype: Annotated[Dtype, Param("type of the stored samples")] = "automatic"
     range_low: Annotated[
         float | None, Param("sample stored as 0 by integer types", zero_is_empty=False)
@@ -70,9 +67,10 @@ class WriteImage(
 
     def run(self, image: Image, here: NodeContext) -> None:
         """Check where and how to write."""
-        suffix = self.target(here).suffix.lower()
-        if self.dtype not in ("automatic", *_HOLDS[suffix]):
-            allowed = f"automatic, or what a {suffix} file holds: {', '.join(_HOLDS[suffix])}"
+        target = self.target(here)
+        held = _dtypes(target)
+        if self.dtype not in ("automatic", *held):
+            allowed = f"automatic, or what a {target.suffix.lower()} file holds: {', '.join(held)}"
             raise ParameterError("dtype", self.dtype, allowed)
 
     def target(self, here: NodeContext) -> Path:
@@ -86,39 +84,38 @@ class WriteImage(
         if self.path is None:
             allowed = "a file name, relative to the network file's folder"
             raise ParameterError("path", None, allowed)
-        suffix, path = self.path.suffix.lower(), here.folder / self.path
-        if self.format == "by_suffix":
-            if suffix not in _HOLDS:
-                allowed = f"a name that ends in {', '.join(_HOLDS)}; or choose a format"
+        path, known = here.folder / self.path, written_format(self.path)
+        if self.format == _BY_SUFFIX:
+            if known is None:
+                allowed = f"a name that ends in {', '.join(suffixes(*WRITTEN))}; or choose a format"
                 raise ParameterError("path", self.path.as_posix(), allowed)
             return path
-        wanted = _SUFFIXES[self.format]
-        if suffix in wanted:
-            return path
-        if suffix in _HOLDS:
+        if known is None:
+            wanted = next(each for each in WRITTEN if each.name == self.format)
+            return path.with_name(path.name + wanted.suffixes[0])
+        if known.name != self.format:
             raise ParameterError("format", self.format, f"by_suffix, or that of {self.path.name}")
-        return path.with_name(path.name + wanted[0])
+        return path
 
     def files(self, inputs: Mapping[str, Any], here: NodeContext, work: Work) -> Files:
         """Compute the picture; the file and what writes it."""
         image: Image = inputs["image"]
         target = self.target(here)
         samples = realize(image, work)
-        dtype = self._stored(target.suffix.lower(), samples)
-        if target.suffix.lower() == ".npy":
-            return [(target, partial(write_array, samples=samples, dtype=dtype))]
+        check_finite(samples, target.name)
+        dtype = self._stored(_dtypes(target), samples)
         low, high = self._range(samples) if dtype.startswith("uint") else (None, None)
         writer = partial(
             write_picture, array=samples, dtype=dtype, low=low, high=high, metadata=_told(image)
         )
         return [(target, writer)]
 
-    def _stored(self, suffix: str, samples: NDArray[Any]) -> str:
+    def _stored(self, held: tuple[str, ...], samples: NDArray[Any]) -> str:
         if self.dtype != "automatic":
             return self.dtype
-        if suffix == ".png":
-            return "uint16"
-        return "double" if samples.dtype == np.float64 and "double" in _HOLDS[suffix] else "float"
+        if "float" not in held:
+            return held[-1]
+        return "double" if samples.dtype == np.float64 and "double" in held else "float"
 
     def _range(self, samples: NDArray[Any]) -> tuple[float, float]:
         low = float(samples.min()) if self.range_low is None else self.range_low
@@ -131,18 +128,9 @@ class WriteImage(
         return low, math.nextafter(low, math.inf)
 
 
-def write_array(path: Path, *, samples: NDArray[Any], dtype: str) -> None:
-    """Write ``.npy`` in the given precision.
-
-    Raises
-    ------
-    DataError
-        Samples beyond single precision.
-    """
-    with np.errstate(over="ignore"):  # reported below, with the place
-        stored = samples.astype(np.float32 if dtype == "float" else np.float64, copy=False)
-    check_finite(stored, f"{path.name} as {dtype}")
-    write_npy(path, stored)
+def _dtypes(path: Path) -> tuple[str, ...]:
+    kind = written_format(path)
+    return kind.dtypes if kind is not None else ()
 
 
 def _told(image: Image) -> dict[str, MetadataValue]:

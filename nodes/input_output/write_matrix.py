@@ -20,10 +20,12 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.parameters import Param
 from nodes.files.arrays import write_curves, write_matrix
+from nodes.files.common.file_format import CSV, suffixes
 from nodes.files.curve_text import columns_text, is_plain
+from nodes.files.formats import MATRICES
 
 Files = list[tuple[Path, Callable[[Path], None]]]
-_SUFFIXES = (".csv", ".txt", ".prn")
+_SUFFIXES = suffixes(*MATRICES)
 
 
 class WriteMatrix(
@@ -70,7 +72,7 @@ class WriteMatrix(
         if not isinstance(value, CurveData):
             return [(target, partial(write_matrix, array=value))]
         columns = curve_columns(value)
-        if target.suffix.lower() == ".csv":
+        if CSV.matches(target):
             if is_plain(value):
                 return [(target, partial(write_curves, columns=columns))]
             return [(target, partial(write_text, content=columns_text(value, columns)))]

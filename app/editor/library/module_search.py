@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from core.modules.declaration import Declaration
+from nodes.files.formats import readable_formats
 
 # What people call it who have not read its title or summary.
 _ALSO: Mapping[str, str] = MappingProxyType(
     {
         "test_scene": "target bars edge star chart",
-        "read_image": "load import DIRSIG ENVI TIFF FITS EXR",
+        "read_image": f"load import DIRSIG {readable_formats()}",
         "poisson_noise": "photon shot noise",
         "periodic_noise": "banding striping coherent",
         "electronics_noise": "banding striping fixed pattern FPN NUC ADC",

@@ -37,6 +37,7 @@ from app.tradeoff.values import Variation
 from core.atomic import write_text
 from core.errors import UsageError
 from core.network.network import Network
+from nodes.files.common.file_format import CSV
 
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
@@ -125,7 +126,7 @@ class TradeOffView(Viewer):
         parameter, span = self.varied.parameter, self.span
         if parameter is None or span is None or not self.points:
             raise UsageError("the trade-off shows no curves")
-        if path.suffix.lower() == ".csv":
+        if CSV.matches(path):
             points = tuple(self.points[value] for value in sorted(self.points))
             varied = Variation(self.varied.node, parameter, tuple(sorted(self.points)), span.log)
             curves = (Curve(None, points),)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+MetadataValue = str | int | float
 Samples = NDArray[np.floating[Any]]  # float32 or float64, (rows, columns), C order
 
 

@@ -70,6 +70,13 @@ def header_beside(data: Path) -> Path | None:
     return None
 
 
+def is_envi(path: Path) -> bool:
+    """Whether the file is an ENVI header, or has one beside it."""
+    if path.suffix.lower() == ".hdr":
+        return is_envi_header(path)  # radiance pictures have the same suffix
+    return header_beside(path) is not None
+
+
 def read_layout(path: str | os.PathLike[str]) -> EnviLayout:
     """Read and check the header of an ENVI picture.
 

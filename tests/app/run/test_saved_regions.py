@@ -7,8 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from nodes.files.picture_writing import write_picture
 from nodes.files.read import read_info
+from nodes.files.write import write_picture
 
 ROWS, COLUMNS = 40, 48
 BOUNDS = {

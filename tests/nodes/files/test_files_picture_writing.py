@@ -5,8 +5,9 @@ import pytest
 
 from child_process import kill_program, run_program
 from core.errors import DataError, FileError, ParameterError
-from nodes.files.pictures import read_band, read_info, write_picture
+from nodes.files.pictures import read_band, read_info
 from nodes.files.read import read_pixels
+from nodes.files.write import write_picture
 from picture_samples import SPECIAL, samples_of
 
 
@@ -118,7 +119,8 @@ import resource, sys
 from pathlib import Path
 import numpy as np
 from core.errors import FileError
-from nodes.files.pictures import read_band, write_picture
+from nodes.files.pictures import read_band
+from nodes.files.write import write_picture
 folder = Path(sys.argv[1])
 samples = np.random.default_rng(0).integers(0, 65536, (60, 60))
 free = resource.RLIM_INFINITY
@@ -150,7 +152,7 @@ def test_full_disk_is_noticed_at_every_place_and_keeps_the_old_picture(tmp_path)
 WRITE_FOR_EVER = """
 import itertools, sys
 import numpy as np
-from nodes.files.pictures import write_picture
+from nodes.files.write import write_picture
 for count in itertools.count(1):
     write_picture(sys.argv[1], np.full((600, 700), count, dtype=np.float32))
     if count == 1:

@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from core.errors import FileError
-from nodes.files.pictures import read_band, read_info, write_picture
+from nodes.files.pictures import read_band, read_info
 from nodes.files.read import read_pixels
+from nodes.files.write import write_picture
 from picture_samples import SPECIAL, samples_of
 
 KINDS = {"u1": 1, "u2": 1, "u4": 1, "i1": 2, "i2": 2, "i4": 2, "f2": 3, "f4": 3, "f8": 3}

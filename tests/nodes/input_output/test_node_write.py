@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from core.chain.results import CurveData, Series
-from core.errors import ParameterError
+from core.chain.wires import Image
+from core.errors import DataError, ParameterError
+from core.evaluation.recipes import Step
+from core.modules.declaration import Module
 from core.modules.library_type import library_of
 from node_bench import NodeBench
 from nodes.files.arrays import read_curves, read_matrix
@@ -15,8 +18,23 @@ from nodes.input_output.examine_image import ExamineImage
 from nodes.input_output.read_image import ReadImage
 from nodes.input_output.write_image import WriteImage
 from nodes.input_output.write_matrix import WriteMatrix, curve_columns
+from nodes.shared.module_ports import ImageOutput
 
 LIBRARY = library_of([ReadImage, WriteImage, WriteMatrix, ExamineImage])
+
+
+def with_a_hole(_work, samples):
+    made = samples.copy()
+    made[2, 3] = np.inf
+    return made
+
+
+class Hole(Module, key="hole", title="Hole", group="Tests"):
+    """Make one sample infinite."""
+
+    def run(self, image: Image) -> ImageOutput:
+        """Plan it."""
+        return ImageOutput(image.with_recipe(Step.of(with_a_hole, image.recipe)))
 
 
 def passing(folder, array, sink, params, precision="double"):
@@ -84,6 +102,18 @@ def test_faults_of_writing_are_told_at_planning(tmp_path, params, words):
     error = passing(tmp_path, picture(), "write_image", params).error("out")
     assert isinstance(error, ParameterError)
     assert error.parameter == words
+
+
+@pytest.mark.parametrize("name", ["o.tif", "o.npy", "o.exr", "o.png"])
+def test_samples_that_are_not_finite_are_refused_in_every_format(tmp_path, name):
+    np.save(tmp_path / "in.npy", picture())
+    nodes = {"in": ("read_image", {"path": "in.npy"}), "hole": ("hole", {})}
+    nodes["out"] = ("write_image", {"path": name})
+    links = [("in.image", "hole.image"), ("hole.image", "out.image")]
+    bench = NodeBench(library_of([*LIBRARY.values(), Hole]), tmp_path, nodes, links)
+    with pytest.raises(DataError, match=f"{name}: 1 sample is not finite .* row 2, column 3"):
+        bench.write("out")
+    assert not (tmp_path / name).exists()
 
 
 @pytest.mark.parametrize("name", ["m.txt", "m.csv", "m.prn"])

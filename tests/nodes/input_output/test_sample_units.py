@@ -8,7 +8,7 @@ import pytest
 from core.errors import FileError, ParameterError
 from core.modules.library_type import library_of
 from node_bench import NodeBench
-from nodes.files.picture_writing import write_picture
+from nodes.files.write import write_picture
 from nodes.input_output.read_image import ReadImage
 
 LIBRARY = library_of([ReadImage])

@@ -60,7 +60,7 @@ class PathField(TypedField):
         """Let a file be chosen; returns at once."""
         for other in self.findChildren(QFileDialog, "field.dialog"):
             other.reject()
-        dialog = QFileDialog(self, self.parameter.param.text.capitalize())
+        dialog = QFileDialog(self, self.parameter.param.text.partition(":")[0].capitalize())
         dialog.setObjectName("field.dialog")
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.setOption(QFileDialog.Option.DontUseNativeDialog)

@@ -17,8 +17,8 @@ from app.run.saving import metadata_of, save_array
 from core.atomic import write_bytes
 from core.chain.wires import Image
 from core.errors import UsageError
-
-SUFFIXES = (".png", ".npy", ".csv", ".tif", ".tiff", ".exr")
+from nodes.files.common.file_format import suffixes
+from nodes.files.formats import PNG, SAVED
 
 
 def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5) -> None:
@@ -35,12 +35,11 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
     ImagechainError
         From the writer.
     """
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise UsageError(f"{path}: a picture is written as {' '.join(SUFFIXES)}")
+    if not any(each.matches(path) for each in SAVED):
+        raise UsageError(f"{path}: a picture is written as {' '.join(suffixes(*SAVED))}")
     if picture.reduced > 1:
         raise UsageError("the picture is a preview still: wait until it is shown at full size")
-    if suffix == ".png":
+    if PNG.matches(path):
         write_bytes(path, _png(wiped(picture, split), table))
         return
     samples: Any = picture.samples
@@ -48,7 +47,7 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
         samples = scipy.fft.ifftshift(samples)
     spatial = isinstance(picture.value, Image) and picture.facts.kind == "picture"
     metadata = metadata_of(picture.value, samples.shape) if spatial else {}
-    save_array(path, np.asarray(samples), suffix, metadata)
+    save_array(path, np.asarray(samples), metadata)
 
 
 def wiped(picture: Picture, split: float) -> Levels:

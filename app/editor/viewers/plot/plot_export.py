@@ -18,8 +18,11 @@ from app.editor.viewers.plot.curves_query import TransferCurves
 from core.atomic import write_bytes, write_text
 from core.chain.results import CurveData, TableData
 from core.errors import UsageError
+from nodes.files.common.file_format import CSV, SVG, suffixes
+from nodes.files.formats import PNG
 
-SUFFIXES = (".png", ".svg", ".csv")
+PICTURES = (PNG, SVG)
+NUMBERS = (CSV,)
 Data = TransferCurves | CurveData | TableData
 _SHARPNESS = 2  # dots of a PNG for each of the window
 
@@ -34,7 +37,7 @@ def export(widget: QWidget, data: Data, path: Path) -> None:
     FileError
         If the file cannot be written.
     """
-    if path.suffix.lower() == ".csv":
+    if CSV.matches(path):
         write_text(path, csv_text(data))
     else:
         export_picture(widget, path)
@@ -50,13 +53,12 @@ def export_picture(widget: QWidget, path: Path) -> None:
     FileError
         If the file cannot be written.
     """
-    suffix = path.suffix.lower()
-    if suffix == ".png":
+    if PNG.matches(path):
         write_bytes(path, _png(widget))
-    elif suffix == ".svg":
+    elif SVG.matches(path):
         write_bytes(path, _svg(widget))
     else:
-        raise UsageError(f"{path}: a plot is written as {' '.join(SUFFIXES)}")
+        raise UsageError(f"{path}: a plot is written as {' '.join(suffixes(*PICTURES, *NUMBERS))}")
 
 
 def csv_text(data: Data) -> str:

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QApplication, QDialog, QMessageBox, QWidget
 from app.editor.session import Session
 from app.editor.tradeoff.tradeoff_view import TradeOffView
 from app.editor.viewers.picture.image_viewer import ImageViewer
+from app.editor.viewers.plot import plot_export
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.actions.module_text import ModuleText
@@ -19,10 +20,22 @@ from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.save_dialog import SaveDialog
 from app.options.command_options import version
 from core.errors import ImagechainError
+from nodes.files.common.file_format import CSV, dialog_filter
+from nodes.files.formats import WRITTEN
 
-_PICTURES = "Pictures (*.png *.tif *.exr);;Samples (*.npy *.csv)"
 Exported = ImageViewer | PlotViewer | TradeOffView
-_CURVES = "Pictures (*.png *.svg);;Numbers (*.csv)"
+_PICTURES = ";;".join(
+    (
+        dialog_filter("Pictures", *(each for each in WRITTEN if not each.plain)),
+        dialog_filter("Samples", *(each for each in WRITTEN if each.plain), CSV),
+    )
+)
+_CURVES = ";;".join(
+    (
+        dialog_filter("Pictures", *plot_export.PICTURES),
+        dialog_filter("Numbers", *plot_export.NUMBERS),
+    )
+)
 
 
 class Help(QObject):

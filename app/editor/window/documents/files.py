@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QFileDialog, QWidget
 
 from app.editor.session import Session
-from app.editor.window.documents.opening import Opened, open_named
+from app.editor.window.documents.opening import NETWORK_SUFFIX, Opened, open_named
 from app.editor.window.documents.questions import Question, changed_file, save_changes
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.documents.save_dialog import SaveDialog
@@ -18,7 +18,7 @@ from core.editing.moved_folder import rebased
 from core.errors import ImagechainError
 from core.network.network import Network
 
-_FILTER = "Networks (*.json);;All files (*)"
+_FILTER = f"Networks (*{NETWORK_SUFFIX});;All files (*)"
 Next = Callable[[], object]
 
 
@@ -103,7 +103,7 @@ class Files(QObject):
         """Ask for a file and save to it; then go on, if it was saved."""
         self.about_to_save.emit()
         dialog = self._in_place_of_other(SaveDialog(*self._words("Save the network")))
-        dialog.setDefaultSuffix("json")
+        dialog.setDefaultSuffix(NETWORK_SUFFIX.removeprefix("."))
         dialog.selectFile(self._proposal())
         dialog.fileSelected.connect(lambda text: self.save_to(Path(text), following))
         dialog.show()
@@ -189,7 +189,7 @@ class Files(QObject):
             return str(path)
         name = self._session.network.name or "network"
         kept = "".join(c if c.isalnum() or c in "-_" else "_" for c in name.lower())
-        return f"{kept}.json"
+        return f"{kept}{NETWORK_SUFFIX}"
 
     def _words(self, title: str) -> tuple[QWidget, str, str, str]:
         path = self._session.document.path

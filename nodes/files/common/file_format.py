@@ -1,0 +1,46 @@
+"""What a format of files is, and those of curves, tables and reports."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format of files.
+
+    Attributes
+    ----------
+    name
+        A word for it, where one is chosen.
+    suffixes
+        What names of its files end in, in lower case; the first is the usual one.
+    description
+        What people call it.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    description: str
+
+    def matches(self, path: Path) -> bool:
+        """Whether the file's name ends in one of the suffixes, whatever their case."""
+        return path.suffix.lower() in self.suffixes
+
+
+CSV = Format("csv", (".csv",), "numbers separated by commas")
+BLANKS = Format("txt", (".txt", ".prn"), "numbers separated by blanks")
+JSON = Format("json", (".json",), "JSON")
+HTML = Format("html", (".html",), "page")
+SVG = Format("svg", (".svg",), "drawing")
+
+
+def suffixes(*formats: Format) -> tuple[str, ...]:
+    """All suffixes of the formats."""
+    return tuple(suffix for each in formats for suffix in each.suffixes)
+
+
+def dialog_filter(title: str, *formats: Format) -> str:
+    """The formats as a file dialog offers them: ``Pictures (*.tif *.png)``."""
+    return f"{title} ({' '.join('*' + suffix for suffix in suffixes(*formats))})"

@@ -1,0 +1,118 @@
+"""Samples in the type that a file stores: whole, in its range, or refused."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.errors import DataError, ParameterError
+
+SAMPLE_TYPES: Mapping[str, np.dtype[Any]] = MappingProxyType(
+    {
+        "half": np.dtype(np.float16),
+        "float": np.dtype(np.float32),
+        "double": np.dtype(np.float64),
+        "uint8": np.dtype(np.uint8),
+        "uint16": np.dtype(np.uint16),
+    }
+)
+
+
+def as_picture(array: ArrayLike) -> NDArray[Any]:
+    """Real samples as (rows, columns, channels), not empty.
+
+    Raises
+    ------
+    DataError
+        They are not real, or no picture.
+    """
+    samples = np.asarray(array)
+    if samples.dtype.kind not in "buif":
+        raise DataError(f"samples of type {samples.dtype} cannot be written as a picture: not real")
+    if samples.ndim == 2:
+        samples = samples[:, :, None]
+    if samples.ndim != 3 or samples.size == 0:
+        raise DataError(
+            f"an array of shape {np.shape(array)} cannot be written as a picture; "
+            "allowed: (rows, columns) or (rows, columns, channels), not empty"
+        )
+    return samples
+
+
+def as_stored(
+    samples: NDArray[Any], dtype: str, low: float | None, high: float | None
+) -> NDArray[Any]:
+    """Samples in the type of that name, C order.
+
+    For the integer types `low` and `high` become 0 and the largest integer (linear, nearest,
+    clipped); without them the samples must be whole numbers within the range already.
+
+    Parameters
+    ----------
+    samples
+        (rows, columns, channels).
+    dtype
+        A name of `SAMPLE_TYPES`.
+    low, high
+        Of integer types alone.
+
+    Raises
+    ------
+    ParameterError
+        `low` or `high` cannot be used.
+    DataError
+        Samples that do not fit the type.
+    """
+    kind = SAMPLE_TYPES[dtype]
+    if kind.kind == "u":
+        return _as_integers(samples, kind, low, high)
+    if low is not None or high is not None:
+        raise ParameterError("low, high", (low, high), f"none with dtype {dtype}: uint8 or uint16")
+    return _as_floats(samples, kind)
+
+
+def _as_floats(samples: NDArray[Any], dtype: np.dtype[Any]) -> NDArray[Any]:
+    if samples.dtype == dtype:
+        return np.ascontiguousarray(samples)
+    with np.errstate(over="ignore", invalid="ignore"):
+        stored = np.ascontiguousarray(samples, dtype=dtype)
+    largest = float(np.finfo(dtype).max)
+    overflowed = np.isinf(stored) & np.isfinite(samples)
+    if overflowed.any():
+        row, column, _ = np.argwhere(overflowed)[0]
+        raise DataError(
+            f"{int(overflowed.sum())} samples are beyond ±{largest:.6g}, the range of {dtype}, "
+            f"the first at row {row}, column {column}"
+        )
+    return stored
+
+
+def _as_integers(
+    samples: NDArray[Any], dtype: np.dtype[Any], low: float | None, high: float | None
+) -> NDArray[Any]:
+    top = np.iinfo(dtype).max
+    values = samples.astype(np.float64)
+    if not np.isfinite(values).all():
+        row, column, _ = np.argwhere(~np.isfinite(values))[0]
+        raise DataError(f"sample at row {row}, column {column} is not finite: no {dtype} for it")
+    if low is None and high is None:
+        wrong = (values != np.rint(values)) | (values < 0) | (values > top)
+        if wrong.any():
+            row, column, _ = np.argwhere(wrong)[0]
+            raise DataError(
+                f"sample {values[row, column].ravel()[0]:g} at row {row}, column {column} is no "
+                f"{dtype} (whole, 0 to {top}); give low and high to scale"
+            )
+        return values.astype(dtype)
+    if low is None or high is None or not (math.isfinite(low) and math.isfinite(high - low)):
+        raise ParameterError("low, high", (low, high), "two finite numbers or none")
+    if not high > low:
+        raise ParameterError("high", high, f"above low = {low:g}")
+    # Clipped first: a sample far outside the range could overflow in the division.
+    values = (np.clip(values, low, high) - low) / (high - low)
+    return np.rint(values * top).astype(dtype)

@@ -1,0 +1,116 @@
+"""The formats of picture files: suffixes, who reads them, who writes them, and in which types.
+
+A new one is a file with its `read_info`, `read_band` and, where it can be written, a writer, and a
+line in `PICTURES`. Reading and writing, Write Image's choice of formats, the command line's
+suffixes and help, and the dialogs of the editor follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+
+from nodes.files import arrays, pictures
+from nodes.files.common.file_format import BLANKS, CSV, Format, suffixes
+from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples
+from nodes.files.headers import envi, envi_header
+from nodes.files.oiio_writing import write_by_oiio
+
+
+@dataclass(frozen=True)
+class PictureFormat(Format):
+    """A format of picture files.
+
+    Attributes
+    ----------
+    read_info
+        Describes a file without reading its samples.
+    read_band
+        Reads one band, counted from 0, as the numbers that the file stores.
+    write
+        Writes samples (rows, columns, channels), which are of one of `dtypes` already, with the
+        metadata that the format can hold; None where the format is only read.
+    dtypes
+        Types of sample that it stores, of `nodes.files.common.stored_samples.SAMPLE_TYPES`, the
+        most precise integer last.
+    recognizes
+        Whether a file is of this format though its suffix does not say so.
+    plain
+        Whether a file holds samples and no picture that others would show.
+    """
+
+    read_info: Callable[[Path], PictureInfo]
+    read_band: Callable[[Path, int], Samples]
+    write: Callable[[Path, NDArray[Any], Mapping[str, MetadataValue]], None] | None = None
+    dtypes: tuple[str, ...] = ()
+    recognizes: Callable[[Path], bool] | None = None
+    plain: bool = False
+
+    @property
+    def stores_floats(self) -> bool:
+        """Whether samples are stored as they are, and not scaled to integers."""
+        return "float" in self.dtypes
+
+    def claims(self, path: Path) -> bool:
+        """Whether the file is of this format by its suffix, its content or what lies beside it."""
+        return self.matches(path) or (self.recognizes is not None and self.recognizes(path))
+
+
+def _whatever(_path: Path) -> bool:
+    return True
+
+
+_OIIO = (pictures.read_info, pictures.read_band)
+_ENVI_DATA = tuple(suffix for suffix in envi_header.DATA_SUFFIXES if suffix)
+MATRICES = (CSV, BLANKS)
+NPY = PictureFormat(
+    "npy", (".npy",), ".npy", arrays.read_npy_info, arrays.read_npy, arrays.write_npy_picture,
+    ("float", "double"), recognizes=arrays.is_npy, plain=True,
+)  # fmt: skip
+PNG = PictureFormat("png", (".png",), "PNG", *_OIIO, write_by_oiio, ("uint8", "uint16"))
+# The first that claims a file reads it.
+PICTURES: tuple[PictureFormat, ...] = (
+    NPY,
+    PictureFormat("exr", (".exr",), "EXR", *_OIIO, write_by_oiio, ("float", "half")),
+    PictureFormat(
+        "tif", (".tif", ".tiff"), "TIFF", *_OIIO, write_by_oiio,
+        ("float", "double", "uint8", "uint16"),
+    ),
+    PNG,
+    PictureFormat("jpg", (".jpg", ".jpeg"), "JPEG", *_OIIO),
+    PictureFormat("jp2", (".jp2",), "JPEG 2000", *_OIIO),
+    PictureFormat("bmp", (".bmp",), "BMP", *_OIIO),
+    PictureFormat("fits", (".fits", ".fit"), "FITS", *_OIIO),
+    PictureFormat(
+        "envi", _ENVI_DATA, "ENVI", envi.read_info, envi.read_band, recognizes=envi_header.is_envi
+    ),
+    PictureFormat("hdr", (".hdr",), "HDR", *_OIIO),
+    PictureFormat(
+        "text", suffixes(*MATRICES), "plain text", arrays.read_matrix_info,
+        arrays.read_matrix_band,
+    ),
+    PictureFormat("other", (), "others by their content", *_OIIO, recognizes=_whatever),
+)  # fmt: skip
+# Those that can be written, pictures before plain samples.
+WRITTEN = tuple(sorted((each for each in PICTURES if each.write), key=lambda each: each.plain))
+SAVED: tuple[Format, ...] = (*WRITTEN, CSV)
+
+
+def readable_formats() -> str:
+    """What can be read, in words."""
+    *names, last = (each.description for each in PICTURES)
+    return f"{', '.join(names)} and {last}"
+
+
+def format_of(path: Path) -> PictureFormat:
+    """The format that a file is read in."""
+    return next(each for each in PICTURES if each.claims(path))
+
+
+def written_format(path: Path) -> PictureFormat | None:
+    """The format in which a picture of this name is written; None for another suffix."""
+    return next((each for each in WRITTEN if each.matches(path)), None)
