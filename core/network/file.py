@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import stat
 from collections.abc import Mapping
 from os import PathLike, fspath
@@ -138,7 +139,7 @@ def format_network(network: Network, *, library: Library) -> str:
 
 def _lines(value: Any, newline: str, encode: Any) -> str:
     if type(value) in SCALARS:
-        return str(encode(value))
+        return _scalar(value, encode)
     inner = newline + "  "
     if isinstance(value, Mapping) and value:
         rows = [f"{encode(name)}: {_lines(item, inner, encode)}" for name, item in value.items()]
@@ -150,6 +151,12 @@ def _lines(value: Any, newline: str, encode: Any) -> str:
             "[" + inner + f",{inner}".join(_lines(v, inner, encode) for v in value) + newline + "]"
         )
     return str(encode(thaw(value)))
+
+
+def _scalar(value: Any, encode: Any) -> str:
+    """As `encode` has it: for a number it sets up all that a document takes, each time anew."""
+    plain_number = type(value) is int or (type(value) is float and math.isfinite(value))
+    return repr(value) if plain_number else str(encode(value))
 
 
 def _node(node: Node, library: Library) -> dict[str, Any]:
