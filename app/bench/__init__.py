@@ -15,6 +15,13 @@ from app.bench.pages.bench_files import Facts, Files
 from app.editor.qt_libraries import check_libraries
 from app.options.command_options import Options
 
+_MEASURED_BY = {
+    "speed": "speed.network_speed",
+    "precision": "precision.precision_parts",
+    "peers": "peers.peers_compared",
+    "editor": "speed.editor_speed",
+}
+
 
 def bench(options: Options) -> None:
     """Measure and print the parts asked for; write the files asked for when all is done.
@@ -58,7 +65,7 @@ def _measured(name: str, settings: Settings) -> list[Table]:
 
 
 def _measures(name: str) -> Sequence[Callable[[Settings], list[Table]]]:
-    module: Any = import_module(f"app.bench.{name}")
+    module: Any = import_module(f"app.bench.{_MEASURED_BY[name]}")
     measures: Sequence[Callable[[Settings], list[Table]]] = module.MEASURES
     return measures
 

@@ -25,19 +25,21 @@ NETWORKS, WARM = 50, 10
 def window(settings: Settings) -> list[Table]:
     """Measure each in processes of their own, drawn without a display."""
     rows = [_first_picture(1 if settings.quick else 3)]
+    dragged_s = 0.5 if settings.quick else 4.0
     for size in PICTURES_PER_S:
-        rows += _drag(size, 1.0 if settings.quick else 4.0)
+        rows += _drag(size, dragged_s)
     for node, parameter in OTHER_SLIDERS.items():
-        rows.append(_other_gap(node, parameter, 1.0 if settings.quick else 4.0))
+        rows.append(_other_gap(node, parameter, dragged_s))
     rows += _large_network()
-    rows.append(_memory(WARM + 2 if settings.quick else NETWORKS))
+    number, warm = (3, 1) if settings.quick else (NETWORKS, WARM)
+    rows.append(_memory(number, warm))
     heads = {"what": "", "value": "measured", "unit": "", "target": "target", "verdict": ""}
     text = (
         "First picture: from the start of the process until the Kodak network's picture is "
         "painted, the median. Drag: the aberration's slider of that network moved by the mouse 60 "
         "times a second; a picture counts when it is painted; a gap is the longest time "
         "in which the event loop did nothing else. Memory: the most in use in the last round "
-        "through the shipped networks against the first round after ten."
+        f"through the shipped networks against the first round after {warm}."
     )
     return [Table("editor", "The window", heads, tuple(rows), text, brief=tuple(heads))]
 
@@ -79,8 +81,8 @@ def _large_network() -> list[dict[str, Any]]:
     return [_row("loading 100 nodes", found["load_s"], "s", LOAD_S), moving]
 
 
-def _memory(number: int) -> dict[str, Any]:
-    found = _measured("many_networks", str(number))
+def _memory(number: int, warm: int) -> dict[str, Any]:
+    found = _measured("many_networks", str(number), str(warm))
     return _row(f"growth of memory by {number} networks", found["growth"], "", GROWTH) | found
 
 

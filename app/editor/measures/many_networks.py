@@ -15,7 +15,6 @@ from pathlib import Path
 from app.editor.measures.trial_window import live, settle, trial_window
 from app.run.shipped import shipped_networks
 
-WARM = 10  # networks: libraries, fonts and caches have been filled by then
 PAGE = 4096
 
 
@@ -25,8 +24,11 @@ def resident_mib() -> float:
     return pages * PAGE / 2**20
 
 
-def main(number: int) -> None:
-    """Open them, each until its pictures stand, with the empty document between."""
+def main(number: int, warm: int) -> None:
+    """Open them, each until its pictures stand, with the empty document between.
+
+    The first `warm` do not count: by then libraries, fonts and caches have been filled.
+    """
     names = shipped_networks()
     with trial_window() as (_, window):
         found = []
@@ -38,9 +40,9 @@ def main(number: int) -> None:
             gc.collect()
             live(0.05)
             found.append(resident_mib())
-        first, last = max(found[WARM : WARM + len(names)]), max(found[-len(names) :])
+        first, last = max(found[warm : warm + len(names)]), max(found[warm:][-len(names) :])
         print(json.dumps({"warm_mib": first, "end_mib": last, "growth": last / first - 1}))
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]))
+    main(*map(int, sys.argv[1:]))
