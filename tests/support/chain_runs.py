@@ -43,7 +43,13 @@ def not_nan(value: Any) -> bool:
 def run(chain: Chain, picture: np.ndarray, folder, precision: str, threads: int = 1) -> None:
     """Everything the network can show is finite, or there is one clear error."""
     np.save(folder / "in.npy", picture)
-    engine = Engine(LIBRARY)
+    run_on_file(chain, picture, folder, precision, Engine(LIBRARY), threads)
+
+
+def run_on_file(
+    chain: Chain, picture: np.ndarray, folder, precision: str, engine: Engine, threads: int = 1
+) -> None:
+    """As `run`, with the picture in its file already, and what the engine knows of before."""
     work = engine.work(Policy(precision=precision, threads=threads))
     try:
         plan = engine.plan(chain.network, folder=folder)

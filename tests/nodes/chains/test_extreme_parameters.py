@@ -7,7 +7,7 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from chain_runs import not_nan, picture_of, run
+from chain_runs import not_nan, picture_of, run, run_on_file
 from core.chain.engine import Engine
 from core.errors import DataError, ParameterError
 from core.evaluation.policy import Policy
@@ -36,11 +36,13 @@ def test_faults_in_worker_threads_are_errors_too(folder):
 
 @pytest.mark.parametrize("key", [*SPECTRUM, *PICTURE, "init_trans", "exit_pupil"])
 def test_each_parameter_at_its_extremes(folder, key):
+    """One engine for all settings, as in the window: what they do not change is made once."""
     picture = picture_of("scene", (3, 4))
-    faults = []
+    np.save(folder / "in.npy", picture)
+    engine, faults = Engine(LIBRARY), []
     for values, precision in each_extreme(key):
         try:
-            run(fixed_chain(key, values), picture, folder, precision)
+            run_on_file(fixed_chain(key, values), picture, folder, precision, engine)
         except (ArithmeticError, AssertionError, ValueError, Warning) as fault:
             reason = str(fault).splitlines()[0] if str(fault) else ""
             faults.append(f"{precision} {values}: {type(fault).__name__} {reason}")
