@@ -13,8 +13,8 @@ FUZZ = Path(__file__).parent
 
 @pytest.mark.parametrize(
     ("name", "count", "seed"),
-    [("networks.py", 20, 2), ("editor_kills.py", 1, 1)],
-    ids=["networks", "editor_kills"],
+    [("networks.py", 20, 2), ("direct_sums.py", 20, 1), ("editor_kills.py", 1, 1)],
+    ids=["networks", "direct_sums", "editor_kills"],
 )
 def test_no_finding(name, count, seed, tmp_path):
     done = subprocess.run(

@@ -1,5 +1,7 @@
 """Networks of random modules in random order against direct sums that share no code with them.
 
+Thousands more are drawn by ``python tests/fuzz/direct_sums.py``.
+
 Left out by rule, not by a wider tolerance: pictures that hang on rounding, made with the phase of
 (nearly) nothing or with a pattern of too many turns, and those on whose way a quantizer stood
 within the tolerance of the turn between two levels. Where a quantizer comes last, either level
@@ -18,7 +20,7 @@ from drawn_networks import LARGE, ON_PICTURE, ON_SPECTRUM, SMALL, Drawn, drawn
 from slow_comparison import TOLERANCE, Comparison, UndecidedError, error, reduced
 from slow_reference.network import IllConditionedError
 
-NETWORKS, CHUNKS = 10_000, 40
+NETWORKS, CHUNKS = 2000, 8
 LARGEST_SHARE = 0.05  # of networks left out
 
 
@@ -61,4 +63,4 @@ def test_frames_of_several_blocks_are_as_the_direct_sums_say(tmp_path, size):
     """The sums in double precision; their own rounding is a hundredth of the tolerance."""
     comparison = Comparison(tmp_path, [size], kind=np.float64, threads=2)
     random = Random(f"large frames {size}")
-    check(comparison, [drawn(random, comparison.names, most=5) for _ in range(24)])
+    check(comparison, [drawn(random, comparison.names, most=5) for _ in range(10)])

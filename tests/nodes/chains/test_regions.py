@@ -134,7 +134,7 @@ def test_periodic_noise_and_differences(tmp_path):
 @settings(
     deadline=None,
     derandomize=True,
-    max_examples=150,
+    max_examples=60,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much,
                            HealthCheck.data_too_large],
 )  # fmt: skip

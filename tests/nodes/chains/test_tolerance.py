@@ -17,7 +17,7 @@ from drawn_networks import ON_SPECTRUM, SMALL, Drawn, drawn
 from faint_modules import FaintModules
 from slow_comparison import Comparison, network_of
 
-CHUNKS, NETWORKS = 4, 250
+CHUNKS, NETWORKS = 2, 250
 PASSIVE = {
     "combine_pixels": {"mode": "mean"},
     "interpolate": {"order": 1},
