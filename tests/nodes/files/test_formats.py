@@ -17,6 +17,7 @@ from nodes.input_output.read_image import ReadImage
 from nodes.input_output.write_image import WriteImage
 
 WHOLE = np.arange(12.0).reshape(3, 4)  # exact in every type of sample
+SHIPPED = ("by_suffix", "exr", "tif", "png", "npy")  # what network files may say
 # Where a suffix may stand in the source: the formats themselves, and what networks are called.
 PLACES = {
     "nodes/files/formats.py",
@@ -68,12 +69,12 @@ def test_the_format_is_known_by_suffix_content_and_header(tmp_path, name, conten
 
 
 def test_what_follows_from_the_registry():
-    names = ("exr", "tif", "png", "npy")
-    assert declaration(WriteImage).parameter("format").choices == ("by_suffix", *names)
+    choices = declaration(WriteImage).parameter("format").choices
+    assert [name for name in choices if name in SHIPPED] == list(SHIPPED)
     assert readable_formats() in declaration(ReadImage).parameter("path").param.text
     for suffix in (".exr", ".tif", ".tiff", ".png", ".npy", ".csv"):
         assert save_target(f"a.b=c{suffix}").text == f"c{suffix}"
-    with pytest.raises(UsageError, match=r"in \.exr, \.tif, \.tiff, \.png, \.npy or \.csv"):
+    with pytest.raises(UsageError, match=r"must end in \.exr, \.tif, \.tiff, \.png, .* or \.csv"):
         save_target("a.b=c.jpg")
     assert dialog_filter("Pictures", *WRITTEN[:2]) == "Pictures (*.exr *.tif *.tiff)"
 

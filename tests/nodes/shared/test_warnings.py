@@ -12,7 +12,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
 from core.modules.declaration import declaration
 from core.network.file import parse_network
-from nodes.files.pictures import write_picture
+from nodes.files.write import write_picture
 from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library
 from nodes.shared.module_ports import ImageOutput
