@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,13 +20,17 @@ class Offer:
         The one whose choices they are.
     by : str
         The one whose value decides.
-    choices : mapping of value to tuple
-        The choices by the value of `by`; all for a value that is not there.
+    choices : tuple of (value, tuple)
+        The choices for each value of `by`; all for a value that is not there.
     """
 
     parameter: str
     by: str
-    choices: Mapping[Any, tuple[Any, ...]]
+    choices: tuple[tuple[Any, tuple[Any, ...]], ...]
+
+    def of(self, value: Any, otherwise: tuple[Any, ...]) -> tuple[Any, ...]:
+        """The choices at a value of `by`."""
+        return next((choices for known, choices in self.choices if known == value), otherwise)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import MappingProxyType
 from typing import Annotated, Literal, NamedTuple
 
 from core.chain.wires import Context, Image, Table, Transfer
@@ -40,11 +39,9 @@ from nodes.shared.factor_helpers import separable
 from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
 from nodes.shared.shared_warnings import apart_caution, band_caution, unit_caution
 
-_MATERIALS = MappingProxyType(
-    {
-        region: (*(material.name for material in materials), MANUAL)
-        for region, materials in MATERIALS_BY_REGION.items()
-    }
+_MATERIALS = tuple(
+    (region, (*(material.name for material in materials), MANUAL))
+    for region, materials in MATERIALS_BY_REGION.items()
 )
 
 

@@ -17,7 +17,7 @@ from output_statistics import picture_bytes, picture_statistics
 
 PLAIN, REPORTED = "plain", "reported"  # a run without reports lets go of values early
 PICTURES = "pictures.json"
-_RUN_LINE = re.compile(r"<p class=run>.*?</p>", re.DOTALL)  # versions, in the report for people
+_RUN_LINE = re.compile(r'<p class="?run"?>.*?</p>', re.DOTALL)  # versions, in the report for people
 _SHOWN = 60
 
 

@@ -161,7 +161,7 @@ class SectionsView(QWidget):
         for offer in filter(None, (section.offer for section in self.sections)):
             field = self.field(offer.parameter)
             if isinstance(field, ButtonsField):
-                field.narrow(offer.choices.get(values[offer.by], field.choices))
+                field.narrow(offer.of(values[offer.by], field.choices))
 
 
 def _differs(params: Mapping[str, Any], name: str, raw: Any) -> bool:

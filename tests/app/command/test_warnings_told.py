@@ -79,10 +79,10 @@ def test_run_tells_on_the_terminal_in_the_readouts_and_in_reports(lwir, imagecha
     assert fact["check"] == "band"
     assert f"{fact['node']}: {fact['message']}: {fact['remedy']}" == BAND
     page = unescape((tmp_path / "r.html").read_text())
-    box = re.search(r"<div class=warnings>.*?</div>", page, re.S)
+    box = re.search(r'<div class="warnings">.*?</div>', page, re.S)
     assert box is not None
     assert "the bands do not overlap" in box[0]
-    assert page.index("<div class=warnings>") < page.index("<h2>Input and output")
+    assert page.index('<div class="warnings">') < page.index("<h2>Input and output")
 
 
 def test_a_run_without_warnings_says_nothing_of_them(small, write, imagechain, tmp_path):
@@ -91,7 +91,7 @@ def test_a_run_without_warnings_says_nothing_of_them(small, write, imagechain, t
     assert done.returncode == 0, done.stderr
     assert "warning" not in done.stdout
     assert "imagechain.warnings" not in (tmp_path / "net-output/readouts.json").read_text()
-    assert "<div class=warnings>" not in (tmp_path / "r.html").read_text()
+    assert '<div class="warnings">' not in (tmp_path / "r.html").read_text()
 
 
 def test_a_trade_off_tells_them_too(lwir, imagechain):

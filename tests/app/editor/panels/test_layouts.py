@@ -84,7 +84,7 @@ def test_each_region_offers_its_materials():
     sections = DECLARED["electronics_noise"].panel
     (offer,) = [section.offer for section in sections if section.offer]
     assert (offer.parameter, offer.by) == ("material", "region")
-    offered = {region: set(choices) for region, choices in offer.choices.items()}
+    offered = {region: set(choices) for region, choices in offer.choices}
     assert offered == {
         "VIS": {"Si", "manual"},
         "MWIR": {"InSb", "PtSi", "HgCdTe", "manual"},

@@ -1,0 +1,61 @@
+"""A command loads nothing that it does not need; each in a process of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+
+from child_process import ROOT, finished
+from qt_packages import QT
+
+
+def loaded_by(words: list[str], folder: Path) -> set[str]:
+    """Names of the modules that a command loads, in a process of its own."""
+    program = (
+        "import json, sys; from app.command.cli import main; code = main(sys.argv[1:]); "
+        "print('\\n' + json.dumps([code, sorted(sys.modules)]))"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = finished([sys.executable, "-c", program, *words], folder=folder, env=environment)
+    code, names = json.loads(done.stdout.splitlines()[-1])
+    assert code == 0, done.stderr
+    return set(names)
+
+
+def test_run_loads_neither_qt_nor_what_only_reports_need(tmp_path):
+    loaded = loaded_by(["run", "first_steps"], tmp_path)
+    packages = {name.split(".")[0] for name in loaded}
+    assert not packages & QT
+    assert not packages & {"matplotlib", "rich", "OpenImageIO", "PIL"}
+    of_scipy = {name.split(".")[1] for name in loaded if name.startswith("scipy.")}
+    public = {name for name in of_scipy if not name.startswith("_")}
+    assert public <= {"fft", "special", "version", "linalg"}
+
+
+def test_a_trade_off_loads_neither_qt_nor_what_only_pictures_need(tmp_path):
+    words = ["tradeoff", "first_steps", "--vary", "blur.sigma_x_mrad=0,1", "--output", "a.csv"]
+    packages = {name.split(".")[0] for name in loaded_by(words, tmp_path)}
+    assert not packages & (QT | {"matplotlib", "rich", "OpenImageIO", "PIL"})
+
+
+def test_modules_loads_no_qt(tmp_path):
+    packages = {name.split(".")[0] for name in loaded_by(["modules", "--json"], tmp_path)}
+    assert not packages & (QT | {"matplotlib", "rich"})
+
+
+def test_report_draws_without_a_display(tmp_path):
+    words = ["run", "first_steps", "--report", str(tmp_path / "r.html")]
+    loaded = loaded_by(words, tmp_path)
+    assert "matplotlib" in loaded
+    assert "matplotlib.pyplot" not in loaded
+    assert not {name.split(".")[0] for name in loaded} & QT
+
+
+def test_the_window_loads_neither_matplotlib_nor_signal(tmp_path):
+    """What only reports need would double the time until the first picture."""
+    words = ["edit", "first_steps", "--screenshot", str(tmp_path / "window.png")]
+    loaded = loaded_by(words, tmp_path)
+    assert "pyqtgraph" in loaded
+    assert not loaded & {"matplotlib", "matplotlib.pyplot", "scipy.signal", "rich"}
