@@ -150,16 +150,16 @@ def test_mpmath_missing_is_said(monkeypatch):
 
 
 def test_peers_that_are_missing_or_fail_are_rows(monkeypatch):
-    from app.bench.peers.peers_compared import peers
+    from app.bench.peers import peers_compared
 
     def broken(task):
         raise ZeroDivisionError("theirs")
 
-    monkeypatch.setattr(peers, "OURS", OURS[:1])
+    monkeypatch.setattr(peers_compared, "OURS", OURS[:1])
     monkeypatch.setattr(
-        peers, "PEERS", (("no_such_program", "Absent", broken), ("rich", "Broken", broken))
+        peers_compared, "PEERS", (("no_such_program", "Absent", broken), ("rich", "Broken", broken))
     )
-    (table,) = peers.peers(Settings(("peers",), 64, True))
+    (table,) = peers_compared.peers(Settings(("peers",), 64, True))
     notes = {row["program"]: row["note"] for row in table.rows}
     assert notes["Absent"] == "not installed"
     assert notes["Broken"] == "failed: ZeroDivisionError: theirs"
