@@ -1,0 +1,291 @@
+"""Every read-out of the modules of blur against a formula, with unlike axes."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+from scipy.special import j0
+
+from readout_bench import (
+    COLUMNS,
+    DX,
+    DY,
+    FILL_X,
+    FILL_Y,
+    FOCAL_LENGTH_MM,
+    NYQUIST_X,
+    NYQUIST_Y,
+    PITCH_X_UM,
+    PITCH_Y_UM,
+    RANGE_M,
+    ROWS,
+    SCAN_MRAD_PER_S,
+    VELOCITY_M_PER_S,
+    bench_of,
+    gaussian,
+    sinc,
+    with_readouts,
+)
+
+IFOV_X, IFOV_Y = (
+    FILL_X * PITCH_X_UM / FOCAL_LENGTH_MM,
+    FILL_Y * PITCH_Y_UM / FOCAL_LENGTH_MM,
+)
+LOST = 0.001
+PACKETS = cmath.exp(-2j * math.pi * NYQUIST_X * PITCH_X_UM / FOCAL_LENGTH_MM)
+TRANSFER = (1 - LOST) / (1 - LOST * PACKETS)
+CORNER = math.hypot(NYQUIST_X, NYQUIST_Y)
+MEAN_UM = 10.0
+# 0.423·k²·∫Cn²·(z/L)^(5/3) dz: a spherical wave's mean weight is 3/8 (Fried 1966).
+R0_M = (0.423 * (2 * math.pi / 10e-6) ** 2 * 1e-13 * RANGE_M * 3 / 8) ** (-3 / 5)
+DEPTH = 0.5 * RANGE_M / 1000
+CUTOFF = 0.2  # between the two Nyquist frequencies
+
+
+def fried(rho, r0_m):
+    return math.exp(-3.44 * (MEAN_UM * rho / (1000 * r0_m)) ** (5 / 3))
+
+
+def disc(share):
+    """MTF of a circular aperture at a share of its cutoff."""
+    return 2 / math.pi * (math.acos(share) - share * math.sqrt(1 - share**2))
+
+
+def blurs(velocity):
+    return 1000 * velocity * 0.02 / RANGE_M
+
+
+CASES = [
+    (
+        "gaussian_mtf",
+        {"sigma_x_mrad": 0.4, "sigma_y_mrad": 1.3},
+        {
+            "mtf_at_nyquist_x": gaussian(0.4, NYQUIST_X),
+            "mtf_at_nyquist_y": gaussian(1.3, NYQUIST_Y),
+        },
+    ),
+    (
+        "detector_mtf",
+        {},
+        {
+            "mtf_at_nyquist_x": sinc(IFOV_X * NYQUIST_X),
+            "mtf_at_nyquist_y": sinc(IFOV_Y * NYQUIST_Y),
+            "ifov_x_mrad": IFOV_X,
+            "ifov_y_mrad": IFOV_Y,
+            "first_zero_x": 1 / IFOV_X,
+            "first_zero_y": 1 / IFOV_Y,
+        },
+    ),
+    (
+        "charge_eff_mtf",
+        {"detectors_per_line": 500, "efficiency": 1 - LOST, "nyquist": "detector"},
+        {"mtf_at_nyquist_x": abs(TRANSFER) ** 500, "mtf_at_nyquist_y": 1.0},
+    ),
+    (
+        "charge_eff_phase",
+        {"detectors_per_line": 500, "efficiency": 1 - LOST, "nyquist": "detector"},
+        {"ptf_at_nyquist_x": 500 * cmath.phase(TRANSFER)},
+    ),
+    (
+        "crosstrack_mtf",
+        {"dwell_time_s": 2e-4},
+        {
+            "mtf_at_nyquist_x": sinc(2e-4 * SCAN_MRAD_PER_S * NYQUIST_X),
+            "mtf_at_nyquist_y": 1.0,
+            "blur_mrad": 2e-4 * SCAN_MRAD_PER_S,
+        },
+    ),
+    (
+        "alongtrack_mtf",
+        {"integration_time_s": 0.02},
+        {
+            "mtf_at_nyquist_x": 1.0,
+            "mtf_at_nyquist_y": sinc(blurs(VELOCITY_M_PER_S) * NYQUIST_Y),
+            "blur_y_mrad": blurs(VELOCITY_M_PER_S),
+        },
+    ),
+    *(
+        (
+            "relative_motion_mtf",
+            {
+                "image_velocity_x": 5.0,
+                "platform_velocity_x": 25.0,
+                "image_velocity_y": 61.0,
+                "platform_velocity_y": 10.0,
+                "integration_time_s": 0.02,
+                "model": model,
+            },
+            {
+                "mtf_at_nyquist_x": sinc(blurs(20.0) * NYQUIST_X),
+                "mtf_at_nyquist_y": sinc(blurs(51.0) * NYQUIST_Y),
+                "blur_x_mrad": blurs(20.0),
+                "blur_y_mrad": blurs(-51.0),
+            },
+        )
+        for model in ("published", "line")
+    ),
+    (
+        "jitter_mtf",
+        {"sigma_mrad": 0.5},
+        {
+            "mtf_at_nyquist_x": gaussian(0.5, NYQUIST_X),
+            "mtf_at_nyquist_y": gaussian(0.5, NYQUIST_Y),
+            "half_contrast": math.sqrt(2 * math.log(2)) / (2 * math.pi * 0.5),
+        },
+    ),
+    (
+        "vibration_mtf",
+        {
+            "amplitude_x_mrad": 0.3,
+            "amplitude_y_mrad": 0.9,
+            "frequency_Hz": 12.0,
+            "integration_time_s": 0.25,
+        },
+        {
+            "mtf_at_nyquist_x": j0(2 * math.pi * 0.3 * NYQUIST_X),
+            "mtf_at_nyquist_y": j0(2 * math.pi * 0.9 * NYQUIST_Y),
+            "periods": 3.0,
+        },
+    ),
+    (
+        "atmosphere_mtf",
+        {"turbulence": "long_exposure", "fried_r0_m": 0.01, "turbidity": "none"},
+        {
+            "mtf_at_nyquist_x": fried(NYQUIST_X, 0.01),
+            "mtf_at_nyquist_y": fried(NYQUIST_Y, 0.01),
+            "r0_m": 0.01,
+            "optical_depth": 0.0,
+            "largest_change": 1 - fried(CORNER, 0.01),
+            "negligible": "no",
+        },
+    ),
+    (
+        "atmosphere_mtf",
+        {
+            "turbulence": "long_exposure",
+            "cn2": 1e-13,
+            "turbidity": "custom",
+            "scattering_per_km": 0.5,
+            "turbidity_cutoff_cyc_per_mrad": CUTOFF,
+        },
+        {
+            "mtf_at_nyquist_x": fried(NYQUIST_X, R0_M) * math.exp(-DEPTH),
+            "mtf_at_nyquist_y": fried(NYQUIST_Y, R0_M)
+            * math.exp(-DEPTH * (NYQUIST_Y / CUTOFF) ** 2),
+            "r0_m": R0_M,
+            "optical_depth": DEPTH,
+            "largest_change": 1 - fried(CORNER, R0_M) * math.exp(-DEPTH),
+            "negligible": "no",
+        },
+    ),
+    (
+        "atmosphere_mtf",
+        {"turbulence": "none", "turbidity": "custom", "scatter_depth": 0.003},
+        {
+            "mtf_at_nyquist_x": math.exp(-0.003),
+            "mtf_at_nyquist_y": math.exp(-0.003),
+            "r0_m": None,
+            "optical_depth": 0.003,
+            "largest_change": 1 - math.exp(-0.003),
+            "negligible": "yes",
+        },
+    ),
+]
+
+
+def check(found, expected):
+    assert found.keys() == expected.keys()
+    for name, value in expected.items():
+        if isinstance(value, float):
+            assert found[name] == pytest.approx(value, rel=1e-11), name
+        else:
+            assert found[name] == value, name
+
+
+@pytest.mark.parametrize(("key", "params", "expected"), CASES)
+def test_readouts_of_a_blur(tmp_path, key, params, expected):
+    check(bench_of(tmp_path, key, params).readouts("it"), expected)
+
+
+def pupil(folder, shape, size_x=64, size_y=40, **settings):
+    """A pupil of radius 15 samples, of 12/64 mm across and 20/40 mm along."""
+    made = {"shape": shape, "radius": 15.0, "size_x": size_x, "size_y": size_y}
+    params = {"size_x_cm": 1.2, "size_y_cm": 2.0, **settings}
+    more = {"pupil": ("exit_pupil", made)}
+    return bench_of(
+        folder, "exit_pupil_mtf", params, more=more, links=[("pupil.pupil", "it.pupil")]
+    )
+
+
+PITCHES = {
+    "pupil_interval_x": 12 / 64 / MEAN_UM,
+    "pupil_interval_y": 20 / 40 / MEAN_UM,
+    "image_interval_x": 1 / (COLUMNS * DX),
+    "image_interval_y": 1 / (ROWS * DY),
+}
+
+
+def test_readouts_of_a_disc(tmp_path):
+    """Its samples are not square: a disc of samples is an ellipse of 5.6 by 15 mm."""
+    bench = pupil(tmp_path, "clear")
+    cutoff_x, cutoff_y = 30 * 12 / 64 / MEAN_UM, 30 * 20 / 40 / MEAN_UM
+    expected = {
+        **PITCHES,
+        "cutoff_x": cutoff_x,
+        "cutoff_y": cutoff_y,
+        "estimated_error": 1e-12,  # as stated of closed forms
+        "mtf_at_nyquist_x": disc(NYQUIST_X / cutoff_x),
+        "mtf_at_nyquist_y": disc(NYQUIST_Y / cutoff_y),
+    }
+    check(bench.readouts("it"), expected)
+    assert bench.readouts("pupil") == {"aperture_radius": 15.0}
+
+
+def test_cutoffs_of_half_a_disc(tmp_path):
+    """Half as wide across, as high along."""
+    expected = {**PITCHES, "cutoff_x": 15 * 12 / 64 / MEAN_UM, "cutoff_y": 1.5}
+    found = pupil(tmp_path, "half_moon").readouts("it")
+    check({name: found[name] for name in expected}, expected)
+
+
+def test_cutoffs_and_radius_of_a_pupil_from_a_file(tmp_path):
+    """A bar of 9 columns and 21 rows, hence 1.7 by 10.5 mm."""
+    samples = np.zeros((40, 64))
+    samples[10:31, 28:37] = 1.0
+    np.save(tmp_path / "bar.npy", samples)
+    params = {"size_x_cm": 1.2, "size_y_cm": 2.0}
+    more = {"pupil": ("exit_pupil", {"shape": "file", "path": "bar.npy"})}
+    bench = bench_of(
+        tmp_path, "exit_pupil_mtf", params, more=more, links=[("pupil.pupil", "it.pupil")]
+    )
+    found = bench.readouts("it")
+    expected = {
+        **PITCHES,
+        "cutoff_x": 9 * 12 / 64 / MEAN_UM,
+        "cutoff_y": 21 * 20 / 40 / MEAN_UM,
+        # A bar's MTF is a triangle.
+        "mtf_at_nyquist_y": 1 - NYQUIST_Y / (21 * 20 / 40 / MEAN_UM),
+        "mtf_at_nyquist_x": 0.0,  # beyond the cutoff, of 0.17 cycles/mrad
+    }
+    for name, value in expected.items():
+        assert found[name] == pytest.approx(value, rel=1e-3, abs=1e-9), name
+    # Within a sample of the least circle: about the array's middle, column 31.5 and row 19.5.
+    about = math.hypot(36 - 31.5, 30 - 19.5)
+    assert bench.readouts("pupil")["aperture_radius"] == pytest.approx(about, rel=1e-12)
+
+
+def test_readouts_of_photon_noise(tmp_path):
+    bench = bench_of(tmp_path, "poisson_noise", {"percent": 30.0, "width_px": 2.0})
+    noise = bench.value("it.noise")
+    assert noise.std() > 0
+    expected = {"noise_mean": float(noise.mean()), "noise_sigma": float(noise.std())}
+    check(bench.readouts("it"), expected)
+
+
+def test_every_module_of_blur_has_its_row():
+    apart = {"exit_pupil", "exit_pupil_mtf", "poisson_noise"}
+    groups = ("Optics", "Motion", "Detector", "Atmosphere")
+    assert {key for key, _, _ in CASES} | apart == with_readouts(*groups)
