@@ -1,0 +1,117 @@
+"""Every read-out of the modules of input, output and transform, with unlike axes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.errors import ImagechainError
+from node_bench import NodeBench
+from readout_bench import (
+    COLUMNS,
+    DX,
+    DY,
+    FILL_X,
+    FILL_Y,
+    FOCAL_LENGTH_MM,
+    LIBRARY,
+    NYQUIST_X,
+    NYQUIST_Y,
+    PITCH_X_UM,
+    PITCH_Y_UM,
+    ROWS,
+    bench_of,
+    with_readouts,
+)
+
+IFOV_X, IFOV_Y = PITCH_X_UM / FOCAL_LENGTH_MM, PITCH_Y_UM / FOCAL_LENGTH_MM
+
+
+def test_readouts_of_the_transform(tmp_path):
+    found = bench_of(tmp_path, "jitter_mtf", {}).readouts("init")
+    assert found == pytest.approx(
+        {
+            "interval_x_mrad": DX,
+            "interval_y_mrad": DY,
+            "ifov_x_mrad": IFOV_X * FILL_X,
+            "ifov_y_mrad": IFOV_Y * FILL_Y,
+            "frequency_interval_x": 1 / (COLUMNS * DX),
+            "frequency_interval_y": 1 / (ROWS * DY),
+            "nyquist_x": NYQUIST_X,
+            "nyquist_y": NYQUIST_Y,
+            "oversampling_x": IFOV_X / DX,
+            "oversampling_y": IFOV_Y / DY,
+        },
+        rel=1e-12,
+    )
+
+
+@pytest.mark.parametrize(
+    ("missing", "empty"),
+    [
+        ("detector_x_um", {"ifov_x_mrad", "oversampling_x"}),
+        ("detector_y_um", {"ifov_y_mrad", "oversampling_y"}),
+        ("focal_length_mm", {"ifov_x_mrad", "ifov_y_mrad", "oversampling_x", "oversampling_y"}),
+    ],
+)
+def test_readouts_of_the_transform_without_a_detector(tmp_path, missing, empty):
+    """What needs a length that is not given is empty, and nothing else."""
+    found = bench_of(tmp_path, "jitter_mtf", {}, init={missing: None}).readouts("init")
+    assert {name for name, value in found.items() if value is None} == empty
+
+
+@pytest.mark.parametrize("factor", [1, 3])
+def test_readouts_of_the_anti_aliaser(tmp_path, factor):
+    found = bench_of(tmp_path, "anti_alias", {"factor": factor}).readouts("it")
+    expected = {"new_nyquist_x": NYQUIST_X / factor, "new_nyquist_y": NYQUIST_Y / factor}
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+def reading(folder, samples, *, examined=False, **params):
+    np.save(folder / "in.npy", samples)
+    nodes = {"it": ("read_image", {"path": "in.npy", "unit": "W/m²/sr", **params})}
+    links = []
+    if examined:
+        nodes["figures"] = ("examine_image", {})
+        links = [("it.image", "figures.image")]
+    return NodeBench(LIBRARY, folder, nodes, links)
+
+
+def holed():
+    """Five samples of 7 × 11 that are no numbers, more in a row than in any column."""
+    samples = np.random.default_rng(3).uniform(10.0, 50.0, (7, 11))
+    samples[2, [1, 4, 9]] = np.nan
+    samples[5, 4], samples[6, 0] = np.inf, -np.inf
+    return samples
+
+
+@pytest.mark.parametrize("missing", ["mean", "zero"])
+def test_samples_that_are_no_numbers(tmp_path, missing):
+    assert reading(tmp_path, holed(), missing=missing).readouts("it") == {"missing_samples": 5}
+
+
+def test_none_is_missing_where_none_may_be(tmp_path):
+    """The file with holes is refused where its samples are looked at."""
+    whole = np.nan_to_num(holed(), posinf=1.0, neginf=1.0)
+    assert reading(tmp_path, whole).readouts("it") == {"missing_samples": 0}
+    refusing = reading(tmp_path, holed())
+    with pytest.raises(ImagechainError, match=r"in\.npy"):
+        refusing.value("it.image")
+
+
+def test_figures_of_a_picture(tmp_path):
+    samples = np.random.default_rng(4).uniform(10.0, 50.0, (7, 11))
+    samples[5, 9], samples[1, 2] = 3.0, 90.0
+    found = reading(tmp_path, samples, examined=True).readouts("figures")
+    expected = {
+        "minimum": 3.0,
+        "maximum": 90.0,
+        "mean": samples.sum() / 77,
+        "sigma": np.sqrt(((samples - samples.sum() / 77) ** 2).sum() / 77),
+    }
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+def test_every_module_has_its_row():
+    checked = {"init_trans", "anti_alias", "read_image", "examine_image"}
+    assert checked == with_readouts("Input and output", "Transform")
