@@ -206,6 +206,8 @@ class TestKeys:
             (({"a": 1},), ({"a": 2},)),
             ((np.zeros(2),), (np.zeros((2, 1)),)),
             ((np.zeros(2),), (np.zeros(2, np.float32),)),
+            ((np.zeros(2),), (np.zeros(2, np.int64),)),  # equal bytes
+            ((np.ones(2, ">f4"),), (np.ones(2, ">f4").view("<f4"),)),
             ((Path("a"),), ("a",)),
             ((Grid(1, 2, 3.0, 4.0),), (Grid(2, 1, 3.0, 4.0),)),
             (("a;str:b", "c"), ("a", "b;str:c")),
