@@ -51,6 +51,23 @@ def test_both_ends_are_levels(bits: int, dtype: type) -> None:
     np.testing.assert_array_equal(got, np.array([low, high, low, high], dtype=dtype))
 
 
+@pytest.mark.parametrize(
+    ("bits", "low", "high"),
+    [(4, 14.3, 48.6), (4, 13.4, 28.8), (6, 5.4, 23.7), (12, 11.9, 29.7), (16, 5.4, 24.2)],
+)
+def test_the_last_level_is_the_end_of_the_range_to_the_bit(
+    bits: int, low: float, high: float
+) -> None:
+    """2^b − 1 rounded steps end below the range here; the level before keeps its place."""
+    count = 2**bits - 1
+    step = (high - low) / count
+    assert low + count * step < high
+    got = quantize(np.array([high, high - step, 1e9]), bits=bits, low=low, high=high)
+    assert got[0] == got[2] == high
+    before = Fraction(high) - (Fraction(high) - Fraction(low)) / count
+    assert got[1] == pytest.approx(float(before), rel=4e-16)
+
+
 def test_number_of_levels() -> None:
     ramp = np.linspace(-3.0, 5.0, 5001)
     for bits in (1, 4, 8):
