@@ -10,6 +10,7 @@ from app.editor.canvas.hands.choice_popup import Choice, matching
 from app.editor.canvas.hands.wire_choices import possible_links
 from app.editor.library.library_view import module_data
 from core.network.network import Link
+from linked_network import linked_network
 
 COPY = Qt.DropAction.CopyAction
 NONE = Qt.KeyboardModifier.NoModifier
@@ -162,7 +163,7 @@ def test_the_keyboard_wires_a_node(opened, canvas, hand):
     assert not session.network.links_into("jitter_mtf")
 
 
-def test_possible_wires_fit_and_empty_inputs_come_first(opened, library):
+def test_possible_wires_fit(opened, library):
     network = opened("first_steps").network
     found = possible_links(network, library, ["back"])
     links = [str(each.link) for each in found]
@@ -172,8 +173,39 @@ def test_possible_wires_fit_and_empty_inputs_come_first(opened, library):
     remark = {str(each.link): each.remark for each in found}["init.magnitude → back.magnitude"]
     assert remark == "instead of blur.magnitude"
     assert "blur.magnitude → back.magnitude" not in links  # is there already
-    ranks = [each.rank for each in found]
-    assert ranks == sorted(ranks)
+
+
+def test_wires_into_empty_inputs_that_need_one_come_first(library):
+    """Then those into other empty inputs, then those that take another wire's place.
+
+    The nodes stand in an order that is the other way round.
+    """
+    network = linked_network(
+        {
+            "taken": ("jitter_mtf", {}),
+            "optional": ("exit_pupil_mtf", {}),
+            "needing": ("jitter_mtf", {}),
+            "init": ("init_trans", {}),
+            "other": ("init_trans", {}),
+        },
+        [
+            ("other.context", "taken.context"),
+            ("other.magnitude", "taken.magnitude"),
+            ("other.context", "optional.context"),
+            ("other.magnitude", "optional.magnitude"),
+            ("other.context", "needing.context"),
+        ],
+    )
+    found = possible_links(network, library, ["init"])
+    assert [(str(each.link), each.remark) for each in found] == [
+        ("init.magnitude → needing.magnitude", ""),
+        ("init.phase → optional.phase", ""),
+        ("init.context → taken.context", "instead of other.context"),
+        ("init.magnitude → taken.magnitude", "instead of other.magnitude"),
+        ("init.context → optional.context", "instead of other.context"),
+        ("init.magnitude → optional.magnitude", "instead of other.magnitude"),
+        ("init.context → needing.context", "instead of other.context"),
+    ]
 
 
 def test_of_several_nodes_only_wires_among_them(opened, library):
