@@ -125,6 +125,35 @@ def test_a_logarithmic_slider_places_numbers_by_their_factor(value):
     assert math.isclose(share, max(math.log10(value) / 6, 0), abs_tol=0.51 / scale.positions)
 
 
+@pytest.mark.parametrize(
+    ("value", "steps", "stepped"),
+    [
+        (340.0, 1, 350.0),  # a tenth of its decade
+        (340.0, -1, 330.0),
+        (1.0, 1, 1.1),
+        (100.0, 1, 110.0),
+        (100.0, -1, 99.0),  # downwards the decade below begins at once
+        (1000.0, -1, 990.0),
+        (999.0, -1, 989.0),
+        (999.9999999999, 1, 1100.0),  # as good as 1000
+        (1.2e5, 3, 1.5e5),
+        (340.0, -100, 34.0),  # never below a tenth, however many at once
+        (100.0, -400, 10.0),
+        (7.0, -1000, 0.7),
+    ],
+)
+def test_a_step_of_a_logarithmic_slider_is_a_tenth_of_the_decade(value, steps, stepped):
+    assert Scale(1.0, 1e6, zero=True).stepped(value, steps) == pytest.approx(stepped, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("value", "steps", "stepped"), [(3000, -50, 300), (100, -1, 99), (5, 1, 6)]
+)
+def test_a_step_of_whole_numbers_is_at_least_one(value, steps, stepped):
+    found = Scale(1, 1_000_000, whole=True).stepped(value, steps)
+    assert (found, type(found)) == (stepped, int)
+
+
 @pytest.mark.parametrize("text", ["1.23456789012345678", "0.1234567890123456", "1e-7", "4.9999999"])
 def test_the_slider_never_rounds_what_was_typed(qtbot, session, text):
     area = panel_area(qtbot, session)
