@@ -141,6 +141,28 @@ def test_what_is_zoomed_stays_while_the_picture_changes(bench, viewer):
     assert viewer.canvas.view.viewRect() == seen
 
 
+def test_the_part_seen_is_a_share_of_both_sides(qtbot, opened):
+    """Of a picture 120 wide and 48 high: its middle a quarter across and three quarters down."""
+    session = opened("first_steps")
+    assert session.do(set_parameter("scene", "width", 120))
+    assert session.do(set_parameter("scene", "height", 48))
+    bench = ViewerBench(qtbot, session)
+    viewer = ImageViewer(session, bench.evaluator, DARK, 1)
+    viewer.look_at("scene.image")
+    bench.show(viewer)
+    try:
+        place = viewer.canvas.first.mapRectToParent(viewer.canvas.first.boundingRect())
+        assert (place.width(), place.height()) == pytest.approx((120, 48))
+        viewer.canvas.set_zoom((0.25, 0.75, 0.2))
+        seen = viewer.canvas.view.viewRect()
+        assert seen.width() == pytest.approx(24, rel=1e-6)
+        middle = seen.center() - place.topLeft()
+        assert (middle.x(), middle.y()) == pytest.approx((30, 36), rel=1e-6)
+        assert viewer.canvas.zoom == pytest.approx((0.25, 0.75, 0.2), rel=1e-6)
+    finally:
+        bench.close()
+
+
 def test_linked_viewers_show_the_same_part(bench, viewer, qtbot):
     other = ImageViewer(bench.session, bench.evaluator, DARK, 2)
     other.look_at("scene.image")
