@@ -197,6 +197,18 @@ class TestAcquisition:
         assert curve.x[-1] == 1
         assert curve.y[-1] == pytest.approx(truth, rel=2e-3)
 
+    def test_a_picture_fills_the_display_by_its_width(self):
+        """Of 80 × 36 samples in 2° × 1.2°, 15° at the eye are 7.5 times the width."""
+        oblong = {"height": 36, "fov_y_deg": 1.2}
+
+        def ttp_range(magnification=None):
+            task = {"v50": 5.0, "display_deg": 15.0, "magnification": magnification}
+            return table_of(task, scene=oblong)["ttp_range_km"]
+
+        assert ttp_range() == pytest.approx(ttp_range(15.0 / FOV), rel=1e-9)
+        for other in (15.0 / 1.2, 15.0 * 80 / (36 * FOV), 15.0 / (1.2 * 80 / 36)):
+            assert ttp_range(other) != pytest.approx(ttp_range(), rel=1e-3)
+
     def test_target_too_faint(self):
         found = table_of({"target_delta_K": 0.0})
         assert all(found[f"{task}_range_km"] is None for task in ("detection", "ttp"))
