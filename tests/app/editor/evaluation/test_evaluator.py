@@ -5,6 +5,7 @@ import sys
 import threading
 import time
 from itertools import count
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -140,6 +141,19 @@ def test_a_burst_of_edits_shows_pictures_meanwhile(evaluator, answers, small, se
     assert np.array_equal(answers[-1].value, truth)
     small.undo()  # the drag was one step
     assert small.network.nodes["aberration"].params["sigma_x_mrad"] == 0.1
+
+
+def test_an_edit_with_a_pause_before_it_begins_another_gesture(evaluator, small, monkeypatch):
+    """By a clock set by hand: a pause is 0.15 s, and a drag is faster."""
+    clock = SimpleNamespace(now=1000.0)
+    clock.perf_counter = lambda: clock.now
+    monkeypatch.setattr(evaluator_module, "time", clock)
+    counts = []
+    for step, wait in enumerate((9.0, 0.01, 0.14, 0.16, 0.02, 5.0)):
+        clock.now += wait
+        assert small.do(set_parameter("scene", "delta_K", 20.0 + step))
+        counts.append(evaluator._inbox.newest.gestures)
+    assert [count - counts[0] for count in counts] == [0, 0, 0, 1, 1, 2]
 
 
 def test_edits_that_come_while_a_pass_runs_make_one_more(evaluator, answers, small, settled, qtbot):
