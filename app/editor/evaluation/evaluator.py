@@ -41,7 +41,7 @@ class _Bell(QObject):
 
 
 class Evaluator(QObject):
-    """Answers the wants of the parts of the window, again after each change of the document.
+    """Answers the queries of the parts of the window, again after each change of the document.
 
     Lives in the window's thread; all work is done in another. Of edits that come while a pass
     runs, the next pass takes the newest.
@@ -135,9 +135,9 @@ class Evaluator(QObject):
         return dict(self._shown_badges)
 
     def ask(self, owner: str, queries: Sequence[Query]) -> None:
-        """Want that from now on, in the place of what the owner wanted before.
+        """Keep these queries answered from now on, in place of those the owner had before.
 
-        A want that stays is answered again once its answer changes.
+        A query that stays is answered again once its answer changes.
         """
         known = {asked.query: asked for asked in self._asked.get(owner, ())}
         asked = tuple(known.get(query) or self._numbered(owner, query) for query in queries)
@@ -147,7 +147,7 @@ class Evaluator(QObject):
             self._post_soon()
 
     def forget(self, owner: str) -> None:
-        """Want nothing more for that owner."""
+        """Drop the queries of that owner."""
         self._asked.pop(owner, None)
         self._since.pop(owner, None)
         self._answered.pop(owner, None)

@@ -17,7 +17,7 @@ from core.network.network import Network
 
 @dataclass(frozen=True)
 class Asked:
-    """A want of an owner; asked again after it was dropped, it has another number."""
+    """A query of an owner; put again after it was dropped, it has another number."""
 
     owner: str
     query: Query

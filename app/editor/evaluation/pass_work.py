@@ -22,7 +22,7 @@ class Position:
     Parameters
     ----------
     wanted : int
-        Number of wants the pass is to answer.
+        Number of queries the pass is to answer.
     must_stop : callable
         Given the position, whether the pass is to stop now.
     """

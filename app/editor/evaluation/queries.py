@@ -1,4 +1,4 @@
-"""What the parts of the window want to know of a network, and what they are told."""
+"""Queries: what the parts of the window show of a network, and the answers to them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BadgeKind = Literal["stale", "running", "error", "incomplete", "warning", "skipp
 
 @dataclass(frozen=True)
 class Passing:
-    """One pass over a network, as a want is answered from it.
+    """One pass over a network, as a query is answered from it.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class Passing:
 class Query(ABC):
     """A question to a network, asked again after each change. An immutable, hashable value.
 
-    `urgency` orders the wants of a pass, the lowest first: 0 pictures, 1 what stands beside them,
+    `urgency` orders the queries of a pass, the lowest first: 0 pictures, 1 what stands beside them,
     2 all else. `from_preview` says whether a picture of reduced size answers it. One that `waits`
     is answered only once edits pause and all others are, and stops for whatever comes.
     """
@@ -69,7 +69,7 @@ class Query(ABC):
 
 @dataclass(frozen=True)
 class Answer:
-    """What a want was answered.
+    """The answer to a query.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class Answer:
         Number of the pass; later ones have larger numbers.
     owner : str
         Who asked.
-    want : Want
+    query : Query
         The question.
     value : object
         The answer, None where there is an `error`.

@@ -21,7 +21,7 @@ class Sent:
 
 
 class SentAnswers:
-    """The answer sent last to each want that is still wanted."""
+    """The answer sent last to each query that stands."""
 
     def __init__(self) -> None:
         self._sent: dict[Asked, Sent] = {}
@@ -50,7 +50,7 @@ class SentAnswers:
         self._given_up &= wanted
 
     def is_due(self, asked: Asked, key: Hashable, reduced: int = 1) -> bool:
-        """Whether the want is to be answered: its answer depends on something else by now."""
+        """Whether the query is to be answered: its answer depends on something else by now."""
         if asked in self._given_up:
             return False
         sent = self._sent.get(asked)

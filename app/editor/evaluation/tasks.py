@@ -19,7 +19,7 @@ Change = frozenset[tuple[str, str] | str | Link] | None
 
 @dataclass(frozen=True)
 class Due:
-    """A want to be answered, and what its answer depends on, or why that cannot be told."""
+    """A query to be answered, and what its answer depends on, or why that cannot be told."""
 
     asked: Asked
     key: Hashable

@@ -1,4 +1,4 @@
-"""The question of the trade-off dock: figures at some values of a parameter."""
+"""The query of the trade-off dock: figures at some values of a parameter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The question of the figures strip: what the electronics' read-outs say of the sensor."""
+"""The query of the figures strip: what the electronics' read-outs say of the sensor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The question of an image viewer: what is on a wire, as an 8-bit picture ready to be shown."""
+"""The query of an image viewer: what is on a wire, as an 8-bit picture ready to be shown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The questions of the plot viewer: the chain's transfer functions, and what a port has to plot."""
+"""The queries of the plot viewer: the chain's transfer functions, and what a port has to plot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Wants that wait until edits pause, and what they leave alone."""
+"""Queries that wait until edits pause, and what they leave alone."""
 
 import threading
 from dataclasses import dataclass

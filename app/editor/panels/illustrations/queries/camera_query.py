@@ -1,4 +1,4 @@
-"""The question how a Camera Geometry node looks at the ground."""
+"""The query how a Camera Geometry node looks at the ground."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The question for D*(λ) of an Electronics & Noise node, and for its noise in kelvin."""
+"""The query for D*(λ) of an Electronics & Noise node, and for its noise in kelvin."""
 
 from __future__ import annotations
 

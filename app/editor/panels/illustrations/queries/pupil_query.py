@@ -1,4 +1,4 @@
-"""The question for the samples of a pupil that has no geometric shape."""
+"""The query for the samples of a pupil that has no geometric shape."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The question how an Init & Trans node samples the scene."""
+"""The query how an Init & Trans node samples the scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The question for a node's MTF or PTF along both axes, answered by curves ready to be drawn."""
+"""The query for a node's MTF or PTF along both axes, answered by curves ready to be drawn."""
 
 from __future__ import annotations
 
