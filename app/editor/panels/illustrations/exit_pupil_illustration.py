@@ -87,7 +87,7 @@ class ExitPupilIllustration(Illustration):
 
     def prepare(self) -> None:
         """Look at the node, if it has changed since."""
-        node = self.session.network.nodes.get(self.node)
+        node = self.present_node()
         if node is None or node is self._seen:
             return
         self._seen, self._pupil, self._wavefront = node, None, None

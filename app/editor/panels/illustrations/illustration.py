@@ -16,6 +16,7 @@ from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.widgets.left_open import require_defined
 from core.errors import ImagechainError, UnconnectedError
+from core.network.network import Node
 
 NO_EVALUATION = "nothing is computed here"
 DISABLED = "disabled: passes its input on unchanged"
@@ -65,12 +66,21 @@ class Illustration(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         declared = session.declared(node)
         self.title = declared.title if declared is not None else node
+        self._module = session.network.nodes[node].module if node in session.network.nodes else ""
         self.setAccessibleName(f"illustration of {node}: {self.title}")
         if evaluator is not None:
             evaluator.answered.connect(self._answered)
         self._waits = bool(self.queries())
         if self._waits and evaluator is None:
             self.say(NO_EVALUATION)
+
+    def present_node(self) -> Node | None:
+        """The node, as long as it is of the module that this was made for.
+
+        Another document may have another module under the same name before its panel is closed.
+        """
+        node = self.session.network.nodes.get(self.node)
+        return node if node is not None and node.module == self._module else None
 
     def queries(self) -> Sequence[Query]:
         """What it asks."""

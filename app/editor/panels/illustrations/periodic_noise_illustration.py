@@ -44,22 +44,22 @@ class PeriodicNoiseIllustration(Illustration):
     ) -> None:
         super().__init__(session, evaluator, node, theme, parent)
         self._seen: Node | None = None
-        self._module: Any = None
+        self._built: Any = None
         session.changed.connect(self._follow)
         self.prepare()
 
     def prepare(self) -> None:
         """Look at the node, if it has changed since."""
-        node = self.session.network.nodes.get(self.node)
+        node = self.present_node()
         if node is None or node is self._seen:
             return
         self._seen = node
         try:
-            self._module = self.session.library[node.module].build(thaw(node.params))
+            self._built = self.session.library[node.module].build(thaw(node.params))
         except ImagechainError as error:
             self.say(error.message)
             return
-        if self._module.amplitude == 0:
+        if self._built.amplitude == 0:
             self.say(_NO_NOISE)
             return
         self.tell(self._in_words())
@@ -71,7 +71,7 @@ class PeriodicNoiseIllustration(Illustration):
         places = np.linspace(0.0, end, _POINTS)
         across = self.pattern(places, np.zeros(1))
         along = self.pattern(np.zeros(1), places)
-        size = abs(self._module.amplitude) * (1 + self._module.modulation)
+        size = abs(self._built.amplitude) * (1 + self._built.modulation)
         chart = Chart(
             painter,
             area,
@@ -86,14 +86,14 @@ class PeriodicNoiseIllustration(Illustration):
 
     def pattern(self, x_mrad: Any, y_mrad: Any) -> Any:
         """The noise at places from the first sample, in the picture's unit."""
-        values = self._module.values()
+        values = self._built.values()
         for name in ("phase", "modulation_phase"):
             values[f"{name}_rad"] = math.radians(values.pop(f"{name}_deg"))
         return periodic_pattern(x_mrad=x_mrad, y_mrad=y_mrad, **values)
 
     def _end(self) -> float:
         """How far it is drawn, mrad: some periods, or enough to see the modulation."""
-        module = self._module
+        module = self._built
         highest = max(abs(module.xi), abs(module.eta))
         end = _PERIODS / highest if highest > 0 else 100.0
         slow = [f for f in (abs(module.modulation_xi), abs(module.modulation_eta)) if f > 0]
@@ -102,7 +102,7 @@ class PeriodicNoiseIllustration(Illustration):
         return min(end, _MOST_PERIODS / highest) if highest > 0 else end
 
     def _in_words(self) -> str:
-        module = self._module
+        module = self._built
         told = f"sinusoid of amplitude {brief(module.amplitude)} at {brief(module.xi)} cyc/mrad "
         told += f"across and {brief(module.eta)} along"
         if module.modulation > 0:

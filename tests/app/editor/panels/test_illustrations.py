@@ -20,6 +20,7 @@ from app.editor.panels.illustrations.transfer_illustration import (
 from app.editor.theme import DARK, LIGHT
 from battery_settings import EXAMPLES
 from core.chain.wires import Transfer
+from core.editing.document import Document
 from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Remove
 from core.errors import DataError
@@ -269,3 +270,16 @@ def test_small_temperatures_are_in_millikelvin():
     assert kelvin(0.0) == "0 K"
     assert pair(1.0, 2.0) == "1 × 2"
     assert pair(1.0, 1.0001) == "1"
+
+
+@pytest.mark.parametrize("key", ILLUSTRATED)
+def test_another_module_under_its_name_does_not_trouble_it(bench, session, key):
+    """A document may be opened while the panel of a node of the same name is still there."""
+    widget = bench.show(sensor(key, EXAMPLES.get(key, {})))
+    other = "jitter_mtf" if key != "jitter_mtf" else "examine_image"
+    session.open(Document(sensor(other), library=session.library))
+    bench.settle()
+    widget.repaint()
+    session.open(Document(Network(), library=session.library))
+    bench.settle()
+    widget.repaint()
