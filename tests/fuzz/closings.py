@@ -26,9 +26,10 @@ from virtual_screen import virtual_screen  # noqa: E402
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=50, help="closings by each way")
+    parser.add_argument("--first", type=int, default=0, help="number of the first by each way")
     parser.add_argument("--screens", type=int, default=2, help="how many at a time")
     options = parser.parse_args()
-    waiting = collections.deque(trials(options.count))
+    waiting = collections.deque(trials(options.count, options.first))
     found = collections.Counter()
     lock = threading.Lock()
 

@@ -42,10 +42,10 @@ class Trial:
         return self.way.startswith("SIGTERM")
 
 
-def trials(count):
+def trials(count, first=0):
     """`count` closings by each way; every dialog and every answer in turn."""
     answers, dialogs = ("Discard", "Save", "Cancel"), tuple(DIALOGS)
-    for number in range(count):
+    for number in range(first, first + count):
         state = STATES[number % len(STATES)]
         turn = number // len(STATES)
         for way in WAYS:
@@ -127,7 +127,7 @@ def answered(trial, editor, before):
     if trial.answer == "Cancel":
         answer(editor, "Escape")
         assert not editor.gone
-        lives(editor, before)
+        lives(trial, editor, before)
         editor.press_close_button()
         assert editor.outcome() == "asked"
     answer(editor, "alt+s" if trial.answer == "Save" else "alt+d")
@@ -143,9 +143,11 @@ def answer(editor, key):
     editor.wait(lambda: editor.gone or not editor.asks, "the end" if key != "Escape" else "it goes")
 
 
-def lives(editor, before):
+def lives(trial, editor, before):
     """What is edited after Cancel is kept against a crash."""
     editor.focus(editor.main)
+    if trial.dialog == "module search":  # it is open as before, and takes the keys
+        editor.keys("Escape")
     editor.keys("ctrl+a", "ctrl+d")
     count = 4 * len(before["nodes"])
     editor.wait(
