@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import zlib
 from typing import Any
@@ -19,13 +20,15 @@ def grey_levels(low: float, high: float, samples: NDArray[Any]) -> Grey:
     if not high > low:
         return np.full(samples.shape, 128, np.uint8)
     levels = np.empty(samples.shape, np.uint8)
+    # The difference of the largest numbers overflows, halves of the smallest ones vanish.
+    part = 1.0 if math.isfinite(high - low) else 0.5
     # By rows, so that a large picture is never held in double precision as a whole.
     step = max(1, _BLOCK_SAMPLES // samples.shape[1])
     for start in range(0, samples.shape[0], step):
         rows = slice(start, start + step)
         clipped = np.clip(samples[rows].astype(np.float64), low, high)
-        # Halved: the difference of the largest numbers overflows.
-        levels[rows] = np.rint((clipped / 2 - low / 2) / (high / 2 - low / 2) * 255.0)
+        shares = (clipped * part - low * part) / (high * part - low * part)
+        levels[rows] = np.rint(shares * 255.0)
     return levels
 
 

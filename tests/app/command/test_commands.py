@@ -225,3 +225,14 @@ def test_response_of_nothing():
     got = response(None, [], np.arange(3.0), "x")
     assert got.mtf.tolist() == [1, 1, 1]
     assert got.ptf.tolist() == [0, 0, 0]
+
+
+@pytest.mark.parametrize("unit", [5e-324, 1e-310, 1.0, 1.7e308 / 51])
+def test_grey_levels_of_the_smallest_and_the_largest_numbers(unit):
+    """The smallest numbers have no halves, and the largest no difference."""
+    steps = np.arange(-51, 52) if unit > 1 else np.arange(52)
+    low, high = float(steps[0] * unit), float(steps[-1] * unit)
+    levels = grey_levels(low, high, steps[np.newaxis] * unit)
+    share = (steps - steps[0]) / (steps[-1] - steps[0])
+    assert np.abs(levels[0] - 255 * share).max() <= 0.5 + 1e-9
+    assert (levels[0, 0], levels[0, -1]) == (0, 255)
