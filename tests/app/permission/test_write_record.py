@@ -1,0 +1,99 @@
+"""What a network has written is on record, also where runs meet or are killed."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+
+import pytest
+
+from app.permission import write_rules
+from app.permission.write_record import WriteRecord, read_record, remember_chosen
+from app.run.staging import Staging
+from core.atomic import write_text
+from core.errors import FileError
+
+OWN = ["final.png", "mtf.csv", "readouts.json"]
+
+
+def test_a_run_killed_while_it_put_files_in_place_is_known(tmp_path):
+    """Whichever of the two files is there afterwards, the network has written it."""
+    target = tmp_path / "nets/a.txt"
+    record = WriteRecord(tmp_path / "nets/net.json")
+    found = []
+
+    class Killed(Staging):
+        def commit(self):
+            found.append(read_record(record.network))
+            super().commit()
+
+    for text in ("one", "two"):
+        rules = write_rules.WriteRules((tmp_path,), (), frozenset(), read_record(record.network))
+        with Killed(None) as staging:
+            staging.claim(target, partial(rules.check, "out"))
+            staging.write(target, partial(write_text, content=text))
+            assert rules.commit(staging) == ""
+    assert found[1].holds(target)
+    target.write_text("one")
+    assert found[1].holds(target)
+    assert not read_record(record.network).holds(target)
+    target.write_text("six")
+    assert not found[1].holds(target)
+
+
+def test_runs_of_one_network_at_once_do_not_disown_each_other(tmp_path):
+    """Neither refuses what the other wrote meanwhile, nor forgets it, nor what was chosen."""
+    network, target, other = (tmp_path / "nets" / name for name in ("net.json", "a.txt", "b.txt"))
+    chosen = tmp_path / "elsewhere/c.txt"
+
+    def rules():
+        return write_rules.WriteRules((tmp_path,), (), frozenset(), read_record(network))
+
+    def prepare(known, staging, path, text):
+        staging.claim(path, partial(known.check, "out"))
+        staging.write(path, partial(write_text, content=text))
+
+    late, early = rules(), rules()
+    with Staging(None) as last, Staging(None) as first:
+        prepare(late, last, target, "late")
+        prepare(early, first, target, "early")
+        prepare(early, first, other, "other")
+        assert early.commit(first) == ""
+        remember_chosen(network, [chosen])
+        assert late.commit(last) == ""
+    known = read_record(network)
+    assert target.read_text() == "late"
+    assert known.holds(target)
+    assert known.holds(other)
+    assert known.chosen == {chosen}
+
+
+def test_records_are_changed_in_turn(tmp_path):
+    """None of the files that many choose at once is lost."""
+    network = tmp_path / "nets/net.json"
+    files = {tmp_path / f"elsewhere/{number}.txt" for number in range(20)}
+    with ThreadPoolExecutor(len(files)) as workers:
+        list(workers.map(lambda file: remember_chosen(network, [file]), files))
+    assert read_record(network).chosen == files
+
+
+def test_what_changes_while_it_computes_is_seen(tmp_path):
+    target = tmp_path / "nets/a.txt"
+    rules = write_rules.WriteRules((tmp_path / "nets",), (), frozenset(), WriteRecord(tmp_path))
+
+    def disturbed(change):
+        with Staging(None) as staging:
+            staging.claim(target, partial(rules.check, "out"))
+            staging.write(target, partial(write_text, content="new"))
+            change()
+            with pytest.raises(FileError) as caught:
+                staging.commit()
+        return str(caught.value)
+
+    assert "become a link to another place" in disturbed(
+        lambda: target.symlink_to(tmp_path / "elsewhere/a.txt")
+    )
+    target.unlink()
+    assert "has changed since" in disturbed(lambda: target.write_text("my own work"))
+    assert target.read_text() == "my own work"
+    assert not list((tmp_path / "elsewhere").iterdir())
