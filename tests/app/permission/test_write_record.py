@@ -15,6 +15,8 @@ from core.errors import FileError
 
 OWN = ["final.png", "mtf.csv", "readouts.json"]
 
+CHANGED = "the file that is there was not written by this network, or has changed since"
+
 
 def test_a_run_killed_while_it_put_files_in_place_is_known(tmp_path):
     """Whichever of the two files is there afterwards, the network has written it."""
@@ -94,6 +96,6 @@ def test_what_changes_while_it_computes_is_seen(tmp_path):
         lambda: target.symlink_to(tmp_path / "elsewhere/a.txt")
     )
     target.unlink()
-    assert "has changed since" in disturbed(lambda: target.write_text("my own work"))
+    assert CHANGED in disturbed(lambda: target.write_text("my own work"))
     assert target.read_text() == "my own work"
     assert not list((tmp_path / "elsewhere").iterdir())
