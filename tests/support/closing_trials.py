@@ -72,7 +72,10 @@ def close(trial, folder, screen):
         if trial.state == "computing":
             editor.keys("ctrl+Return")
         elif trial.dialog:
+            plain = editor.windows()
             editor.keys(DIALOGS[trial.dialog])
+            if trial.dialog == "menu":
+                editor.wait(lambda: editor.windows() - plain, "the Edit menu")
             if trial.dialog == "replace":
                 editor.wait(lambda: editor.window("^Save the network"), "the dialog")
                 editor.focus(editor.window("^Save the network"))
@@ -80,7 +83,7 @@ def close(trial, folder, screen):
                 editor.wait(lambda: editor.window("^Replace file"), "the question to replace it")
             if trial.dialog == "new":
                 editor.wait(lambda: editor.asks, "the question of a new network")
-        go(trial.way, editor)
+        go(trial, editor)
         outcome = editor.outcome()
         if trial.is_told and outcome == "asked":  # of New: told to end, it ends
             editor.wait(lambda: editor.gone, "the end")
@@ -99,12 +102,13 @@ def close(trial, folder, screen):
         return outcome
 
 
-def go(way, editor):
-    """Close by one of the ways."""
+def go(trial, editor):
+    """Close by the trial's way."""
+    way = trial.way
     if way == "keys":
         editor.keys("ctrl+q")
     elif way == "menu":
-        editor.click(18, 10)
+        open_file_menu(trial, editor)
         editor.keys("q")
     elif way == "window manager":
         editor.press_close_button()
@@ -114,6 +118,17 @@ def go(way, editor):
             # As somebody who sees nothing happen: before it has ended, or while it does.
             time.sleep(AGAIN_S)
             editor.process.send_signal(signal.SIGTERM)
+
+
+def open_file_menu(trial, editor):
+    """By a click; where another menu is open, by the pointer alone, as a click would close it."""
+    before = editor.windows()
+    if trial.dialog == "menu":
+        editor.move(18, 10)
+    else:
+        editor.click(18, 10)
+    if trial.dialog != "new":  # its question is modal: the menus stay shut
+        editor.wait(lambda: editor.windows() - before, "the File menu")
 
 
 def answered(trial, editor, before):

@@ -78,6 +78,11 @@ class EditorProcess:
         numbers = told.split()
         return int(numbers[-1]) if numbers else None
 
+    def windows(self):
+        """The ids of all its windows in sight, menus among them."""
+        its_own = ("--all", "--pid", self.process.pid)
+        return set(self._xdotool("search", "--onlyvisible", *its_own, "--name", "").split())
+
     def title(self):
         return self._xdotool("getwindowname", self.main).strip()
 
@@ -102,8 +107,11 @@ class EditorProcess:
     def keys(self, *names):
         self._xdotool("key", "--delay", "20", *names)
 
-    def click(self, x, y, button=1):
+    def move(self, x, y):
         self._xdotool("mousemove", x, y)
+
+    def click(self, x, y, button=1):
+        self.move(x, y)
         self._xdotool("click", button)
 
     def focus(self, window):
