@@ -80,7 +80,7 @@ try:
     autosave.write_if_changed()
 except FileError as error:
     assert autosave.path.read_bytes() == old
-    print("kept:", error)
+    print("kept:", error, flush=True)
 document.do(set_network_field("description", "short again"))
 assert autosave.write_if_changed()
 import os
