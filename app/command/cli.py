@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Sequence
 
 from app.options.stopping import Stop, Stopped, stoppable
-from app.options.terminal_streams import discard, tell, usable_streams
+from app.options.terminal_streams import discard, print_error, usable_streams
 from core.errors import Cancelled, ImagechainError
 
 
@@ -131,7 +131,7 @@ def _cancelled() -> int:
 
 def _fail(message: str, code: int) -> int:
     line = " ".join(message.split())
-    tell("imagechain: " + "".join(c if c.isprintable() else repr(c)[1:-1] for c in line))
+    print_error("imagechain: " + "".join(c if c.isprintable() else repr(c)[1:-1] for c in line))
     return code
 
 

@@ -1,1 +1,1 @@
-"""The window. Only this package knows Qt."""
+"""The window. Only this package imports Qt."""

@@ -40,9 +40,9 @@ class Shares:
         return server is not None and not self._answers.get(server, False)
 
     def unanswered(self, network: Network, library: Library) -> tuple[str, ...]:
-        """Computers that a network names and nobody has been asked about."""
-        found = named_shares(network, library, windows=self._windows).values()
-        return tuple(server for server in dict.fromkeys(found) if server not in self._answers)
+        """Computers that a network names and the person has not been asked about."""
+        servers = named_shares(network, library, windows=self._windows).values()
+        return tuple(server for server in dict.fromkeys(servers) if server not in self._answers)
 
     def without_barred(
         self, network: Network, library: Library

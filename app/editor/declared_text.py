@@ -1,4 +1,4 @@
-"""What a panel says of parameters, read-outs and choices, made from their declarations."""
+"""Texts of a panel on parameters, read-outs and choices, made from their declarations."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 from app.editor.number_text import shown_number, shown_numbers
 from core.modules.parameters import Parameter
 
-# Ends of names that say the unit, which stands beside the value.
+# Ends of names that are the unit, which stands beside the value.
 _UNITS = re.compile(
     r"_(um|mm|cm|m|km|s|K|Hz|W|deg|mrad|waves|dB|px|percent|per_km|m_per_s|mrad_per_s|cyc_per_mrad)$"
 )
@@ -94,9 +94,9 @@ def choice_text(choice: Any) -> str:
 
 
 def placeholder_of(parameter: Parameter) -> str:
-    """What stands where a value is empty: what is taken then, if the declaration says so."""
-    _, found, meant = parameter.param.text.partition("empty: ")
-    return re.split(r"[;,.]", meant)[0].strip() if found else "empty"
+    """What an empty field shows: the value taken then, where the declaration names it."""
+    _, marker, meant = parameter.param.text.partition("empty: ")
+    return re.split(r"[;,.]", meant)[0].strip() if marker else "empty"
 
 
 def shown_value(parameter: Parameter, value: Any) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
 
-DIGITS = 10  # significant ones, where that many tell the number
+DIGITS = 10  # significant ones, where that many are enough
 FIGURE_DIGITS = 5  # of read-outs
 
 _EXPONENT = re.compile(r"e\+?(-?)0*(?=\d)")

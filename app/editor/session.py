@@ -1,4 +1,4 @@
-"""The open document as the parts of the window see it: what they may do, and what they are told."""
+"""The open document as the parts of the window see it: what they may do, and its signals."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class Session(QObject):
         Other nodes are selected: a tuple of ids.
     shares_answered
         Another computer may be read from, or may not.
-    told(kind, text)
-        Something to say to the person; kind is "note" or "error".
+    message(kind, text)
+        A line for the person; kind is "note" or "error".
     """
 
     opened = Signal()
@@ -42,7 +42,7 @@ class Session(QObject):
     state_changed = Signal()
     selection_changed = Signal(tuple)
     shares_answered = Signal()
-    told = Signal(str, str)
+    message = Signal(str, str)
 
     def __init__(self, library: Library, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -94,13 +94,13 @@ class Session(QObject):
     def do(self, operation: Operation, gesture: Hashable = None) -> bool:
         """Carry an operation out; whether it changed something.
 
-        One that does not fit is refused with a word to the person. Operations in a row that share
+        One that does not fit is refused with a `message`. Operations in a row that share
         a `gesture` are one undo step; `end_gesture` when the mouse goes up.
         """
         try:
             return self._document.do(operation, gesture)
         except ImagechainError as error:
-            self.told.emit("error", str(error))
+            self.message.emit("error", str(error))
             return False
 
     def end_gesture(self) -> None:
@@ -116,15 +116,15 @@ class Session(QObject):
         self._document.redo()
 
     def save(self, path: Path | None = None, *, over: bool = False) -> bool:
-        """Save the document; whether that worked. If not, the work is kept and the reason told.
+        """Save the document; whether that worked. If not, the work is kept and the reason shown.
 
-        `over` says whether to write over what somebody else has made of its own file.
+        `over`: whether to write over another program's changes to its own file.
         """
         before = self._document.path
         try:
             self._document.save(path, over=over)
         except ImagechainError as error:
-            self.told.emit("error", f"not saved: {error}")
+            self.message.emit("error", f"not saved: {error}")
             return False
         self.state_changed.emit()
         if self._document.path is not None:
@@ -144,7 +144,7 @@ class Session(QObject):
         try:
             remember()
         except ImagechainError as error:
-            self.told.emit("note", f"not remembered as a file to be written: {error}")
+            self.message.emit("note", f"not remembered as a file to be written: {error}")
 
     def select(self, names: Iterable[str]) -> None:
         """Select these nodes and no others."""

@@ -39,7 +39,7 @@ def discard(stream: TextIO) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-def tell(line: str) -> None:
+def print_error(line: str) -> None:
     """Print a line to standard error; where that is full or gone, nobody can be told."""
     try:
         print(line, file=sys.stderr, flush=True)

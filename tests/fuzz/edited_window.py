@@ -82,10 +82,10 @@ class Person(QObject):
             lambda error: self.journal.write("autosave ends", error=str(error or ""))
         )
         self._state()
-        self.to_recover = [work for work in window.recovery.found() if not work.problem]
+        self.to_recover = [work for work in window.recovery.unsaved_work() if not work.problem]
         found = [
             {"text": work.text, "problem": work.problem, "original": str(work.original)}
-            for work in window.recovery.found()
+            for work in window.recovery.unsaved_work()
         ]
         self.journal.write("ready", recoverable=found)
 
@@ -148,7 +148,7 @@ class Person(QObject):
     def _verify(self, window: MainWindow) -> None:
         """Open each work that is offered, save it to a file of its own, throw away the rest."""
         if not self.to_recover:
-            for work in window.recovery.found():
+            for work in window.recovery.unsaved_work():
                 window.recovery.discard(work)
             window.show_welcome()
             # What a save cut short has left beside the network goes at the next one there.

@@ -16,7 +16,7 @@ from core.network.network import Network
 DISABLED = "disabled: passes its input on, if it has one"
 STALE = "held back: shows what it had before the last changes, until all is generated"
 IDENTITY = "left out: its setting changes nothing"
-_TOLD = ("mirrored_edges", "pupil_centre", "folded", "region")
+_SHOWN_SKIPS = ("mirrored_edges", "pupil_centre", "folded", "region")
 
 
 def badges(
@@ -28,7 +28,7 @@ def badges(
     skipped: Mapping[str, str] | None = None,
     warned: Iterable[Caution] = (),
 ) -> dict[str, Badge]:
-    """Badges by node; one that has nothing to say has none.
+    """Badges by node; a node that only runs has none.
 
     An error stands on the node it belongs to alone; the nodes after it wait for that.
 
@@ -47,46 +47,50 @@ def badges(
     warned : iterable of Caution
         Warnings for which samples were looked at.
     """
-    found: dict[str, Badge] = {}
+    by_node: dict[str, Badge] = {}
     warned = tuple(warned)
     badge: Badge | None
     for name, planned in plan.nodes.items():
         if planned.error is not None:
             badge = _of_error(plan.network, library, name, planned.error)
         else:
-            texts = [each.text for each in (*planned.warnings, *warned) if each.node == name]
+            texts = [
+                warning.text for warning in (*planned.warnings, *warned) if warning.node == name
+            ]
             badge = _of_state(planned, name in stale, (skipped or {}).get(name), "\n".join(texts))
         if badge is not None:
-            found[name] = badge
+            by_node[name] = badge
     for error in met:
         node = error.node
-        if node is not None and node in plan.nodes and not _fails(found.get(node)):
-            found[node] = Badge("error", error.message)
+        if node is not None and node in plan.nodes and not _fails(by_node.get(node)):
+            by_node[node] = Badge("error", error.message)
             for name in _after(plan.network, node):
-                if not _fails(found.get(name)):
-                    found[name] = Badge("incomplete", f"waits for {node}")
-    return found
+                if not _fails(by_node.get(name)):
+                    by_node[name] = Badge("incomplete", f"waits for {node}")
+    return by_node
 
 
 def skip_texts(skips: Sequence[Skip]) -> dict[str, str]:
     """What is left out of the work of nodes that are left out, or nearly so."""
-    found: dict[str, list[str]] = {}
+    by_node: dict[str, list[str]] = {}
     for skip in skips:
         if skip.kind == "below_budget":
             bound = "" if skip.bound is None else f" ({skip.bound:.1g} of the range at most)"
-            found.setdefault(skip.node, []).append(skip.text + bound)
+            by_node.setdefault(skip.node, []).append(skip.text + bound)
     for skip in skips:
-        if skip.kind in _TOLD and skip.node in found:
-            found[skip.node].append(skip.text)
-    return {name: "\n".join(texts) for name, texts in found.items()}
+        if skip.kind in _SHOWN_SKIPS and skip.node in by_node:
+            by_node[skip.node].append(skip.text)
+    return {name: "\n".join(texts) for name, texts in by_node.items()}
 
 
-def _of_state(planned: PlannedNode, stale: bool, skipped: str | None, told: str) -> Badge | None:
+def _of_state(
+    planned: PlannedNode, stale: bool, skipped: str | None, warning_text: str
+) -> Badge | None:
     if stale:
-        return Badge("stale", f"{STALE}\n{told}" if told else STALE)
-    if told:
+        return Badge("stale", f"{STALE}\n{warning_text}" if warning_text else STALE)
+    if warning_text:
         skipped = IDENTITY if is_neutral(planned) else skipped
-        return Badge("warning", f"{told}\n{skipped}" if skipped else told)
+        return Badge("warning", f"{warning_text}\n{skipped}" if skipped else warning_text)
     if planned.node.disabled:
         return Badge("disabled", DISABLED)
     if is_neutral(planned):
@@ -120,11 +124,11 @@ def _fails(badge: Badge | None) -> bool:
 
 def _after(network: Network, node: str) -> set[str]:
     """All nodes that hang on a node."""
-    found: set[str] = set()
+    dependents: set[str] = set()
     waiting = [node]
     while waiting:
         for name in network.followers.get(waiting.pop(), ()):
-            if name not in found:
-                found.add(name)
+            if name not in dependents:
+                dependents.add(name)
                 waiting.append(name)
-    return found
+    return dependents

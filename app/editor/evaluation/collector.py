@@ -23,7 +23,7 @@ class Collector(QObject):
     Parameters
     ----------
     is_quiet : callable
-        Whether nobody would notice a stop of a tenth of a second.
+        Whether a stop of a tenth of a second would go unnoticed.
     parent : QObject, optional
         Qt's owner.
     """

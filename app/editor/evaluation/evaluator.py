@@ -31,12 +31,12 @@ QUIET_S = 1.0
 
 
 class _Bell(QObject):
-    """Rung by the worker; heard in the window's thread."""
+    """Rung by the worker; its signal arrives in the window's thread."""
 
     rung = Signal()
 
     def ring(self) -> None:
-        """Say that there is something to take."""
+        """Signal that there is something to take."""
         self.rung.emit()
 
 
@@ -87,7 +87,7 @@ class Evaluator(QObject):
         self._inbox = Inbox()
         bell = _Bell()
         self._frames = Frames(self._take_news, self)
-        bell.rung.connect(self._frames.tell, Qt.ConnectionType.QueuedConnection)
+        bell.rung.connect(self._frames.notify, Qt.ConnectionType.QueuedConnection)
         self._outbox = Outbox(bell.ring)
         self._runner = Runner(
             session.library,
@@ -126,12 +126,12 @@ class Evaluator(QObject):
 
     @property
     def idle(self) -> bool:
-        """Whether all that is wanted has been answered, and all that was noticed been told."""
+        """Whether all queries have been answered, and all changes been signalled."""
         return self._finished == self._generation and not self._soon.isActive()
 
     @property
     def badges(self) -> dict[str, Badge]:
-        """What every node shows, as told last."""
+        """What every node shows, as signalled last."""
         return dict(self._shown_badges)
 
     def ask(self, owner: str, queries: Sequence[Query]) -> None:
@@ -196,7 +196,7 @@ class Evaluator(QObject):
     def _follow_opening(self) -> None:
         self._document += 1
         self._edits += 1
-        self._post_soon()  # the views ask for what they want of it first
+        self._post_soon()  # the views post their queries on it first
 
     def _note_edit(self) -> None:
         now = time.perf_counter()
@@ -223,7 +223,7 @@ class Evaluator(QObject):
                 self._document,
                 network,
                 self._session.folder,
-                tuple(each for group in self._asked.values() for each in group),
+                tuple(request for group in self._asked.values() for request in group),
                 self._edits,
                 self._generates,
                 self._gestures,
@@ -235,8 +235,8 @@ class Evaluator(QObject):
             self._look.start()
 
     def _start(self) -> None:
-        # A thread that wants Python waits so long for one that computes in it: 1.2 ms each time in
-        # place of 5.3. While numpy computes it makes no difference.
+        # A thread waits so long for the interpreter while another computes in it: 1.2 ms each
+        # time in place of 5.3. While numpy computes it makes no difference.
         self._switch_interval = sys.getswitchinterval()
         sys.setswitchinterval(min(SWITCH_S, self._switch_interval))
         self._thread = threading.Thread(
@@ -262,12 +262,12 @@ class Evaluator(QObject):
             self._pass_on(answer)
         if self.idle:
             self._rest()
-        self._tell_badges()
+        self._emit_badges()
         for done in news.done:
             self.pass_done.emit(done)
 
     def _pass_on(self, answer: Answer) -> None:
-        """Tell an answer, unless the owner has a newer one, or has gone meanwhile."""
+        """Emit an answer, unless the owner has a newer one, or has gone meanwhile."""
         owner = answer.owner
         newest = max(self._since.get(owner, self._generation + 1), self._answered.get(owner, 0))
         if answer.generation >= newest:
@@ -275,7 +275,7 @@ class Evaluator(QObject):
             self.answered.emit(answer)
 
     def _look_at_worker(self) -> None:
-        """While a pass takes long, tell where it is."""
+        """While a pass takes long, signal where it is."""
         position = self._runner.position
         busy = None
         if position is not None and position.seconds > PATIENCE_S:
@@ -283,7 +283,7 @@ class Evaluator(QObject):
             node = node if node in self._session.network.nodes else None
             busy = Busy(node, position.seconds, position.done, position.wanted)
         self._set_busy(busy)
-        self._tell_badges()
+        self._emit_badges()
 
     def _rest(self) -> None:
         self._look.stop()
@@ -294,10 +294,10 @@ class Evaluator(QObject):
             self._busy = busy
             self.busy_changed.emit(busy)
 
-    def _tell_badges(self) -> None:
-        found = dict(self._badges)
+    def _emit_badges(self) -> None:
+        shown = dict(self._badges)
         if self._busy is not None and self._busy.node is not None:
-            found[self._busy.node] = Badge("running", "computing")
-        if found != self._shown_badges:
-            self._shown_badges = found
-            self.badges_changed.emit(dict(found))
+            shown[self._busy.node] = Badge("running", "computing")
+        if shown != self._shown_badges:
+            self._shown_badges = shown
+            self.badges_changed.emit(dict(shown))

@@ -24,5 +24,5 @@ def as_error(error: Exception, node: str | None = None) -> ImagechainError:
     if isinstance(error, MemoryError):
         text = "our own failure: not enough memory; make the picture smaller, or close other ones"
         return OwnFailure(text, node=node)
-    told = " ".join(str(error).split())[:200]
-    return OwnFailure(f"our own failure: {type(error).__name__}: {told}", node=node)
+    reason = " ".join(str(error).split())[:200]
+    return OwnFailure(f"our own failure: {type(error).__name__}: {reason}", node=node)

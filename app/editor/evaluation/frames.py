@@ -9,8 +9,8 @@ from PySide6.QtCore import QObject, Qt, QTimer
 FRAME_MS = 8
 """News are taken at most so often.
 
-A pass tells its picture, its figures and its end within milliseconds. All were taken and drawn in
-one turn of the event loop, up to 49 ms long; with a pause it takes 25, and as many pictures are
+A pass delivers its picture, its figures and its end within milliseconds. All were taken and drawn
+in one turn of the event loop, up to 49 ms long; with a pause it takes 25, and as many pictures are
 shown: of 4, 8, 12 and 16 ms, 8 had the shortest gaps at their full number.
 """
 
@@ -35,8 +35,8 @@ class Frames(QObject):
         )
         self._pause.timeout.connect(self._end)
 
-    def tell(self) -> None:
-        """There are news."""
+    def notify(self) -> None:
+        """Take the news now, or when the pause ends."""
         if self._pause.isActive():
             self._waiting = True
         else:

@@ -17,7 +17,7 @@ from core.network.network import Network
 
 @dataclass(frozen=True)
 class Asked:
-    """A query of an owner; put again after it was dropped, it has another number."""
+    """A query of an owner; posted again after it was dropped, it has another number."""
 
     owner: str
     query: Query
@@ -37,7 +37,7 @@ class Snapshot:
     network, folder
         The document.
     asked : tuple of Asked
-        All that is wanted of it.
+        All queries on it.
     edits, generates : int
         How many edits, openings and generations there have been, and how many of the last.
     gestures : int
@@ -123,7 +123,7 @@ class Inbox:
 
 @dataclass(frozen=True)
 class News:
-    """What the worker has to tell of a document, all at once."""
+    """What the worker delivers on a document, all at once."""
 
     document: int
     plan: Plan | None = None
@@ -134,7 +134,7 @@ class News:
 
 
 class Outbox:
-    """Gathers what the worker has to tell until the window takes it.
+    """Gathers what the worker delivers until the window takes it.
 
     Of several answers to one question only the newest is kept: a window that is slow to draw skips
     pictures instead of lagging behind.
@@ -161,38 +161,38 @@ class Outbox:
                 self._news = News(document)
 
     def plan(self, plan: Plan) -> None:
-        """Tell the latest plan."""
+        """Deliver the latest plan."""
         with self._lock:
             self._set(plan=plan)
-        self._tell()
+        self._notify()
 
     def badges(self, badges: Mapping[str, Badge]) -> None:
-        """Tell what the nodes show."""
+        """Deliver what the nodes show."""
         with self._lock:
             self._set(badges=badges)
-        self._tell()
+        self._notify()
 
     def answer(self, answer: Answer) -> None:
-        """Tell an answer."""
+        """Deliver an answer."""
         with self._lock:
             self._answers.pop((answer.owner, answer.query), None)
             self._answers[answer.owner, answer.query] = answer
-        self._tell()
+        self._notify()
 
     def done(self, done: PassDone) -> None:
-        """Tell that a pass has ended."""
+        """Deliver the end of a pass."""
         with self._lock:
             self._set(done=(*self._news.done, done))
-        self._tell()
+        self._notify()
 
     def finished(self, generation: int) -> None:
-        """Tell that nothing is left to do up to that generation."""
+        """Deliver that nothing is left to do up to that generation."""
         with self._lock:
             self._set(finished=generation)
-        self._tell()
+        self._notify()
 
     def take(self) -> News:
-        """All there is to tell, in the window's thread."""
+        """All that has been delivered; in the window's thread."""
         with self._lock:
             self._woken = False
             news, answers = self._news, tuple(self._answers.values())
@@ -203,7 +203,7 @@ class Outbox:
     def _set(self, **changes: Any) -> None:
         self._news = replace(self._news, **changes)
 
-    def _tell(self) -> None:
+    def _notify(self) -> None:
         with self._lock:
             if self._woken or self.closed:
                 return

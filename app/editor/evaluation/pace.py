@@ -26,7 +26,7 @@ _REMEMBERED = 64
 
 
 class Pace:
-    """Remembers how long pictures took after which edits, and when one was shown last."""
+    """How long pictures took after which edits, and when one was shown last."""
 
     def __init__(self) -> None:
         self._seconds: dict[tuple[Hashable, int], float] = {}
@@ -34,7 +34,7 @@ class Pace:
         self._rest_again = 0.0
 
     def expected(self, change: Hashable, reduced: int = 1) -> float:
-        """Seconds that the pictures took after such an edit; 0 if nobody knows."""
+        """Seconds that the pictures took after such an edit; 0 if unknown."""
         return self._seconds.get((change, reduced), 0.0)
 
     def took(self, change: Hashable, seconds: float, reduced: int = 1) -> None:

@@ -1,4 +1,4 @@
-"""An evaluation that can be stopped for good reasons, and knows which node it is at."""
+"""An evaluation that can be stopped, with the node it is at."""
 
 from __future__ import annotations
 

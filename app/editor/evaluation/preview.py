@@ -92,14 +92,14 @@ class _Reducing:
 
     def _ratio_in(self, name: str) -> Ratio | None:
         """By how much the pictures that come in are reduced; None where there are none."""
-        found = {
+        ratios = {
             self.ratios[link.source, link.output]
             for link in self.plan.network.links_into(name)
             if (link.source, link.output) in self.ratios
         }
-        if len(found) > 1:
+        if len(ratios) > 1:
             raise _CannotReduceError
-        return found.pop() if found else None
+        return ratios.pop() if ratios else None
 
     def _take_source(self, name: str, planned: PlannedNode) -> None:
         k = self.factor

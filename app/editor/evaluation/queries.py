@@ -38,11 +38,11 @@ class Passing:
 
 
 class Query(ABC):
-    """A question to a network, asked again after each change. An immutable, hashable value.
+    """A question about a network, answered again after each change. An immutable, hashable value.
 
     `urgency` orders the queries of a pass, the lowest first: 0 pictures, 1 what stands beside them,
-    2 all else. `from_preview` says whether a picture of reduced size answers it. One that `waits`
-    is answered only once edits pause and all others are, and stops for whatever comes.
+    2 all else. `from_preview`: whether a picture of reduced size answers it. One that `waits` is
+    answered only once edits pause and all others are, and stops for whatever comes.
     """
 
     urgency: ClassVar[int] = 2
@@ -51,7 +51,7 @@ class Query(ABC):
 
     @abstractmethod
     def key(self, plan: Plan) -> Hashable:
-        """What the answer depends on: the same key, the same answer. None: always ask.
+        """What the answer depends on: the same key, the same answer. None: answer always.
 
         Called in the worker's thread. An `ImagechainError` counts as the answer.
         """
@@ -63,7 +63,7 @@ class Query(ABC):
         Raises
         ------
         ImagechainError
-            What the window says instead.
+            What the window shows instead.
         """
 
 
@@ -76,7 +76,7 @@ class Answer:
     generation : int
         Number of the pass; later ones have larger numbers.
     owner : str
-        Who asked.
+        Name of the part of the window that posted it.
     query : Query
         The question.
     value : object
@@ -97,7 +97,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Badge:
-    """What a node shows of its state, and what its tooltip says of it."""
+    """The mark of a node's state, and its tooltip."""
 
     kind: BadgeKind
     text: str
@@ -107,7 +107,7 @@ class Badge:
 class PassDone:
     """A pass has ended: how long it took, and how.
 
-    `after_edit` says whether it was the first after an edit, after all was generated or after the
+    `after_edit`: whether it was the first after an edit, after all was generated or after the
     document was opened, and not one for what is looked at in addition.
     """
 

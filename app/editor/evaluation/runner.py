@@ -1,4 +1,4 @@
-"""The worker: plans each snapshot of the window and answers what is wanted of it."""
+"""The worker: plans each snapshot of the window and answers its queries."""
 
 from __future__ import annotations
 
@@ -85,11 +85,11 @@ class Runner:
         )
         plan = self._planned.shown
         self._outbox.plan(plan)
-        self._tell_badges()
+        self._send_badges()
         task = self._task(snapshot, plan)
         if self._preview(task) and self._pass(task):
             self._done = snapshot
-            self._tell_badges()
+            self._send_badges()
             self._settle(snapshot)
             self._answer_waiting(snapshot)
             self._outbox.finished(snapshot.generation)
@@ -135,7 +135,7 @@ class Runner:
         return generate
 
     def _answer_all(self, snapshot: Snapshot, error: ImagechainError) -> None:
-        """Say to everyone why there is no answer."""
+        """Answer every query with the error."""
         start = time.perf_counter()
         for asked in snapshot.asked:
             if self._sent.is_due(asked, key := ("no answer", str(error))):
@@ -159,7 +159,7 @@ class Runner:
         planned = self._planned
         if planned is None or planned.stale:
             return None  # what is held back has a recipe of full size only
-        names = {each[0] for each in change or () if isinstance(each, tuple)}
+        names = {item[0] for item in change or () if isinstance(item, tuple)}
         return reduced_network(planned.shown, reduced, edited=names)
 
     def _small_plan(self, snapshot: Snapshot, reduced: int, change: Change) -> Plan | None:
@@ -240,13 +240,13 @@ class Runner:
     ) -> None:
         asked = due.asked
         self._sent.put(asked, Sent(due.key, work.log if work else None, reduced, error))
-        found = Answer(snapshot.generation, asked.owner, asked.query, value, error, reduced)
-        self._outbox.answer(found)
+        answer = Answer(snapshot.generation, asked.owner, asked.query, value, error, reduced)
+        self._outbox.answer(answer)
         if due.is_picture:
             self._pace.shown()
 
     def _is_cancelled(self, snapshot: Snapshot) -> bool:
-        """Whether the person wants no more of it."""
+        """Whether the person has cancelled it."""
         return self._inbox.cancelled >= snapshot.generation
 
     def _is_edited(self, snapshot: Snapshot) -> bool:
@@ -276,18 +276,18 @@ class Runner:
         try:
             self._look_at_samples(plan, work)
             self._skipped = skip_texts(skips(plan, work))
-        except ImagechainError:  # something newer has come, or an error that is told elsewhere
+        except ImagechainError:  # something newer has come, or an error that is shown elsewhere
             return
-        self._tell_badges()
+        self._send_badges()
 
     def _look_at_samples(self, plan: Plan, work: PassWork) -> None:
         """What nodes warn of once samples are there; for that alone none are computed."""
-        pending = [each for each in plan.checks() if isinstance(each, PendingCheck)]
-        keys = {each.recipe.key for each in pending}
-        self._warned = {key: found for key, found in self._warned.items() if key in keys}
-        for each in pending:
-            if each.recipe.key not in self._warned and each.is_ready(work):
-                self._warned[each.recipe.key] = each.value(work)
+        pending = [check for check in plan.checks() if isinstance(check, PendingCheck)]
+        keys = {check.recipe.key for check in pending}
+        self._warned = {key: warning for key, warning in self._warned.items() if key in keys}
+        for check in pending:
+            if check.recipe.key not in self._warned and check.is_ready(work):
+                self._warned[check.recipe.key] = check.value(work)
 
     def _answer_waiting(self, snapshot: Snapshot) -> None:
         """Answer what could wait until edits paused; whatever comes goes before it."""
@@ -300,26 +300,26 @@ class Runner:
             self._answer(list(due), Task(snapshot, plan, due, None), position)
         except Cancelled:
             if self._is_cancelled(snapshot):
-                self._sent.give_up([each.asked for each in due[position.done :]])
+                self._sent.give_up([item.asked for item in due[position.done :]])
         finally:
             self.position = None
 
-    def _tell_badges(self) -> None:
+    def _send_badges(self) -> None:
         assert self._planned is not None
         plan = self._planned.shown
         known = [
-            self._warned.get(each.recipe.key)
-            for each in plan.checks()
-            if isinstance(each, PendingCheck)
+            self._warned.get(check.recipe.key)
+            for check in plan.checks()
+            if isinstance(check, PendingCheck)
         ]
-        found = badges(
+        shown = badges(
             plan,
             self._engine.library,
             stale=self._planned.stale,
             met=[sent.error for sent in self._sent if sent.error is not None],
             skipped=self._skipped,
-            warned=[each for each in known if each is not None],
+            warned=[warning for warning in known if warning is not None],
         )
-        if found != self._badges:
-            self._badges = found
-            self._outbox.badges(found)
+        if shown != self._badges:
+            self._badges = shown
+            self._outbox.badges(shown)

@@ -32,11 +32,11 @@ class SentAnswers:
 
     def log(self) -> EvaluationLog:
         """All that was looked at for answers from full pictures."""
-        found = EvaluationLog()
+        combined = EvaluationLog()
         for sent in self:
             if sent.log is not None and sent.reduced == 1:
-                found.add(sent.log)
-        return found
+                combined.add(sent.log)
+        return combined
 
     def clear(self) -> None:
         """Forget all."""
@@ -44,9 +44,9 @@ class SentAnswers:
         self._given_up.clear()
 
     def keep(self, asked: Collection[Asked]) -> None:
-        """Forget what is not wanted any more."""
+        """Drop all but these."""
         wanted = set(asked)
-        self._sent = {each: sent for each, sent in self._sent.items() if each in wanted}
+        self._sent = {request: sent for request, sent in self._sent.items() if request in wanted}
         self._given_up &= wanted
 
     def is_due(self, asked: Asked, key: Hashable, reduced: int = 1) -> bool:
@@ -65,7 +65,9 @@ class SentAnswers:
         self._given_up.update(asked)
 
     def take_up(self, *, errors: bool = False) -> None:
-        """Answer again what was given up, and if asked for, what was answered by an error."""
+        """Answer again what was given up, and with `errors` what was answered by an error."""
         self._given_up.clear()
         if errors:
-            self._sent = {each: sent for each, sent in self._sent.items() if sent.error is None}
+            self._sent = {
+                request: sent for request, sent in self._sent.items() if sent.error is None
+            }

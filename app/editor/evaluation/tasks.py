@@ -19,7 +19,7 @@ Change = frozenset[tuple[str, str] | str | Link] | None
 
 @dataclass(frozen=True)
 class Due:
-    """A query to be answered, and what its answer depends on, or why that cannot be told."""
+    """A query to be answered, and what its answer depends on, or why that is unknown."""
 
     asked: Asked
     key: Hashable
@@ -48,7 +48,7 @@ class Task:
     reduced : int
         Above 1 in a preview.
     expected : float
-        Seconds its pictures took the last time; 0 if nobody knows.
+        Seconds its pictures took the last time; 0 if unknown.
     has_preview : bool
         Whether an edit meanwhile would be followed by a preview.
     preview : Task or None
@@ -77,14 +77,14 @@ def due_queries(
 
     With `waiting` only what can wait until edits pause, else only what cannot.
     """
-    found = []
-    for each in asked:
-        if each.query.waits is not waiting:
+    queries = []
+    for request in asked:
+        if request.query.waits is not waiting:
             continue
-        due = _due(each, plan)
-        if sent.is_due(each, due.key, reduced):
-            found.append(due)
-    return tuple(sorted(found, key=lambda due: due.asked.query.urgency))
+        due = _due(request, plan)
+        if sent.is_due(request, due.key, reduced):
+            queries.append(due)
+    return tuple(sorted(queries, key=lambda due: due.asked.query.urgency))
 
 
 def _due(asked: Asked, plan: Plan) -> Due:
@@ -114,19 +114,19 @@ def edited(before: Network | None, after: Network) -> Change:
     """What differs between two networks; None where there was none before."""
     if before is None:
         return None
-    found: set[tuple[str, str] | str | Link] = {*(set(before.links) ^ set(after.links))}
+    changes: set[tuple[str, str] | str | Link] = {*(set(before.links) ^ set(after.links))}
     for name in {*before.nodes, *after.nodes}:
         old, new = before.nodes.get(name), after.nodes.get(name)
         if old is new:
             continue
         if old is None or new is None or (old.auto, old.disabled) != (new.auto, new.disabled):
-            found.add(name)
+            changes.add(name)
         else:
             names = {*old.params, *new.params}
-            found |= {(name, p) for p in names if old.params.get(p) != new.params.get(p)}
+            changes |= {(name, p) for p in names if old.params.get(p) != new.params.get(p)}
     if before.seed != after.seed:
-        found.add("seed")
-    return frozenset(found)
+        changes.add("seed")
+    return frozenset(changes)
 
 
 def computes_alike(before: Network, after: Network) -> bool:

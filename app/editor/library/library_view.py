@@ -89,9 +89,9 @@ class ModuleTree(QTreeWidget):
             group.setHidden(all(item.isHidden() for item in there))
             if typed.strip():
                 group.setExpanded(True)
-        found = {key: place for key, place in ranks.items() if place}
-        if found:
-            self.setCurrentItem(self.modules[min(found, key=lambda key: found[key])])
+        matches = {key: place for key, place in ranks.items() if place}
+        if matches:
+            self.setCurrentItem(self.modules[min(matches, key=lambda key: matches[key])])
         else:
             self.clearSelection()
             self.setCurrentIndex(QModelIndex())

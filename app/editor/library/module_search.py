@@ -1,4 +1,4 @@
-"""What modules are found by when a person types a word."""
+"""Search of modules by typed words."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def main(number: int, warm: int) -> None:
     """
     names = shipped_networks()
     with trial_window() as (_, window):
-        found = []
+        resident = []
         for name in islice(cycle(names), number):
             window.files.open_now(name)
             settle(window)
@@ -39,8 +39,8 @@ def main(number: int, warm: int) -> None:
             settle(window)
             gc.collect()
             live(0.05)
-            found.append(resident_mib())
-        first, last = max(found[warm : warm + len(names)]), max(found[warm:][-len(names) :])
+            resident.append(resident_mib())
+        first, last = max(resident[warm : warm + len(names)]), max(resident[warm:][-len(names) :])
         print(json.dumps({"warm_mib": first, "end_mib": last, "growth": last / first - 1}))
 
 

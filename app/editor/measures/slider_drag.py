@@ -30,7 +30,7 @@ TICK_MS = 2
 
 
 class Gaps:
-    """How long the event loop did nothing else, by a timer that wants to run all the time."""
+    """How long the event loop did nothing else, by a timer that is always due."""
 
     def __init__(self) -> None:
         self.gaps: list[float] = []
@@ -61,23 +61,23 @@ def main(
 
 
 def measured(window: MainWindow, slider: QSlider, duration_s: float) -> dict[str, float]:
-    """Drag the slider, and tell what was seen."""
+    """Drag the slider, and measure what was painted."""
     painted = PaintedPictures(window, window.viewers.images[1])
     gaps = Gaps()
     start = time.monotonic()
     drag(slider, duration_s)
     seconds = time.monotonic() - start
-    found = gaps.stop()
+    gaps_ms = gaps.stop()
     settle(window)
     return {
         "seconds": seconds,
         "pictures": len(painted.times),
         "pictures_per_s": len(painted.times) / seconds,
         "previews": painted.reduced,
-        "largest_gap_ms": max(found),
-        "median_gap_ms": median(found),
-        "gaps_over_30_ms": sum(gap > 30 for gap in found),
-        "gaps_over_50_ms": sum(gap > 50 for gap in found),
+        "largest_gap_ms": max(gaps_ms),
+        "median_gap_ms": median(gaps_ms),
+        "gaps_over_30_ms": sum(gap > 30 for gap in gaps_ms),
+        "gaps_over_50_ms": sum(gap > 50 for gap in gaps_ms),
         "load": os.getloadavg()[0] if hasattr(os, "getloadavg") else math.nan,
     }
 
@@ -101,7 +101,7 @@ def open_slider(
 
 
 def handle_of(slider: QSlider) -> QPoint:
-    """Where a hand takes hold of it."""
+    """Where the mouse takes hold of it."""
     option = QStyleOptionSlider()
     slider.initStyleOption(option)
     control, part = QStyle.ComplexControl.CC_Slider, QStyle.SubControl.SC_SliderHandle
@@ -109,7 +109,7 @@ def handle_of(slider: QSlider) -> QPoint:
 
 
 def drag(slider: QSlider, duration_s: float) -> None:
-    """Press on the handle and move it to and fro, as a hand does."""
+    """Press on the handle and move it to and fro, as a person does."""
     handle, left = handle_of(slider), Qt.MouseButton.LeftButton
     QTest.mousePress(slider, left, pos=handle)
     span = slider.width() * 0.35

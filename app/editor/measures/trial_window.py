@@ -42,7 +42,7 @@ def trial_window() -> Iterator[tuple[QApplication, MainWindow]]:
 
 
 def live(seconds: float) -> None:
-    """Let the window live for a while; without a loop of its own, Qt deletes nothing by itself."""
+    """Run the event loop for a while; without a loop of its own, Qt deletes nothing by itself."""
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0:
         QCoreApplication.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, int(1000 * left) + 1)
@@ -53,7 +53,7 @@ def live(seconds: float) -> None:
 class PaintedPictures(QObject):
     """Counts the pictures of a viewer that have come to be painted, and notes when.
 
-    Two pictures between one painting and the next count as one: nobody has seen the first.
+    Two pictures between one painting and the next count as one: the first was never seen.
     """
 
     def __init__(self, window: MainWindow, viewer: ImageViewer) -> None:

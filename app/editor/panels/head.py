@@ -167,20 +167,20 @@ class PanelHead(QWidget):
     def follow(self, node: Node) -> None:
         """Show the node's name and toggles; setting them does not count as a click."""
         self.name.show_text(node.id)
-        self.say_of_name("")
+        self.show_name_error("")
         self.auto.setChecked(node.auto is not False)
         self.disable.setChecked(node.disabled)
         self.pin.setChecked(node.extra.get("pinned") is True)
 
-    def say_of_name(self, text: str) -> None:
-        """Say why a name was refused; nothing if it was not."""
+    def show_name_error(self, text: str) -> None:
+        """Show why a name was refused; nothing if it was not."""
         self.name_problem.setText(text)
         self.name_problem.setVisible(bool(text))
         if text:
             self.name.mark(self._theme.error)
 
     def set_badge(self, badge: Badge | None) -> None:
-        """Say what is wrong with the node, or special about it; that it runs is not said."""
+        """Show what is wrong with the node, or special about it; nothing of one that runs."""
         if badge is not None and badge.kind == "running":
             return
         self._badge = badge

@@ -114,9 +114,9 @@ class NetworkPanel(QFrame):
 
     def _show_seed(self, network: Network) -> None:
         self.seed.show_text(str(network.seed))
-        self._say("")
+        self._show_problem("")
 
-    def _say(self, text: str) -> None:
+    def _show_problem(self, text: str) -> None:
         self.seed_problem.setText(text)
         self.seed_problem.setVisible(bool(text))
 
@@ -134,7 +134,7 @@ class NetworkPanel(QFrame):
         try:
             check_seed(seed)
         except ParameterError as error:
-            self._say(error.message)
+            self._show_problem(error.message)
             self.seed.mark(self._theme.error)
             return
         self._session.do(set_network_field("seed", seed))

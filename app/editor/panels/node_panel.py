@@ -29,7 +29,7 @@ class NodePanel(QFrame):
     session : Session
         The document, which edits go to.
     evaluator : Evaluator or None
-        Whom to ask for read-outs.
+        Answers the queries for read-outs.
     node : str
         Id of the node; for another one there is another panel.
     theme : Theme
@@ -123,7 +123,7 @@ class NodePanel(QFrame):
         self.body.follow(before, after)
 
     def set_badge(self, badge: Badge | None) -> None:
-        """Say what is wrong with the node, or special about it."""
+        """Show what is wrong with the node, or special about it."""
         self.head.set_badge(badge)
 
     def set_theme(self, theme: Theme) -> None:
@@ -165,13 +165,13 @@ class NodePanel(QFrame):
         try:
             operation.apply(self._session.network)
         except ImagechainError as error:
-            self.head.say_of_name(error.message)
+            self.head.show_name_error(error.message)
             return
         self._session.do(operation)
 
     def _show_name(self) -> None:
         self.head.name.show_text(self.node)
-        self.head.say_of_name("")
+        self.head.show_name_error("")
 
     def _set_auto(self) -> None:
         self._do(set_node_field(self.node, "auto", self.head.auto.isChecked()))

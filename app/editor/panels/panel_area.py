@@ -26,7 +26,7 @@ class PanelArea(QScrollArea):
     session : Session
         The document and the selection.
     evaluator : Evaluator or None
-        Whom to ask for read-outs.
+        Answers the queries for read-outs.
     theme : Theme
         Colours.
     parent : QWidget, optional
@@ -90,7 +90,7 @@ class PanelArea(QScrollArea):
             panel.set_theme(theme)
 
     def set_badges(self, badges: Any) -> None:
-        """Say on the panels what is wrong with their nodes.
+        """Show on the panels what is wrong with their nodes.
 
         Parameters
         ----------

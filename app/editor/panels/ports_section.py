@@ -90,8 +90,8 @@ class _PortRow(QObject):
         self.follow(None)
 
     def _offer_viewers(self) -> None:
-        told = "Show it in viewer 1; the arrow (or Down key) offers the others"
-        self.button.setToolTip(tip(told))
+        tooltip = "Show it in viewer 1; the arrow (or Down key) offers the others"
+        self.button.setToolTip(tip(tooltip))
         self.button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
         menu = QMenu(self.button)
         for number in VIEWERS:

@@ -42,8 +42,8 @@ class ReadoutsQuery(Query):
 
     def answer(self, passing: Passing) -> tuple[tuple[str, str], ...]:
         """Name and text of each."""
-        found = passing.engine.readouts(passing.plan, self.node, passing.work)
-        return tuple((name, shown_figure(value)) for name, value in found.items())
+        readouts = passing.engine.readouts(passing.plan, self.node, passing.work)
+        return tuple((name, shown_figure(value)) for name, value in readouts.items())
 
 
 class ReadoutValue(QLineEdit):
@@ -96,7 +96,7 @@ class ReadoutValue(QLineEdit):
 
 
 class ReadoutsView(QWidget):
-    """One row for each read-out; asks for them while it is to be seen.
+    """One row for each read-out; queries them while it is visible.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ class ReadoutsView(QWidget):
     node : str
         Id of the node.
     evaluator : Evaluator or None
-        Whom to ask; without one there are no values.
+        Answers the queries; without one there are no values.
     theme : Theme
         Colours.
     parent : QWidget, optional
@@ -153,13 +153,13 @@ class ReadoutsView(QWidget):
             evaluator.answered.connect(self._answered)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Ask."""
+        """Post the query."""
         super().showEvent(event)
         if self._evaluator is not None and self.values:
             self._evaluator.ask(self._owner, [self.query])
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Ask no more."""
+        """Withdraw the query."""
         super().hideEvent(event)
         if self._evaluator is not None and self.values:
             self._evaluator.forget(self._owner)

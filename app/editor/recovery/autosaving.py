@@ -21,7 +21,7 @@ class Autosaver(QObject):
     Signals
     -------
     failed(text)
-        Work could not be kept; said once until it works again.
+        Work could not be kept; emitted once until it works again.
     """
 
     failed = Signal(str)
@@ -33,8 +33,8 @@ class Autosaver(QObject):
         self._folder = folder
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="autosave")
         self._autosave = Autosave(session.document, folder)
-        self._told = False
-        self._kept = False
+        self._warned = False
+        self._leave_file = False
         self._timer = QTimer(self)
         self._timer.setSingleShot(True)
         self._timer.setInterval(DELAY_MS)
@@ -46,8 +46,8 @@ class Autosaver(QObject):
         self._begin()
 
     def keep(self) -> ImagechainError | None:
-        """Write now, and leave it: the process is told to end. Returns what went wrong."""
-        self._kept = self._session.document.modified
+        """Write now, and leave the file: the process has to end. Returns what went wrong."""
+        self._leave_file = self._session.document.modified
         return self.write()
 
     def write(self) -> ImagechainError | None:
@@ -62,12 +62,12 @@ class Autosaver(QObject):
         self._thread.submit(self._write_then, self._autosave, following)
 
     def close(self) -> None:
-        """The window is closed: unless told to keep it, nothing is left to recover."""
+        """The window is closed: nothing is left to recover, unless `keep` was called."""
         self._timer.stop()
         self._session.changed.disconnect(self._begin)
         self._session.opened.disconnect(self._opened)
         self._session.state_changed.disconnect(self._saved)
-        if not self._kept:
+        if not self._leave_file:
             self._thread.submit(self._autosave.finish)
         self._thread.shutdown(wait=True)
 
@@ -92,13 +92,13 @@ class Autosaver(QObject):
             self._thread.submit(self._autosave.finish)
 
     def _write(self) -> None:
-        self._thread.submit(self._autosave.write_if_changed).add_done_callback(self._tell)
+        self._thread.submit(self._autosave.write_if_changed).add_done_callback(self._emit_written)
 
-    def _tell(self, done: Future[bool]) -> None:
-        """In the writing thread: hand the outcome to the window's."""
+    def _emit_written(self, done: Future[bool]) -> None:
+        """In the writing thread: pass the outcome to the window's."""
         self._written.emit(done.exception())
 
     def _after(self, error: object) -> None:
-        if isinstance(error, ImagechainError) and not self._told:
+        if isinstance(error, ImagechainError) and not self._warned:
             self.failed.emit(f"unsaved work is not kept against a crash: {error}")
-        self._told = error is not None
+        self._warned = error is not None

@@ -1,7 +1,7 @@
 """Unsaved work kept in a folder of its own, so that a crash loses none of it.
 
-Each open document with unsaved work has one recovery file there, and beside it a lock that tells
-whether its process lives. Files of processes that live are left alone.
+Each open document with unsaved work has one recovery file there, and beside it a lock that shows
+whether its process is alive. Files of such processes are left alone.
 """
 
 from __future__ import annotations
@@ -196,9 +196,11 @@ def recoverable(folder: Path) -> tuple[Recovered, ...]:
     are cleared away.
     """
     with contextlib.suppress(OSError):
-        found = [_read(path) for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith(".")]
+        recovered = [
+            _read(path) for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith(".")
+        ]
         _sweep(folder)
-        return tuple(sorted((work for work in found if work is not None), key=_age))
+        return tuple(sorted((work for work in recovered if work is not None), key=_age))
     return ()
 
 

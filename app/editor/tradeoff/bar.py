@@ -88,7 +88,7 @@ class TradeOffBar(QWidget):
         self.figures.set_theme(theme)
 
     def show_span(self, span: Span | None) -> None:
-        """Show a range, without telling anyone."""
+        """Show a range, without a signal."""
         self._span = span
         self._show()
 
@@ -111,12 +111,12 @@ class TradeOffBar(QWidget):
         word.setMinimumHeight(self.low.sizeHint().height())
         return word
 
-    def _edit(self, name: str, told: str) -> TypeIn:
+    def _edit(self, name: str, description: str) -> TypeIn:
         edit = TypeIn(self, characters=7)
         edit.setFixedWidth(edit.minimumWidth())
         edit.setObjectName(f"tradeoff.{name}")
-        edit.setAccessibleName(f"{told}, end of the range")
-        edit.setToolTip(f"{told} this value")
+        edit.setAccessibleName(f"{description}, end of the range")
+        edit.setToolTip(f"{description} this value")
         return edit
 
     def _typed(self, *_: object) -> None:

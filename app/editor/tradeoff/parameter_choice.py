@@ -46,7 +46,7 @@ class ParameterChoice(QComboBox):
         self._fill()
 
     def choose(self, node: str, parameter: str) -> None:
-        """Show one as chosen, without telling anyone; empty names: none."""
+        """Show one as chosen, without a signal; empty names: none."""
         self._name = f"{node}.{parameter}" if node else ""
         self.setCurrentIndex(max(0, self.findData(self._name, _NAME)))
         self.setToolTip(self._name or _NOTHING)

@@ -19,7 +19,7 @@ from app.editor.tradeoff.ranges import Span
 
 Vector = NDArray[np.float64]
 LOG_FROM = 100.0  # the largest over the smallest value, from which on decades are shown
-FAINTEST = 1e-9  # of the largest value: what is below is not told apart
+FAINTEST = 1e-9  # of the largest value: what is below is not resolved
 _MOST_DOTS = 40
 _LINES = 7  # of text, the least height of a chart
 _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
@@ -86,7 +86,7 @@ class TradeOffPlots(QWidget):
             self.update()
 
     def show_hint(self, text: str) -> None:
-        """Say what to do, while there is nothing to draw."""
+        """Show what to do, while there is nothing to draw."""
         if text != self._hint:
             self._hint = text
             self.setAccessibleDescription(text)
@@ -233,7 +233,7 @@ class TradeOffPlots(QWidget):
         """Below or above the charts the nearest one counts."""
         if self._frames:
             frame = self._frame_at(point) or min(
-                self._frames, key=lambda each: abs(each.center().x() - point.x())
+                self._frames, key=lambda candidate: abs(candidate.center().x() - point.x())
             )
             self.moved.emit(float(self._value(frame, point)))
 

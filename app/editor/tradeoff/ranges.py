@@ -35,7 +35,7 @@ class Span:
 
     def share(self, value: float) -> float:
         """Where a number lies: 0 at the low end, 1 at the high one."""
-        low, high, value = (self._scaled(each) for each in (self.low, self.high, value))
+        low, high, value = (self._scaled(number) for number in (self.low, self.high, value))
         return (value - low) / (high - low)
 
     def value_at(self, share: float) -> float | int:

@@ -23,8 +23,8 @@ class SideStore(Store):
 
     def peek(self, key: str, default: Any = None) -> Any:
         """The value of `key` in either store, else `default`."""
-        found = super().peek(key, self)
-        return self._base.peek(key, default) if found is self else found
+        value = super().peek(key, self)
+        return self._base.peek(key, default) if value is self else value
 
 
 class SideWork(Work):

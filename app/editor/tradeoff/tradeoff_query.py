@@ -25,7 +25,7 @@ class Part:
 
 @dataclass(frozen=True)
 class TradeOffQuery(Query):
-    """Figures at these values; the whole trade-off is asked for in parts, the coarsest first.
+    """Figures at these values; the whole trade-off takes several queries, the coarsest first.
 
     Nodes that are held back count as generated.
     """
@@ -58,8 +58,8 @@ class TradeOffQuery(Query):
         for name in sorted({*asked, self.node} & {*network.nodes}):
             node = network.nodes[name]
             params = {n: v for n, v in node.params.items() if (name, n) != self._varied}
-            told = repr(sorted(params.items()))
-            nodes.append((name, node.module, node.disabled, told, _files(plan, name)))
+            values = repr(sorted(params.items()))
+            nodes.append((name, node.module, node.disabled, values, _files(plan, name)))
         links = tuple(link for link in network.links if link.target in asked)
         return tuple(nodes), links, network.seed, network.marked, repr(network.extra.get("final"))
 

@@ -58,7 +58,7 @@ class TradeOffView(Viewer):
     Signals
     -------
     export_wanted
-        Ask where to write it.
+        The person is to be asked where to write it.
     """
 
     export_wanted = Signal()
@@ -130,8 +130,8 @@ class TradeOffView(Viewer):
             points = tuple(self.points[value] for value in sorted(self.points))
             varied = Variation(self.varied.node, parameter, tuple(sorted(self.points)), span.log)
             curves = (Curve(None, points),)
-            found = Results(self.session.network.name, varied, None, self.shown, curves)
-            write_text(path, csv_text(found))
+            results = Results(self.session.network.name, varied, None, self.shown, curves)
+            write_text(path, csv_text(results))
         else:
             export_picture(self.plots, path)
 
@@ -153,7 +153,7 @@ class TradeOffView(Viewer):
     def take(self, answer: Answer) -> None:
         """Put points with those of the same network; with another one, all begins anew."""
         if answer.error is not None:
-            self.status.tell(str(answer.error), failed=True)
+            self.status.show_text(str(answer.error), failed=True)
             return
         part: Part = answer.value
         if part.state != self._state:
@@ -215,7 +215,7 @@ class TradeOffView(Viewer):
         self.plots.pointed.connect(self._read)
 
     def _begin(self) -> None:
-        """Show what is varied now, and ask for it."""
+        """Show what is varied now, and post its queries."""
         self.points.clear()
         self._state = None
         self.bar.parameter.choose(self.varied.node, self.varied.name)
@@ -253,22 +253,22 @@ class TradeOffView(Viewer):
         if self.span is None:
             self.plots.show_graphs((), None, "")
             self.plots.show_hint(_HINT)
-            self.status.tell("")
+            self.status.show_text("")
             return
         self.plots.show_hint("" if shown else "No figure is ticked")
         values = sorted(self.points)
         x = np.array(values, np.float64)
         graphs = []
         for figure in shown:
-            found = [self.points[value].figures.get(figure.text, math.nan) for value in values]
-            y = np.array(found, np.float64)
+            numbers = [self.points[value].figures.get(figure.text, math.nan) for value in values]
+            y = np.array(numbers, np.float64)
             y[~np.isfinite(y)] = np.nan
             graphs.append(Graph(figure.text, title_of(figure, shown), x, y))
         self.plots.show_graphs(graphs, self.span, self.varied.label)
-        self._tell()
+        self._show_gaps()
 
-    def _tell(self) -> None:
-        """Say how many values have a gap, and why the first has."""
+    def _show_gaps(self) -> None:
+        """Show how many values have a gap, and why the first has."""
         names = [figure.text for figure in self.shown]
         gaps = [
             next(reason for name, reason in point.reasons.items() if name in names)
@@ -276,7 +276,7 @@ class TradeOffView(Viewer):
             if any(name in names for name in point.reasons)
         ]
         many = f"{len(gaps)} of {len(self.points)} values have gaps: {gaps[0]}" if gaps else _HOW
-        self.status.tell(many, failed=bool(gaps))
+        self.status.show_text(many, failed=bool(gaps))
 
     def _show_mark(self) -> None:
         self.plots.show_mark(self.varied.present)
@@ -286,7 +286,7 @@ class TradeOffView(Viewer):
             self.varied.step(self.span, steps)
 
     def _read(self, value: float) -> None:
-        """Say what the figures are there, between points on straight lines."""
+        """Show the figures there, between points on straight lines."""
         parts = []
         for graph in self.plots.graphs if math.isfinite(value) else ():
             if len(graph.x) and graph.x[0] <= value <= graph.x[-1]:
@@ -294,7 +294,7 @@ class TradeOffView(Viewer):
                 if math.isfinite(height):
                     parts.append(f"{graph.title.partition(' (')[0]} {shown_figure(height)}")
         place = f"{shown_number(value)}: {', '.join(parts)}" if parts else ""
-        self.status.tell_more(place.replace("-", "\N{MINUS SIGN}"))
+        self.status.show_more(place.replace("-", "\N{MINUS SIGN}"))
 
     def _refuse(self, text: str) -> None:
-        self.status.tell(text, failed=True)
+        self.status.show_text(text, failed=True)

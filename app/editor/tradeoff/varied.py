@@ -25,7 +25,7 @@ class Varied:
     session : Session
         The document, which edits go to.
     refuse : callable
-        Told why a value is not allowed.
+        Called with the reason why a value is not allowed.
     """
 
     def __init__(self, session: Session, refuse: Callable[[str], None]) -> None:
@@ -77,15 +77,15 @@ class Varied:
         if parameter is None:
             return
         try:
-            found = plain(parameter.coerce(value))
+            plain_value = plain(parameter.coerce(value))
         except ParameterError as error:
             self._refuse(error.message)
             return
-        if found is None or found == self.present:
+        if plain_value is None or plain_value == self.present:
             return
         if self._gesture is None:
             self._gesture = object()
-        self._session.do(set_parameter(self.node, self.name, found), gesture=self._gesture)
+        self._session.do(set_parameter(self.node, self.name, plain_value), gesture=self._gesture)
 
     def step(self, span: Span, steps: int) -> None:
         """Move it by hundredths of a range, by one at least where it is whole."""

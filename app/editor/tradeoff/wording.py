@@ -29,7 +29,7 @@ def title_of(figure: Figure, shown: Sequence[Figure] = ()) -> str:
     if figure.is_total:
         return _PLACES[figure.name] + (", with electronics" if figure.node == SYSTEM else "")
     unit = f" ({figure.unit})" if figure.unit else ""
-    alike = [each for each in shown if each.name == figure.name and each.node != figure.node]
+    alike = [other for other in shown if other.name == figure.name and other.node != figure.node]
     return f"{label_of(figure.name)}{unit}" + (f", {figure.node}" if alike else "")
 
 
@@ -45,7 +45,7 @@ def renamed(text: str, old: str, new: str) -> str:
 
 
 def in_order(known: Mapping[str, Figure], network: Network) -> dict[str, Figure]:
-    """The figures as they are listed: what is asked for most comes first."""
+    """The figures as they are listed: what is looked for most comes first."""
 
     def place(figure: Figure) -> int:
         if figure.is_total:
@@ -58,7 +58,7 @@ def in_order(known: Mapping[str, Figure], network: Network) -> dict[str, Figure]
 def first_figures(
     network: Network, known: Mapping[str, Figure], analysis: str = ""
 ) -> frozenset[str]:
-    """What is shown until somebody chooses: NETD, SNR and the MTF at Nyquist.
+    """What is shown until the person chooses: NETD, SNR and the MTF at Nyquist.
 
     They do not hang on the parameters of an analysis node: where one of these is varied, it is
     that node's own figures.
@@ -72,5 +72,5 @@ def first_figures(
     names += [f"{TOTAL}.mtf_nyquist_x"]
     if not electronics:
         names += [f"{TOTAL}.mtf_half_nyquist_x"]
-    found = [name for name in names if name in known]
-    return frozenset(found or list(known)[:_MOST_FIRST])
+    known_names = [name for name in names if name in known]
+    return frozenset(known_names or list(known)[:_MOST_FIRST])

@@ -14,8 +14,8 @@ def neighbours(viewer: V) -> list[V]:
     top: QWidget = viewer
     while (above := top.parentWidget()) is not None:
         top = above
-    found = top.findChildren(type(viewer))
-    return sorted((each for each in found if each is not viewer), key=_number)
+    viewers = top.findChildren(type(viewer))
+    return sorted((other for other in viewers if other is not viewer), key=_number)
 
 
 def _number(viewer: QWidget) -> int:

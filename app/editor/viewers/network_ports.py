@@ -28,7 +28,7 @@ def ports_by_node(
 
     Of a disabled node, only what it passes on.
     """
-    found = []
+    node_ports = []
     for node in network.nodes.values():
         module = library.get(node.module)
         if module is None:
@@ -41,8 +41,8 @@ def ports_by_node(
             if port.types[0] in types and (port.name in through or not node.disabled)
         )
         if ports:
-            found.append(NodePorts(node.id, declared.title, ports))
-    return tuple(found)
+            node_ports.append(NodePorts(node.id, declared.title, ports))
+    return tuple(node_ports)
 
 
 def ports_depend_on(network: Network) -> Hashable:

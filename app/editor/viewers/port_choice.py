@@ -63,7 +63,7 @@ class PortChoice(QComboBox):
         return self._port
 
     def choose(self, port: str | None) -> None:
-        """Show a port as chosen, without telling anyone."""
+        """Show a port as chosen, without a signal."""
         self._port = port or ""
         index = max(0, self.findData(self._port, _PORT))
         self.setCurrentIndex(index)

@@ -16,17 +16,17 @@ class StatusLine(QWidget):
     ----------
     owner : str
         The viewer's name, which those of the texts begin with.
-    told, more : str
+    description, more : str
         What the texts are, for those who cannot see them.
     parent : QWidget
         The viewer.
     """
 
-    def __init__(self, owner: str, told: str, more: str, parent: QWidget) -> None:
+    def __init__(self, owner: str, description: str, more: str, parent: QWidget) -> None:
         super().__init__(parent)
         self._theme: Theme | None = None
         self._failed = False
-        self.title = ElidedLabel(f"{owner}.title", told, self)
+        self.title = ElidedLabel(f"{owner}.title", description, self)
         self.more = ElidedLabel(f"{owner}.read", more, self)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(6, 0, 6, 2)
@@ -41,14 +41,14 @@ class StatusLine(QWidget):
         palette.setColor(self.title.foregroundRole(), QColor(colour))
         self.title.setPalette(palette)
 
-    def tell(self, text: str, *, failed: bool = False) -> None:
-        """Say what is shown, or what has failed."""
-        self.title.tell(text)
+    def show_text(self, text: str, *, failed: bool = False) -> None:
+        """Show what the viewer shows, or what has failed."""
+        self.title.show_text(text)
         if failed != self._failed:
             self._failed = failed
             if self._theme is not None:
                 self.set_theme(self._theme)
 
-    def tell_more(self, text: str) -> None:
-        """Say what is under the cursor."""
-        self.more.tell(text)
+    def show_more(self, text: str) -> None:
+        """Show what is under the cursor."""
+        self.more.show_text(text)

@@ -1,4 +1,4 @@
-"""What all viewers have in common: they ask while they are visible, and take what is theirs."""
+"""What all viewers have in common: they post queries while visible, and show the answers."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
 class Viewer(QWidget):
     """A widget that shows answers.
 
-    Subclasses say in `queries` what to ask and show in `take` what comes; they call `ask` when
-    that changes.
+    Subclasses return their queries in `queries` and show the answers in `take`; they call `ask`
+    when the queries change.
 
     Parameters
     ----------
     session : Session
         The open document.
     evaluator : Evaluator or None
-        Who answers; None shows nothing.
+        Answers the queries; None shows nothing.
     theme : Theme
         Colours.
     owner : str
-        Who asks, unique in the window.
+        The viewer's name, unique in the window.
     parent : QWidget, optional
         Qt's owner.
     """
@@ -59,7 +59,7 @@ class Viewer(QWidget):
         session.opened.connect(self._opened)
 
     def queries(self) -> Sequence[Query]:
-        """What there is to ask now."""
+        """The queries of what is shown now."""
         return ()
 
     def accepts(self, query: Query) -> bool:
@@ -76,7 +76,7 @@ class Viewer(QWidget):
         """Another document is open."""
 
     def ask(self) -> None:
-        """Ask what is wanted now, if anybody can see the answer."""
+        """Post the present queries, if the viewer is visible."""
         if not self._asking:
             return
         self._asked = tuple(self.queries())
@@ -84,18 +84,18 @@ class Viewer(QWidget):
             self.evaluator.ask(self.owner, self._asked)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Ask from now on."""
+        """Post queries from now on."""
         super().showEvent(event)
         self._asking = True
         self.ask()
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Ask no more."""
+        """Withdraw the queries."""
         super().hideEvent(event)
         self._release()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask no more."""
+        """Withdraw the queries."""
         super().closeEvent(event)
         self._release()
 

@@ -11,7 +11,7 @@ _NAME = "matplotlib"
 
 @contextlib.contextmanager
 def without_matplotlib() -> Iterator[None]:
-    """Let matplotlib seem not to be installed, unless it has been loaded already.
+    """Make matplotlib seem not to be installed, unless it has been loaded already.
 
     A histogram of pyqtgraph lists matplotlib's colour maps in the menu of its gradient, which takes
     a third of a second of the time until the first picture.

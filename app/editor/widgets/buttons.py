@@ -8,30 +8,30 @@ from PySide6.QtWidgets import QMenu, QToolButton, QWidget
 from app.editor.widgets.outlined import Toggle
 
 
-def tool_button(name: str, text: str, told: str, parent: QWidget) -> QToolButton:
+def tool_button(name: str, text: str, description: str, parent: QWidget) -> QToolButton:
     """A button that the keyboard reaches."""
-    return _named(QToolButton(parent), name, text, told)
+    return _named(QToolButton(parent), name, text, description)
 
 
-def toggle_button(name: str, text: str, told: str, parent: QWidget) -> Toggle:
+def toggle_button(name: str, text: str, description: str, parent: QWidget) -> Toggle:
     """One that stays down, and shows it in the colours of a theme."""
     button = Toggle(parent)
-    _named(button, name, text, told)
+    _named(button, name, text, description)
     return button
 
 
-def _named(button: QToolButton, name: str, text: str, told: str) -> QToolButton:
+def _named(button: QToolButton, name: str, text: str, description: str) -> QToolButton:
     button.setObjectName(name)
     button.setText(text)
-    button.setToolTip(told)
-    button.setAccessibleName(told)
+    button.setToolTip(description)
+    button.setAccessibleName(description)
     button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     return button
 
 
-def menu_button(name: str, text: str, told: str, parent: QWidget) -> QToolButton:
+def menu_button(name: str, text: str, description: str, parent: QWidget) -> QToolButton:
     """One that opens a menu of its own."""
-    button = tool_button(name, text, told, parent)
+    button = tool_button(name, text, description, parent)
     button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
     button.setMenu(QMenu(button))
     return button

@@ -18,17 +18,17 @@ class ElidedLabel(QLabel):
     _line = ""
     _width = 0
 
-    def __init__(self, name: str, told: str, parent: QWidget | None = None) -> None:
+    def __init__(self, name: str, description: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setObjectName(name)
-        self.setAccessibleName(told)
+        self.setAccessibleName(description)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def text(self) -> str:
         """The whole text."""
         return self._line
 
-    def tell(self, text: str, about: str = "") -> None:
+    def show_text(self, text: str, about: str = "") -> None:
         """Show a text; line ends become spaces.
 
         Parameters

@@ -1,6 +1,6 @@
-"""How wide a widget wants to be for a text that changes many times a second.
+"""How wide a widget is to be for a text that changes many times a second.
 
-A widget that asks for another width has all around it laid out anew, up to the window: 2.5 ms for
+After a change of a widget's size hint all around it is laid out anew, up to the window: 2.5 ms for
 each answer of a drag.
 """
 

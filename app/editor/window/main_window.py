@@ -117,7 +117,7 @@ class MainWindow(QMainWindow):
 
     def show_welcome(self) -> None:
         """Show the first page."""
-        self.welcome.show_lists(self.settings.recent, self.recovery.found())
+        self.welcome.show_lists(self.settings.recent, self.recovery.unsaved_work())
         self.pages.setCurrentWidget(self.welcome)
         self.curtain.close()
 
@@ -137,7 +137,7 @@ class MainWindow(QMainWindow):
         go_to_next([self.welcome, self.canvas, self.library_view, self.panels, *viewers], step)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Close, unless work would be lost by it: then ask, and change nothing until answered."""
+        """Close, unless work would be lost: then ask first, and change nothing until answered."""
         if not self._ended and self.files.has_unsaved_work():
             event.ignore()
             self.files.ask_to_save(self.close_for_good)
@@ -146,11 +146,11 @@ class MainWindow(QMainWindow):
             event.accept()
 
     def stop(self) -> ImagechainError | None:
-        """Close because the process is told to end: unsaved work stays to be recovered.
+        """Close because the process has to end: unsaved work stays to be recovered.
 
         Returns what went wrong where it could not be kept.
         """
-        if self._ended:  # who asks may ask again before the process has ended
+        if self._ended:  # it may be called again before the process has ended
             return None
         self.panels.finish_typing()
         problem = self.autosaver.keep()
@@ -158,7 +158,7 @@ class MainWindow(QMainWindow):
         return problem
 
     def close_for_good(self) -> None:
-        """Close without asking; what runs is stopped, nothing is left to recover."""
+        """Close without a question; what runs is stopped, nothing is left to recover."""
         self._end()
         self.close()
 
@@ -215,7 +215,7 @@ class MainWindow(QMainWindow):
 
     def _connect(self) -> None:
         session, evaluator = self.session, self.evaluator
-        session.told.connect(self.status.tell)
+        session.message.connect(self.status.report)
         session.changed.connect(self._changed)
         session.opened.connect(self._opened)
         session.state_changed.connect(self._follow_state)
@@ -266,7 +266,7 @@ class MainWindow(QMainWindow):
         history = document.history
         name = document.path.name if document.path else self.session.network.name or "untitled"
         self.setWindowTitle(f"{name}[*] — Imagechain")
-        if document.modified != self.isWindowModified():  # Qt tells it to all in any case
+        if document.modified != self.isWindowModified():  # Qt signals it in any case
             self.setWindowModified(document.modified)
         for key, verb, text in (
             ("undo", "&Undo", history.undo_text),
@@ -305,7 +305,7 @@ class MainWindow(QMainWindow):
         self.evaluator.generate()
 
     def _warn(self, text: str) -> None:
-        self.status.tell("error", text)
+        self.status.report("error", text)
 
     def _recover(self, work: object) -> None:
         self.recovery.open(work, self.files)

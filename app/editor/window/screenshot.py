@@ -34,7 +34,7 @@ class Shot:
 
 
 def take(app: QApplication, network: str, shot: Shot) -> None:
-    """Open a network in a window nobody sees, wait until all is computed, and draw it.
+    """Open a network in a window off screen, wait until all is computed, and draw it.
 
     Without a network the welcome page is drawn.
 
@@ -59,7 +59,7 @@ def take(app: QApplication, network: str, shot: Shot) -> None:
             if opened is not None:
                 window.files.show(opened)
                 settle(window)
-                _select_telling_node(window)
+                _select_node_with_figures(window)
                 settle(window)
             write_bytes(shot.file, encoded(_image(window, shot)))
         finally:
@@ -67,7 +67,7 @@ def take(app: QApplication, network: str, shot: Shot) -> None:
             app.processEvents()
 
 
-def _select_telling_node(window: MainWindow) -> None:
+def _select_node_with_figures(window: MainWindow) -> None:
     """Select a node where the first look selects none: where the sensor's figures come from."""
     if window.session.selection:
         return
@@ -77,7 +77,7 @@ def _select_telling_node(window: MainWindow) -> None:
 
 
 def settle(window: MainWindow) -> None:
-    """Let the event loop run until nothing is computed any more and all has been drawn.
+    """Run the event loop until nothing is computed any more and all has been drawn.
 
     Raises
     ------

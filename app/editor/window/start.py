@@ -15,7 +15,7 @@ from app.editor.window.documents.remembered_settings import Settings, recovery_f
 from app.editor.window.main_window import MainWindow
 from app.editor.window.screenshot import Shot, take
 from app.options.command_options import Options
-from app.options.terminal_streams import tell
+from app.options.terminal_streams import print_error
 from core.errors import FileError, ImagechainError
 from nodes.library import standard_library
 
@@ -33,10 +33,10 @@ def application() -> QApplication:
     return app
 
 
-def start(options: Options, told_to_stop: threading.Event) -> None:
+def start(options: Options, stop_requested: threading.Event) -> None:
     """Open the window and stay until it is closed, or draw it to a file.
 
-    Told by a signal to end it asks nothing: unsaved work is kept to be recovered.
+    On a signal to end it closes without a question: unsaved work is kept to be recovered.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def start(options: Options, told_to_stop: threading.Event) -> None:
         shot = Shot(options.screenshot, size, look, options.part)
         take(app, options.network, shot)
         return
-    _only_note(told_to_stop)
+    _only_note(stop_requested)
     window = MainWindow(library=standard_library(), settings=Settings(), recovery=recovery_folder())
     if options.look is not None:
         window.set_theme(THEMES[options.look])
@@ -60,36 +60,36 @@ def start(options: Options, told_to_stop: threading.Event) -> None:
         window.files.open_now(options.network)
     sys.excepthook = _Reporter(window)
     app.commitDataRequest.connect(lambda _manager: window.autosaver.write())
-    ending = _Ending(window, told_to_stop)
+    ending = _Ending(window, stop_requested)
     wake = QTimer()
     wake.timeout.connect(ending)
     wake.start(_WAKE_MS)
     window.show()
     app.exec()
     if ending.problem is not None:
-        told_to_stop.clear()  # it was obeyed: what is to be said is this
+        stop_requested.clear()  # it was carried out: the error is the outcome
         raise FileError(f"unsaved work is lost: {ending.problem}") from ending.problem
 
 
 class _Ending:
-    """Lets Python see signals, and closes the window when one asks to; work is kept."""
+    """Lets Python handle signals, and closes the window after one; work is kept."""
 
-    def __init__(self, window: MainWindow, told_to_stop: threading.Event) -> None:
+    def __init__(self, window: MainWindow, stop_requested: threading.Event) -> None:
         self.problem: ImagechainError | None = None
         self._window = window
-        self._told = told_to_stop
+        self._stop_requested = stop_requested
 
     def __call__(self) -> None:
-        if self._told.is_set():
+        if self._stop_requested.is_set():
             self.problem = self._window.stop() or self.problem
 
 
-def _only_note(told_to_stop: threading.Event) -> None:
-    """Let a signal to end be no more than noted: an exception in a slot would reach nobody."""
+def _only_note(stop_requested: threading.Event) -> None:
+    """Only note a signal to end: an exception in a slot would not reach the caller."""
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # Windows has no SIGHUP
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) != signal.SIG_IGN:
-            signal.signal(number, lambda *_: told_to_stop.set())
+            signal.signal(number, lambda *_: stop_requested.set())
 
 
 class _Reporter:
@@ -102,8 +102,8 @@ class _Reporter:
         self, kind: type[BaseException], error: BaseException, _trace: TracebackType | None
     ) -> None:
         line = f"internal error: {kind.__name__}: {' '.join(str(error).split())}"
-        tell(f"imagechain: {line}")
-        self._window.session.told.emit("error", line)
+        print_error(f"imagechain: {line}")
+        self._window.session.message.emit("error", line)
 
 
 def _quiet(*_: object) -> None:

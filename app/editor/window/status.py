@@ -1,4 +1,4 @@
-"""The status bar: what there is to say, and what is being computed."""
+"""The status bar: messages, and what is being computed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NOTE_MS = 8000
 
 
 class StatusBar(QStatusBar):
-    """Says notes for a while and errors until something else is said.
+    """Shows notes for a while and errors until another message.
 
     Signals
     -------
@@ -52,8 +52,8 @@ class StatusBar(QStatusBar):
         """The error that stands there; empty where there is none."""
         return self._error.toolTip()
 
-    def tell(self, kind: str, text: str) -> None:
-        """Say a "note" or an "error"."""
+    def report(self, kind: str, text: str) -> None:
+        """Show a "note" or an "error"."""
         if kind == "error":
             self.clearMessage()
             width = max(self.width() - self.fontMetrics().averageCharWidth() * 40, 200)

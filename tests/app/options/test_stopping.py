@@ -74,7 +74,7 @@ app.command.run.evaluate = evaluate
 
 
 def test_a_second_stop_while_the_first_is_told(disturbed, tmp_path):
-    done = disturbed('before(app.command.run, "evaluate"); before(app.command.cli, "tell")')
+    done = disturbed('before(app.command.run, "evaluate"); before(app.command.cli, "print_error")')
     assert (done.returncode, done.stderr) == (1, CANCELLED)
     assert names(tmp_path) == ["net.json"]
 

@@ -63,18 +63,20 @@ class Adding(QObject):
         end: End = (port.node.id, port.name, port.face.side)
         other: Side = "input" if port.face.side == "output" else "output"
         point = surface.view.scene_point(pos)
-        found = fitting(surface.session.library, port.face.types, other)
+        candidates = fitting(surface.session.library, port.face.types, other)
         choices = [
             self._module_choice(
-                each.module, partial(self._wire_to, end, each, point, loose), port=each.port
+                candidate.module,
+                partial(self._wire_to, end, candidate, point, loose),
+                port=candidate.port,
             )
-            for each in found
+            for candidate in candidates
         ]
         if loose is not None:
             choices.insert(0, Choice(f"Disconnect {loose}", self._disconnect_loose))
         elif not choices:
             kinds = " or ".join(port.face.types) or "a wire of unknown type"
-            surface.session.told.emit("note", f"no module has an {other} for {kinds}")
+            surface.session.message.emit("note", f"no module has an {other} for {kinds}")
             return
         start, finish = port.centre(), point
         if port.face.side == "input":
@@ -91,12 +93,16 @@ class Adding(QObject):
         surface = self._surface
         session = surface.session
         if not session.selection:
-            session.told.emit("note", "select the node to be wired first")
+            session.message.emit("note", "select the node to be wired first")
             return
         possible = possible_links(session.network, session.library, session.selection)
         choices = [
-            Choice(str(each.link), partial(self._do, Rewire(add=(each.link,))), each.remark)
-            for each in possible
+            Choice(
+                str(possibility.link),
+                partial(self._do, Rewire(add=(possibility.link,))),
+                possibility.remark,
+            )
+            for possibility in possible
         ]
         there = [
             link
@@ -108,7 +114,7 @@ class Adding(QObject):
             for link in there
         ]
         if not choices:
-            session.told.emit("note", "there is nothing to wire the selected nodes to")
+            session.message.emit("note", "there is nothing to wire the selected nodes to")
             return
         item = surface.content.nodes[session.selection[-1]]
         title = f"Wire {', '.join(session.selection[:3])}{' …' * (len(session.selection) > 3)}"
@@ -143,7 +149,7 @@ class Adding(QObject):
             at = self._at_port(candidate, end[2], point)
             name, operation = wired_to(network, session.library, end, candidate, at)
         except ImagechainError as error:
-            session.told.emit("error", str(error))
+            session.message.emit("error", str(error))
             return
         if session.do(together((*steps, operation), operation.text)):
             session.select([name])
@@ -161,7 +167,7 @@ class Adding(QObject):
         self._surface.session.do(operation)
 
     def _disconnect_loose(self) -> None:
-        """The wire stays where it was let go: nowhere."""
+        """Take away the link whose wire was dropped on empty ground."""
         if self._loose is not None:
             self._surface.session.do(Rewire(remove=(self._loose,)))
 

@@ -1,4 +1,4 @@
-"""The view of the canvas: panning, zooming and the grid; what the mouse does is told to others."""
+"""The view of the canvas: panning, zooming and the grid; mouse and keys go to a handler."""
 
 from __future__ import annotations
 
@@ -261,27 +261,27 @@ class GraphView(NodeViewer):
         return bool(QGraphicsView.event(self, event))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Tell the handler."""
+        """Pass it to the handler."""
         if self.handler is not None:
             self.handler.press(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Tell the handler."""
+        """Pass it to the handler."""
         if self.handler is not None:
             self.handler.move(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Tell the handler."""
+        """Pass it to the handler."""
         if self.handler is not None:
             self.handler.release(event)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Tell the handler."""
+        """Pass it to the handler."""
         if self.handler is not None:
             self.handler.double_click(event)
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Tell the handler."""
+        """Pass it to the handler."""
         QGraphicsView.leaveEvent(self, event)
         if self.handler is not None:
             self.handler.leave()
@@ -293,17 +293,17 @@ class GraphView(NodeViewer):
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Tell the handler; what it does not want goes on to the parents."""
+        """Pass it to the handler; what that does not use goes on to the parents."""
         if self.handler is None or not self.handler.key(event):
             event.ignore()
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """Tell the handler."""
+        """Pass it to the handler."""
         if self.handler is not None:
             self.handler.key_released(event)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """Tell the handler."""
+        """Pass it to the handler."""
         if self.handler is not None:
             self.handler.menu(event)
 
@@ -319,7 +319,7 @@ class GraphView(NodeViewer):
             event.ignore()
 
     def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
-        """Tell the handler."""
+        """Pass it to the handler."""
         if self.handler is not None:
             self.handler.drag_left()
         event.accept()

@@ -44,13 +44,13 @@ class Choice:
     Parameters
     ----------
     text : str
-        What it says.
+        What is shown.
     value : object
         What is chosen by it.
     detail : str
-        Said beside it, fainter.
+        Shown beside it, fainter.
     words, further : str
-        What it is also found by, and what only where these do not tell.
+        Words it is also searched by, and those searched only if no choice matches without them.
     colour : str
         Of the mark before it.
     tip : str
@@ -69,19 +69,19 @@ class Choice:
 def matching(choices: Sequence[Choice], typed: str) -> list[Choice]:
     """The choices in which every word occurs; first those whose text begins so.
 
-    Where there is none, those that the words tell of further.
+    Where there is none, those in which every word occurs with the further words.
     """
     words = typed.casefold().split()
-    found = [each for each in choices if _tells(each, words)]
-    if not found:
-        return [each for each in choices if _tells(each, words, each.further)]
+    matches = [choice for choice in choices if _matches(choice, words)]
+    if not matches:
+        return [choice for choice in choices if _matches(choice, words, choice.further)]
     first = words[0] if words else ""
-    return sorted(found, key=lambda choice: _rank(choice, first)) if first else found
+    return sorted(matches, key=lambda choice: _rank(choice, first)) if first else matches
 
 
-def _tells(choice: Choice, words: Sequence[str], further: str = "") -> bool:
-    told = f"{choice.text} {choice.detail} {choice.words} {further}".casefold()
-    return all(word in told for word in words)
+def _matches(choice: Choice, words: Sequence[str], further: str = "") -> bool:
+    text = f"{choice.text} {choice.detail} {choice.words} {further}".casefold()
+    return all(word in text for word in words)
 
 
 def _rank(choice: Choice, word: str) -> int:
@@ -164,12 +164,12 @@ class ChoicePopup(QFrame):
         self.field.setFocus(Qt.FocusReason.PopupFocusReason)
 
     def abandon(self) -> None:
-        """Close without a choice, and say so."""
+        """Close without a choice, and emit `abandoned`."""
         if self._close():
             self.abandoned.emit()
 
     def dismiss(self) -> None:
-        """Close without a word: what it was opened for is gone."""
+        """Close without a signal: what it was opened for is gone."""
         self._close()
 
     def choose(self) -> None:

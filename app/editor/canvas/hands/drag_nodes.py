@@ -86,9 +86,9 @@ class DragNodes(Gesture):
         if len(self._from) != 1 or self._backdrop is not None:
             return
         (name,) = self._from
-        found = insertion_at(self.surface, name, point)
-        self._mark(found[0] if found else None)
-        self._inserting = found[1] if found else None
+        insertion = insertion_at(self.surface, name, point)
+        self._mark(insertion[0] if insertion else None)
+        self._inserting = insertion[1] if insertion else None
 
     def _mark(self, wire: WireItem | None) -> None:
         if self._target is not None and self._target is not wire:

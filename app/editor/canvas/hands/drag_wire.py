@@ -55,17 +55,17 @@ class DragWire(Gesture):
         refusing = bool(refused)
         colour = surface.content.style.port(self._fixed.face.types)
         surface.live.show_wire(*ends, surface.content.style.error if refusing else colour)
-        surface.hint.tell(refused or "", pos)
+        surface.hint.show_at(refused or "", pos)
         shape = Qt.CursorShape.ForbiddenCursor if refusing else Qt.CursorShape.CrossCursor
         surface.view.viewport().setCursor(shape)
 
     def drop(self, pos: QPoint, point: QPointF) -> None:
-        """Wire it, say why not, or ask what to put there."""
+        """Wire it, show why not, or offer modules to put there."""
         session = self.surface.session
         old = self._carried.link if self._carried is not None else None
         port, refused = self._target(point)
         if refused:
-            session.told.emit("error", refused)
+            session.message.emit("error", refused)
         elif port is not None:
             new = link_between(self._fixed, port)
             session.do(Rewire(add=(new,), remove=(old,) if old else (), label=f"Connect {new}"))
@@ -110,9 +110,11 @@ class DragWire(Gesture):
             return None, None
         if self._carried is not None and node is self._carried.input_port.node:
             return self._carried.input_port, None
-        others = [each for each in node.ports.values() if each.face.side != self._fixed.face.side]
-        fitting = [each for each in others if self._refusal(each) is None]
-        free = [each for each in fitting if not (each.wires and each.face.side == "input")]
+        others = [
+            other for other in node.ports.values() if other.face.side != self._fixed.face.side
+        ]
+        fitting = [other for other in others if self._refusal(other) is None]
+        free = [other for other in fitting if not (other.wires and other.face.side == "input")]
         if fitting:
             return (free or fitting)[0], None
         side = "input" if self._fixed.face.side == "output" else "output"

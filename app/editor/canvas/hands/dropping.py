@@ -61,9 +61,9 @@ class Dropping(QObject):
 
     def _mark(self, link: Link | None) -> None:
         wires = self._surface.content.wires
-        for each, on in ((self._over, False), (link, True)):
-            if each is not None and each in wires:
-                wires[each].set_state(target=on)
+        for marked, on in ((self._over, False), (link, True)):
+            if marked is not None and marked in wires:
+                wires[marked].set_state(target=on)
         self._over = link
 
 

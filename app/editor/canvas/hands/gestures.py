@@ -90,11 +90,11 @@ class Pan(Gesture):
 
 
 class RubberBand(Gesture):
-    """Select what lies in a frame; `kept` stay selected."""
+    """Select what lies in a frame, in addition to those `already_selected`."""
 
-    def __init__(self, surface: Surface, pos: QPoint, kept: Iterable[str] = ()) -> None:
+    def __init__(self, surface: Surface, pos: QPoint, already_selected: Iterable[str] = ()) -> None:
         super().__init__(surface, pos)
-        self._kept = tuple(kept)
+        self._already_selected = tuple(already_selected)
         self._inside: tuple[str, ...] = ()
 
     def drag(self, pos: QPoint, point: QPointF) -> None:
@@ -105,15 +105,15 @@ class RubberBand(Gesture):
         area = QRectF(self.start, point).normalized()
         nodes = self.surface.content.nodes
         self._inside = tuple(name for name, item in nodes.items() if item.frame().intersects(area))
-        self.surface.content.mark_selected((*self._kept, *self._inside))
+        self.surface.content.mark_selected((*self._already_selected, *self._inside))
 
     def drop(self, _pos: QPoint, _point: QPointF) -> None:
         """Select them."""
-        self.surface.session.select((*self._kept, *self._inside))
+        self.surface.session.select((*self._already_selected, *self._inside))
 
     def click(self) -> None:
         """Beside everything: select nothing."""
-        self.surface.session.select(self._kept)
+        self.surface.session.select(self._already_selected)
 
     def leave(self) -> None:
         """No frame, and the marks as the session has them."""

@@ -33,16 +33,16 @@ def added_at(surface: Surface, module: str, point: QPointF) -> tuple[str, Operat
     session = surface.session
     at = (float(round(point.x())), float(round(point.y())))
     name, adding = new_node(session.network, session.library, module, at)
-    found = _new_insertion(surface, name, adding, point)
-    return name, together((adding, found[1]), adding.text) if found else adding
+    insertion = _new_insertion(surface, name, adding, point)
+    return name, together((adding, insertion[1]), adding.text) if insertion else adding
 
 
 def wire_for_new(surface: Surface, module: str, point: QPointF) -> WireItem | None:
     """The wire at the point that a new node of a module would be put into."""
     session = surface.session
     name, adding = new_node(session.network, session.library, module, None)
-    found = _new_insertion(surface, name, adding, point)
-    return found[0] if found else None
+    insertion = _new_insertion(surface, name, adding, point)
+    return insertion[0] if insertion else None
 
 
 def _new_insertion(

@@ -52,7 +52,7 @@ class Keys(QObject):
         self._nudging = False
 
     def press(self, event: QKeyEvent) -> bool:
-        """Do what the key says; whether it says anything."""
+        """Carry out the key's command; whether it has one."""
         arrow = _ARROWS.get(event.key())
         if arrow is not None:
             self._arrow(arrow, event.modifiers())
@@ -127,30 +127,32 @@ class Keys(QObject):
         start = spots.pop(here) if here in spots else None
         if start is None:  # nothing selected: the one nearest the middle
             middle = surface.view.visible_rect().center()
-            found = min(spots, key=lambda each: _far(spots[each] - middle), default=None)
+            nearest = min(
+                spots, key=lambda candidate: _far(spots[candidate] - middle), default=None
+            )
         else:
-            found = _next(spots, start, arrow)
-        if isinstance(found, str):
+            nearest = _next(spots, start, arrow)
+        if isinstance(nearest, str):
             self._marks.choose(None, None)
-            session.select((*session.selection, found) if adding else (found,))
-            surface.view.make_visible(content.nodes[found].frame())
-        elif found is not None:
+            session.select((*session.selection, nearest) if adding else (nearest,))
+            surface.view.make_visible(content.nodes[nearest].frame())
+        elif nearest is not None:
             session.select(())
-            self._marks.choose(None, content.backdrops[found])
-            surface.view.make_visible(content.backdrops[found].frame())
+            self._marks.choose(None, content.backdrops[nearest])
+            surface.view.make_visible(content.backdrops[nearest].frame())
 
 
 def _next(
     spots: Mapping[str | int, QPointF], start: QPointF, arrow: tuple[float, float]
 ) -> str | int | None:
     best: tuple[float, str | int] | None = None
-    for each, spot in spots.items():
+    for candidate, spot in spots.items():
         way = spot - start
         ahead = way.x() * arrow[0] + way.y() * arrow[1]
         aside = abs(way.x() * arrow[1]) + abs(way.y() * arrow[0])
         cost = ahead + _ASIDE * aside
         if ahead > 1.0 and (best is None or cost < best[0]):
-            best = (cost, each)
+            best = (cost, candidate)
     return best[1] if best is not None else None
 
 

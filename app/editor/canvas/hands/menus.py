@@ -49,25 +49,25 @@ class Menus(QObject):
     def open(self, event: QContextMenuEvent) -> None:
         """Pop up the menu of what is under the pointer or, by the keyboard, what is selected."""
         if event.reason() == QContextMenuEvent.Reason.Keyboard:
-            found, pos = self._selected()
+            hit, pos = self._selected()
         else:
             pos = event.pos()
-            found = self._surface.hit(self._surface.view.scene_point(pos))
-        menu = self._menu_of(found)
+            hit = self._surface.hit(self._surface.view.scene_point(pos))
+        menu = self._menu_of(hit)
         if menu.actions():
             menu.popup(self._surface.view.viewport().mapToGlobal(pos))
 
-    def _menu_of(self, found: Hit) -> QMenu:
+    def _menu_of(self, hit: Hit) -> QMenu:
         session = self._surface.session
-        if found.node is not None:
-            if found.node.id not in session.selection:
+        if hit.node is not None:
+            if hit.node.id not in session.selection:
                 self._marks.choose(None, None)
-                session.select([found.node.id])
+                session.select([hit.node.id])
             return self.node_menu
-        if found.wire is not None or found.backdrop is not None:
+        if hit.wire is not None or hit.backdrop is not None:
             session.select(())
-            self._marks.choose(found.wire.link if found.wire else None, found.backdrop)
-            return self.wire_menu if found.wire is not None else self.backdrop_menu
+            self._marks.choose(hit.wire.link if hit.wire else None, hit.backdrop)
+            return self.wire_menu if hit.wire is not None else self.backdrop_menu
         return self.canvas_menu
 
     def _selected(self) -> tuple[Hit, QPoint]:

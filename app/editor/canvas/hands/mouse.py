@@ -102,12 +102,12 @@ class Mouse(QObject):
         if event.button() != _LEFT or self._gesture is not None:
             return
         pos = event.position().toPoint()
-        found = self._surface.hit(self._surface.view.scene_point(pos))
-        if found.node is not None:
-            self.activated.emit(found.node.id)
-        elif found.backdrop is not None:
-            self.title_wanted.emit(found.backdrop.index)
-        elif found.wire is None:
+        hit = self._surface.hit(self._surface.view.scene_point(pos))
+        if hit.node is not None:
+            self.activated.emit(hit.node.id)
+        elif hit.backdrop is not None:
+            self.title_wanted.emit(hit.backdrop.index)
+        elif hit.wire is None:
             self.search_wanted.emit(pos)
 
     def _begun(self, event: QMouseEvent, pos: QPoint) -> Gesture | None:
@@ -117,22 +117,22 @@ class Mouse(QObject):
             return Cut(surface, pos) if cutting else Pan(surface, pos)
         if event.button() != _LEFT:
             return None
-        found = surface.hit(surface.view.scene_point(pos))
+        hit = surface.hit(surface.view.scene_point(pos))
         adding = bool(keys & (_SHIFT | _CTRL))
-        if found.port is not None:
-            return DragWire(surface, pos, found.port, self._dropped)
-        if found.node is not None:
-            return self._on_node(found.node.id, pos, adding)
-        self._marks.choose(found.wire.link if found.wire else None, found.backdrop)
-        if found.wire is not None:
+        if hit.port is not None:
+            return DragWire(surface, pos, hit.port, self._dropped)
+        if hit.node is not None:
+            return self._on_node(hit.node.id, pos, adding)
+        self._marks.choose(hit.wire.link if hit.wire else None, hit.backdrop)
+        if hit.wire is not None:
             surface.session.select(())
             return None
-        if found.backdrop is not None:
+        if hit.backdrop is not None:
             surface.session.select(())
-            if found.handle:
-                return ResizeBackdrop(surface, pos, found.backdrop)
-            names = nodes_on(surface.session.network, found.backdrop.index, surface.content.sizes())
-            return DragNodes(surface, pos, names, found.backdrop)
+            if hit.handle:
+                return ResizeBackdrop(surface, pos, hit.backdrop)
+            names = nodes_on(surface.session.network, hit.backdrop.index, surface.content.sizes())
+            return DragNodes(surface, pos, names, hit.backdrop)
         return RubberBand(surface, pos, surface.session.selection if adding else ())
 
     def _on_node(self, name: str, pos: QPoint, adding: bool) -> Gesture | None:
@@ -140,7 +140,7 @@ class Mouse(QObject):
         self._marks.choose(None, None)
         selected = session.selection
         if adding:
-            others = tuple(each for each in selected if each != name)
+            others = tuple(other for other in selected if other != name)
             session.select(others if name in selected else (*selected, name))
             if name in selected:
                 return None

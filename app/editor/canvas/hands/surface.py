@@ -17,7 +17,7 @@ from app.editor.theme import Theme
 
 
 class Hint(QLabel):
-    """A word beside the pointer while something is dragged."""
+    """A text beside the pointer while something is dragged."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -30,8 +30,8 @@ class Hint(QLabel):
         self.setFrameShape(QLabel.Shape.Box)
         self.hide()
 
-    def tell(self, text: str, pos: QPoint) -> None:
-        """Say something at a pixel of the view, or nothing."""
+    def show_at(self, text: str, pos: QPoint) -> None:
+        """Show a text at a pixel of the view; hide for an empty one."""
         if not text:
             self.hide()
             return

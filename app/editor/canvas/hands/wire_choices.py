@@ -27,12 +27,12 @@ def possible_links(network: Network, library: Library, names: Collection[str]) -
     """
     among = names if len(names) > 1 else network.nodes
     ours = set(names)
-    found = []
+    possible = []
     for source in among:
         for target in among:
             if source != target and ours & {source, target}:
-                found += list(_between(network, library, source, target))
-    return sorted(found, key=lambda each: each.rank)
+                possible += list(_between(network, library, source, target))
+    return sorted(possible, key=lambda possibility: possibility.rank)
 
 
 def _between(network: Network, library: Library, source: str, target: str) -> Iterator[Possible]:

@@ -1,4 +1,4 @@
-"""The mark in a node's corner that tells its state: by form as well as by colour."""
+"""The mark of a node's state in its corner: by form as well as by colour."""
 
 from __future__ import annotations
 

@@ -55,22 +55,22 @@ class CanvasStyle:
 
     def sized(self, size: int, *, bold: bool = False) -> QFont:
         """A font of that many units."""
-        found = self._fonts.get((size, bold))
-        if found is None:
-            found = QFont(self._font)
-            found.setPixelSize(size)
-            found.setBold(bold)
+        font = self._fonts.get((size, bold))
+        if font is None:
+            font = QFont(self._font)
+            font.setPixelSize(size)
+            font.setBold(bold)
             # Hinted letters have other widths at every zoom.
-            found.setHintingPreference(QFont.HintingPreference.PreferNoHinting)
-            self._fonts[size, bold] = found
-        return found
+            font.setHintingPreference(QFont.HintingPreference.PreferNoHinting)
+            self._fonts[size, bold] = font
+        return font
 
     def width(self, role: TextRole, text: str) -> float:
         """Width of a text in units."""
-        found = self._widths.get((role, text))
-        if found is None:
-            found = self._widths[role, text] = self._metrics[role].horizontalAdvance(text)
-        return found
+        width = self._widths.get((role, text))
+        if width is None:
+            width = self._widths[role, text] = self._metrics[role].horizontalAdvance(text)
+        return width
 
     def elided(self, role: TextRole, text: str, width: float) -> str:
         """The text, cut to the width where it is too long."""

@@ -89,7 +89,7 @@ class Content:
         if network.extra is not self._extra:
             self._extra = network.extra
             self._follow_backdrops(
-                [(each.title, QRectF(*_rect(each))) for each in backdrops_of(network)]
+                [(backdrop.title, QRectF(*_rect(backdrop))) for backdrop in backdrops_of(network)]
             )
 
     def wires_at(self, name: str) -> list[WireItem]:
@@ -246,11 +246,11 @@ class Content:
 
 def links_at(network: Network) -> dict[str, list[Link]]:
     """The links at each node."""
-    found: dict[str, list[Link]] = {}
+    links: dict[str, list[Link]] = {}
     for link in network.links:
         for name in {link.source, link.target}:
-            found.setdefault(name, []).append(link)
-    return found
+            links.setdefault(name, []).append(link)
+    return links
 
 
 def _rect(backdrop: Any) -> tuple[float, float, float, float]:

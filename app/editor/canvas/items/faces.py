@@ -23,7 +23,7 @@ class PortFace:
 
     @property
     def tooltip(self) -> str:
-        """What the pointer is told."""
+        """Text shown at the pointer."""
         if not self.types:
             return f"{self.name}: {self.side} of an unknown type"
         kinds = " or ".join(self.types)
@@ -67,12 +67,12 @@ class NodeFace:
 
     @property
     def subtitle(self) -> str:
-        """The id, where it says more than the title."""
+        """The id, where it is more than the title again."""
         return "" if _plain(self.id) == _plain(self.title) else self.id
 
     @property
     def tooltip(self) -> str:
-        """What the pointer is told."""
+        """Text shown at the pointer."""
         state = " (disabled: passes its input through)" if self.disabled else ""
         mark = "\nIts picture is marked as the network's output." if self.output else ""
         return f"{self.title} · {self.id}{state}\n{self.summary}{mark}"
@@ -86,7 +86,7 @@ class NodeFace:
 def face_of(
     node: Node, declared: Declaration | None, links: Sequence[Link], *, output: bool = False
 ) -> NodeFace:
-    """The face of a node with the links at it; ports only a link knows are shown as well."""
+    """The face of a node with the links at it; ports that only a link names are shown too."""
     inputs = _faces("input", declared.inputs if declared else ())
     outputs = _faces("output", declared.outputs if declared else ())
     coming = (link.input for link in links if link.target == node.id)

@@ -50,8 +50,8 @@ def hit(content: Content, point: QPointF, zoom: float) -> Hit:
 
 def node_at(content: Content, point: QPointF) -> NodeItem | None:
     """The foremost node whose frame holds the point."""
-    found = [item for item in content.nodes.values() if item.frame().contains(point)]
-    return max(reversed(found), key=NodeItem.zValue, default=None)
+    under_point = [item for item in content.nodes.values() if item.frame().contains(point)]
+    return max(reversed(under_point), key=NodeItem.zValue, default=None)
 
 
 def port_near(content: Content, point: QPointF, zoom: float) -> NodePort | None:
@@ -77,14 +77,14 @@ def wire_near(content: Content, point: QPointF, reach: float) -> WireItem | None
 
 def wires_near(content: Content, point: QPointF, reach: float) -> list[WireItem]:
     """The wires that pass within reach, the nearest first."""
-    found = []
+    nearby = []
     for wire in content.wires.values():
         around = wire.boundingRect().adjusted(-reach, -reach, reach, reach)
         if wire.isVisible() and around.contains(point):
             away = distance(wire.line(), point)
             if away <= reach:
-                found.append((away, wire))
-    return [wire for _, wire in sorted(found, key=itemgetter(0))]
+                nearby.append((away, wire))
+    return [wire for _, wire in sorted(nearby, key=itemgetter(0))]
 
 
 def wires_crossed(content: Content, start: QPointF, end: QPointF) -> list[WireItem]:

@@ -30,9 +30,9 @@ class Marks:
     @property
     def backdrop(self) -> BackdropItem | None:
         """The selected backdrop, while it is there."""
-        found = self._content.backdrops
+        backdrops = self._content.backdrops
         index = self._backdrop
-        return found[index] if index is not None and index < len(found) else None
+        return backdrops[index] if index is not None and index < len(backdrops) else None
 
     def choose(self, link: Link | None, backdrop: BackdropItem | None) -> None:
         """Select a wire, a backdrop, or neither."""

@@ -36,8 +36,8 @@ _MARGIN = 8.0  # what is drawn around the frame: ports, the mark of the selectio
 class NodePort(PortItem):
     """Where wires end; drawn by its node, which saves a call for each port.
 
-    Its point is its centre. `fits` says whether a wire that is being drawn may end here, None
-    while there is none.
+    Its point is its centre. `fits`: whether a wire that is being drawn may end here; None while
+    there is none.
     """
 
     def __init__(self, face: PortFace, parent: NodeItem) -> None:
@@ -117,7 +117,7 @@ class NodeItem(AbstractNodeItem):
 
     @property
     def badge(self) -> Badge | None:
-        """What the node's corner tells of its state."""
+        """The mark of the node's state in its corner."""
         return self._badge.badge if self._badge is not None else None
 
     def set_badge(self, badge: Badge | None) -> None:

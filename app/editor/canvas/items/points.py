@@ -1,4 +1,4 @@
-"""Where nodes stand: as the document says, or for want of that in columns by their depth."""
+"""Where nodes stand: as in the document, else in columns by their depth."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ _ASIDE = 24.0
 
 def points_of(network: Network) -> dict[str, Point]:
     """A point for every node; those without one stand below the others, each after its sources."""
-    found: dict[str, Point] = {name: network.layout[name] for name in network.layout}
-    lost = [name for name in network.nodes if name not in found]
+    points: dict[str, Point] = {name: network.layout[name] for name in network.layout}
+    lost = [name for name in network.nodes if name not in points]
     if not lost:
-        return found
+        return points
     depths = _depths(network)
-    top = max((y for _, y in found.values()), default=-ROW) + ROW
+    top = max((y for _, y in points.values()), default=-ROW) + ROW
     rows: dict[int, int] = {}
     for name in lost:
         depth = depths.get(name, 0)
         row = rows[depth] = rows.get(depth, -1) + 1
-        found[name] = (depth * COLUMN, top + row * ROW)
-    return found
+        points[name] = (depth * COLUMN, top + row * ROW)
+    return points
 
 
 def free_point(network: Network, at: Point) -> Point:
     """The point in whole units, or one beside it where a node stands there already."""
     taken = set(network.layout.values())
-    found = (float(round(at[0])), float(round(at[1])))
-    while found in taken:
-        found = (found[0] + _ASIDE, found[1] + _ASIDE)
-    return found
+    point = (float(round(at[0])), float(round(at[1])))
+    while point in taken:
+        point = (point[0] + _ASIDE, point[1] + _ASIDE)
+    return point
 
 
 def _depths(network: Network) -> dict[str, int]:

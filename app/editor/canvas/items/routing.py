@@ -52,7 +52,7 @@ def lane_for(start: Spot, end: Spot, boxes: Sequence[Box], beside: float) -> flo
     ]
     if not lanes:
         return None
-    return min(lanes, key=lambda each: _detour(each[0], start, end) - each[1])[0]
+    return min(lanes, key=lambda option: _detour(option[0], start, end) - option[1])[0]
 
 
 def _detour(lane: float, start: Spot, end: Spot) -> float:

@@ -83,7 +83,7 @@ class Field(QWidget):
         """Make the widgets that the value is shown in; every kind of field has its own."""
 
     def show_value(self, value: Any) -> None:
-        """Show an allowed value, without telling anybody; every kind of field its own way."""
+        """Show an allowed value, without a signal; every kind of field its own way."""
 
     def show_unfit(self, text: str) -> None:
         """Show what the document has but may not have."""
@@ -107,7 +107,7 @@ class Field(QWidget):
     def follow(self, raw: Any) -> None:
         """Show what the document has; ABSENT is the default."""
         self.stored = raw is not ABSENT
-        self._say("")
+        self._show_problem("")
         if not self.stored:
             self.value = self.parameter.default
         else:
@@ -120,23 +120,23 @@ class Field(QWidget):
         self._settle()
 
     def offer(self, value: object, gesture: object = None) -> None:
-        """Give a value to the document if it is allowed, else say why not."""
+        """Give a value to the document if it is allowed, else show why not."""
         try:
             coerced = plain(self.parameter.coerce(value))
         except ParameterError as error:
             self.refuse(error)
             return
-        self._say("")
+        self._show_problem("")
         self.edited.emit(self.parameter.name, coerced, gesture)
         self._settle()
 
     def refuse(self, error: ParameterError) -> None:
-        """Say why what was typed is not taken."""
-        self._say(error.message)
+        """Show why what was typed is not taken."""
+        self._show_problem(error.message)
 
     def restore(self) -> None:
         """Show the document's value again."""
-        self._say("")
+        self._show_problem("")
         self._settle()
 
     def discard_typing(self) -> None:
@@ -206,7 +206,7 @@ class Field(QWidget):
         """The widget that shows the parameter's name."""
         return self.label
 
-    def _say(self, text: str) -> None:
+    def _show_problem(self, text: str) -> None:
         if text != self.message.text():
             self.message.setText(text)
             self.message.setVisible(bool(text))
@@ -235,6 +235,6 @@ class TypedField(Field):
         self.edit.show_text(text)
 
     def refuse(self, error: ParameterError) -> None:
-        """Frame it in red, and say why."""
+        """Frame it in red, and show why."""
         super().refuse(error)
         self.edit.mark(self.theme.error)

@@ -20,7 +20,7 @@ class PathField(TypedField):
     Parameters
     ----------
     session : Session
-        Tells the folder that names are relative to.
+        Has the folder that names are relative to.
     writes : bool
         Whether the file is to be written.
     """

@@ -1,4 +1,4 @@
-"""A slider that tells what a person does with it, and shows values without telling."""
+"""A slider that signals what a person does with it, and shows values without signals."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Slider(QSlider):
         self._rest.timeout.connect(self.finished)
 
     def show_position(self, position: int) -> None:
-        """Show a value of the document, unless it is in somebody's hand."""
+        """Show a value of the document, unless the person is dragging it."""
         if not self.isSliderDown():
             with QSignalBlocker(self):
                 self.setValue(position)

@@ -108,8 +108,8 @@ class Scale:
         """Kept on the scale, or not farther off it than the number one started from."""
         start = self.rest if start is None else start
         floor = 0.0 if self.logarithmic and self.zero else self.low
-        kept = min(max(value, min(floor, start)), max(self.high, start))
-        return round(kept) if self.whole else kept
+        clamped = min(max(value, min(floor, start)), max(self.high, start))
+        return round(clamped) if self.whole else clamped
 
     def _step(self, value: float, *, down: bool) -> float:
         if not self.logarithmic:

@@ -25,7 +25,7 @@ _UNDO, _REDO = QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo
 
 
 class TypeIn(QLineEdit):
-    """A line edit that tells what was typed once it is meant.
+    """A line edit that signals what was typed once it is complete.
 
     Signals
     -------

@@ -36,7 +36,7 @@ class ElectronicsIllustration(Illustration):
 
     def take(self, value: Any) -> str:
         """Keep them."""
-        self._found: Detectivity = value
+        self._detectivity: Detectivity = value
         missing = self.missing_inputs()
         self._note = f"not connected yet: {', '.join(missing)}" if missing else value.problem
         return in_words(value, self._note)
@@ -45,40 +45,43 @@ class ElectronicsIllustration(Illustration):
         """Paint the chart, and the bars or why there are none below it."""
         line = QFontMetricsF(painter.font()).height()
         below = line * 3.4
-        found = self._found
-        self._chart(painter, area.adjusted(0, 0, 0, -below), found)
+        detectivity = self._detectivity
+        self._chart(painter, area.adjusted(0, 0, 0, -below), detectivity)
         bars = QRectF(area.left(), area.bottom() - below + line * 0.2, area.width(), line * 3.2)
-        if found.noises is not None:
-            self._bars(painter, bars, found.noises)
+        if detectivity.noises is not None:
+            self._bars(painter, bars, detectivity.noises)
         else:
             painter.setPen(QColor(self.theme.faint_text))
             wrapped = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
             painter.drawText(bars, int(wrapped), self._note)
 
-    def _chart(self, painter: QPainter, area: QRectF, found: Detectivity) -> None:
+    def _chart(self, painter: QPainter, area: QRectF, detectivity: Detectivity) -> None:
         theme = self.theme
-        chart = Chart(painter, area, *axes(found), theme)
-        if found.band_um is not None:
-            chart.band(*found.band_um, theme.accent)
+        chart = Chart(painter, area, *axes(detectivity), theme)
+        if detectivity.band_um is not None:
+            chart.band(*detectivity.band_um, theme.accent)
         first, second = theme.curves[:2]
         line = self.fontMetrics().height()
         entries = []
-        if found.peak is not None:
-            style = Qt.PenStyle.DotLine if found.typed else _SOLID
-            values = np.where(found.values > 0, found.values, 1e-3)
-            chart.curve(found.wavelength_um, values, first, style)
-            chart.point(found.peak.wavelength_um, found.peak.d_star, first)
-            at = chart.at(found.peak.wavelength_um, found.peak.d_star)
+        if detectivity.peak is not None:
+            style = Qt.PenStyle.DotLine if detectivity.typed else _SOLID
+            values = np.where(detectivity.values > 0, detectivity.values, 1e-3)
+            chart.curve(detectivity.wavelength_um, values, first, style)
+            chart.point(detectivity.peak.wavelength_um, detectivity.peak.d_star, first)
+            at = chart.at(detectivity.peak.wavelength_um, detectivity.peak.d_star)
             at.setY(max(at.y() - line * 0.8, chart.frame.top() + line * 0.6))
-            chart.text(at, f"{brief(found.peak.d_star)} at {brief(found.peak.wavelength_um)} µm")
-            entries.append((found.material, first, style))
-        if found.band_d_star is not None:
-            ends = found.band_um or (chart_end(found) * 0.02, chart_end(found))
-            chart.curve(ends, (found.band_d_star,) * 2, second, _DASHED, 2.0)
-            at = chart.at(ends[0], found.band_d_star)
+            chart.text(
+                at,
+                f"{brief(detectivity.peak.d_star)} at {brief(detectivity.peak.wavelength_um)} µm",
+            )
+            entries.append((detectivity.material, first, style))
+        if detectivity.band_d_star is not None:
+            ends = detectivity.band_um or (chart_end(detectivity) * 0.02, chart_end(detectivity))
+            chart.curve(ends, (detectivity.band_d_star,) * 2, second, _DASHED, 2.0)
+            at = chart.at(ends[0], detectivity.band_d_star)
             at.setY(at.y() + line * 0.8)
-            chart.text(at, brief(found.band_d_star))
-            entries.append(("typed in" if found.typed else "band", second, _DASHED))
+            chart.text(at, brief(detectivity.band_d_star))
+            entries.append(("typed in" if detectivity.typed else "band", second, _DASHED))
         chart.legend(entries)
 
     def _bars(self, painter: QPainter, area: QRectF, noises: Noises) -> None:
@@ -91,9 +94,9 @@ class ElectronicsIllustration(Illustration):
         )
         height = area.height() / len(rows)
         named = max(metrics.horizontalAdvance(name) for name, _, _ in rows) + height * 0.5
-        told = max(metrics.horizontalAdvance(kelvin(v)) for _, v, _ in rows) + height * 0.5
+        value_width = max(metrics.horizontalAdvance(kelvin(v)) for _, v, _ in rows) + height * 0.5
         most = max(noises.system_K, 1e-300)
-        room = max(0.0, area.width() - named - told)
+        room = max(0.0, area.width() - named - value_width)
         for number, (name, value, colour) in enumerate(rows):
             top = area.top() + number * height
             painter.setPen(QColor(theme.text))
@@ -103,40 +106,40 @@ class ElectronicsIllustration(Illustration):
             length = room * min(1.0, value / most)
             bar = QRectF(area.left() + named, top + height * 0.22, length, height * 0.56)
             painter.fillRect(bar, QColor(colour))
-            box = QRectF(bar.right() + height * 0.3, top, told, height)
+            box = QRectF(bar.right() + height * 0.3, top, value_width, height)
             painter.drawText(box, _LEFT, kelvin(value))
 
 
-def chart_end(found: Detectivity) -> float:
+def chart_end(detectivity: Detectivity) -> float:
     """The longest wavelength shown, µm."""
-    ends = [*(found.band_um or ()), *found.wavelength_um[-1:]]
+    ends = [*(detectivity.band_um or ()), *detectivity.wavelength_um[-1:]]
     return 1.08 * max(ends, default=14.0)
 
 
-def axes(found: Detectivity) -> tuple[Axis, Axis]:
+def axes(detectivity: Detectivity) -> tuple[Axis, Axis]:
     """Wavelength, and two decades of D*."""
-    levels = [found.peak.d_star] if found.peak is not None else []
-    if found.band_d_star:
-        levels.append(found.band_d_star)
+    levels = [detectivity.peak.d_star] if detectivity.peak is not None else []
+    if detectivity.band_d_star:
+        levels.append(detectivity.band_d_star)
     high, low = max(levels, default=1e12), min(levels, default=1e12)
-    across = Axis(0.0, chart_end(found), f"wavelength (µm), {found.conditions}")
+    across = Axis(0.0, chart_end(detectivity), f"wavelength (µm), {detectivity.conditions}")
     shown = max(10**_DECADES, 10 * high / low)
     return across, Axis(high / shown, high * 6.0, "D* (cm √Hz/W)", log=True)
 
 
-def in_words(found: Detectivity, note: str) -> str:
+def in_words(detectivity: Detectivity, note: str) -> str:
     """The essential numbers."""
     parts = []
-    if found.peak is not None:
+    if detectivity.peak is not None:
         parts.append(
-            f"D* of {found.material}: peak {brief(found.peak.d_star)} cm √Hz/W at "
-            f"{brief(found.peak.wavelength_um)} µm, seeing {found.conditions}"
+            f"D* of {detectivity.material}: peak {brief(detectivity.peak.d_star)} cm √Hz/W at "
+            f"{brief(detectivity.peak.wavelength_um)} µm, seeing {detectivity.conditions}"
         )
-    if found.band_d_star is not None:
-        where = "typed in" if found.typed else "of the band"
-        parts.append(f"D* {where} {brief(found.band_d_star)} cm √Hz/W")
-    if found.noises is not None:
-        noises = found.noises
+    if detectivity.band_d_star is not None:
+        where = "typed in" if detectivity.typed else "of the band"
+        parts.append(f"D* {where} {brief(detectivity.band_d_star)} cm √Hz/W")
+    if detectivity.noises is not None:
+        noises = detectivity.noises
         parts.append(
             f"NETD detector {kelvin(noises.detector_K)}, amplifier {kelvin(noises.amplifier_K)}, "
             f"system {kelvin(noises.system_K)}"

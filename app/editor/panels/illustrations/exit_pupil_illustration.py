@@ -44,7 +44,7 @@ class ExitPupilIllustration(Illustration):
     """The pupil on its array of samples.
 
     A geometric shape is drawn straight from the document, without waiting for an answer; only the
-    samples of a file are asked for.
+    samples of a file need a query.
     """
 
     lines = 11.0
@@ -93,17 +93,17 @@ class ExitPupilIllustration(Illustration):
         self._seen, self._pupil, self._wavefront = node, None, None
         if self._is_file():
             if self._samples is None:
-                self.say("waits for the file" if self._evaluator else NO_EVALUATION)
+                self.show_problem("waits for the file" if self._evaluator else NO_EVALUATION)
             return
         self._samples = None
         try:
             self._pupil = self._planned(node)
             self._wavefront = wavefront_of(self._pupil)
         except ImagechainError as error:
-            self.say(error.message)
+            self.show_problem(error.message)
             return
-        self.tell(", ".join(self._facts()))
-        self.say("")
+        self.describe(", ".join(self._facts()))
+        self.show_problem("")
 
     def take(self, value: Any) -> str:
         """Keep a file's samples."""
@@ -111,7 +111,7 @@ class ExitPupilIllustration(Illustration):
         return ", ".join(self._facts())
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint the array with its axes, and what is to be said of it beside."""
+        """Paint the array with its axes, and its numbers beside."""
         line = QFontMetricsF(painter.font()).height()
         wide, high = self.shown_samples()
         width = min(area.width() * 0.62, area.height())
@@ -153,8 +153,8 @@ class ExitPupilIllustration(Illustration):
         """
         module: Any = self.session.library[node.module].build(thaw(node.params))
         module.check()
-        found: Pupil = module.run(here=NodeContext(self.node)).pupil
-        return found
+        pupil: Pupil = module.run(here=NodeContext(self.node)).pupil
+        return pupil
 
     def _is_file(self) -> bool:
         return self._seen is not None and self._seen.params.get("shape") == _FILE
@@ -199,5 +199,5 @@ class ExitPupilIllustration(Illustration):
 
     def _answered(self, answer: Any) -> None:
         self.prepare()
-        if self._is_file():  # of all else the document knows more than an answer on its way
+        if self._is_file():  # of all else the document is newer than an answer on its way
             super()._answered(answer)

@@ -33,7 +33,7 @@ class Illustration(QWidget):
     session : Session
         The document.
     evaluator : Evaluator or None
-        Whom to ask; without one nothing computed is shown.
+        Answers the queries; without one nothing computed is shown.
     node : str
         Id of the node.
     theme : Theme
@@ -72,7 +72,7 @@ class Illustration(QWidget):
             evaluator.answered.connect(self._answered)
         self._waits = bool(self.queries())
         if self._waits and evaluator is None:
-            self.say(NO_EVALUATION)
+            self.show_problem(NO_EVALUATION)
 
     def present_node(self) -> Node | None:
         """The node, as long as it is of the module that this was made for.
@@ -83,11 +83,11 @@ class Illustration(QWidget):
         return node if node is not None and node.module == self._module else None
 
     def queries(self) -> Sequence[Query]:
-        """What it asks."""
+        """The queries it shows answers of."""
         return ()
 
     def take(self, value: Any) -> str:
-        """Keep an answer; what it shows, in words. One that asks has its own."""
+        """Keep an answer; what it shows, in words. One with queries overrides it."""
         return str(value)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
@@ -112,17 +112,17 @@ class Illustration(QWidget):
         painter.drawText(area, _WRAPPED, text)
         painter.restore()
 
-    def tell(self, text: str) -> None:
-        """Say in words what is shown."""
+    def describe(self, text: str) -> None:
+        """Set in words what is shown."""
         if text != self.accessibleDescription():
             self.setAccessibleDescription(text)
             self.setToolTip(tip(text))
 
-    def say(self, problem: str) -> None:
+    def show_problem(self, problem: str) -> None:
         """Show a line of text in the place of the picture; the picture for none."""
         self.problem = problem
         if problem:
-            self.tell(problem)
+            self.describe(problem)
         self.update()
 
     def sizeHint(self) -> QSize:
@@ -136,13 +136,13 @@ class Illustration(QWidget):
         return QSize(line * 14, round(line * self.lines))
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Ask."""
+        """Post the queries."""
         super().showEvent(event)
         if self._evaluator is not None and self.queries():
             self._evaluator.ask(self._owner, self.queries())
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Ask no more."""
+        """Withdraw the queries."""
         super().hideEvent(event)
         if self._evaluator is not None and self.queries():
             self._evaluator.forget(self._owner)
@@ -170,10 +170,10 @@ class Illustration(QWidget):
             return
         self._waits = False
         if answer.error is not None:
-            self.say(self.in_short(answer.error))
+            self.show_problem(self.in_short(answer.error))
             return
-        self.tell(self.take(answer.value))
-        self.say("")
+        self.describe(self.take(answer.value))
+        self.show_problem("")
 
     def in_short(self, error: ImagechainError) -> str:
         """Why there is nothing to be seen, in a line."""

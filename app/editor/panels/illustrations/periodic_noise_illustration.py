@@ -57,13 +57,13 @@ class PeriodicNoiseIllustration(Illustration):
         try:
             self._built = self.session.library[node.module].build(thaw(node.params))
         except ImagechainError as error:
-            self.say(error.message)
+            self.show_problem(error.message)
             return
         if self._built.amplitude == 0:
-            self.say(_NO_NOISE)
+            self.show_problem(_NO_NOISE)
             return
-        self.tell(self._in_words())
-        self.say("")
+        self.describe(self._in_words())
+        self.show_problem("")
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint both waves."""
@@ -103,11 +103,11 @@ class PeriodicNoiseIllustration(Illustration):
 
     def _in_words(self) -> str:
         module = self._built
-        told = f"sinusoid of amplitude {brief(module.amplitude)} at {brief(module.xi)} cyc/mrad "
-        told += f"across and {brief(module.eta)} along"
+        text = f"sinusoid of amplitude {brief(module.amplitude)} at {brief(module.xi)} cyc/mrad "
+        text += f"across and {brief(module.eta)} along"
         if module.modulation > 0:
-            told += f", modulated by {brief(100 * module.modulation)} %"
-        return told
+            text += f", modulated by {brief(100 * module.modulation)} %"
+        return text
 
     def _follow(self, _before: object, _after: object) -> None:
         if self.session.network.nodes.get(self.node) is not self._seen:

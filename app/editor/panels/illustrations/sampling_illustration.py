@@ -182,29 +182,29 @@ def footprint_of(context: Context) -> Footprint | None:
 
 
 def facts(context: Context) -> list[str]:
-    """What the sketch tells, in numbers."""
+    """What the sketch shows, in numbers."""
     grid, footprint = context.grid, footprint_of(context)
-    found = [
+    texts = [
         f"{_NAMES[context.platform]}, {grid.columns} × {grid.rows}",
         f"interval {pair(grid.interval_x_mrad, grid.interval_y_mrad)} mrad",
         f"Nyquist {pair(grid.nyquist_x, grid.nyquist_y)} cyc/mrad",
     ]
     if footprint is None:
-        return [*found, "detector pitch or focal length is missing"]
+        return [*texts, "detector pitch or focal length is missing"]
     ratios = (
         footprint.pitch[0] / grid.interval_x_mrad,
         footprint.pitch[1] / grid.interval_y_mrad,
     )
-    found += [
+    texts += [
         f"IFOV {pair(*footprint.sensitive)} mrad",
         f"fill {pair(context.fill_x, context.fill_y)}",
         f"samples a pitch {pair(*ratios)}",
     ]
     if context.scan_velocity_mrad_per_s:
-        found.append(f"scan {brief(context.scan_velocity_mrad_per_s)} mrad/s")
+        texts.append(f"scan {brief(context.scan_velocity_mrad_per_s)} mrad/s")
     if context.velocity_m_per_s:
-        found.append(f"platform {brief(context.velocity_m_per_s)} m/s")
-    return found
+        texts.append(f"platform {brief(context.velocity_m_per_s)} m/s")
+    return texts
 
 
 def _around(centre: QPointF, size: tuple[float, float], scale: float) -> QRectF:

@@ -26,13 +26,13 @@ class ThumbnailIllustration(Illustration):
 
     def take(self, value: Any) -> str:
         """Keep the picture."""
-        self._found: Thumbnail = value
+        self._thumbnail: Thumbnail = value
         return ", ".join(facts(value))
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
         """Paint both."""
         line = QFontMetricsF(painter.font()).height()
-        grey, image = self._found.grey, self._found.image
+        grey, image = self._thumbnail.grey, self._thumbnail.image
         high, wide = grey.shape
         room = QRectF(area.left(), area.top(), area.width() * 0.54, area.height())
         shape = shape_of(image)
@@ -45,7 +45,7 @@ class ThumbnailIllustration(Illustration):
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawRect(box)
         beside = area.adjusted(box.width() + line * 0.6, 0, 0, 0)
-        self.write(painter, beside, facts(self._found))
+        self.write(painter, beside, facts(self._thumbnail))
 
 
 def shape_of(image: Image) -> tuple[float, float]:
@@ -56,18 +56,18 @@ def shape_of(image: Image) -> tuple[float, float]:
     return x * image.columns, y * image.rows
 
 
-def facts(found: Thumbnail) -> list[str]:
+def facts(thumbnail: Thumbnail) -> list[str]:
     """What the picture is, in numbers."""
-    image = found.image
-    told = [
+    image = thumbnail.image
+    texts = [
         f"{image.columns} × {image.rows} samples",
-        f"{brief(found.low)} to {brief(found.high)} {image.unit}".rstrip(),
+        f"{brief(thumbnail.low)} to {brief(thumbnail.high)} {image.unit}".rstrip(),
     ]
     x, y = image.interval_x_mrad, image.interval_y_mrad
     if x is not None and y is not None:
-        told.append(f"interval {pair(x, y)} mrad")
+        texts.append(f"interval {pair(x, y)} mrad")
     else:
-        told.append("no field of view")
+        texts.append("no field of view")
     if image.band_um is not None:
-        told.append(f"{brief(image.band_um[0])} to {brief(image.band_um[1])} µm")
-    return told
+        texts.append(f"{brief(image.band_um[0])} to {brief(image.band_um[1])} µm")
+    return texts

@@ -108,13 +108,13 @@ def in_words(lines: TransferLines) -> str:
     """The essential numbers."""
     x, y = lines.x, lines.y
     unit = "" if lines.part == "mtf" else " rad"
-    told = f"{lines.part.upper()} at the Nyquist frequency {pair(x.nyquist, y.nyquist)} cyc/mrad: "
-    told += _both(x.at_nyquist, y.at_nyquist, unit)
+    text = f"{lines.part.upper()} at the Nyquist frequency {pair(x.nyquist, y.nyquist)} cyc/mrad: "
+    text += _both(x.at_nyquist, y.at_nyquist, unit)
     if x.half is not None or y.half is not None:
-        told += f"; half contrast at {_both(x.half, y.half, ' cyc/mrad')}"
+        text += f"; half contrast at {_both(x.half, y.half, ' cyc/mrad')}"
     if x.cutoff is not None and y.cutoff is not None:
-        told += f"; cutoff {_both(x.cutoff, y.cutoff, ' cyc/mrad')}"
-    return told
+        text += f"; cutoff {_both(x.cutoff, y.cutoff, ' cyc/mrad')}"
+    return text
 
 
 def _both(x: float | None, y: float | None, unit: str) -> str:

@@ -1,4 +1,4 @@
-"""The query of the figures strip: what the electronics' read-outs say of the sensor."""
+"""The query of the figures strip: the sensor's figures among the electronics' read-outs."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class FiguresQuery(Query):
     Parameters
     ----------
     preferred : str or None
-        The node to tell of if there are several; else it is the last one.
+        The node to show if there are several; else it is the last one.
     """
 
     urgency: ClassVar[int] = 1
@@ -77,30 +77,30 @@ class FiguresQuery(Query):
 
     def key(self, plan: Plan) -> Hashable:
         """The node and what its figures are made of."""
-        told = _output_of(plan)
+        output = _output_of(plan)
         name = self.node(plan)
         if name is None:
-            return self, told
+            return self, output
         planned = plan.node(name)
         if planned.error is not None:
             raise planned.error
         table = planned.outputs.get("table")
-        return self, told, name, planned.node.disabled, getattr(table, "key", None)
+        return self, output, name, planned.node.disabled, getattr(table, "key", None)
 
     def answer(self, passing: Passing) -> Figures:
         """The figures."""
         plan = passing.plan
-        told = _output_of(plan)
+        output = _output_of(plan)
         name = self.node(plan)
         if name is None:
-            return Figures(None, (), *told)
+            return Figures(None, (), *output)
         planned = plan.node(name)
         if planned.error is not None:
             raise planned.error
         values: Mapping[str, Any] = {}
         if not planned.node.disabled:
             values = passing.engine.readouts(plan, name, passing.work)
-        declared = {each.name: each for each in planned.declaration.readouts}
+        declared = {readout.name: readout for readout in planned.declaration.readouts}
         return Figures(
             name,
             tuple(
@@ -113,14 +113,14 @@ class FiguresQuery(Query):
                 )
                 for readout, caption in SHOWN
             ),
-            *told,
+            *output,
         )
 
     def node(self, plan: Plan) -> str | None:
-        """Id of the node whose figures are told; None without electronics.
+        """Id of the node whose figures are shown; None without electronics.
 
         Of several, the preferred one, else the last one that leads to the output, else the last of
-        all; None where it is not said which of several pictures is the output.
+        all; None where none of several pictures is marked as the output.
         """
         named = [name for name, node in plan.network.nodes.items() if node.module == MODULE]
         if not named or self.preferred in named:

@@ -71,7 +71,7 @@ class FiguresStrip(Viewer):
         if evaluator is not None:
             evaluator.pass_done.connect(self._pass_done)
         self._show(None)
-        self._values[RUN_TIME].tell(NONE)
+        self._values[RUN_TIME].show_text(NONE)
         self.set_theme(theme)
 
     def text(self, name: str) -> str:
@@ -105,14 +105,14 @@ class FiguresStrip(Viewer):
     def follow_opening(self) -> None:
         """Show nothing of another document."""
         self._show(None)
-        self._values[RUN_TIME].tell(NONE)
+        self._values[RUN_TIME].show_text(NONE)
 
     def _add(self, name: str, caption: str) -> None:
         head = ElidedLabel(f"{self.owner}.{name}.caption", f"{caption}, what it is", self)
         font = head.font()
         font.setPointSizeF(font.pointSizeF() * 0.85)
         head.setFont(font)
-        head.tell(caption)
+        head.show_text(caption)
         value = ElidedLabel(f"{self.owner}.{name}", caption, self)
         cell = QVBoxLayout()
         cell.setSpacing(0)
@@ -122,31 +122,33 @@ class FiguresStrip(Viewer):
         self._captions.append(head)
         self._values[name] = value
 
-    def _show(self, found: Figures | None, why: str = "") -> None:
-        figures = {} if found is None else {each.name: each for each in found.figures}
-        missing = self._show_output(found, why)
-        none = why or missing or "no Electronics & Noise in the network tells it"
+    def _show(self, answer: Figures | None, why: str = "") -> None:
+        figures = {} if answer is None else {figure.name: figure for figure in answer.figures}
+        missing = self._show_output(answer, why)
+        none = why or missing or "no Electronics & Noise in the network computes it"
         for name, _ in SHOWN:
             label = self._values[name]
             figure = figures.get(name)
             if figure is None:
-                label.tell(NONE, none)
+                label.show_text(NONE, none)
             else:
-                node = found.node if found is not None else ""
+                node = answer.node if answer is not None else ""
                 exact = "" if figure.value is None else f" {figure.value!r} {figure.unit}".rstrip()
                 text = figure_text(figure.value, figure.unit)
-                label.tell(text, f"{figure.meaning}{exact} ({node})")
+                label.show_text(text, f"{figure.meaning}{exact} ({node})")
 
-    def _show_output(self, found: Figures | None, why: str) -> str:
-        """Say which picture is the output; gives why none is."""
+    def _show_output(self, answer: Figures | None, why: str) -> str:
+        """Show which picture is the output; returns why none is."""
         label = self._values[OUTPUT]
-        if found is None:
-            label.tell(NONE, why)
-        elif found.output is not None:
-            label.tell(found.output, "The picture that the network delivers")
+        if answer is None:
+            label.show_text(NONE, why)
+        elif answer.output is not None:
+            label.show_text(answer.output, "The picture that the network delivers")
         else:
-            label.tell(f"{len(found.choices)} pictures" if found.choices else NONE, found.missing)
-        return "" if found is None else found.missing
+            label.show_text(
+                f"{len(answer.choices)} pictures" if answer.choices else NONE, answer.missing
+            )
+        return "" if answer is None else answer.missing
 
     def _preferred(self) -> str | None:
         for name in reversed(self.session.selection):
@@ -162,4 +164,4 @@ class FiguresStrip(Viewer):
         if isinstance(done, PassDone) and done.after_edit and not done.cancelled:
             kind = f"a preview of 1:{done.reduced}" if done.reduced > 1 else "all that is shown"
             about = f"Time that {kind} took after the last change: {done.seconds:.4f} s"
-            self._values[RUN_TIME].tell(figure_text(done.seconds, "s"), about)
+            self._values[RUN_TIME].show_text(figure_text(done.seconds, "s"), about)

@@ -1,4 +1,4 @@
-"""The viewer of a wire's picture: which one, how it is drawn, and what it says under the cursor."""
+"""The viewer of a wire's picture: which one, how it is drawn, and the sample under the cursor."""
 
 from __future__ import annotations
 
@@ -84,12 +84,12 @@ class ImageViewer(Viewer):
     def fit(self) -> None:
         """Show all of the picture."""
         self.canvas.fit()
-        self.links.tell()
+        self.links.apply_zoom()
 
     def one_to_one(self) -> None:
         """Show each sample as one dot of the screen."""
         self.canvas.one_to_one()
-        self.links.tell()
+        self.links.apply_zoom()
 
     def save_as(self, path: Path) -> None:
         """Write the picture as it looks (``.png``), or its samples (``.npy .csv .tif .exr``).
@@ -124,7 +124,7 @@ class ImageViewer(Viewer):
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Show as `state` told; what cannot be used is as it was."""
+        """Show as in `state`; what cannot be used is as it was."""
         self._lost = None
         self.choices = Choices.of(state)
         colours = state.get("colours")
@@ -154,17 +154,17 @@ class ImageViewer(Viewer):
         )
 
     def take(self, answer: Answer) -> None:
-        """Show a picture, or keep the last one faintly and say why there is none."""
+        """Show a picture, or the last one faintly with the reason why there is none."""
         if isinstance(answer.value, Picture):
             self.picture = picture = self._placed(answer.value)
             self._pages.setCurrentWidget(self.canvas)
             self.canvas.show_picture(picture)
-            self.status.tell(facts_text(picture, self.choices))
+            self.status.show_text(facts_text(picture, self.choices))
             self.probe.show_picture(picture, self.choices)
             self.region.show_picture(picture, self.choices.port)
         else:
             self.canvas.make_faint()
-            self.status.tell(str(answer.error), failed=True)
+            self.status.show_text(str(answer.error), failed=True)
 
     def follow(self, before: Network, after: Network) -> None:
         """Go with nodes that get other names; a node that comes back is shown again."""
@@ -216,7 +216,7 @@ class ImageViewer(Viewer):
         bar.compare.other_chosen.connect(self._choose_other)
         bar.compare.linked.connect(self._choose_link)
         self.region.picture_wanted.connect(self._show_for_region)
-        canvas.zoomed.connect(self.links.tell)
+        canvas.zoomed.connect(self.links.apply_zoom)
         canvas.levels.dragged.connect(self._drag_levels)
 
     def _choose(self, **changes: Any) -> None:
@@ -260,7 +260,7 @@ class ImageViewer(Viewer):
         self.canvas.profile.show(on)
 
     def _follow_choices(self) -> None:
-        """Show on the controls what is chosen, and ask for it."""
+        """Show on the controls what is chosen, and post its queries."""
         choices = self.choices
         self.bar.ports.choose(choices.port)
         self.bar.display.mapping.choose(choices.mapping)
@@ -271,11 +271,11 @@ class ImageViewer(Viewer):
             self.picture = None
             self.canvas.clear_picture()
             self._pages.setCurrentWidget(self._hint)
-            self.status.tell("")
+            self.status.show_text("")
             self.probe.show_picture(None, choices)
             self.region.show_picture(None, None)
         elif choices.mode != "alone" and choices.other is None:
-            self.status.tell("choose the other wire under Compare")
+            self.status.show_text("choose the other wire under Compare")
         self.ask()
 
     def _placed(self, picture: Picture) -> Picture:

@@ -27,14 +27,14 @@ _FAINT = 0.35
 
 
 class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
-    """Draws the picture it is given; what lies where it asks nobody.
+    """Draws the picture it is given, without a query of its own.
 
     Signals
     -------
     pointed(place)
         The cursor is at a place of the axes, a tuple; None where it is on no picture.
     stepped(columns, rows)
-        An arrow key wants the probe moved.
+        An arrow key moves the probe.
     zoomed
         The person sees another part of the picture.
     """

@@ -48,7 +48,7 @@ class Radio(QObject):
         self._group.triggered.connect(self._triggered)
 
     def choose(self, name: str) -> None:
-        """Mark one as chosen, without telling anyone."""
+        """Mark one as chosen, without a signal."""
         self._actions[name].setChecked(True)
 
     def _triggered(self, action: QAction) -> None:

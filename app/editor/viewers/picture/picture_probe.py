@@ -1,4 +1,4 @@
-"""The probe of an image viewer: moved by the mouse or the arrow keys, told in the status line."""
+"""The probe of an image viewer: moved by the mouse or the arrow keys, shown in the status line."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from app.editor.viewers.status_line import StatusLine
 
 
 class PictureProbe(QObject):
-    """Tells the sample at one place of the picture.
+    """Shows the sample at one place of the picture.
 
     Parameters
     ----------
     canvas : PictureCanvas
-        Says where the cursor is, and marks the place; Qt's owner.
+        Signals where the cursor is, and marks the place; Qt's owner.
     status : StatusLine
-        Where the sample is told.
+        Where the sample is shown.
     """
 
     def __init__(self, canvas: PictureCanvas, status: StatusLine) -> None:
@@ -36,7 +36,7 @@ class PictureProbe(QObject):
         canvas.stepped.connect(self._step)
 
     def show_picture(self, picture: Picture | None, choices: Choices) -> None:
-        """Tell the sample of another picture; at the same place, if it has such axes."""
+        """Show the sample of another picture; at the same place, if it has such axes."""
         before = self._picture
         if self._place and before and picture and before.facts.kind == picture.facts.kind:
             row, column = self._place
@@ -45,7 +45,7 @@ class PictureProbe(QObject):
         else:
             self._place = None
         self._picture, self._choices = picture, choices
-        self._tell()
+        self._show_sample()
 
     def _point_at(self, place: Any) -> None:
         """The cursor is there."""
@@ -53,7 +53,7 @@ class PictureProbe(QObject):
         if place is not None and self._picture is not None:
             self._place = index_at(self._picture.facts, *place)
         self._canvas.mark(None)
-        self._tell()
+        self._show_sample()
 
     def _step(self, columns: int, rows: int) -> None:
         """Go on by so many samples, from the middle if there is no place yet."""
@@ -65,7 +65,7 @@ class PictureProbe(QObject):
         column = min(facts.columns - 1, max(0, column + columns))
         self._place = row, column
         self._canvas.mark((facts.across.at(column), facts.along.at(row)))
-        self._tell()
+        self._show_sample()
 
-    def _tell(self) -> None:
-        self._status.tell_more(sample_text(self._picture, self._place, self._choices))
+    def _show_sample(self) -> None:
+        self._status.show_more(sample_text(self._picture, self._place, self._choices))

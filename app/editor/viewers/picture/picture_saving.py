@@ -35,7 +35,7 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
     ImagechainError
         From the writer.
     """
-    if not any(each.matches(path) for each in SAVED):
+    if not any(file_format.matches(path) for file_format in SAVED):
         raise UsageError(f"{path}: a picture is written as {' '.join(suffixes(*SAVED))}")
     if picture.reduced > 1:
         raise UsageError("the picture is a preview still: wait until it is shown at full size")

@@ -81,7 +81,7 @@ class ProfileLine(QObject):
         self._draw()
 
     def show_picture(self, picture: Picture) -> None:
-        """Tell what is along the line in another picture."""
+        """Show the profile along the line in another picture."""
         moved = self._picture is None or extent(self._picture.facts) != extent(picture.facts)
         self._picture = picture
         if moved:

@@ -32,7 +32,7 @@ class RegionTool(QObject):
     session : Session
         The document.
     evaluator : Evaluator or None
-        Knows the sizes of pictures.
+        Has the plan, and in it the sizes of pictures.
     canvas : PictureCanvas
         Where it is drawn; Qt's owner.
     button : QToolButton
@@ -98,17 +98,17 @@ class RegionTool(QObject):
         assert declared is not None
         region, fits = region_of(declared, self._session.network.nodes[self._node], size)
         self._overlay.show(region, fits, size, extent(self._picture.facts), self._node)
-        self._describe(f"region of {self._node}: {region.told()}")
+        self._describe(f"region of {self._node}: {region.description()}")
 
     def draw(self) -> None:
         """Let a region be drawn: on this picture, or on that of the node that is selected.
 
-        Without one selected, it is that of the first node that has one and sees this picture.
+        Without one selected, it is that of the first node that has one on this picture.
         """
         if self._node is None:
             name = self._meant()
             if name is None:
-                self._session.told.emit("note", "no module of this network has a region to draw")
+                self._session.message.emit("note", "no module of this network has a region to draw")
                 self._overlay.arm(False)
                 return
             if name not in self._chosen():
@@ -116,7 +116,7 @@ class RegionTool(QObject):
             if self._node is None and (source := self._source(name)) is not None:
                 self.picture_wanted.emit(source)
             elif self._node is None:
-                self._session.told.emit("note", f"{name} has no picture yet to draw a region on")
+                self._session.message.emit("note", f"{name} has no picture yet to draw a region on")
                 self._overlay.arm(False)
                 return
         self._overlay.arm(True)
@@ -124,14 +124,14 @@ class RegionTool(QObject):
         self._canvas.setFocus()
 
     def _armed(self, on: bool) -> None:
-        """Say what can be done now."""
+        """Show what can be done now."""
         self._button.setChecked(on)
         if on and self._node is not None:
             text = f"Drag a rectangle over what {self._node} is to look at; Esc gives it up"
-            self._session.told.emit("note", text)
+            self._session.message.emit("note", text)
         elif self._node is not None:
             text = "Arrow keys move the region, with Ctrl its last corner; Shift: ten times as far"
-            self._session.told.emit("note", text)
+            self._session.message.emit("note", text)
 
     def _clicked(self) -> None:
         if self._button.isChecked():
@@ -149,14 +149,14 @@ class RegionTool(QObject):
         """Those of them whose panels are open, the one selected last first."""
         nodes, having = self._session.network.nodes, set(self._all())
         pinned = (name for name in nodes if nodes[name].extra.get("pinned") is True)
-        each = dict.fromkeys((*self._session.selection[-1:], *pinned))
-        return [name for name in each if name in having]
+        names = dict.fromkeys((*self._session.selection[-1:], *pinned))
+        return [name for name in names if name in having]
 
     def _meant(self) -> str | None:
         """The node whose region is to be drawn where none is shown."""
-        each = [*self._chosen(), *self._all()]
-        on_this = (name for name in each if self._lies_on(name))
-        first = self._chosen()[:1] or [*on_this, *each][:1]
+        names = [*self._chosen(), *self._all()]
+        on_this = (name for name in names if self._lies_on(name))
+        first = self._chosen()[:1] or [*on_this, *names][:1]
         return first[0] if first else None
 
     def _lies_on(self, name: str) -> bool:
@@ -182,13 +182,13 @@ class RegionTool(QObject):
     def _before(self, name: str) -> set[str]:
         """All nodes upstream of one."""
         network = self._session.network
-        found: set[str] = set()
+        upstream: set[str] = set()
         rest = [name]
         while rest:
-            into = {link.source for link in network.links_into(rest.pop())} - found
-            found |= into
+            into = {link.source for link in network.links_into(rest.pop())} - upstream
+            upstream |= into
             rest += into
-        return found
+        return upstream
 
     def _size(self, name: str | None) -> tuple[int, int] | None:
         """Columns and rows of a node's picture at full size."""
@@ -218,12 +218,12 @@ class RegionTool(QObject):
         if self._node is not None:
             self._session.do(setting(self._node, region), gesture=self._gesture)
 
-    def _end(self, kept: bool) -> None:
+    def _end(self, accepted: bool) -> None:
         gesture, restoring = self._gesture, self._restoring
         self._gesture = self._restoring = None
         if gesture is None:
             return
-        if not kept and restoring is not None and restoring[0] in self._session.network.nodes:
+        if not accepted and restoring is not None and restoring[0] in self._session.network.nodes:
             self._session.do(restoring[1], gesture=gesture)
         self._session.end_gesture()
 

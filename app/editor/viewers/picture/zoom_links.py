@@ -28,7 +28,7 @@ class ZoomLinks:
         """Whether the other one goes along."""
         return other in self._linked
 
-    def tell(self) -> None:
-        """Let the others show the part that is seen now."""
-        for each in list(self._linked):
-            each._canvas.set_zoom(self._canvas.zoom)
+    def apply_zoom(self) -> None:
+        """Zoom the others to the part that is seen now."""
+        for other in list(self._linked):
+            other._canvas.set_zoom(self._canvas.zoom)

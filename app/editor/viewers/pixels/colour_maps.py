@@ -38,5 +38,5 @@ def colour_table(name: str) -> Table:
 
 
 def colour_map(name: str) -> pg.ColorMap:
-    """As pyqtgraph's items want it."""
+    """As pyqtgraph's items take it."""
     return pg.ColorMap(None, colour_table(name)[::15])

@@ -47,21 +47,21 @@ class Spread:
         return np.asarray(self.low * (1.0 - share) + self.high * share)
 
 
-def extremes(samples: Array, *, each: Each = in_turn) -> Range:
+def extremes(samples: Array, *, apply: Each = in_turn) -> Range:
     """Least and greatest sample of a real array that is not empty; NaN if one is NaN."""
-    found: list[Range] = [(0.0, 0.0)] * len(_rows(samples))
+    ranges: list[Range] = [(0.0, 0.0)] * len(_rows(samples))
 
     def one(item: tuple[int, slice]) -> None:
         index, rows = item
         block = samples[rows]
-        found[index] = float(block.min()), float(block.max())
+        ranges[index] = float(block.min()), float(block.max())
 
-    _each_of(samples, each)(one, list(enumerate(_rows(samples))))
-    lows, highs = np.array(found).T
+    _suited_to(samples, apply)(one, list(enumerate(_rows(samples))))
+    lows, highs = np.array(ranges).T
     return float(lows.min()), float(highs.max())
 
 
-def grey_levels(samples: Array, low: float, high: float, *, each: Each = in_turn) -> Levels:
+def grey_levels(samples: Array, low: float, high: float, *, apply: Each = in_turn) -> Levels:
     """Samples as 0 (`low` and below) to 255 (`high` and above), to the nearest level.
 
     Parameters
@@ -70,22 +70,22 @@ def grey_levels(samples: Array, low: float, high: float, *, each: Each = in_turn
         Real and finite.
     low, high : float
         Black and white; where `high` is not above `low`, all is mid grey.
-    each : callable
+    apply : callable
         `Work.each`, for large pictures.
     """
     if not high > low:
         return np.full(samples.shape, MID_GREY, np.uint8)
-    return _steps(samples, low, high, 255, 0.5, each)
+    return _steps(samples, low, high, 255, 0.5, apply)
 
 
-def spread_of(samples: Array, *, each: Each = in_turn) -> Spread:
+def spread_of(samples: Array, *, apply: Each = in_turn) -> Spread:
     """Extremes and histogram of a picture, shape (rows, columns), real and finite."""
-    low, high = extremes(samples, each=each)
+    low, high = extremes(samples, apply=apply)
     counts = np.zeros(BINS, np.int64)
     if not high > low:
         counts[0] = samples.size
         return Spread(low, high, counts)
-    flat = _steps(samples, low, high, BINS, 0.0, each).reshape(-1)
+    flat = _steps(samples, low, high, BINS, 0.0, apply).reshape(-1)
     even = flat.size // 2 * 2
     # In pairs: half as many increments of twice as many counters, which is twice as fast.
     pairs = flat[:even].view(np.uint16)
@@ -100,15 +100,15 @@ def spread_of(samples: Array, *, each: Each = in_turn) -> Spread:
 
 
 def quantiles(
-    samples: Array, spread: Spread, shares: tuple[float, ...], *, each: Each = in_turn
+    samples: Array, spread: Spread, shares: tuple[float, ...], *, apply: Each = in_turn
 ) -> tuple[float, ...]:
     """Values below which these shares of the samples lie, interpolated between two samples.
 
-    Exact: the histogram tells the bin, and only what is in it has to be sorted.
+    Exact: the histogram gives the bin, and only what is in it has to be sorted.
     """
     if not spread.high > spread.low:
         return (spread.low,) * len(shares)
-    index = _steps(samples, spread.low, spread.high, BINS, 0.0, each)
+    index = _steps(samples, spread.low, spread.high, BINS, 0.0, apply)
     ends = np.cumsum(spread.counts)
     return tuple(_quantile(samples, index, ends, share) for share in shares)
 
@@ -129,7 +129,7 @@ def _quantile(samples: Array, index: Levels, ends: NDArray[np.int64], share: flo
     return a * (1.0 - part) + b * part
 
 
-def _steps(samples: Array, low: float, high: float, top: int, shift: float, each: Each) -> Levels:
+def _steps(samples: Array, low: float, high: float, top: int, shift: float, apply: Each) -> Levels:
     """Integers below (sample − low)/(high − low)·top + shift, 0 to 255."""
     levels = np.empty(samples.shape, np.uint8)
     scaled = _single(low, high, top, shift) if _fits(samples, low, high) else None
@@ -142,7 +142,7 @@ def _steps(samples: Array, low: float, high: float, top: int, shift: float, each
             np.clip(values, 0, 255, out=values)
         np.copyto(levels[rows], values, casting="unsafe")
 
-    _each_of(samples, each)(one, list(_rows(samples)))
+    _suited_to(samples, apply)(one, list(_rows(samples)))
     return levels
 
 
@@ -193,5 +193,5 @@ def _rows(samples: Array) -> list[slice]:
     return [slice(start, start + height) for start in range(0, rows, height)]
 
 
-def _each_of(samples: Array, each: Each) -> Each:
-    return each if samples.size > THREADED_SAMPLES else in_turn
+def _suited_to(samples: Array, apply: Each) -> Each:
+    return apply if samples.size > THREADED_SAMPLES else in_turn

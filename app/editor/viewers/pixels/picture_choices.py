@@ -18,7 +18,7 @@ AUTOMATIC: tuple[Automatic, ...] = get_args(Automatic)
 
 @dataclass(frozen=True)
 class Choices:
-    """What an image viewer asks for; `levels` are manual where they are two numbers."""
+    """What an image viewer is to show; `levels` are manual where they are two numbers."""
 
     port: str | None = None
     other: str | None = None
@@ -89,6 +89,6 @@ def numbers_of(plain: Any, count: int) -> tuple[float, ...] | None:
     """A list of so many finite numbers; None for anything else."""
     if not isinstance(plain, list | tuple) or len(plain) != count:
         return None
-    if not all(isinstance(each, int | float) and math.isfinite(each) for each in plain):
+    if not all(isinstance(number, int | float) and math.isfinite(number) for number in plain):
         return None
-    return tuple(float(each) for each in plain)
+    return tuple(float(number) for number in plain)

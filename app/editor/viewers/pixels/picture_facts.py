@@ -24,7 +24,7 @@ class Axis:
     first, step : float
         Place of the first sample, and from one to the next.
     label, unit : str
-        What is told along the axis.
+        Quantity along the axis, and its unit.
     """
 
     first: float
@@ -80,7 +80,7 @@ class Facts:
 
 
 def identity(value: Any) -> Hashable:
-    """What a picture of the value depends on; the pixels' key alone does not tell their unit."""
+    """What a picture of the value depends on; the pixels' key alone does not hold their unit."""
     if isinstance(value, Image):
         interval = value.interval_x_mrad, value.interval_y_mrad
         return value.key, value.shape, interval, value.unit, value.band_um

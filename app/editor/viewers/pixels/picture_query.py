@@ -42,7 +42,7 @@ class Picture:
     facts : Facts
         What it is.
     samples : ndarray, shape (rows, columns)
-        The samples as the probe tells them, not mapped.
+        The samples as the probe shows them, not mapped.
     grey : ndarray of uint8
         The mapped samples from black to white.
     levels : (float, float)
@@ -167,9 +167,9 @@ class PictureQuery(Query):
         mapped = Step.of(steps.logarithm, recipe) if log else recipe
         samples = work.value(mapped)
         step = Step.of(steps.spread, mapped, name=source.port)
-        found: Spread = work.value(step)
+        spread: Spread = work.value(step)
         if isinstance(levels, str):
-            low, high = found.low, found.high
+            low, high = spread.low, spread.high
             if levels == "percentiles":
                 low, high = work.value(Step.of(steps.inner_range, mapped, step))
             if source.signed and not log:
@@ -178,7 +178,7 @@ class PictureQuery(Query):
         else:
             low, high = levels
         work.check()
-        grey = grey_levels(samples, low, high, each=work.each)
+        grey = grey_levels(samples, low, high, apply=work.each)
         grey.flags.writeable = False
         shown = work.value(recipe)
         return Picture(
@@ -186,7 +186,7 @@ class PictureQuery(Query):
             shown,
             grey,
             (low, high),
-            found,
+            spread,
             self.mapping,
             source.value,
             None,

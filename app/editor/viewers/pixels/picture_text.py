@@ -1,4 +1,4 @@
-"""What an image viewer says in words: what is shown, and the sample under the cursor."""
+"""Texts of an image viewer: what is shown, and the sample under the cursor."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ def facts_text(picture: Picture, choices: Choices) -> str:
 
 def sample_text(picture: Picture | None, place: tuple[int, int] | None, choices: Choices) -> str:
     """The sample at a row and column; of a wipe, those of both sides."""
-    if picture is None or place is None or (found := probe(picture, *place)) is None:
+    if picture is None or place is None or (sample := probe(picture, *place)) is None:
         return ""
     difference = choices.compares and choices.mode == "difference"
-    text = probe_text(picture, found, difference=difference)
+    text = probe_text(picture, sample, difference=difference)
     if picture.other is not None:
         facts, other = picture.facts, picture.other.facts
         row = int((place[0] + 0.5) * other.rows / facts.rows)

@@ -1,4 +1,4 @@
-"""What a picture says at a point: the sample under the cursor, and samples along a line."""
+"""Values of a picture: the sample under the cursor, and samples along a line."""
 
 from __future__ import annotations
 
@@ -55,20 +55,20 @@ def index_at(facts: Facts, x: float, y: float) -> tuple[int, int]:
     return round(facts.along.index(y)), round(facts.across.index(x))
 
 
-def probe_text(picture: Picture, found: Probe, *, difference: bool = False) -> str:
+def probe_text(picture: Picture, sample: Probe, *, difference: bool = False) -> str:
     """For people: where, what, and how warm it seems.
 
     The temperature of a difference means nothing.
     """
     facts = picture.facts
-    x, y = facts.across.at(found.column), facts.along.at(found.row)
+    x, y = facts.across.at(sample.column), facts.along.at(sample.row)
     if facts.kind == "plane":
         where = f"{facts.across.label} {x:.4g}  {facts.along.label} {y:.4g} {facts.across.unit}"
     else:
         where = f"row {y:.10g}  column {x:.10g}"
-    text = f"{where}:  {found.value:.6g} {facts.unit}".rstrip()
-    if found.temperature_K is not None and not difference:
-        text += f"  {found.temperature_K:.2f} K"
+    text = f"{where}:  {sample.value:.6g} {facts.unit}".rstrip()
+    if sample.temperature_K is not None and not difference:
+        text += f"  {sample.temperature_K:.2f} K"
     return text.replace("-", "\N{MINUS SIGN}")
 
 

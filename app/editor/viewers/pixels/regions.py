@@ -39,7 +39,7 @@ class Region:
         """The row behind it."""
         return self.top + self.height
 
-    def told(self) -> str:
+    def description(self) -> str:
         """For people."""
         return f"{self.width} × {self.height} at column {self.left}, row {self.top}"
 
@@ -50,7 +50,7 @@ def has_region(declared: Declaration | None) -> bool:
 
 
 def region_of(declared: Declaration, node: Node, size: Size) -> tuple[Region, bool]:
-    """What the document says of a picture of that size, and whether it lies in the picture.
+    """The document's region of a picture of that size, and whether it lies in the picture.
 
     The rectangle does in any case, and has a sample at least, so that it can be dragged.
     """
@@ -91,13 +91,13 @@ def as_it_was(node: Node) -> Operation:
 
 
 def whole(node: str) -> Operation:
-    """Let a node look at all of its picture."""
+    """Make the region all of the node's picture."""
     return _set(node, dict.fromkeys(PARAMETERS, ABSENT))
 
 
 def _set(node: str, values: dict[str, Any]) -> Operation:
-    each = (set_parameter(node, name, value) for name, value in values.items())
-    return together(each, f"Set {node}'s region")
+    operations = (set_parameter(node, name, value) for name, value in values.items())
+    return together(operations, f"Set {node}'s region")
 
 
 def dragged(region: Region, grip: Grip, columns: int, rows: int, size: Size) -> Region:

@@ -16,7 +16,7 @@ from app.editor.viewers.plot.plotted_lines import Drawing, Line, Vector
 _NAMES = 0.45  # of the width, at most, for the names
 _THICK = 1.5  # lines of text that a bar is high at most
 _GAP = 6
-_ROUNDED = 2  # dots that a text may be wider than the whole number Qt tells
+_ROUNDED = 2  # dots that a text may be wider than the whole number Qt returns
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 
@@ -52,7 +52,7 @@ class BarChart(QScrollArea):
         self._bars.shown = frozenset(shown)
         self._bars.setMinimumHeight(self._bars.least_height())
         self._bars.update()
-        self.setAccessibleDescription("; ".join(self._bars.told()))
+        self.setAccessibleDescription("; ".join(self._bars.descriptions()))
 
 
 class _Bars(QWidget):
@@ -65,7 +65,7 @@ class _Bars(QWidget):
         self.shown: frozenset[str] = frozenset()
         self.pen: Callable[[str], QPen] = lambda _: QPen()
 
-    def told(self) -> list[str]:
+    def descriptions(self) -> list[str]:
         """Each bar's name and values."""
         return [
             f"{name}: {', '.join(_text(line.y, place) for line in self._lines())}"
@@ -102,15 +102,15 @@ class _Bars(QWidget):
         low, high, zero = _range(drawn, panel.log)
         left = before + 2 * _GAP + (behind if low < zero else 0)
         wide = max(self.width() - left - behind, 1)
-        each = (self.height() - 2.0 * text) / len(names)
-        thick = min((each - _GAP) / max(1, len(lines)), _THICK * text)
+        group_height = (self.height() - 2.0 * text) / len(names)
+        thick = min((group_height - _GAP) / max(1, len(lines)), _THICK * text)
 
         def at(value: float) -> float:
             return left + wide * (value - low) / (high - low)
 
         for place, name in enumerate(names):
-            top = place * each + (each - thick * len(lines)) / 2
-            group = QRectF(_GAP, place * each, before, each)
+            top = place * group_height + (group_height - thick * len(lines)) / 2
+            group = QRectF(_GAP, place * group_height, before, group_height)
             painter.setPen(QColor(self.theme.text))
             shown = metrics.elidedText(name, Qt.TextElideMode.ElideMiddle, before)
             painter.drawText(group, _RIGHT, shown)
@@ -121,15 +121,15 @@ class _Bars(QWidget):
                 bar = QRectF(at(zero), box.top(), end - at(zero), thick).normalized()
                 if math.isfinite(value):
                     painter.fillRect(bar.adjusted(0, 1, 0, -1), self.pen(line.name).color())
-                told = _text(line.y, place)
+                label = _text(line.y, place)
                 if end < at(zero):
                     box.setRight(bar.left() - _GAP)
-                    painter.drawText(box, _RIGHT, told)
+                    painter.drawText(box, _RIGHT, label)
                 else:
                     box.setLeft(bar.right() + _GAP)
-                    painter.drawText(box, _LEFT, told)
+                    painter.drawText(box, _LEFT, label)
         painter.setPen(QColor(self.theme.line))
-        painter.drawLine(round(at(zero)), 0, round(at(zero)), round(each * len(names)))
+        painter.drawLine(round(at(zero)), 0, round(at(zero)), round(group_height * len(names)))
         painter.setPen(QColor(self.theme.text))
         foot = QRectF(0, self.height() - 1.6 * text, self.width(), 1.6 * text)
         foot.setLeft(min(left, self.width() - metrics.horizontalAdvance(panel.y_label) - _GAP))
@@ -146,7 +146,7 @@ class _Bars(QWidget):
 
 def _range(drawn: list[Vector], log: bool) -> tuple[float, float, float]:
     """Ends of the scale, and where bars begin: at 0, of logarithms at the decade below all."""
-    finite = np.concatenate([each[np.isfinite(each)] for each in drawn] or [np.zeros(0)])
+    finite = np.concatenate([values[np.isfinite(values)] for values in drawn] or [np.zeros(0)])
     if log:
         if not len(finite):
             return 0.0, 1.0, 0.0

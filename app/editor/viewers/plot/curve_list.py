@@ -59,10 +59,10 @@ class CurveList(QListWidget):
         row = self.currentRow()
         self.clear()
         if note:
-            told = QListWidgetItem(note)
-            told.setToolTip(tip(note))
-            told.setFlags(Qt.ItemFlag.ItemIsEnabled)
-            self.addItem(told)
+            heading = QListWidgetItem(note)
+            heading.setToolTip(tip(note))
+            heading.setFlags(Qt.ItemFlag.ItemIsEnabled)
+            self.addItem(heading)
         for entry in entries:
             item = QListWidgetItem(self._icon(pen(entry.name)), entry.title)
             item.setData(_NAME, entry.name)

@@ -132,11 +132,11 @@ class CurvesQuery(Query):
             missing = _missing(chain)
             return TransferCurves(self.angle_deg, np.zeros(0), (), (), trouble, missing)
         samples = min(FINEST, max(grid.rows, grid.columns) // 2 + 1)
-        found = responses_along(chain, passing.work, self.angle_deg, samples)
+        responses = responses_along(chain, passing.work, self.angle_deg, samples)
         groups: tuple[tuple[Kind, tuple[LineStageResponse, ...]], ...] = (
-            ("stage", found.stages),
-            ("beside", found.beside),
-            ("total", found.products),
+            ("stage", responses.stages),
+            ("beside", responses.beside),
+            ("total", responses.products),
         )
         named = Counter(stage.title for _, stages in groups for stage in stages)
         curves = tuple(
@@ -151,9 +151,9 @@ class CurvesQuery(Query):
             for stage in stages
         )
         marks = _marks(chain, grid, Line.at(self.angle_deg))
-        trouble = _trouble(passing.plan, tuple(str(error) for error in found.failed))
+        trouble = _trouble(passing.plan, tuple(str(error) for error in responses.failed))
         return TransferCurves(
-            self.angle_deg, found.frequency, curves, marks, trouble, _missing(chain)
+            self.angle_deg, responses.frequency, curves, marks, trouble, _missing(chain)
         )
 
 
@@ -178,8 +178,8 @@ class PortDataQuery(Query):
     def answer(self, passing: Passing) -> CurveData | TableData:
         """The data."""
         self._value(passing.plan)
-        found: CurveData | TableData = passing.engine.value(passing.plan, self.port, passing.work)
-        return found
+        data: CurveData | TableData = passing.engine.value(passing.plan, self.port, passing.work)
+        return data
 
     def _value(self, plan: Plan) -> Curve | Table:
         value: Any = plan.output(self.port)
@@ -196,7 +196,7 @@ def _marks(chain: Chain, grid: Grid, line: Line) -> tuple[Mark, ...]:
         combined = line.end(chain.combined.nyquist_x, chain.combined.nyquist_y)
         if combined < 0.999 * nyquist:
             marks.append(Mark("combined", combined))
-    cutoffs = [each for each in map(_cutoff_along(line), _planar(chain.stages)) if each]
+    cutoffs = [cutoff for cutoff in map(_cutoff_along(line), _planar(chain.stages)) if cutoff]
     if cutoffs:
         marks.append(Mark("optics cutoff", min(cutoffs)))
     return tuple(marks)
@@ -215,7 +215,7 @@ def _cutoff_along(line: Line) -> Any:
         x, y = factor.cutoff
         if line.along == 0.0 or line.across == 0.0:
             return x if line.along == 0.0 else y
-        # The OTF of a disc ends on an ellipse; where other shapes' do, their extents do not tell.
+        # The OTF of a disc ends on an ellipse; where other shapes' do, their extents do not show.
         return 1.0 / math.hypot(line.across / x, line.along / y) if factor.radial else None
 
     return cutoff
@@ -226,8 +226,8 @@ def _missing(chain: Chain) -> str:
 
 
 def _trouble(plan: Plan, further: tuple[str, ...]) -> str:
-    told = [str(error) for error in plan.errors()]
-    told += [text for text in further if text not in told]
-    if len(told) > 1:
-        return f"{told[0]} (and {len(told) - 1} more)"
-    return told[0] if told else ""
+    texts = [str(error) for error in plan.errors()]
+    texts += [text for text in further if text not in texts]
+    if len(texts) > 1:
+        return f"{texts[0]} (and {len(texts) - 1} more)"
+    return texts[0] if texts else ""

@@ -52,7 +52,7 @@ class OutputButtons(QWidget):
         self._row.setSpacing(1)
 
     def show_port(self, port: str | None) -> None:
-        """Show a port as chosen beside the others of its node, without telling anyone."""
+        """Show a port as chosen beside the others of its node, without a signal."""
         ports = self._beside(port)
         if ports != tuple(self.buttons):
             self._make(ports)

@@ -85,7 +85,7 @@ class PlotBar(QWidget):
         self.outputs.set_theme(theme)
 
     def show_choices(self, port: str | None, angle_deg: float, parts: str) -> None:
-        """Show what is chosen, without telling anyone."""
+        """Show what is chosen, without a signal."""
         self.ports.choose(port)
         self.angle.blockSignals(True)
         self.angle.setValue(angle_deg)

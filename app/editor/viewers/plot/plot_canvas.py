@@ -140,7 +140,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def _curve(self, plot: pg.PlotItem, line: Line) -> pg.PlotDataItem:
         curve = plot.plot(pen=self.pen(line.name))
-        entry = next(each for each in self.drawing.entries if each.name == line.name)
+        entry = next(entry for entry in self.drawing.entries if entry.name == line.name)
         curve.setZValue(1 if entry.bound else 2 if entry.total else 3)
         return curve
 
@@ -250,7 +250,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._read(index, min(along[1], max(along[0], x)), names[place % len(names)])
 
     def _read(self, index: int, x: float, name: str) -> None:
-        line = next((each for each in self._lines(index) if each.name == name), None)
+        line = next((line for line in self._lines(index) if line.name == name), None)
         place = self.drawing.x_at(x)
         value = None if line is None else value_at(line, place)
         if value is None:

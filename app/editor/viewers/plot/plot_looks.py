@@ -25,20 +25,20 @@ _PLAIN = range(-4, 5)  # powers of ten that are written out
 
 
 class PlotAxis(pg.AxisItem):  # type: ignore[misc]
-    """An axis; of a logarithmic one, only some of the values between powers of ten are told."""
+    """An axis; of a logarithmic one, only some values between powers of ten have a number."""
 
     def logTickStrings(self, values: Sequence[float], scale: float, spacing: float) -> list[str]:
         """Text of ticks at these logarithms: of 2 to 9 between powers of ten, few have room."""
         texts: list[str] = super().logTickStrings(values, scale, spacing)
         decades = abs(self.range[1] - self.range[0])
-        told = range(1, 10) if decades < 0.5 else (1, 2, 5) if decades < 2.5 else (1,)
-        found = []
+        labelled = range(1, 10) if decades < 0.5 else (1, 2, 5) if decades < 2.5 else (1,)
+        labels = []
         for value, text in zip(values, texts, strict=True):
             power = math.floor(value + 1e-9)
             first = round(10 ** (value - power))
             plain = f"{first * 10.0**power:.1g}" if power < 0 else str(first * 10**power)
-            found.append("" if first not in told else plain if power in _PLAIN else text)
-        return found
+            labels.append("" if first not in labelled else plain if power in _PLAIN else text)
+        return labels
 
 
 def bare(plot: pg.PlotItem) -> None:
@@ -77,9 +77,9 @@ def entry_pen(entries: Sequence[Entry], name: str, theme: Theme) -> QPen:
     place = next(place for place, entry in enumerate(entries) if entry.name == name)
     entry, colours = entries[place], theme.curves
     if entry.total:
-        before = sum(each.total for each in entries[:place])
+        before = sum(earlier.total for earlier in entries[:place])
         return thick(theme.text, 2, _DASHES[min(before, 1)])
-    others = sum(not (each.total or each.bound) for each in entries[:place])
+    others = sum(not (earlier.total or earlier.bound) for earlier in entries[:place])
     if entry.bound:
         colour = colours[max(others - 1, 0) % len(colours)]
         return thick(see_through(colour, _FAINT), 1, Qt.PenStyle.DotLine)

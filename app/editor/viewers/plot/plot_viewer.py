@@ -87,7 +87,7 @@ class PlotViewer(Viewer):
             self._draw()
 
     def set_log(self, log: bool | None) -> None:
-        """Plot with a logarithmic ordinate or not; None as the data want it."""
+        """Plot with a logarithmic ordinate or not; None: as the data are best seen."""
         self.log = log
         self._draw()
 
@@ -123,7 +123,7 @@ class PlotViewer(Viewer):
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Show as `state` told; what cannot be used is as it was."""
+        """Show as in `state`; what cannot be used is as it was."""
         port, angle, parts = (state.get(name) for name in ("port", "angle_deg", "parts"))
         self._lost = None
         self.port = port if isinstance(port, str) else None
@@ -146,18 +146,18 @@ class PlotViewer(Viewer):
         return query in self.queries() or (self.port is None and isinstance(query, CurvesQuery))
 
     def take(self, answer: Answer) -> None:
-        """Show data, or keep the last and say why there is no other."""
+        """Show data, or the last with the reason why there is no other."""
         if answer.error is not None:
-            self.status.tell(str(answer.error), failed=True)
+            self.status.show_text(str(answer.error), failed=True)
             return
         self.data = answer.value
         self._draw()
         if isinstance(answer.value, TransferCurves):
-            self._tell_transfer(answer.value)
+            self._show_transfer_status(answer.value)
         elif isinstance(answer.value, CurveData):
-            self.status.tell(answer.value.title)
+            self.status.show_text(answer.value.title)
         else:
-            self.status.tell(f"{len(answer.value.rows)} figures; Ctrl+C copies them")
+            self.status.show_text(f"{len(answer.value.rows)} figures; Ctrl+C copies them")
 
     def follow(self, before: Network, after: Network) -> None:
         """Go with nodes that get other names; a node that comes back is shown again."""
@@ -214,7 +214,7 @@ class PlotViewer(Viewer):
         self.bar.parts_chosen.connect(self.set_parts)
         self.bar.log_chosen.connect(self.set_log)
         self.bar.fit.clicked.connect(self.canvas.frame)
-        self.canvas.read.connect(self.status.tell_more)
+        self.canvas.read.connect(self.status.show_more)
         self.list.toggled.connect(self._toggle)
 
     def sizeHint(self) -> QSize:
@@ -278,18 +278,18 @@ class PlotViewer(Viewer):
             entry.name for entry in drawing.entries if self._switched.get(entry.name, entry.shown)
         }
 
-    def _tell_transfer(self, curves: TransferCurves) -> None:
-        """Say what is missing, and what lies beyond the plot."""
+    def _show_transfer_status(self, curves: TransferCurves) -> None:
+        """Show what is missing, and what lies beyond the plot."""
         if curves.trouble:
-            self.status.tell(curves.trouble, failed=True)
+            self.status.show_text(curves.trouble, failed=True)
             return
         if not len(curves.frequency):
-            self.status.tell("the network has no transfer function to plot")
+            self.status.show_text("the network has no transfer function to plot")
             return
         if curves.missing:
-            self.status.tell(f"no Total: {curves.missing}")
+            self.status.show_text(f"no Total: {curves.missing}")
             return
         end = curves.frequency[-1]
         beyond = [mark for mark in curves.marks if mark.frequency > end * (1 + 1e-9)]
-        told = [f"{mark.text} at {mark.frequency:.4g} cyc/mrad" for mark in beyond]
-        self.status.tell(f"beyond the plot: {', '.join(told)}" if told else "")
+        texts = [f"{mark.text} at {mark.frequency:.4g} cyc/mrad" for mark in beyond]
+        self.status.show_text(f"beyond the plot: {', '.join(texts)}" if texts else "")

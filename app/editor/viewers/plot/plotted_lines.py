@@ -34,7 +34,7 @@ class Entry:
     total : bool
         Whether it is a product of the others.
     shown : bool
-        Whether it is shown unless the person says otherwise.
+        Whether it is shown until the person chooses otherwise.
     bound : bool
         Whether it is a limit around the entry before it.
     over : int
@@ -95,11 +95,13 @@ class Drawing:
     def x_range(self) -> tuple[float, float] | None:
         """Least and greatest abscissa as drawn; None without points."""
         drawn = [self.drawn_x(line.x) for panel in self.panels for line in panel.lines]
-        there = [each[np.isfinite(each)] for each in drawn]
-        there = [each for each in there if len(each)]
+        there = [values[np.isfinite(values)] for values in drawn]
+        there = [values for values in there if len(values)]
         if not there:
             return None
-        return min(float(each.min()) for each in there), max(float(each.max()) for each in there)
+        return min(float(values.min()) for values in there), max(
+            float(values.max()) for values in there
+        )
 
     def drawn_x(self, x: Vector) -> Vector:
         """Abscissae as they are drawn: NaN where a logarithm has none."""
@@ -127,13 +129,13 @@ def transfer_drawing(curves: TransferCurves, parts: Parts, *, log: bool = False)
     panels = []
     if parts in ("mtf", "both"):
         lines = (
-            Line(each.name, curves.frequency, np.abs(each.mtf) if log else each.mtf)
-            for each in curves.curves
+            Line(curve.name, curves.frequency, np.abs(curve.mtf) if log else curve.mtf)
+            for curve in curves.curves
         )
         panels.append(Panel("|MTF|" if log else "MTF", tuple(lines), (0.0, 1.0), log))
     if parts in ("ptf", "both"):
-        shifting = [each for each in curves.curves if each.ptf.any()]
-        lines = (Line(each.name, curves.frequency, each.ptf) for each in shifting)
+        shifting = [curve for curve in curves.curves if curve.ptf.any()]
+        lines = (Line(curve.name, curves.frequency, curve.ptf) for curve in shifting)
         panels.append(Panel("PTF (rad)", tuple(lines), None if shifting else (-1.0, 1.0)))
     along = _AXES.get(curves.angle_deg % 180.0)
     label = along or f"frequency along {curves.angle_deg:g}°"
@@ -142,7 +144,7 @@ def transfer_drawing(curves: TransferCurves, parts: Parts, *, log: bool = False)
 
 
 def curve_drawing(data: CurveData, *, log: bool = False) -> Drawing:
-    """Curves or bars of a port, by their logarithm if wanted."""
+    """Curves or bars of a port, by their logarithm with `log`."""
     lines = tuple(
         Line(str(number), series.x, series.y) for number, series in enumerate(data.series)
     )
@@ -190,11 +192,11 @@ def y_range(panel: Panel, shown: Iterable[str]) -> tuple[float, float]:
     """What the ordinate has to show for these entries as drawn, with a little room around."""
     names = set(shown)
     drawn = (panel.drawn(line.y) for line in panel.lines if line.name in names)
-    values = [each[np.isfinite(each)] for each in drawn]
-    values = [each for each in values if len(each)]
+    values = [heights[np.isfinite(heights)] for heights in drawn]
+    values = [heights for heights in values if len(heights)]
     low, high = (panel.least if not panel.log else None) or (np.inf, -np.inf)
-    low = min([low, *(float(each.min()) for each in values)])
-    high = max([high, *(float(each.max()) for each in values)])
+    low = min([low, *(float(heights.min()) for heights in values)])
+    high = max([high, *(float(heights.max()) for heights in values)])
     if not (np.isfinite(low) and np.isfinite(high)):
         return -1.0, 1.0
     if panel.log:

@@ -62,7 +62,7 @@ class RegionFrame(QGraphicsObject):
         self.handles = {grip: _Handle(self, grip, theme) for grip in _CURSORS}
 
     def place(self, rect: QRectF, movable: bool) -> None:
-        """Frame that; `movable` says whether there is somewhere to move it to."""
+        """Frame that; `movable`: whether there is somewhere to move it to."""
         if rect == self._rect and movable == self._movable:
             return
         self.prepareGeometryChange()
@@ -122,7 +122,7 @@ class RegionFrame(QGraphicsObject):
         self.press(event, ALL)
 
     def mouseMoveEvent(self, event: QGraphicsSceneMouseEvent) -> None:
-        """Tell where it is drawn to."""
+        """Emit where it is drawn to."""
         self.moved.emit(self.mapFromScene(event.scenePos()))
 
     def mouseReleaseEvent(self, _event: QGraphicsSceneMouseEvent) -> None:
@@ -183,7 +183,7 @@ class _Handle(QGraphicsRectItem):
 
 
 class DrawingSheet(QGraphicsRectItem):
-    """Lies over the picture while a region is to be drawn, and tells the frame where."""
+    """Lies over the picture while a region is to be drawn, and passes the frame its places."""
 
     def __init__(self, frame: RegionFrame) -> None:
         super().__init__()

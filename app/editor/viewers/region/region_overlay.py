@@ -24,7 +24,7 @@ _TITLE_ROOM = 30  # dots above the frame that its title takes
 
 
 class RegionOverlay(QObject):
-    """Shows the region it is given, and tells what the person makes of it.
+    """Shows the region it is given, and signals what the person makes of it.
 
     Parameters
     ----------
@@ -41,8 +41,8 @@ class RegionOverlay(QObject):
         A drag, or a key that is held, begins.
     changed(region)
         Its region now.
-    ended(kept)
-        It is over; not kept where it was given up.
+    ended(accepted)
+        It is over; not accepted where it was given up.
     draw_wanted
         The key to draw a region was pressed.
     armed_changed(armed)
@@ -121,7 +121,7 @@ class RegionOverlay(QObject):
 
     def hide(self) -> None:
         """Show none; what is being dragged is given up."""
-        self._end(kept=False)
+        self._end(accepted=False)
         self.hold(False)
         self.region = None
         for item in (self.frame, self.sheet, self.title):
@@ -143,7 +143,7 @@ class RegionOverlay(QObject):
     def give_up(self) -> bool:
         """End what is going on, the last thing begun first; whether there was something."""
         if self._start is not None:
-            self._end(kept=False)
+            self._end(accepted=False)
         elif self.armed:
             self.arm(False)
         elif self.held:
@@ -159,14 +159,14 @@ class RegionOverlay(QObject):
             return self._take_key(event)
         if kind == QEvent.Type.KeyRelease and isinstance(event, QKeyEvent):
             if event.key() == self._key and not event.isAutoRepeat():
-                self._end(kept=True)
+                self._end(accepted=True)
         elif kind == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
             busy = self._start is not None or self.armed or self.held
             if event.key() == Qt.Key.Key_Escape and busy:
                 event.accept()  # else it would stop the computation
                 return True
         elif kind == QEvent.Type.FocusOut and self._key is not None:
-            self._end(kept=True)
+            self._end(accepted=True)
         return False
 
     def _take_key(self, event: QKeyEvent) -> bool:
@@ -186,7 +186,7 @@ class RegionOverlay(QObject):
             self.began.emit()
         far = 10 if modifiers & Qt.KeyboardModifier.ShiftModifier else 1
         grip = _LAST if modifiers & Qt.KeyboardModifier.ControlModifier else ALL
-        self._tell(dragged(self.region, grip, step[0] * far, step[1] * far, self._size))
+        self._emit_changed(dragged(self.region, grip, step[0] * far, step[1] * far, self._size))
         return True
 
     @property
@@ -197,7 +197,7 @@ class RegionOverlay(QObject):
     def _press(self, grip: Any, place: Any) -> None:
         if self.region is None:
             return
-        self._end(kept=True)
+        self._end(accepted=True)
         self._canvas.setFocus(Qt.FocusReason.MouseFocusReason)
         self._start = self.region, grip, place
         self.hold(True)
@@ -213,24 +213,24 @@ class RegionOverlay(QObject):
                 ((at.x() - self._on.left()) / step_x, (at.y() - self._on.top()) / step_y)
                 for at in (start, place)
             )
-            self._tell(drawn(first, now, self._size))
+            self._emit_changed(drawn(first, now, self._size))
             return
         by = (place.x() - start.x()) / step_x, (place.y() - start.y()) / step_y
-        self._tell(dragged(region, grip, round(by[0]), round(by[1]), self._size))
+        self._emit_changed(dragged(region, grip, round(by[0]), round(by[1]), self._size))
 
     def _release(self) -> None:
         drew = self._start is not None and self._start[1] is None
-        self._end(kept=True)
+        self._end(accepted=True)
         if drew:
             self.arm(False)
 
-    def _end(self, *, kept: bool) -> None:
+    def _end(self, *, accepted: bool) -> None:
         if self._start is None and self._key is None:
             return
         self._start = self._key = None
-        self.ended.emit(kept)
+        self.ended.emit(accepted)
 
-    def _tell(self, region: Region) -> None:
+    def _emit_changed(self, region: Region) -> None:
         if region != self.region:
             self.changed.emit(region)
 

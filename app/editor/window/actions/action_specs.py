@@ -15,11 +15,11 @@ class ActionSpec:
     Parameters
     ----------
     name : str
-        What the window calls it.
+        Its name in the window.
     menu : str
         Menu it stands in.
     text : str
-        What the menu says.
+        Its text in the menu.
     tip : str
         What it does, in one line.
     keys : tuple of str
@@ -112,7 +112,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
     ),
     ActionSpec("cancel", "&Run", "&Cancel", "Stop the computation", ("Esc",)),
     ActionSpec("shortcuts", "&Help", "&Shortcuts", "List every shortcut", ("?", "Ctrl+/")),
-    ActionSpec("module_help", "&Help", "&Module", "Tell what the selected module does", ("F1",)),
+    ActionSpec("module_help", "&Help", "&Module", "Show what the selected module does", ("F1",)),
     ActionSpec("about", "&Help", "&About", "Version and sources"),
 )
 

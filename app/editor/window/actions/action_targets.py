@@ -50,7 +50,7 @@ class Window(Protocol):
 def targets(window: Window) -> dict[str, Target]:
     """By the actions' names."""
     session, files, edits, canvas = window.session, window.files, window.edits, window.canvas
-    found: dict[str, Callable[..., object]] = {
+    by_name: dict[str, Callable[..., object]] = {
         "new": files.new,
         "open": files.open_dialog,
         "save": files.save,
@@ -87,12 +87,12 @@ def targets(window: Window) -> dict[str, Target]:
         "about": window.help.about,
     }
     for number in VIEWERS:
-        found[f"view_{number}"] = partial(_view, window, number)
-    return {name: partial(_without_words, target) for name, target in found.items()}
+        by_name[f"view_{number}"] = partial(_view, window, number)
+    return {name: partial(_without_words, target) for name, target in by_name.items()}
 
 
 def _without_words(target: Callable[..., object], *_: object) -> None:
-    """An action says whether it is checked; nothing here wants to know."""
+    """Call it without the action's argument, whether it is checked."""
     target()
 
 

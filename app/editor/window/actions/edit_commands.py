@@ -48,7 +48,7 @@ class EditCommands(QObject):
                 text, session.network, library=session.library, at=self._canvas.cursor_point()
             )
         except ImagechainError as error:
-            session.told.emit("error", f"nothing was pasted: {error}")
+            session.message.emit("error", f"nothing was pasted: {error}")
             return
         if session.do(operation):
             session.select(names)
@@ -94,7 +94,7 @@ class EditCommands(QObject):
             try:
                 session.do(output_toggled(session.network, session.library, name))
             except ImagechainError as error:
-                session.told.emit("error", str(error))
+                session.message.emit("error", str(error))
 
     def backdrop(self) -> None:
         """Put a backdrop behind the selected nodes."""

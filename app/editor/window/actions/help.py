@@ -26,8 +26,12 @@ from nodes.files.formats import WRITTEN
 Exported = ImageViewer | PlotViewer | TradeOffView
 _PICTURES = ";;".join(
     (
-        dialog_filter("Pictures", *(each for each in WRITTEN if not each.plain)),
-        dialog_filter("Samples", *(each for each in WRITTEN if each.plain), CSV),
+        dialog_filter(
+            "Pictures", *(file_format for file_format in WRITTEN if not file_format.plain)
+        ),
+        dialog_filter(
+            "Samples", *(file_format for file_format in WRITTEN if file_format.plain), CSV
+        ),
     )
 )
 _CURVES = ";;".join(
@@ -61,11 +65,11 @@ class Help(QObject):
         self._show(ShortcutList(self._actions(), self._window))
 
     def module(self) -> None:
-        """Tell what the selected node's module does."""
+        """Show what the selected node's module does."""
         name = self._session.selection[-1] if self._session.selection else ""
         declared = self._session.declared(name)
         if declared is None:
-            self._session.told.emit("note", "select a node to read what its module does")
+            self._session.message.emit("note", "select a node to read what its module does")
         else:
             self._show(ModuleText(declared, self._window))
 
@@ -79,11 +83,11 @@ class Help(QObject):
         )
 
     def export(self) -> None:
-        """Ask where to write what the viewer used last shows."""
+        """Ask the person where to write what the viewer used last shows."""
         self.export_of(self._viewer())
 
     def export_of(self, viewer: Exported) -> None:
-        """Ask where to write what it shows."""
+        """Ask the person where to write what it shows."""
         self._exported = viewer
         kinds = _PICTURES if isinstance(viewer, ImageViewer) else _CURVES
         dialog = SaveDialog(self._window, "Export", str(Path.cwd()), kinds)
@@ -103,9 +107,9 @@ class Help(QObject):
             else:
                 viewer.export(Path(text))
         except ImagechainError as error:
-            self._session.told.emit("error", f"not exported: {error}")
+            self._session.message.emit("error", f"not exported: {error}")
         else:
-            self._session.told.emit("note", f"wrote {text}")
+            self._session.message.emit("note", f"wrote {text}")
 
     def _viewer(self) -> Exported:
         """The viewer that has the focus, else the first."""

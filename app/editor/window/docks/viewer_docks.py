@@ -56,7 +56,7 @@ class ViewerDocks(QObject):
         self.docks[number].raise_()
 
     def look_first(self, look: FirstLook) -> None:
-        """Show what tells most of a network that has just been opened."""
+        """Show what is most useful of a network that has just been opened."""
         for number, port in enumerate(look.pictures, start=1):
             self.look_at(number, port)
         if look.front in self.docks:
@@ -74,7 +74,7 @@ class ViewerDocks(QObject):
         """Show the first output of a node that is a picture; a curve in the plot viewer."""
         declared = self._session.declared(name)
         if declared is None:
-            self._session.told.emit("error", f"{name}: an unknown module has nothing to show")
+            self._session.message.emit("error", f"{name}: an unknown module has nothing to show")
             return
         for kinds in (_PICTURES[:1], _PICTURES):
             for port in declared.outputs:
@@ -87,7 +87,7 @@ class ViewerDocks(QObject):
         elif declared.inputs:
             self._look_at_input(name, number)
         else:
-            self._session.told.emit("note", f"{name} has nothing to show")
+            self._session.message.emit("note", f"{name} has nothing to show")
 
     def trade_off(self, node: str, parameter: str) -> None:
         """Show figures of merit as a parameter moves."""
@@ -126,7 +126,7 @@ class ViewerDocks(QObject):
         for link in self._session.network.links_into(name):
             self.look_at(number, f"{link.source}.{link.output}")
             return
-        self._session.told.emit("note", f"{name} has nothing to show: nothing comes into it")
+        self._session.message.emit("note", f"{name} has nothing to show: nothing comes into it")
 
     def _viewer(self, number: int) -> ImageViewer:
         viewer = self.images.get(number)

@@ -1,4 +1,4 @@
-"""New, open, save and close: nothing is lost without being asked."""
+"""New, open, save and close: nothing is lost without a question to the person."""
 
 from __future__ import annotations
 
@@ -50,11 +50,11 @@ class Files(QObject):
         self._dialog: QFileDialog | None = None
 
     def new(self) -> None:
-        """Begin an empty network, after asking for unsaved work."""
+        """Begin an empty network, after the question about unsaved work."""
         self.after_asking(self._new)
 
     def open_dialog(self) -> None:
-        """Ask for a file and open it."""
+        """Ask the person for a file and open it."""
         dialog = self._in_place_of_other(QFileDialog(*self._words("Open a network")))
         dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
         dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
@@ -63,32 +63,32 @@ class Files(QObject):
         dialog.activateWindow()
 
     def open(self, text: str) -> None:
-        """Open a network by path or shipped name, after asking for unsaved work."""
+        """Open a network by path or shipped name, after the question about unsaved work."""
         self.after_asking(lambda: self.open_now(text))
 
     def open_now(self, text: str) -> bool:
         """Open a network in place of the present one; whether that worked."""
         try:
-            found = open_named(text, library=self._session.library)
+            opened = open_named(text, library=self._session.library)
         except ImagechainError as error:
-            self._session.told.emit("error", f"not opened: {error}")
+            self._session.message.emit("error", f"not opened: {error}")
             return False
-        self.show(found)
+        self.show(opened)
         return True
 
-    def show(self, found: Opened) -> None:
+    def show(self, opened: Opened) -> None:
         """Put an opened document in the window."""
         self._drop_dialog()  # a name asked for is meant for the document that goes
-        if found.document.path is not None:
-            self._settings.add_recent(found.document.path)
-        self._session.open(found.document)
+        if opened.document.path is not None:
+            self._settings.add_recent(opened.document.path)
+        self._session.open(opened.document)
         self.opened.emit()
-        if found.remark:
-            self._session.told.emit("note", found.remark)
+        if opened.remark:
+            self._session.message.emit("note", opened.remark)
 
     def refuse(self, text: str) -> None:
-        """Say why something was not done."""
-        self._session.told.emit("error", text)
+        """Show why something was not done."""
+        self._session.message.emit("error", text)
 
     def save(self, following: Next | None = None) -> None:
         """Save to the document's file, or ask for one; then go on, if it was saved."""
@@ -112,8 +112,8 @@ class Files(QObject):
     def save_to(self, path: Path, following: Next | None = None, *, over: bool = False) -> None:
         """Save, then go on; file names in the network keep pointing at the same files.
 
-        What somebody else has made of the document's own file is written over only if `over` says
-        so; else that is asked first.
+        Another program's changes to the document's own file are written over only with `over`;
+        else the person is asked first.
         """
         document = self._session.document
         if not over and document.is_own(path) and (done := document.disagreement()):
@@ -133,7 +133,7 @@ class Files(QObject):
                 self._session.undo()
             return
         self._settings.add_recent(path)
-        self._session.told.emit("note", f"saved {path}")
+        self._session.message.emit("note", f"saved {path}")
         if following is not None:
             following()
 
@@ -150,7 +150,7 @@ class Files(QObject):
             following()
 
     def ask_to_save(self, following: Next) -> None:
-        """Ask what to do with unsaved work, then go on. Of two that ask, the later one goes on."""
+        """Ask the person about unsaved work, then go on. Of two calls the later one goes on."""
         self._next = following
         if self._question is None:
             self._ask(save_changes(self._window, self._session.network.name))
@@ -188,8 +188,8 @@ class Files(QObject):
         if path is not None:
             return str(path)
         name = self._session.network.name or "network"
-        kept = "".join(c if c.isalnum() or c in "-_" else "_" for c in name.lower())
-        return f"{kept}{NETWORK_SUFFIX}"
+        stem = "".join(c if c.isalnum() or c in "-_" else "_" for c in name.lower())
+        return f"{stem}{NETWORK_SUFFIX}"
 
     def _words(self, title: str) -> tuple[QWidget, str, str, str]:
         path = self._session.document.path

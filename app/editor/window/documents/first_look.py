@@ -1,8 +1,8 @@
 """What to show of a network that has just been opened.
 
-A network that analyses something is there for its first analysis node that tells figures: the
-control panel of that node is opened, and its first curve plotted. Else no node is selected, and the
-chain's transfer functions are plotted.
+Of a network with an analysis node that has figures, the control panel of the first such node is
+opened, and its first curve plotted. Else no node is selected, and the chain's transfer functions
+are plotted.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ class FirstLook:
 
 
 def first_look(plan: Plan) -> FirstLook:
-    """The telling node with its curve; the final picture, and beside it the input picture.
+    """The node with figures, its curve; the final picture, and beside it the input picture.
 
-    In front of the input picture's place comes the difference that the telling node makes, if it
-    makes one: it is what cannot be seen by comparing the two.
+    In front of the input picture's place comes the difference that this node makes, if it makes
+    one: it is what cannot be seen by comparing the two.
     """
-    node = telling_node(plan)
+    node = node_with_figures(plan)
     outputs = plan.nodes[node].outputs if node is not None else {}
     curves = [f"{node}.{name}" for name, value in outputs.items() if isinstance(value, Curve)]
     pictures = first_ports(plan)
@@ -54,10 +54,10 @@ def first_look(plan: Plan) -> FirstLook:
     return FirstLook(node, (*curves, None)[0], pictures)
 
 
-def telling_node(plan: Plan) -> str | None:
+def node_with_figures(plan: Plan) -> str | None:
     """The first analysis node, in the network's order, that has a table of figures; None for none.
 
-    Slices of transfer functions have none: the curves of the chain tell the same.
+    Slices of transfer functions have none: the curves of the chain show the same.
     """
     for name, planned in plan.nodes.items():
         if planned.module is None or planned.declaration.group != ANALYSIS:

@@ -18,7 +18,7 @@ NETWORK_SUFFIX = ".json"
 
 @dataclass(frozen=True)
 class Opened:
-    """A document read from a file, and what there is to say of it."""
+    """A document read from a file, and a remark on it."""
 
     document: Document
     remark: str = ""
@@ -33,12 +33,12 @@ def open_network_file(path: Path, *, library: Library) -> Opened:
     Raises
     ------
     FileError, NetworkError
-        With one line that says what is wrong.
+        With one line on what is wrong.
     """
     text = read_text(path)
     network = parse_network(text, library=library, name_of_source=str(path))
-    found = problems(network, library=library, keep_unknown=True, unfinished=True)
-    wiring = [problem for problem in found if not isinstance(problem, ParameterError)]
+    faults = problems(network, library=library, keep_unknown=True, unfinished=True)
+    wiring = [problem for problem in faults if not isinstance(problem, ParameterError)]
     if wiring:
         raise NetworkProblems(wiring)
     document = Document(network, library=library, path=path, stored=mark(text.encode()))
@@ -47,20 +47,20 @@ def open_network_file(path: Path, *, library: Library) -> Opened:
     if unknown:
         names = ", ".join(dict.fromkeys(unknown[:4])) + (" …" if len(unknown) > 4 else "")
         remarks.append(f"{_count(len(unknown), 'unknown module')} kept as they are: {names}")
-    if found:
-        remarks.append(f"{_count(len(found), 'value')} not allowed: see the marked nodes")
+    if faults:
+        remarks.append(f"{_count(len(faults), 'value')} not allowed: see the marked nodes")
     return Opened(document, "; ".join(remarks))
 
 
 def open_named(text: str, *, library: Library) -> Opened:
     """A network by its path, or by its name where it is a shipped one.
 
-    A shipped one opens as a copy without a path: saving asks for a place.
+    A shipped one opens as a copy without a path: saving needs a new one.
 
     Raises
     ------
     FileError, NetworkError
-        With one line that says what is wrong.
+        With one line on what is wrong.
     """
     place = find_network(text)
     opened = open_network_file(place.path.absolute(), library=library)

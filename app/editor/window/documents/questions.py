@@ -61,15 +61,15 @@ def save_changes(parent: QWidget, network: str) -> Question:
 
 
 def changed_file(parent: QWidget, file: str, done: str) -> Question:
-    """What is to become of a file that was changed or removed by somebody else."""
+    """What is to become of a file that was changed or removed by another program."""
     box = Question(parent, "changed_file", "Save over it?")
     box.setText(f"{file} has been {done} by somebody else since it was opened or saved here.")
     box.offer("save_as", "Save &As…", _ROLE.AcceptRole)
     if done == "removed":
         box.setInformativeText("Overwrite makes it anew.")
     else:
-        told = "Overwrite loses what was changed there; Reload loses the changes made here."
-        box.setInformativeText(told)
+        consequence = "Overwrite loses what was changed there; Reload loses the changes made here."
+        box.setInformativeText(consequence)
         box.offer("reload", "&Reload", _ROLE.DestructiveRole)
     box.offer("overwrite", "&Overwrite", _ROLE.DestructiveRole)
     box.offer("cancel", "Cancel", _ROLE.RejectRole)

@@ -22,7 +22,7 @@ class Recovery(QObject):
         self._folder = folder
         self._autosaver = autosaver
 
-    def found(self) -> tuple[Recovered, ...]:
+    def unsaved_work(self) -> tuple[Recovered, ...]:
         """Work of windows that are no more."""
         return recoverable(self._folder)
 

@@ -28,8 +28,8 @@ class Settings:
     @property
     def look(self) -> Look:
         """Dark or light."""
-        found = self._stored.value("look", "dark")
-        return found if found in THEMES else "dark"
+        stored = self._stored.value("look", "dark")
+        return stored if stored in THEMES else "dark"
 
     @look.setter
     def look(self, look: Look) -> None:
@@ -46,13 +46,13 @@ class Settings:
         return tuple(path for path in paths if path.is_file())
 
     def add_recent(self, path: Path) -> None:
-        """Remember a file as the last one opened."""
+        """Store a file as the last one opened."""
         text = str(path.absolute())
         others = [str(other) for other in self.recent if str(other) != text]
         self._stored.setValue("recent", [text, *others][:MOST_RECENT])
 
     def remember_window(self, window: QMainWindow) -> None:
-        """Remember size, place and docks of a window, in the file at once."""
+        """Store size, place and docks of a window, in the file at once."""
         self._stored.setValue("geometry", window.saveGeometry())
         self._stored.setValue("docks", window.saveState())
         self._stored.sync()
@@ -65,8 +65,8 @@ class Settings:
         return docks is not None and window.restoreState(docks)
 
     def _bytes(self, name: str) -> QByteArray | None:
-        found = self._stored.value(name)
-        return found if isinstance(found, QByteArray) else None
+        stored = self._stored.value(name)
+        return stored if isinstance(stored, QByteArray) else None
 
 
 def _config_folder() -> Path:

@@ -1,4 +1,4 @@
-"""A dialog for the name of a file to be written, which asks before one is replaced."""
+"""A dialog for the name of a file to be written, with a question before one is replaced."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class SaveDialog(QFileDialog):
         self._question: QMessageBox | None = None
 
     def accept(self) -> None:
-        """Take the name, unless a file of that name is there and nobody has agreed."""
+        """Take the name, unless a file of that name is there and the person has not agreed."""
         files = self.selectedFiles()
         if files and Path(files[0]).is_file() and files[0] != self._agreed:
             self._ask(files[0])

@@ -39,7 +39,7 @@ class WelcomePage(QScrollArea):
     chosen(text)
         Open this path or shipped network.
     new_wanted, open_wanted
-        Begin an empty network; ask for a file.
+        Begin an empty network; choose a file.
     recovered(work), discarded(work)
         What to do with work that a crash left behind: a `Recovered`.
     """
@@ -77,7 +77,7 @@ class WelcomePage(QScrollArea):
         self.setWidget(page)
 
     def show_lists(self, recent: Sequence[Path], recovered: Sequence[Recovered]) -> None:
-        """Say which files were opened lately, and what work can be recovered."""
+        """Show which files were opened lately, and what work can be recovered."""
         _clear(self._lists)
         if recovered:
             self._lists.addWidget(_heading("Recovered work", 1.25))

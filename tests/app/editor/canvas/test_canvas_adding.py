@@ -217,7 +217,7 @@ def test_of_several_nodes_only_wires_among_them(opened, library):
 def test_without_a_selection_there_is_a_word(opened, canvas):
     session = opened("first_steps")
     told = []
-    session.told.connect(lambda kind, text: told.append((kind, text)))
+    session.message.connect(lambda kind, text: told.append((kind, text)))
     canvas.connect_selected()
     assert not canvas.search_is_open()
     assert told[0][0] == "note"

@@ -27,7 +27,7 @@ def pair(session, canvas, library):
 @pytest.fixture
 def told(session):
     found = []
-    session.told.connect(lambda kind, text: found.append((kind, text)))
+    session.message.connect(lambda kind, text: found.append((kind, text)))
     return found
 
 

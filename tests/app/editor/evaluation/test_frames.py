@@ -21,25 +21,25 @@ def frames(qtbot, taken):
 
 
 def test_the_first_are_passed_on_at_once(frames, taken):
-    frames.tell()
+    frames.notify()
     assert len(taken) == 1
 
 
 def test_those_that_come_soon_after_are_passed_on_together(frames, taken, qtbot):
     for _ in range(5):
-        frames.tell()
+        frames.notify()
     assert len(taken) == 1
     qtbot.waitUntil(lambda: len(taken) == 2)
     assert taken[1] - taken[0] >= 0.9 * FRAME_MS / 1000
     qtbot.wait(4 * FRAME_MS)
     assert len(taken) == 2
-    frames.tell()
+    frames.notify()
     assert len(taken) == 3
 
 
 def test_after_the_end_nothing_is_passed_on(frames, taken, qtbot):
-    frames.tell()
-    frames.tell()
+    frames.notify()
+    frames.notify()
     frames.stop()
     qtbot.wait(4 * FRAME_MS)
     assert len(taken) == 1

@@ -168,7 +168,7 @@ def test_viewers_that_are_linked_zoom_together(window, hand, idle):
     link = next(a for a in menu.findChild(QWidget, "links").actions() if a.data() == 2)
     link.trigger()
     one.canvas.set_zoom((0.25, 0.25, 0.5))
-    one.links.tell()
+    one.links.apply_zoom()
     assert two.canvas.zoom == pytest.approx(one.canvas.zoom, abs=0.02)
     assert link.isChecked()
 

@@ -165,7 +165,7 @@ def test_a_figure_of_like_length_lays_nothing_out_anew(bench, strip, qtbot):
     counting = Layouts(strip)
     strip.installEventFilter(counting)
     label = strip.findChild(ElidedLabel, "figures_strip.run_time")
-    label.tell("—")
+    label.show_text("—")
     assert laid_out(0.01233) > 0
     assert laid_out(0.01122) == 0
     assert strip.text("run_time") == "11.22 ms"

@@ -8,7 +8,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QToolButton, QWidget
 
 from app.editor.window.actions.module_text import ModuleText
-from app.editor.window.screenshot import _select_telling_node
+from app.editor.window.screenshot import _select_node_with_figures
 from app.run.shipped import shipped_networks
 from window_hands import give_focus
 
@@ -74,7 +74,7 @@ def test_an_analysis_that_cannot_be_planned_is_not_what_a_network_is_there_for(
 def test_a_screenshot_has_the_sensors_panel_where_nothing_is_analysed(window, idle, network, node):
     window.files.open_now(network)
     idle(window)
-    _select_telling_node(window)
+    _select_node_with_figures(window)
     assert window.session.selection == (node,)
 
 

@@ -64,7 +64,7 @@ def test_the_mark_moves_from_node_to_node(window, hand):
 
 def test_what_has_no_picture_is_refused_in_words(window, hand):
     told = []
-    window.session.told.connect(lambda *words: told.append(words))
+    window.session.message.connect(lambda *words: told.append(words))
     hand.select("init")
     hand.key(KEY.Key_O)
     assert marked(window.session) == []

@@ -1,4 +1,4 @@
-"""Axes of small charts: where a value lies, and which ticks are told."""
+"""Axes of small charts: where a value lies, and which ticks have a number."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ class Axis:
 
     def share(self, values: ArrayLike) -> NDArray[Any]:
         """Where values lie: 0 at the low end, 1 at the high one."""
-        found = np.asarray(values, np.float64)
+        array = np.asarray(values, np.float64)
         if not self.log:
-            return np.asarray((found - self.low) / (self.high - self.low))
+            return np.asarray((array - self.low) / (self.high - self.low))
         start, end = math.log(self.low), math.log(self.high)
-        return np.asarray((np.log(np.maximum(found, self.low * 1e-30)) - start) / (end - start))
+        return np.asarray((np.log(np.maximum(array, self.low * 1e-30)) - start) / (end - start))
 
     def ticks(self, most: int) -> tuple[Tick, ...]:
         """Round values in the range, about so many at most."""
@@ -54,18 +54,18 @@ class Axis:
         first, last = math.ceil(low / step - 1e-6), math.floor(high / step + 1e-6)
         places = max(0, -math.floor(math.log10(step) + 1e-9))
         scientific = step >= 1e5 or step < 1e-5
-        found = []
+        ticks = []
         for count in range(first, last + 1):
             value = count * step
             text = f"{value:.2g}" if scientific else f"{value:.{places}f}"
-            found.append(Tick(value, signed(text) if count else "0"))
-        return tuple(found)
+            ticks.append(Tick(value, signed(text) if count else "0"))
+        return tuple(ticks)
 
     def _powers(self, most: int) -> tuple[Tick, ...]:
         first = math.ceil(math.log10(self.low) - 1e-9)
         last = math.floor(math.log10(self.high) + 1e-9)
-        each = max(1, math.ceil((last - first + 1) / most))
-        return tuple(Tick(10.0**n, power_of_ten(n)) for n in range(first, last + 1, each))
+        step = max(1, math.ceil((last - first + 1) / most))
+        return tuple(Tick(10.0**n, power_of_ten(n)) for n in range(first, last + 1, step))
 
 
 def round_step(least: float) -> float:

@@ -100,8 +100,8 @@ def coloured(values: NDArray[np.float64], colours: tuple[str, str, str]) -> NDAr
         Of −1, 0 and 1, as ``#rrggbb``.
     """
     ends = np.array([[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in colours], np.float64)
-    found = np.full(values.shape, 0xFF000000, np.uint32)
+    pixels = np.full(values.shape, 0xFF000000, np.uint32)
     for channel, shift in enumerate((16, 8, 0)):
         level = np.interp(values, (-1.0, 0.0, 1.0), ends[:, channel])
-        found |= np.rint(level).astype(np.uint32) << np.uint32(shift)
-    return found
+        pixels |= np.rint(level).astype(np.uint32) << np.uint32(shift)
+    return pixels

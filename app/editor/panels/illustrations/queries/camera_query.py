@@ -35,5 +35,5 @@ def _camera(plan: Plan, node: str) -> Camera | None:
     if planned.node.disabled:
         return None
     module: Any = planned.module
-    found: Camera = module.camera(planned.inputs["image"])
-    return found
+    camera: Camera = module.camera(planned.inputs["image"])
+    return camera

@@ -102,8 +102,8 @@ class TransferQuery(Query):
         for (axis, nyquist), cutoff in zip(places, cutoffs, strict=True):
             frequency = _frequencies(max(nyquist, cutoff or 0.0), turn)
             asked = np.append(frequency, nyquist)
-            found = response(work, transfer.factors, asked, axis)
-            values = found.mtf if self.part == "mtf" else found.ptf
+            sampled = response(work, transfer.factors, asked, axis)
+            values = sampled.mtf if self.part == "mtf" else sampled.ptf
             lines.append(_line(frequency, values[:-1], nyquist, values[-1], cutoff, self.part))
         return TransferLines(self.part, lines[0], lines[1], turn)
 
@@ -157,13 +157,13 @@ def _sampled(transfer: Transfer, cutoffs: tuple[float | None, ...], work: Work) 
 
 
 def _cutoff(planned: PlannedNode, axis: str, work: Work) -> float | None:
-    """What the node's module tells as its cutoff, as an exit pupil's does."""
+    """The cutoff that the node's module declares, as an exit pupil's does."""
     module: Any = planned.module
-    tell = getattr(module, f"cutoff_{axis}", None)
-    if tell is None:
+    cutoff_of = getattr(module, f"cutoff_{axis}", None)
+    if cutoff_of is None:
         return None
-    found = tell(planned.inputs["context"], planned.inputs["pupil"])
-    return float(work.value(found) if isinstance(found, Recipe) else found)
+    cutoff = cutoff_of(planned.inputs["context"], planned.inputs["pupil"])
+    return float(work.value(cutoff) if isinstance(cutoff, Recipe) else cutoff)
 
 
 def _turn(planned: PlannedNode) -> float | None:

@@ -206,7 +206,7 @@ def test_a_drag_goes_on_under_another_name(bench, viewer, hand):
 
 def test_it_says_what_to_do(bench, viewer, hand):
     told = []
-    bench.session.told.connect(lambda kind, text: told.append((kind, text)))
+    bench.session.message.connect(lambda kind, text: told.append((kind, text)))
     hand.key(Qt.Key.Key_R)
     assert told == [("note", told[0][1])]
     assert "Drag a rectangle" in told[0][1]

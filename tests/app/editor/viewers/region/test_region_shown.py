@@ -83,7 +83,7 @@ def test_one_beyond_the_picture_can_be_brought_back(bench, viewer, hand):
 
 def test_without_such_a_module_there_is_nothing_to_draw(bench, viewer, hand):
     told = []
-    bench.session.told.connect(lambda kind, text: told.append((kind, text)))
+    bench.session.message.connect(lambda kind, text: told.append((kind, text)))
     bench.do(Remove(("measured",)))
     assert framed(viewer) is None
     assert not viewer.bar.region.isEnabled()
