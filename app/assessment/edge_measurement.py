@@ -2,7 +2,7 @@
 
 The source's picture is replaced by an edge of the same size, field and band, from its lowest to its
 highest value, and every noise is left out; all else is the network's own. An upright edge is
-measured as Tantalo did, by the mean of rows, one turned by 5° as ISO 12233 says.
+measured as Tantalo did, by the mean of rows, one turned by 5° as in ISO 12233.
 """
 
 from __future__ import annotations
@@ -79,11 +79,11 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Attempt:
-    """A way to measure, and what came of it: a judgement, or the reason why there is none."""
+    """A way to measure, and its outcome: a judgement, or the reason why there is none."""
 
     direction: Direction
     method: Method
-    found: Judgement | None
+    judgement: Judgement | None
     reason: str | None = None
 
 
@@ -110,33 +110,33 @@ class Judged:
     attempts: tuple[Attempt, ...]
 
 
-def judged(found: Evaluation) -> Judged | str:
+def judged(evaluation: Evaluation) -> Judged | str:
     """Measure the chain; or the reason why it cannot be."""
-    reason = _reason(found)
+    reason = _reason(evaluation)
     if reason is not None:
         return reason
-    source, picture = found.chain.sources[0], str(found.chain.final)
-    scene: Image = found.plan.output(source)
-    image: Image = found.plan.output(picture)
+    source, picture = evaluation.chain.sources[0], str(evaluation.chain.final)
+    scene: Image = evaluation.plan.output(source)
+    image: Image = evaluation.plan.output(picture)
     silenced: set[str] = set()
     try:
         chain = _Chain(scene, image, silenced)
     except ImagechainError as error:
         return str(error)
-    work = found.engine.work(found.work.policy)
+    work = evaluation.engine.work(evaluation.work.policy)
     attempts = []
     for direction in _DIRECTIONS:
         for method in _METHODS:
-            found.work.check()
+            evaluation.work.check()
             attempts.append(_attempt(chain, work, direction, method))
     grid = image.grid()
     intervals = grid.interval_x_mrad, grid.interval_y_mrad
-    without = tuple(name for name in found.plan.nodes if name in silenced)
+    without = tuple(name for name in evaluation.plan.nodes if name in silenced)
     return Judged(source, picture, intervals, without, tuple(attempts))
 
 
-def _reason(found: Evaluation) -> str | None:
-    chain = found.chain
+def _reason(evaluation: Evaluation) -> str | None:
+    chain = evaluation.chain
     if chain.final is None:
         return "the network has no final picture"
     if not chain.cascade:
@@ -181,15 +181,15 @@ class _Chain:
     def picture(self, angle_deg: float) -> Image:
         """The final picture of that edge, without noise."""
 
-        def change(each: Recipe) -> Recipe | None:
-            if each.key == self.scene.recipe.key:
+        def change(recipe: Recipe) -> Recipe | None:
+            if recipe.key == self.scene.recipe.key:
                 return self.edge(angle_deg)
-            lineage = lineage_of(each)
+            lineage = lineage_of(recipe)
             if lineage is None or lineage.noise is None:
                 return None
             if lineage.linear.by_chance:
                 raise DataError(lineage.linear.by_chance)
-            self._silenced.add(each.node or "")
+            self._silenced.add(recipe.node or "")
             return made.of(lineage.noise.picture)
 
         made = Remaking(change)
@@ -267,7 +267,7 @@ def _rows(chain: _Chain, work: Work, direction: Direction) -> tuple[Measured, Ve
     row = edge_row(work, image.recipe, chain.edge(angle_deg), "x" if across else "y", samples)
     first, count = (where.left, where.width) if across else (where.top, where.height)
     one = row_average(picture=np.tile(row[first : first + count], (2, 1)))
-    # Told, not found: where a tenth of the step is left, rounding can move them by a sample.
+    # Given, not measured: where a tenth of the step is left, rounding can move them by a sample.
     how = _settings(image, where, direction) | {"clip_left": one.left, "clip_right": one.right}
     measured: Measured = work.value(Step.of(measured_rows, image.recipe, **how))
     return measured, one.mtf

@@ -2,7 +2,7 @@
 
 The edge lies at one place among the samples. What they cannot show of it beyond their Nyquist
 frequency is folded back, and an interpolated picture differs from place to place: no product of
-MTFs tells what is measured. But all rows are alike, so that one of them is soon followed through
+MTFs gives what is measured. But all rows are alike, so that one of them is soon followed through
 every step, and measured in the same way.
 """
 

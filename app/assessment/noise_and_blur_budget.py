@@ -1,4 +1,4 @@
-"""Which stage contributes how much of the final picture's noise and blur, as Noise Budget tells it.
+"""Which stage contributes how much of the final picture's noise and blur, as in module Noise Budget.
 
 Noise is predicted from the chain, for all sensors of the kind; beside it stands what this picture
 has, less the same picture without noise. Blur is taken at half the Nyquist frequency of the
@@ -49,13 +49,13 @@ class NoiseBudget:
     measured: Measured | str
 
 
-def noise_budget(found: Evaluation) -> NoiseBudget | str:
-    """Every noise's share, or the reason why there is none to be told."""
-    port = found.chain.final
+def noise_budget(evaluation: Evaluation) -> NoiseBudget | str:
+    """Every noise's share, or the reason why there is none."""
+    port = evaluation.chain.final
     if port is None:
         return _NO_PICTURE
-    image: Image = found.plan.output(port)
-    work = found.engine.work(found.work.policy)
+    image: Image = evaluation.plan.output(port)
+    work = evaluation.engine.work(evaluation.work.policy)
     predicted = _tried(lambda: noise_shares(work, work.value(NoiseOf(image)), kind="all"))
     if isinstance(predicted, str):
         return predicted
@@ -70,14 +70,14 @@ def _measured(work: Work, image: Image) -> Measured:
     return Measured(noise.mean, noise.sigma)
 
 
-def blur_budget(found: Evaluation) -> BlurShares | str:
-    """Every stage's share, or the reason why there is none to be told."""
-    port = found.chain.final
+def blur_budget(evaluation: Evaluation) -> BlurShares | str:
+    """Every stage's share, or the reason why there is none."""
+    port = evaluation.chain.final
     if port is None:
         return _NO_PICTURE
-    image: Image = found.plan.output(port)
-    work = found.engine.work(found.work.policy)
-    shares = _tried(lambda: _blur(found, work, image))
+    image: Image = evaluation.plan.output(port)
+    work = evaluation.engine.work(evaluation.work.policy)
+    shares = _tried(lambda: _blur(evaluation, work, image))
     if isinstance(shares, str) or shares.shares:
         return shares
     if shares.before is not None:
@@ -85,9 +85,9 @@ def blur_budget(found: Evaluation) -> BlurShares | str:
     return f"no transfer function other than 1 leads to {port}"
 
 
-def _blur(found: Evaluation, work: Work, image: Image) -> BlurShares:
+def _blur(evaluation: Evaluation, work: Work, image: Image) -> BlurShares:
     passed = transfer_of(image)
-    grid = found.chain.combined or found.chain.grid or image.grid()
+    grid = evaluation.chain.combined or evaluation.chain.grid or image.grid()
     return blur_shares(
         work,
         stages=passed.part("mtf"),

@@ -14,12 +14,12 @@ from core.names import printable
 from nodes.files.common.file_format import JSON
 
 
-def write_report(found: Evaluation, skipped: tuple[Skip, ...], path: Path) -> None:
+def write_report(evaluation: Evaluation, skipped: tuple[Skip, ...], path: Path) -> None:
     """Write the report in the format of the path's suffix.
 
     Parameters
     ----------
-    found : Evaluation
+    evaluation : Evaluation
         What has been evaluated.
     skipped : tuple of Skip
         What had not been computed for it, before any report.
@@ -31,11 +31,11 @@ def write_report(found: Evaluation, skipped: tuple[Skip, ...], path: Path) -> No
     ImagechainError
         If a figure cannot be computed, or the file not be written.
     """
-    facts = report_facts(found, skipped)
+    facts = report_facts(evaluation, skipped)
     if JSON.matches(path):
         text = json.dumps(jsonable(facts), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     else:
         from app.report.report_page import page
 
-        text = page(found, facts)
+        text = page(evaluation, facts)
     write_text(path, printable(text))

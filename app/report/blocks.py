@@ -37,14 +37,14 @@ class Items:
 
 @dataclass(frozen=True)
 class Warnings:
-    """What a reader must know first: for each node a message and its remedy."""
+    """Warnings at the top of the page: for each node a message and its remedy."""
 
     rows: tuple[tuple[str, str, str], ...]
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A picture within the file, with its caption; `alt` says what it shows."""
+    """A picture within the file, with its caption; `alt` is its description in words."""
 
     png: bytes
     caption: str

@@ -15,9 +15,9 @@ _KINDS = {"temporal": "#6d8fb3", "fixed": "#b8894a"}
 
 
 def budget(facts: Fact) -> list[Block]:
-    """The section; of what there is none, it says why."""
-    found = facts["budget"]
-    noise, blur = found["noise"], found["blur"]
+    """The section, with the reason where there is no noise or no blur."""
+    contributions = facts["budget"]
+    noise, blur = contributions["noise"], contributions["blur"]
     blocks: list[Block] = [Heading(2, "What contributes how much")]
     if noise or blur:
         caption = " ".join(
@@ -29,8 +29,8 @@ def budget(facts: Fact) -> list[Block]:
         caption += of_many(len(noise["sources"]), "noises") if noise else ""
         caption += of_many(len(blur["stages"])) if blur else ""
         blocks.append(Drawn(bars_png(noise, blur), caption, "shares of noise and blur"))
-    blocks += _noise(noise) if noise else _not_shared("Noise", found["noise_reason"])
-    return blocks + (_blur(blur) if blur else _not_shared("Blur", found["blur_reason"]))
+    blocks += _noise(noise) if noise else _not_shared("Noise", contributions["noise_reason"])
+    return blocks + (_blur(blur) if blur else _not_shared("Blur", contributions["blur_reason"]))
 
 
 def _not_shared(what: str, reason: str) -> list[Block]:
@@ -40,8 +40,8 @@ def _not_shared(what: str, reason: str) -> list[Block]:
 def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
     """A bar for each noise, and two for each stage's blur: across and along."""
     sources, stages = noise["sources"] if noise else [], blur["stages"] if blur else []
-    sources = [sources[at] for at in strongest([each["share"] for each in sources])]
-    sizes = [max(abs(each["share_x"]), abs(each["share_y"])) for each in stages]
+    sources = [sources[at] for at in strongest([source["share"] for source in sources])]
+    sizes = [max(abs(stage["share_x"]), abs(stage["share_y"])) for stage in stages]
     stages = [stages[at] for at in strongest(sizes)]
     counts = [len(sources), len(stages)]
     panels = sum(count > 0 for count in counts)
@@ -49,7 +49,7 @@ def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
         axes = list(drawn.subplots(1, panels, squeeze=False)[0])
         if noise:
             axis = axes.pop(0)
-            names = _distinct([_name(each) for each in sources], sources)
+            names = _distinct([_name(source) for source in sources], sources)
             _stacked(axis, names, sources)
             axis.set_title("Noise")
             axis.set_xlabel("share of the variance (%)")
@@ -57,9 +57,9 @@ def bars_png(noise: Fact | None, blur: Fact | None) -> bytes:
         if blur:
             axis = axes.pop(0)
             across, along = (
-                [100.0 * each[f"share_{name}"] for each in stages] for name in ("x", "y")
+                [100.0 * stage[f"share_{name}"] for stage in stages] for name in ("x", "y")
             )
-            names = _distinct([each["title"] for each in stages], stages)
+            names = _distinct([stage["title"] for stage in stages], stages)
             _bars(axis, names, [(across, _ACROSS, "across"), (along, _ALONG, "along")])
             axis.set_title("Blur")
             axis.set_xlabel("share of −ln |MTF| (%)")
@@ -77,11 +77,11 @@ def _stacked(axis: Any, names: list[str], sources: list[Fact]) -> None:
     """A horizontal bar for each source, of its temporal noise and its fixed pattern."""
     ends = [0.0] * len(sources)
     for kind, colour in _KINDS.items():
-        values = [100.0 * each[f"share_{kind}"] for each in sources]
-        if any(each[kind] is not None for each in sources):
+        values = [100.0 * source[f"share_{kind}"] for source in sources]
+        if any(source[kind] is not None for source in sources):
             bars = axis.barh(range(len(sources)), values, 0.5, ends, color=colour, label=kind)
             ends = [end + value for end, value in zip(ends, values, strict=True)]
-    axis.bar_label(bars, [_percent(each["share"]) for each in sources], padding=3, fontsize=7.5)
+    axis.bar_label(bars, [_percent(source["share"]) for source in sources], padding=3, fontsize=7.5)
     _dress(axis, names, ends)
 
 
@@ -108,7 +108,7 @@ def _dress(axis: Any, names: list[str], values: list[float]) -> None:
 
 
 def _percent(share: float) -> str:
-    """A share in percent; what is next to nothing says so instead of its digits."""
+    """A share in percent; what rounds to nothing is shown as a bound."""
     if share != 0.0 and abs(share) < 5e-4:
         return "<0.05" if share > 0.0 else ">\u22120.05"
     return number(float(format(100.0 * share, ".3g")))
@@ -129,26 +129,26 @@ def _distinct(names: list[str], rows: list[Fact]) -> list[str]:
 def _noise(noise: Fact) -> list[Block]:
     rows = [
         (
-            _name(each),
-            each["node"],
-            number(each["temporal"]),
-            number(each["fixed"]),
-            _percent(each["share"]),
+            _name(source),
+            source["node"],
+            number(source["temporal"]),
+            number(source["fixed"]),
+            _percent(source["share"]),
         )
-        for each in noise["sources"]
+        for source in noise["sources"]
     ]
     rows.append(
         ("All together", "", number(noise["temporal"]), number(noise["fixed"]), _percent(1.0))
     )
     unit = f" ({noise['unit']})" if noise["unit"] else ""
     heads = ("noise", "node", f"σ temporal{unit}", f"σ fixed{unit}", "share (%)")
-    told = (
+    text = (
         f"Predicted for {noise['port']} from the chain, for all sensors of this kind: "
         "temporal noise changes from frame to frame, fixed patterns stay. "
         f"{_beside(noise)}"
     )
     heading = Heading(3, "Noise in the final picture")
-    return [heading, Text(told), Grid(heads, rows, numbers=(2, 3, 4))]
+    return [heading, Text(text), Grid(heads, rows, numbers=(2, 3, 4))]
 
 
 def _beside(noise: Fact) -> str:
@@ -168,20 +168,20 @@ def _blur(blur: Fact) -> list[Block]:
     xi, eta = number(blur["xi_cyc_per_mrad"]), number(blur["eta_cyc_per_mrad"])
     rows = [
         (
-            each["title"],
-            each["node"],
-            number(each["mtf_x"]),
-            _percent(each["share_x"]),
-            number(each["mtf_y"]),
-            _percent(each["share_y"]),
+            stage["title"],
+            stage["node"],
+            number(stage["mtf_x"]),
+            _percent(stage["share_x"]),
+            number(stage["mtf_y"]),
+            _percent(stage["share_y"]),
         )
-        for each in blur["stages"]
+        for stage in blur["stages"]
     ]
     rows.append(("All together", "", number(blur["mtf_x"]), "", number(blur["mtf_y"]), ""))
     heads = ("stage", "node", "|MTF| x", "share x (%)", "|MTF| y", "share y (%)")
-    told = f"At {xi} cyc/mrad across and {eta} along."
+    text = f"At {xi} cyc/mrad across and {eta} along."
     if blur["behind"] is not None:
-        told += f" What {blur['behind']} does is not known as transfer functions: stages behind it "
-        told += "alone."
+        text += f" What {blur['behind']} does is not known as transfer functions: stages behind it "
+        text += "alone."
     heading = Heading(3, "Blur of the stages")
-    return [heading, Text(told), Grid(heads, rows, numbers=(2, 3, 4, 5))]
+    return [heading, Text(text), Grid(heads, rows, numbers=(2, 3, 4, 5))]

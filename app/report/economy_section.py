@@ -17,9 +17,9 @@ _KINDS = {
     "pupil_centre": ("the pupil's OTF beyond the band", "it does not reach the picture"),
     "mirrored_edges": ("a frame padded for its edges", "cosine transforms mirror by themselves"),
     "folded": ("the picture before its pixels are combined", "the spectrum is folded instead"),
-    "region": ("pictures beyond a region", "nobody asked for more of them"),
+    "region": ("pictures beyond a region", "no more of them is used"),
     "unchanged": ("values that were there", "nothing they are made of has changed"),
-    "unseen": ("whole arrays of outputs", "nobody asked for them"),
+    "unseen": ("whole arrays of outputs", "they are not used"),
 }
 
 
@@ -43,7 +43,7 @@ def economy(facts: dict[str, Any]) -> list[Block]:
 
 
 def state(listed: list[Fact]) -> str:
-    """What is said of a node in a word or two; empty where its own work was done."""
+    """A node's state in a word or two; empty where its own work was done."""
     for fact in listed:
         if fact["kind"] == "disabled":
             return "disabled"
@@ -55,7 +55,7 @@ def state(listed: list[Fact]) -> str:
 
 
 def _detail(fact: Fact) -> str:
-    told = {
+    template = {
         "below_budget": "at most {bound}",
         "pupil_centre": "{share} % of it evaluated",
         "mirrored_edges": "{share} % of its samples transformed",
@@ -64,11 +64,11 @@ def _detail(fact: Fact) -> str:
         "unchanged": "{share} % of its steps computed",
         "unseen": "{ports}",
     }.get(fact["kind"])
-    if told is None:
+    if template is None:
         return ""
     bound = number(_rounded(fact["bound"]))
     share = number(_rounded(None if fact["share"] is None else 100 * fact["share"]))
-    return f" ({told.format(bound=bound, share=share, ports=', '.join(fact['ports']))})"
+    return f" ({template.format(bound=bound, share=share, ports=', '.join(fact['ports']))})"
 
 
 def _rounded(value: float | None) -> float | None:

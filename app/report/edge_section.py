@@ -20,32 +20,32 @@ _NO_ERROR = 5e-7
 
 
 def judged(facts: Fact) -> list[Block]:
-    """The section; says why where nothing could be measured."""
-    told, drawn_as = facts["judged"], facts["drawn_as"]
+    """The section, with the reason where nothing could be measured."""
+    edges, drawn_as = facts["judged"], facts["drawn_as"]
     blocks: list[Block] = [Heading(2, "Judged by measurement")]
-    if told["reason"]:
-        return [*blocks, Text(f"Not measured: {told['reason']}.")]
-    good = [each for each in told["measurements"] if each["reason"] is None]
+    if edges["reason"]:
+        return [*blocks, Text(f"Not measured: {edges['reason']}.")]
+    good = [measurement for measurement in edges["measurements"] if measurement["reason"] is None]
     if good:
-        blocks.append(Text(_introduction(told)))
+        blocks.append(Text(_introduction(edges)))
         published = drawn_as.get("judged")
-        drawn = judged_png(told, mirrored=published is not None)
+        drawn = judged_png(edges, mirrored=published is not None)
         blocks.append(Drawn(drawn, _caption(published), "measured and expected MTF"))
         blocks.append(_table(good))
-    for each in told["measurements"]:
-        if each["reason"] is not None:
-            what = f"{each['direction']}, {_METHODS[each['method']]}"
-            blocks.append(Text(f"Not measured ({what}): {each['reason']}."))
+    for measurement in edges["measurements"]:
+        if measurement["reason"] is not None:
+            what = f"{measurement['direction']}, {_METHODS[measurement['method']]}"
+            blocks.append(Text(f"Not measured ({what}): {measurement['reason']}."))
     return blocks
 
 
-def _introduction(told: Fact) -> str:
+def _introduction(edges: Fact) -> str:
     text = (
-        f"An edge takes the place of {told['source']}, from its lowest to its highest value, and "
-        f"runs through the whole chain; the MTF is measured in {told['picture']}"
+        f"An edge takes the place of {edges['source']}, from its lowest to its highest value, and "
+        f"runs through the whole chain; the MTF is measured in {edges['picture']}"
     )
-    if told["silenced"]:
-        text += f", without the noise of {', '.join(told['silenced'])}"
+    if edges["silenced"]:
+        text += f", without the noise of {', '.join(edges['silenced'])}"
     return text + "."
 
 
@@ -67,15 +67,15 @@ def _caption(published: str | None) -> str:
     return named(text, published)
 
 
-def judged_png(told: Fact, *, mirrored: bool) -> bytes:
+def judged_png(edges: Fact, *, mirrored: bool) -> bytes:
     """Horizontal and vertical MTF beside each other, in cycles per sample of the picture."""
     with figure(10.0, 4.6) as (drawn, out):
         axes = drawn.subplots(1, 2, sharey=True)
         lines: dict[str, Any] = {}
         for axis, direction in zip(axes, ("horizontal", "vertical"), strict=True):
-            _panel(axis, told, direction, mirrored)
+            _panel(axis, edges, direction, mirrored)
             axis.set_title(f"{direction.capitalize()} MTF")
-            interval = told["interval_mrad"][direction]
+            interval = edges["interval_mrad"][direction]
             axis.set_xlabel(f"frequency (cycles/sample of {number(_short(interval))} mrad)")
             handles, labels = axis.get_legend_handles_labels()
             lines |= dict(zip(labels, handles, strict=True))
@@ -84,22 +84,24 @@ def judged_png(told: Fact, *, mirrored: bool) -> bytes:
     return out.getvalue()
 
 
-def _panel(axis: Any, told: Fact, direction: str, mirrored: bool) -> None:
-    stages = told["stages"][direction]
+def _panel(axis: Any, edges: Fact, direction: str, mirrored: bool) -> None:
+    stages = edges["stages"][direction]
     inside = stages["frequency_cyc_per_sample"] <= 0.5 + 1e-9
     x, y = _sides(mirrored, stages["frequency_cyc_per_sample"][inside], stages["mtf"][inside])
     axis.plot(x, y, color="#999999", lw=1.2, ls="--", label="stages alone")
     highest = 1.0
-    for each in told["measurements"]:
-        if each["direction"] != direction or each["reason"] is not None:
+    for measurement in edges["measurements"]:
+        if measurement["direction"] != direction or measurement["reason"] is not None:
             continue
-        colour, mark, line, dash = _LOOKS[each["method"]]
-        name = _METHODS[each["method"]]
-        frequency = each["frequency_cyc_per_sample"]
-        x, y = _sides(mirrored, frequency, each["expected"])
+        colour, mark, line, dash = _LOOKS[measurement["method"]]
+        name = _METHODS[measurement["method"]]
+        frequency = measurement["frequency_cyc_per_sample"]
+        x, y = _sides(mirrored, frequency, measurement["expected"])
         axis.plot(x, y, color=line, ls=dash, lw=1.4, label=f"expected of the {name}")
         few = slice(None, None, max(1, len(frequency) // _MARKS))
-        x, y, error = _sides(mirrored, frequency[few], each["mtf"][few], each["mtf_error"][few])
+        x, y, error = _sides(
+            mirrored, frequency[few], measurement["mtf"][few], measurement["mtf_error"][few]
+        )
         axis.errorbar(
             x, y, error, fmt=mark, ms=3.6, color=colour, mfc="none", mew=1.0, elinewidth=0.8,
             label=f"measured, {name}",
@@ -121,16 +123,16 @@ def _sides(mirrored: bool, frequency: Any, *curves: Any) -> list[Any]:
 def _table(measurements: Iterable[Fact]) -> Grid:
     rows = [
         (
-            each["direction"],
-            _METHODS[each["method"]],
-            _with_error(each["mtf50_cyc_per_mrad"], each["mtf50_error_cyc_per_mrad"]),
-            number(_short(each["expected_mtf50_cyc_per_mrad"])),
-            _with_error(each["at_nyquist"], each["at_nyquist_error"]),
-            number(_short(each["expected_at_nyquist"])),
-            number(_short(each["largest_difference"], 2)),
-            number(_short(each["largest_difference_at_cyc_per_mrad"], 3)),
+            measurement["direction"],
+            _METHODS[measurement["method"]],
+            _with_error(measurement["mtf50_cyc_per_mrad"], measurement["mtf50_error_cyc_per_mrad"]),
+            number(_short(measurement["expected_mtf50_cyc_per_mrad"])),
+            _with_error(measurement["at_nyquist"], measurement["at_nyquist_error"]),
+            number(_short(measurement["expected_at_nyquist"])),
+            number(_short(measurement["largest_difference"], 2)),
+            number(_short(measurement["largest_difference_at_cyc_per_mrad"], 3)),
         )
-        for each in measurements
+        for measurement in measurements
     ]
     heads = (
         "direction", "edge", "MTF50 (cyc/mrad)", "expected", "MTF at Nyquist", "expected",
@@ -141,9 +143,9 @@ def _table(measurements: Iterable[Fact]) -> Grid:
 
 def _with_error(value: float | None, error: float | None) -> str:
     """A figure with its standard error, where that is more than rounding."""
-    told = number(_short(value))
+    text = number(_short(value))
     known = value is not None and error is not None and error > _NO_ERROR
-    return f"{told} ± {number(_short(error, 2))}" if known else told
+    return f"{text} ± {number(_short(error, 2))}" if known else text
 
 
 def _short(value: float | None, digits: int = 4) -> float | None:

@@ -25,7 +25,7 @@ _MOST_NOISES = 8
 _MOST_NAMES = 24
 
 
-def page(found: Evaluation, facts: dict[str, Any]) -> str:
+def page(evaluation: Evaluation, facts: dict[str, Any]) -> str:
     """The report as HTML."""
     network = facts["network"]
     title = network["name"] or "Image chain"
@@ -34,13 +34,13 @@ def page(found: Evaluation, facts: dict[str, Any]) -> str:
         *([Text(network["description"], "lead")] if network["description"] else []),
         _run_line(facts),
         *_warnings(facts),
-        *_pictures(found, facts),
+        *_pictures(evaluation, facts),
         *_published(facts),
-        *transfer(found, facts),
+        *transfer(evaluation, facts),
         *judged(facts),
-        *_pupils(found),
-        *_curves(found),
-        *_noise(found, facts),
+        *_pupils(evaluation),
+        *_curves(evaluation),
+        *_noise(evaluation, facts),
         *budget(facts),
         *_readouts(facts),
         *economy(facts),
@@ -51,7 +51,7 @@ def page(found: Evaluation, facts: dict[str, Any]) -> str:
 
 def _run_line(facts: dict[str, Any]) -> Block:
     run = facts["run"]
-    versions = " · ".join(f"{name} {each}" for name, each in run["versions"].items())
+    versions = " · ".join(f"{name} {release}" for name, release in run["versions"].items())
     words = [
         f"{run['precision']} precision",
         f"error budget {number(float(format(run['tolerance'], '.3g')))}",
@@ -66,48 +66,52 @@ def _run_line(facts: dict[str, Any]) -> Block:
 
 
 def _warnings(facts: dict[str, Any]) -> list[Block]:
-    rows = [(each["node"], each["message"], each["remedy"]) for each in facts["warnings"]]
+    rows = [
+        (warning["node"], warning["message"], warning["remedy"]) for warning in facts["warnings"]
+    ]
     return [Warnings(tuple(rows))] if rows else []
 
 
-def _pictures(found: Evaluation, facts: dict[str, Any]) -> list[Block]:
+def _pictures(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
     shown = facts["pictures"]
     if not shown:
         return []
-    inputs = [each for each in shown if each["role"] == "input"]
-    outputs = [each for each in shown if each["role"] == "output"]
-    others = [each for each in shown if each["role"] == "other output"]
+    inputs = [picture for picture in shown if picture["role"] == "input"]
+    outputs = [picture for picture in shown if picture["role"] == "output"]
+    others = [picture for picture in shown if picture["role"] == "other output"]
     shown = [*inputs[:_MOST_INPUTS], *outputs]
     rows = [
         (
-            each["port"],
-            *(number(_clean(each, name)) for name in ("minimum", "maximum", "mean", "sigma")),
-            each["unit"],
+            picture["port"],
+            *(number(_clean(picture, name)) for name in ("minimum", "maximum", "mean", "sigma")),
+            picture["unit"],
         )
-        for each in facts["pictures"]
+        for picture in facts["pictures"]
     ]
     heads = ("picture", "minimum", "maximum", "mean", "σ", "unit")
     return [
         Heading(2, "Input and output"),
-        *_shown_pictures(found, shown),
-        *_other_pictures(found, others, len(shown)),
+        *_shown_pictures(evaluation, shown),
+        *_other_pictures(evaluation, others, len(shown)),
         Grid(heads, rows, numbers=(1, 2, 3, 4)),
     ]
 
 
-def _shown_pictures(found: Evaluation, shown: list[dict[str, Any]]) -> list[Block]:
+def _shown_pictures(evaluation: Evaluation, shown: list[dict[str, Any]]) -> list[Block]:
     """Figure of the chain's pictures; none where several end unlinked and no chain begins."""
     if not shown:
         return []
-    drawn = pictures_png([_picture(found, each, each["role"].capitalize()) for each in shown])
+    drawn = pictures_png(
+        [_picture(evaluation, picture, picture["role"].capitalize()) for picture in shown]
+    )
     alike = [
-        f"{each['port']}: {each['columns']} × {each['rows']} samples"
+        f"{picture['port']}: {picture['columns']} × {picture['rows']} samples"
         + (
-            f" of {number(each['interval_x_mrad'])} × {number(each['interval_y_mrad'])} mrad"
-            if each["interval_x_mrad"] and each["interval_y_mrad"]
+            f" of {number(picture['interval_x_mrad'])} × {number(picture['interval_y_mrad'])} mrad"
+            if picture["interval_x_mrad"] and picture["interval_y_mrad"]
             else ""
         )
-        for each in shown
+        for picture in shown
     ]
     caption = (
         "; ".join(alike) + ". Each picture has grey levels of its own, between its 0.1 % and "
@@ -123,12 +127,16 @@ def _clean(picture: dict[str, Any], name: str) -> float:
     return 0.0 if abs(value) < 1e-15 * largest else value
 
 
-def _other_pictures(found: Evaluation, others: list[dict[str, Any]], beside: int) -> list[Block]:
+def _other_pictures(
+    evaluation: Evaluation, others: list[dict[str, Any]], beside: int
+) -> list[Block]:
     if not others:
         return []
     shown, rest = others[:_MOST_OTHERS], others[_MOST_OTHERS:]
-    drawn = pictures_png([_picture(found, each, each["port"]) for each in shown], beside)
-    more = _not_shown([each["port"] for each in rest])
+    drawn = pictures_png(
+        [_picture(evaluation, picture, picture["port"]) for picture in shown], beside
+    )
+    more = _not_shown([picture["port"] for picture in rest])
     return [Drawn(drawn, "Other pictures the network ends in." + more, "other output pictures")]
 
 
@@ -142,9 +150,9 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(names[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
-def _picture(found: Evaluation, each: dict[str, Any], title: str) -> tuple[str, Any, Any]:
-    image = found.plan.output(each["port"])
-    return title, image, realize(image, found.work)
+def _picture(evaluation: Evaluation, picture: dict[str, Any], title: str) -> tuple[str, Any, Any]:
+    image = evaluation.plan.output(picture["port"])
+    return title, image, realize(image, evaluation.work)
 
 
 def _published(facts: dict[str, Any]) -> list[Block]:
@@ -185,15 +193,15 @@ def _published_value(row: dict[str, Any]) -> str:
     return number(row["value"]) + within
 
 
-def _pupils(found: Evaluation) -> list[Block]:
-    panels, left_out = pupil_panels(found)
+def _pupils(evaluation: Evaluation) -> list[Block]:
+    panels, left_out = pupil_panels(evaluation)
     if not panels:
         return []
-    told = {
+    titles = {
         "samples": "amplitude transmission of the exit pupils (axes in samples)",
         "cyc/mrad": "autocorrelations of pupils at frequencies of their own (axes in cyc/mrad)",
     }
-    kinds = [text for unit, text in told.items() if any(each.unit == unit for each in panels)]
+    kinds = [text for unit, text in titles.items() if any(panel.unit == unit for panel in panels)]
     caption = "; ".join(kinds).capitalize() + ". Grey is linear from the least to the greatest."
     more = _not_shown(left_out)
     drawn = panels_png(panels)
@@ -201,8 +209,8 @@ def _pupils(found: Evaluation) -> list[Block]:
     return [Heading(2, "Pupils"), shown]
 
 
-def _curves(found: Evaluation) -> list[Block]:
-    curves = node_curves(found)
+def _curves(evaluation: Evaluation) -> list[Block]:
+    curves = node_curves(evaluation)
     if not curves:
         return []
     caption = "What nodes plot; gaps where there is no value."
@@ -210,16 +218,18 @@ def _curves(found: Evaluation) -> list[Block]:
     return [Heading(2, "Curves"), Drawn(curves_png(curves[:MOST]), caption, "curves of nodes")]
 
 
-def _noise(found: Evaluation, facts: dict[str, Any]) -> list[Block]:
-    alive = [each for each in facts["noise"] if each["maximum"] != each["minimum"]]
-    still = [each["port"] for each in facts["noise"] if each not in alive]
+def _noise(evaluation: Evaluation, facts: dict[str, Any]) -> list[Block]:
+    alive = [picture for picture in facts["noise"] if picture["maximum"] != picture["minimum"]]
+    still = [picture["port"] for picture in facts["noise"] if picture not in alive]
     if not facts["noise"]:
         return []
     blocks: list[Block] = [Heading(2, "Noise")]
     if alive:
-        drawn = noise_png([_picture(found, each, each["port"]) for each in alive[:_MOST_NOISES]])
+        drawn = noise_png(
+            [_picture(evaluation, picture, picture["port"]) for picture in alive[:_MOST_NOISES]]
+        )
         caption = "Noise pictures between their 0.1 % and 99.9 % quantiles, and their histograms."
-        caption += _not_shown([each["port"] for each in alive[_MOST_NOISES:]])
+        caption += _not_shown([picture["port"] for picture in alive[_MOST_NOISES:]])
         blocks.append(Drawn(drawn, caption, "noise pictures and histograms"))
     if still:
         blocks.append(Text(f"The same everywhere: {_listed(still)}."))
@@ -230,8 +240,8 @@ def _readouts(facts: dict[str, Any]) -> list[Block]:
     blocks: list[Block] = []
     for name, node in facts["nodes"].items():
         rows = [
-            (each, number(one["value"], one["unit"]), one["unit"], one["meaning"])
-            for each, one in node["readouts"].items()
+            (readout, number(one["value"], one["unit"]), one["unit"], one["meaning"])
+            for readout, one in node["readouts"].items()
             if one["value"] is not None
         ]
         # A table often has the read-outs again.
@@ -252,9 +262,13 @@ def _nodes(facts: dict[str, Any]) -> list[Block]:
     rows = []
     for name, node in facts["nodes"].items():
         values = [
-            f"{each} = {number(node['parameters'][each]['value'])}"
-            + (f" {node['parameters'][each]['unit']}" if node["parameters"][each]["unit"] else "")
-            for each in node["set"]
+            f"{parameter} = {number(node['parameters'][parameter]['value'])}"
+            + (
+                f" {node['parameters'][parameter]['unit']}"
+                if node["parameters"][parameter]["unit"]
+                else ""
+            )
+            for parameter in node["set"]
         ]
         said = state(facts["skipped"].get(name, []))
         rows.append(

@@ -15,9 +15,9 @@ from app.run.responses import Responses
 Fact = dict[str, Any]
 
 
-def transfer(found: Evaluation, facts: Fact) -> list[Block]:
+def transfer(evaluation: Evaluation, facts: Fact) -> list[Block]:
     """The section; empty where nothing has a transfer function."""
-    responses, chain = found.responses, found.chain
+    responses, chain = evaluation.responses, evaluation.chain
     acting = any(stage.acts for stage in responses.stages)
     if not acting and not responses.beside:
         return []
@@ -33,7 +33,9 @@ def transfer(found: Evaluation, facts: Fact) -> list[Block]:
             if chain.cascade
             else f"The stages stand side by side and have no product (total): {chain.missing}."
         )
-        blocks += _stages(found, responses, named(caption, drawn_as.get("stages")), "every stage")
+        blocks += _stages(
+            evaluation, responses, named(caption, drawn_as.get("stages")), "every stage"
+        )
     if acting and responses.products:
         caption = "The product of all stages, across and along."
         if responses.products[1:]:
@@ -43,19 +45,19 @@ def transfer(found: Evaluation, facts: Fact) -> list[Block]:
     if responses.beside:
         alone = replace(responses, stages=responses.beside, products=())
         caption = "Transfer functions that do not lead to the output shown."
-        blocks += _stages(found, alone, caption, "further stages")
+        blocks += _stages(evaluation, alone, caption, "further stages")
     return [*blocks, _at_nyquist(responses, facts["transfer"]["at_nyquist"])]
 
 
-def _stages(found: Evaluation, shown: Responses, caption: str, what: str) -> list[Block]:
+def _stages(evaluation: Evaluation, shown: Responses, caption: str, what: str) -> list[Block]:
     """MTFs, and PTFs where there are any."""
     blocks: list[Block] = []
     captions: tuple[tuple[Part, str], ...] = (("mtf", caption), ("ptf", "Their PTFs in radians."))
-    for part, told in captions:
+    for part, text in captions:
         acting = sum(s.has_phase if part == "ptf" else s.has_blur for s in shown.stages)
         if acting:
-            drawn = stages_png(shown, found.chain, part)
-            blocks.append(Drawn(drawn, told + of_many(acting), f"{part.upper()} of {what}"))
+            drawn = stages_png(shown, evaluation.chain, part)
+            blocks.append(Drawn(drawn, text + of_many(acting), f"{part.upper()} of {what}"))
     return blocks
 
 

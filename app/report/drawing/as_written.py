@@ -9,7 +9,7 @@ from core.names import printable
 
 
 def as_written(drawn: Any) -> None:
-    """Let the figure's texts be drawn letter by letter, as names and units come from anybody.
+    """Have the figure's texts drawn letter by letter, not as formulas: they are the network's.
 
     What numbers on axes are written with, powers of ten, stays.
     """
@@ -21,7 +21,7 @@ def as_written(drawn: Any) -> None:
     for axis in drawn.findobj(Axis):
         formatter = axis.get_major_formatter()
         if isinstance(formatter, FixedFormatter):
-            formatter.seq = [_escaped(each) for each in formatter.seq]
+            formatter.seq = [_escaped(label) for label in formatter.seq]
         elif isinstance(formatter, FuncFormatter):
             formatter.func = _escaping(formatter.func)
         ticks = (*axis.get_major_ticks(), *axis.get_minor_ticks())

@@ -12,22 +12,22 @@ from app.report.drawing.picture_drawing import COLOURS, figure, strongest
 from app.run.responses import Response, Responses, StageResponse
 from app.run.transfer_chain import Chain
 
-_NEAR = 0.02  # curves so close are told apart by their dashes
+_NEAR = 0.02  # curves so close are distinguished by their dashes
 Part = Literal["mtf", "ptf"]
 _DASHES = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5, 1, 1.5)))
 
 
-def stages_png(found: Responses, chain: Chain, part: Part) -> bytes:
+def stages_png(responses: Responses, chain: Chain, part: Part) -> bytes:
     """MTF or PTF of the stages in `drawn_stages` and of the products: a. across, b. along."""
-    stages = drawn_stages(found, part)
+    stages = drawn_stages(responses, part)
     with figure(10.0, 4.7) as (drawn, out):
         axes = drawn.subplots(1, 2, sharey=True)
         named: dict[str, Any] = {}
         for axis, along in zip(axes, ("x", "y"), strict=True):
-            panel(axis, found, chain, stages, part, along)
+            panel(axis, responses, chain, stages, part, along)
             handles, labels = axis.get_legend_handles_labels()
             named = dict(zip(labels, handles, strict=True)) | named
-        order = [_label(each) for each in (*stages, *found.products)]
+        order = [_label(stage) for stage in (*stages, *responses.products)]
         named = {label: named[label] for label in order if label in named}
         drawn.legend(
             named.values(), named.keys(), loc="outside lower center", ncols=3, fontsize=8.5
@@ -35,9 +35,9 @@ def stages_png(found: Responses, chain: Chain, part: Part) -> bytes:
     return out.getvalue()
 
 
-def drawn_stages(found: Responses, part: Part) -> list[StageResponse]:
+def drawn_stages(responses: Responses, part: Part) -> list[StageResponse]:
     """Stages that do something; of very many those that do most."""
-    stages = [s for s in found.stages if (s.has_phase if part == "ptf" else s.has_blur)]
+    stages = [s for s in responses.stages if (s.has_phase if part == "ptf" else s.has_blur)]
     neutral = 1.0 if part == "mtf" else 0.0
     strengths = [
         max(float(np.abs(_values(s, part, along) - neutral).max(initial=0.0)) for along in "xy")
@@ -46,16 +46,16 @@ def drawn_stages(found: Responses, part: Part) -> list[StageResponse]:
     return [stages[place] for place in strongest(strengths)]
 
 
-def product_png(found: Responses, chain: Chain) -> bytes:
+def product_png(responses: Responses, chain: Chain) -> bytes:
     """All the stages together, across and along, in one figure."""
-    whole = found.products[-1]
+    whole = responses.products[-1]
     with figure(6.6, 4.3) as (drawn, out):
         axis = drawn.subplots()
-        apart = whole.x.mtf - np.interp(found.xi, found.eta, whole.y.mtf)
+        apart = whole.x.mtf - np.interp(responses.xi, responses.eta, whole.y.mtf)
         alike = float(np.max(np.abs(apart))) < _NEAR
         for frequency, response, colour, dash, name in (
-            (found.xi, whole.x, COLOURS[0], "-", "Horizontal MTF"),
-            (found.eta, whole.y, COLOURS[1], "--" if alike else "-", "Vertical MTF"),
+            (responses.xi, whole.x, COLOURS[0], "-", "Horizontal MTF"),
+            (responses.eta, whole.y, COLOURS[1], "--" if alike else "-", "Vertical MTF"),
         ):
             axis.plot(frequency, response.mtf, dash, color=colour, lw=2.0, label=name)
         _frame(axis, "frequency (cyc/mrad)", "MTF")
@@ -71,14 +71,14 @@ def _label(stage: StageResponse) -> str:
 
 def panel(
     axis: Any,
-    found: Responses,
+    responses: Responses,
     chain: Chain,
     stages: Sequence[StageResponse],
     part: Part,
     along: str,
 ) -> None:
     """Draw the MTF or PTF of the stages and products along one axis."""
-    frequency = found.xi if along == "x" else found.eta
+    frequency = responses.xi if along == "x" else responses.eta
     styles = zip(cycle(COLOURS), cycle(_DASHES), strict=False)
     curves = []
     for stage, (colour, dash) in zip(stages, styles, strict=False):
@@ -86,9 +86,9 @@ def panel(
             continue
         curves.append(_values(stage, part, along))
         axis.plot(frequency, curves[-1], color=colour, ls=dash, lw=1.3, label=_label(stage))
-    for product, dash in zip(found.products, ("-", "--"), strict=False):
+    for product, dash in zip(responses.products, ("-", "--"), strict=False):
         values = _values(product, part, along)
-        # On top of a curve it coincides with, in dashes that let it through; else below all.
+        # On top of a curve it coincides with, in dashes that show it; else below all.
         hides = any(np.allclose(values, other, rtol=0, atol=1e-3) for other in curves)
         style: Any = {"ls": (0, (3, 3)), "zorder": 3} if hides else {"ls": dash, "zorder": 1.6}
         axis.plot(frequency, values, "k", lw=2.4, label=_label(product), **style)

@@ -23,17 +23,17 @@ _LINE = 0.21  # inches that a bar or a row of a legend is high
 Named = tuple[str, CurveData]
 
 
-def node_curves(found: Evaluation) -> list[Named]:
+def node_curves(evaluation: Evaluation) -> list[Named]:
     """Every curve output that no link leaves, by its port, in the network's order."""
     curves = []
-    for name, output in found.plan.network.unlinked_outputs(found.engine.library):
-        value = found.plan.nodes[name].outputs.get(output)
+    for name, output in evaluation.plan.network.unlinked_outputs(evaluation.engine.library):
+        value = evaluation.plan.nodes[name].outputs.get(output)
         if isinstance(value, Curve):
-            curves.append((f"{name}.{output}", realize(value, found.work)))
+            curves.append((f"{name}.{output}", realize(value, evaluation.work)))
     return curves
 
 
-def curve_facts(found: Evaluation) -> list[dict[str, Any]]:
+def curve_facts(evaluation: Evaluation) -> list[dict[str, Any]]:
     """The same as plain data."""
     return [
         {
@@ -46,7 +46,7 @@ def curve_facts(found: Evaluation) -> list[dict[str, Any]]:
             "log_x": data.log_x,
             "series": [{"label": s.label, "x": s.x, "y": s.y} for s in data.series],
         }
-        for port, data in node_curves(found)
+        for port, data in node_curves(evaluation)
     ]
 
 
@@ -122,7 +122,7 @@ def _draw_curves(axis: Any, data: CurveData) -> None:
 def _drawn_series(data: CurveData) -> list[Series]:
     """All of them; of very many the totals and the first."""
     total = [series.label.startswith("Total") for series in data.series]
-    return [data.series[place] for place in strongest([float(each) for each in total])]
+    return [data.series[place] for place in strongest([float(flag) for flag in total])]
 
 
 def _draw_bars(axis: Any, data: CurveData) -> None:

@@ -22,7 +22,7 @@ from core.physics.radiometry.planck import band_radiance, brightness_temperature
 Array = NDArray[Any]
 DPI = 144
 MOST_DRAWN = 24
-"""Curves or bars of one figure; a reader could not tell more of them apart."""
+"""Curves or bars of one figure; more could not be distinguished."""
 RADIANCE = "W/m²/sr"
 COLOURS = (
     "#1f77b4",
@@ -153,7 +153,7 @@ def _show(drawn: Any, axis: Any, image: Image, samples: Array, *, along: str, ti
 
 
 def _aspect(image: Image) -> float:
-    """Height of a sample over its width, as the sensor sees it: samples need not be square."""
+    """Height of a sample over its width in the scene: samples need not be square."""
     if image.interval_x_mrad and image.interval_y_mrad:
         return image.interval_y_mrad / image.interval_x_mrad
     return 1.0
@@ -167,7 +167,7 @@ def _temperatures(bar: Any, image: Image, low: float, high: float) -> None:
         return
     band = {"cut_on_um": image.band_um[0], "cut_off_um": image.band_um[1]}
     try:
-        ends = [float(brightness_temperature(radiance=each, **band)) for each in (low, high)]
+        ends = [float(brightness_temperature(radiance=level, **band)) for level in (low, high)]
     except ImagechainError:  # no temperature radiates that much
         return
     ticks = [t for t in MaxNLocator(6).tick_values(*ends) if ends[0] <= t <= ends[1]]

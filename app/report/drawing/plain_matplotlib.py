@@ -1,4 +1,4 @@
-"""Matplotlib without anybody's settings, and without a word on stderr."""
+"""Matplotlib without the user's settings, and without messages on standard error."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def load_matplotlib() -> Any:
 
 
 def _own_settings() -> Path:
-    found = find_spec("matplotlib")
-    assert found is not None
-    assert found.submodule_search_locations is not None
-    return Path(found.submodule_search_locations[0]) / "mpl-data" / "matplotlibrc"
+    spec = find_spec("matplotlib")
+    assert spec is not None
+    assert spec.submodule_search_locations is not None
+    return Path(spec.submodule_search_locations[0]) / "mpl-data" / "matplotlibrc"
 
 
 @contextlib.contextmanager

@@ -27,35 +27,35 @@ class Panel:
     unit: str
 
 
-def pupil_panels(found: Evaluation) -> tuple[list[Panel], list[str]]:
+def pupil_panels(evaluation: Evaluation) -> tuple[list[Panel], list[str]]:
     """Pupils, then MTFs at frequencies of their own; and the ports there was no place for.
 
     A phase that is 0 everywhere is no picture.
     """
     ports = [
         (f"{name}.{port}", value)
-        for name, node in found.plan.nodes.items()
+        for name, node in evaluation.plan.nodes.items()
         if not node.node.disabled
         for port, value in node.outputs.items()
     ]
-    wanted = [each for each in ports if isinstance(each[1], Pupil)]
-    raw = [each for each in ports if isinstance(each[1], Transfer) and each[1].own is not None]
-    wanted += [each for each in raw if each[1].part == "mtf"]
-    panels = [_panel(found, port, value) for port, value in wanted[:MOST_PANELS]]
+    wanted = [entry for entry in ports if isinstance(entry[1], Pupil)]
+    raw = [entry for entry in ports if isinstance(entry[1], Transfer) and entry[1].own is not None]
+    wanted += [entry for entry in raw if entry[1].part == "mtf"]
+    panels = [_panel(evaluation, port, value) for port, value in wanted[:MOST_PANELS]]
     for port, value in raw:
         if value.part == "ptf" and len(panels) < MOST_PANELS:
-            panel = _panel(found, port, value)
+            panel = _panel(evaluation, port, value)
             panels += [panel] if np.any(panel.values) else []
     return panels, [port for port, _ in wanted[MOST_PANELS:]]
 
 
-def _panel(found: Evaluation, port: str, value: Pupil | Transfer) -> Panel:
+def _panel(evaluation: Evaluation, port: str, value: Pupil | Transfer) -> Panel:
     if isinstance(value, Pupil):
-        samples = _real(realize(value, found.work))
+        samples = _real(realize(value, evaluation.work))
         rows, columns = samples.shape
         return Panel(port, samples, (-0.5, columns - 0.5, rows - 0.5, -0.5), "samples")
     assert value.own is not None
-    sampled: SampledTransfer = found.work.value(value.own)
+    sampled: SampledTransfer = evaluation.work.value(value.own)
     centred = scipy.fft.fftshift(_real(sampled.values))
     left, right = ends(centred.shape[1], sampled.interval_x)
     top, bottom = ends(centred.shape[0], sampled.interval_y)

@@ -11,18 +11,18 @@ from nodes.analysis.noise.budget_shares import BlurShares, NoiseShare
 Fact = dict[str, Any]
 
 
-def budget_facts(found: Evaluation) -> Fact:
+def budget_facts(evaluation: Evaluation) -> Fact:
     """Noise and blur by stage; of what there is none, the reason."""
-    noise, blur = noise_budget(found), blur_budget(found)
+    noise, blur = noise_budget(evaluation), blur_budget(evaluation)
     return {
         "noise_reason": noise if isinstance(noise, str) else None,
-        "noise": None if isinstance(noise, str) else _noise(found, noise),
+        "noise": None if isinstance(noise, str) else _noise(evaluation, noise),
         "blur_reason": blur if isinstance(blur, str) else None,
         "blur": None if isinstance(blur, str) else _blur(blur),
     }
 
 
-def _noise(found: Evaluation, noise: NoiseBudget) -> Fact:
+def _noise(evaluation: Evaluation, noise: NoiseBudget) -> Fact:
     predicted, measured = noise.predicted, noise.measured
     return {
         "port": noise.port,
@@ -33,12 +33,12 @@ def _noise(found: Evaluation, noise: NoiseBudget) -> Fact:
         "together": None if isinstance(measured, str) else measured.sigma,
         "together_mean": None if isinstance(measured, str) else measured.mean,
         "together_reason": measured if isinstance(measured, str) else None,
-        "sources": [_source(found, each) for each in predicted.shares],
+        "sources": [_source(evaluation, share) for share in predicted.shares],
     }
 
 
-def _source(found: Evaluation, share: NoiseShare) -> Fact:
-    planned = found.plan.nodes.get(share.node)
+def _source(evaluation: Evaluation, share: NoiseShare) -> Fact:
+    planned = evaluation.plan.nodes.get(share.node)
     return {
         "node": share.node,
         "title": planned.declaration.title if planned else share.node,
@@ -61,13 +61,13 @@ def _blur(blur: BlurShares) -> Fact:
         "mtf_y": blur.mtf[1],
         "stages": [
             {
-                "node": each.node,
-                "title": each.label,
-                "mtf_x": each.mtf[0],
-                "share_x": each.share[0],
-                "mtf_y": each.mtf[1],
-                "share_y": each.share[1],
+                "node": share.node,
+                "title": share.label,
+                "mtf_x": share.mtf[0],
+                "share_x": share.share[0],
+                "mtf_y": share.mtf[1],
+                "share_y": share.share[1],
             }
-            for each in blur.shares
+            for share in blur.shares
         ],
     }

@@ -11,28 +11,28 @@ from app.run.evaluation import Evaluation
 from app.run.responses import Responses
 
 
-def judged_facts(found: Evaluation) -> dict[str, Any]:
+def judged_facts(evaluation: Evaluation) -> dict[str, Any]:
     """Every measurement, each with its figures or the reason why it has none."""
-    told = judged(found)
-    if isinstance(told, str):
-        return {"reason": told, "measurements": []}
+    edges = judged(evaluation)
+    if isinstance(edges, str):
+        return {"reason": edges, "measurements": []}
     return {
         "reason": None,
-        "source": told.source,
-        "picture": told.picture,
-        "silenced": told.silenced,
-        "interval_mrad": dict(zip(("horizontal", "vertical"), told.intervals, strict=True)),
-        "stages": _stages(found.responses, told),
-        "measurements": [_measurement(each) for each in told.attempts],
+        "source": edges.source,
+        "picture": edges.picture,
+        "silenced": edges.silenced,
+        "interval_mrad": dict(zip(("horizontal", "vertical"), edges.intervals, strict=True)),
+        "stages": _stages(evaluation.responses, edges),
+        "measurements": [_measurement(attempt) for attempt in edges.attempts],
     }
 
 
-def _stages(responses: Responses, told: Judged) -> dict[str, Any]:
+def _stages(responses: Responses, edges: Judged) -> dict[str, Any]:
     """Modulus of the stages' product, by cycles per sample of the picture."""
     whole = responses.products[-1]
     lines = (
-        ("horizontal", responses.xi * told.intervals[0], whole.x.mtf),
-        ("vertical", responses.eta * told.intervals[1], whole.y.mtf),
+        ("horizontal", responses.xi * edges.intervals[0], whole.x.mtf),
+        ("vertical", responses.eta * edges.intervals[1], whole.y.mtf),
     )
     return {
         direction: {"frequency_cyc_per_sample": frequency, "mtf": np.abs(mtf)}
@@ -41,20 +41,20 @@ def _stages(responses: Responses, told: Judged) -> dict[str, Any]:
 
 
 def _measurement(attempt: Attempt) -> dict[str, Any]:
-    said = {
+    figures = {
         "direction": attempt.direction,
         "method": attempt.method,
         "reason": attempt.reason,
     }
-    one = attempt.found
+    one = attempt.judgement
     if one is None:
-        return said
+        return figures
     away, place = one.largest
 
     def scaled(value: float | None) -> float | None:
         return None if value is None else value * one.per_mrad
 
-    return said | {
+    return figures | {
         "angle_deg": one.angle_deg,
         "frequency_cyc_per_sample": one.frequency,
         "mtf": one.mtf,

@@ -1,4 +1,4 @@
-"""Figures that somebody published, beside those of this run.
+"""Published figures, beside those of this run.
 
 A network may carry two fields for it. `published` is a list of objects with `figure`, `where`,
 `value`, `unit`, `from`, `within` and `reason`: `from` names the figure of this run, which is
@@ -32,7 +32,7 @@ _TEXTS = ("figure", "where", "unit", "from", "reason")
 _FIELDS = (*_TEXTS, "value", "within")
 
 
-def published_rows(found: Evaluation, nyquist: Mapping[str, float]) -> list[dict[str, Any]]:
+def published_rows(evaluation: Evaluation, nyquist: Mapping[str, float]) -> list[dict[str, Any]]:
     """Each published figure with ours and a verdict.
 
     Raises
@@ -40,10 +40,10 @@ def published_rows(found: Evaluation, nyquist: Mapping[str, float]) -> list[dict
     NetworkError
         If the network's field is not as it should be.
     """
-    entries = found.network.extra.get("published", ())
+    entries = evaluation.network.extra.get("published", ())
     if not isinstance(entries, tuple):
         raise NetworkError("published must be a list of figures")
-    return [_row(found, nyquist, number, entry) for number, entry in enumerate(entries, 1)]
+    return [_row(evaluation, nyquist, number, entry) for number, entry in enumerate(entries, 1)]
 
 
 def conflicts(network: Network) -> list[str]:
@@ -61,7 +61,7 @@ def conflicts(network: Network) -> list[str]:
 
 
 def _row(
-    found: Evaluation, nyquist: Mapping[str, float], number: int, entry: Any
+    evaluation: Evaluation, nyquist: Mapping[str, float], number: int, entry: Any
 ) -> dict[str, Any]:
     where = f"published figure {number}"
     if not isinstance(entry, Mapping) or "figure" not in entry or "value" not in entry:
@@ -77,7 +77,7 @@ def _row(
         return row | {"verdict": ABSENT}
     if not _is_number(row["value"]) or not _is_number(row["within"]) or row["within"] < 0:
         raise NetworkError(f"{where} ({row['figure']}): value and within must be numbers")
-    ours = _figure(found, nyquist, row["from"], where)
+    ours = _figure(evaluation, nyquist, row["from"], where)
     if not _is_number(ours):
         return row | {"verdict": ABSENT}
     # The limits are decimal: without the allowance, 0.003 ± 0.0005 would not hold 0.0035.
@@ -90,15 +90,17 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float | np.number) and not isinstance(value, bool)
 
 
-def _figure(found: Evaluation, nyquist: Mapping[str, float], name: str, where: str) -> Any:
+def _figure(evaluation: Evaluation, nyquist: Mapping[str, float], name: str, where: str) -> Any:
     parts = name.split(".")
     if name in nyquist:
         return nyquist[name]
-    if len(parts) == 2 and parts[1] in found.readouts.get(parts[0], {}):
-        return found.readouts[parts[0]][parts[1]]
-    if len(parts) == 3 and parts[2] in _STATISTICS and parts[0] in found.plan.nodes:
-        image = found.plan.nodes[parts[0]].outputs.get(parts[1])
+    if len(parts) == 2 and parts[1] in evaluation.readouts.get(parts[0], {}):
+        return evaluation.readouts[parts[0]][parts[1]]
+    if len(parts) == 3 and parts[2] in _STATISTICS and parts[0] in evaluation.plan.nodes:
+        image = evaluation.plan.nodes[parts[0]].outputs.get(parts[1])
         if isinstance(image, Image):
-            return float(_STATISTICS[parts[2]](realize(image, found.work)))
-    known = [f"{node}.{each}" for node, values in found.readouts.items() for each in values]
+            return float(_STATISTICS[parts[2]](realize(image, evaluation.work)))
+    known = [
+        f"{node}.{readout}" for node, values in evaluation.readouts.items() for readout in values
+    ]
     raise NetworkError(f"{where}: there is no figure {name!r:.80}{close(name, known)}")

@@ -29,10 +29,10 @@ from core.names import thaw
 NOISE_PORTS = ("noise", "detector_noise", "quantization_error")
 
 
-def report_facts(found: Evaluation, skipped: tuple[Skip, ...]) -> dict[str, Any]:
-    """What a report says, without its pictures."""
-    network, chain = found.network, found.chain
-    nyquist = at_nyquist(chain, found.work)
+def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str, Any]:
+    """The contents of a report, without its pictures."""
+    network, chain = evaluation.network, evaluation.chain
+    nyquist = at_nyquist(chain, evaluation.work)
     return {
         "format": "imagechain-report",
         "version": 1,
@@ -42,51 +42,53 @@ def report_facts(found: Evaluation, skipped: tuple[Skip, ...]) -> dict[str, Any]
             "nodes": len(network.nodes),
             "links": [link.text() for link in network.links],
         },
-        "run": _run(found),
-        "warnings": [asdict(each) for each in found.cautions],
+        "run": _run(evaluation),
+        "warnings": [asdict(caution) for caution in evaluation.cautions],
         "pictures": [
-            *(picture_facts(found, port, "input") for port in chain.sources),
-            *([picture_facts(found, chain.final, "output")] if chain.final else []),
+            *(picture_facts(evaluation, port, "input") for port in chain.sources),
+            *([picture_facts(evaluation, chain.final, "output")] if chain.final else []),
             *(
-                picture_facts(found, port, "other output")
-                for port in ending_images(found.plan)
+                picture_facts(evaluation, port, "other output")
+                for port in ending_images(evaluation.plan)
                 if port not in (chain.final, *chain.sources)
             ),
         ],
-        "noise": [picture_facts(found, port, "noise") for port in noise_ports(found)],
+        "noise": [picture_facts(evaluation, port, "noise") for port in noise_ports(evaluation)],
         "transfer": {
-            "xi_cyc_per_mrad": found.responses.xi,
-            "eta_cyc_per_mrad": found.responses.eta,
-            "stages": [_stage(stage) for stage in found.responses.stages],
-            "beside": [_stage(stage) for stage in found.responses.beside],
-            "products": [_stage(stage) for stage in found.responses.products],
+            "xi_cyc_per_mrad": evaluation.responses.xi,
+            "eta_cyc_per_mrad": evaluation.responses.eta,
+            "stages": [_stage(stage) for stage in evaluation.responses.stages],
+            "beside": [_stage(stage) for stage in evaluation.responses.beside],
+            "products": [_stage(stage) for stage in evaluation.responses.products],
             "at_nyquist": nyquist,
         },
-        "judged": judged_facts(found),
+        "judged": judged_facts(evaluation),
         "drawn_as": drawn_as(network),
-        "curves": curve_facts(found),
-        "budget": budget_facts(found),
-        "nodes": {name: _node(found, name, node) for name, node in found.plan.nodes.items()},
-        "published": published_rows(found, nyquist),
+        "curves": curve_facts(evaluation),
+        "budget": budget_facts(evaluation),
+        "nodes": {
+            name: _node(evaluation, name, node) for name, node in evaluation.plan.nodes.items()
+        },
+        "published": published_rows(evaluation, nyquist),
         "conflicts": conflicts(network),
         "skipped": _skipped(skipped),
     }
 
 
-def noise_ports(found: Evaluation) -> list[str]:
+def noise_ports(evaluation: Evaluation) -> list[str]:
     """Ports of noise pictures, in the network's order."""
     return [
         f"{name}.{port}"
-        for name, node in found.plan.nodes.items()
+        for name, node in evaluation.plan.nodes.items()
         for port in NOISE_PORTS
         if isinstance(node.outputs.get(port), Image) and not node.node.disabled
     ]
 
 
-def picture_facts(found: Evaluation, port: str, role: str) -> dict[str, Any]:
+def picture_facts(evaluation: Evaluation, port: str, role: str) -> dict[str, Any]:
     """Size, sampling and statistics of a picture; σ is of all its samples."""
-    image: Image = found.plan.output(port)
-    samples = realize(image, found.work)
+    image: Image = evaluation.plan.output(port)
+    samples = realize(image, evaluation.work)
     return {
         "port": port,
         "role": role,
@@ -103,17 +105,17 @@ def picture_facts(found: Evaluation, port: str, role: str) -> dict[str, Any]:
     }
 
 
-def _run(found: Evaluation) -> dict[str, Any]:
+def _run(evaluation: Evaluation) -> dict[str, Any]:
     import scipy
 
-    policy = found.work.policy
+    policy = evaluation.work.policy
     return {
         "date": time.strftime("%Y-%m-%d %H:%M %z"),
         "precision": policy.precision,
         "threads": policy.workers,
         "tolerance": policy.budget,
-        "seed": found.network.seed,
-        "seconds": dict(found.seconds),
+        "seed": evaluation.network.seed,
+        "seconds": dict(evaluation.seconds),
         "versions": {
             "imagechain": version(),
             "python": ".".join(map(str, sys.version_info[:3])),
@@ -137,15 +139,15 @@ def _stage(stage: StageResponse) -> dict[str, Any]:
 
 def _skipped(skipped: tuple[Skip, ...]) -> dict[str, list[dict[str, Any]]]:
     nodes: dict[str, list[dict[str, Any]]] = {}
-    for each in skipped:
-        said = asdict(each)
+    for skip in skipped:
+        said = asdict(skip)
         nodes.setdefault(said.pop("node"), []).append(said)
     return nodes
 
 
-def _node(found: Evaluation, name: str, node: PlannedNode) -> dict[str, Any]:
+def _node(evaluation: Evaluation, name: str, node: PlannedNode) -> dict[str, Any]:
     declared = node.declaration
-    values = found.readouts.get(name, {})
+    values = evaluation.readouts.get(name, {})
     assert node.module is not None
     return {
         "module": declared.key,
@@ -154,21 +156,28 @@ def _node(found: Evaluation, name: str, node: PlannedNode) -> dict[str, Any]:
         "summary": declared.summary,
         "disabled": node.node.disabled,
         "neutral": is_neutral(node),
-        "seconds": found.work.seconds.get(name, 0.0),
+        "seconds": evaluation.work.seconds.get(name, 0.0),
         "set": sorted(thaw(node.node.params)),
         "parameters": {
-            each.name: {"value": plain(getattr(node.module, each.name)), "unit": each.param.unit}
-            for each in declared.parameters
+            parameter.name: {
+                "value": plain(getattr(node.module, parameter.name)),
+                "unit": parameter.param.unit,
+            }
+            for parameter in declared.parameters
         },
         "readouts": {
-            each.name: {"value": values[each.name], "unit": each.unit, "meaning": each.meaning}
-            for each in declared.readouts
-            if each.name in values
+            readout.name: {
+                "value": values[readout.name],
+                "unit": readout.unit,
+                "meaning": readout.meaning,
+            }
+            for readout in declared.readouts
+            if readout.name in values
         },
         "tables": {
             port: [
                 {"name": r.name, "value": r.value, "unit": r.unit, "meaning": r.meaning}
-                for r in realize(value, found.work).rows
+                for r in realize(value, evaluation.work).rows
             ]
             for port, value in node.outputs.items()
             if isinstance(value, Table)

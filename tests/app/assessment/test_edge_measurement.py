@@ -65,7 +65,7 @@ def kodak_stages(f, *, charge):
 
 def test_kodak_across(kodak):
     """Two samples of 0.426 mrad a pixel, whose number across the frame grabber leaves alone."""
-    measured = kodak["horizontal", "slanted_edge"].found
+    measured = kodak["horizontal", "slanted_edge"].judgement
     f = measured.frequency * measured.per_mrad
     pixel = 2 * math.radians(25) * 1e3 / 1024
     true = kodak_stages(f, charge=True) * np.sinc(pixel * f)
@@ -77,7 +77,7 @@ def test_kodak_across(kodak):
 
 def test_kodak_along(kodak):
     """512 rows become 486: the edge runs through 32 of them, some between two rows."""
-    measured = kodak["vertical", "slanted_edge"].found
+    measured = kodak["vertical", "slanted_edge"].judgement
     f = measured.frequency * measured.per_mrad
     pixel = 2 * math.radians(25) * 1e3 / 1024
     grabbed = linear_where_it_runs(pixel * f, 512, 486, 32)
@@ -96,8 +96,8 @@ def test_inframetrics(direction):
     """
     network = load_network(NETWORKS / "inframetrics.json", library=standard_library())
     both = attempts(evaluated(network))
-    assert abs(both[direction, "row_average"].found.largest[0]) < 1e-9  # its phase counts too
-    measured = both[direction, "slanted_edge"].found
+    assert abs(both[direction, "row_average"].judgement.largest[0]) < 1e-9  # its phase counts too
+    measured = both[direction, "slanted_edge"].judgement
     f = measured.frequency * measured.per_mrad
     sample = math.radians(30) * 1e3 / 512
     true = disc_mtf(f * 10e-3 / 26.4 * 1e3) * np.exp(-2 * (np.pi * 0.5 * f) ** 2)
@@ -159,7 +159,7 @@ def test_row_average(across, sigma_px, edges):
         row = np.interp(places, np.arange(128), row)
     measured = attempts(evaluated(blurred(edges=edges)))[
         "horizontal" if across else "vertical", "row_average"
-    ].found
+    ].judgement
     half = max(len(row) // 2, 64)
     first = (len(row) - half) // 2
     spread = np.diff(row[first : first + half])
@@ -180,9 +180,9 @@ def test_other_interpolations_are_expected_too(order):
     network = blurred(sigma_px=2.4, grabber=grabber)
     for (_, method), each in attempts(evaluated(network)).items():
         if method == "row_average":
-            assert abs(each.found.largest[0]) < 1e-9
+            assert abs(each.judgement.largest[0]) < 1e-9
         elif order:
-            assert abs(each.found.largest[0]) < 0.01
+            assert abs(each.judgement.largest[0]) < 0.01
 
 
 def test_another_chain_in_between():
@@ -195,16 +195,16 @@ def test_another_chain_in_between():
     ]
     found = attempts(evaluated(Network(nodes=network.nodes, links=tuple(links))))
     for (_, method), each in found.items():
-        assert abs(each.found.largest[0]) < (1e-9 if method == "row_average" else 0.01), each
+        assert abs(each.judgement.largest[0]) < (1e-9 if method == "row_average" else 0.01), each
 
 
 def test_a_way_that_fails_says_why():
     """12 × 12 pixels are enough for the mean of rows, and not for a slanted edge."""
     small = {**SCENE, "width": 24, "height": 24}
     told = attempts(evaluated(blurred(scene=small, grabber=("interpolate", {}))))
-    assert told["horizontal", "slanted_edge"].found is None
+    assert told["horizontal", "slanted_edge"].judgement is None
     assert "too small" in told["horizontal", "slanted_edge"].reason
-    assert told["horizontal", "row_average"].found is not None
+    assert told["horizontal", "row_average"].judgement is not None
 
 
 def test_reasons_not_to_measure():
@@ -224,4 +224,4 @@ def test_reasons_not_to_measure():
 
 def test_a_uniform_scene_has_an_edge_put_in_all_the_same():
     found = attempts(evaluated(blurred(scene={**SCENE, "kind": "uniform"})))
-    assert all(each.found is not None for each in found.values())
+    assert all(each.judgement is not None for each in found.values())
