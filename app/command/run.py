@@ -17,7 +17,7 @@ from app.options.progress import Progress
 from app.options.stopping import too_late
 from app.permission.shares import check_shares
 from app.permission.write_rules import OPTION, WriteRules, write_rules
-from app.run.evaluation import Evaluation, TimedWork, asked_later, evaluate, planned
+from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
 from app.run.output import find_output, how_to_choose
 from app.run.png import encode_png, grey_levels, robust_limits
 from app.run.readout_tables import columns, jsonable, readout_rows, warning_lines
@@ -84,7 +84,7 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
             work = TimedWork(_policy(options), engine.store, progress, cancel)
             work.check()
             ports = [port for _, port, _ in writers]
-            with work.hold(asked_later(plan, ports, report=bool(options.reports))):
+            with work.hold(needed_later(plan, ports, report=bool(options.reports))):
                 found = evaluate(engine, plan, work, place.folder)
                 found.seconds["total"] = time.perf_counter() - start
                 _write(found, writers, staging, folder, options.frames, rules)

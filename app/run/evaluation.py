@@ -97,7 +97,7 @@ def planned(engine: Engine, network: Network, folder: Path) -> Plan:
 def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evaluation:
     """Compute the input pictures, then every unlinked output and every read-out.
 
-    What each of them is made of is made once, and let go of after the last that needs it.
+    What each of them is made of is made once, and dropped after the last that needs it.
 
     Raises
     ------
@@ -108,8 +108,8 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
     chain = find_chain(plan)
     sources = {port: asked_for(plan.output(port)) for port in source_images(plan)}
     outputs = {
-        each: asked_for(plan.nodes[each[0]].outputs.get(each[1]))
-        for each in plan.network.unlinked_outputs(engine.library)
+        port: asked_for(plan.nodes[port[0]].outputs.get(port[1]))
+        for port in plan.network.unlinked_outputs(engine.library)
     }
     figures = {
         name: _recipes(engine.planned_readouts(plan, name))
@@ -117,9 +117,9 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
         if not node.node.disabled and node.declaration.readouts
     }
     final = asked_for(plan.output(chain.final)) if chain.final is not None else ()
-    checks = [each.recipe for each in plan.checks() if isinstance(each, PendingCheck)]
-    asks = [*sources.values(), *outputs.values(), *figures.values(), final, checks]
-    with work.hold([recipe for ask in asks for recipe in ask]) as held:
+    checks = [check.recipe for check in plan.checks() if isinstance(check, PendingCheck)]
+    groups = [*sources.values(), *outputs.values(), *figures.values(), final, checks]
+    with work.hold([recipe for group in groups for recipe in group]) as held:
         for port, recipes in sources.items():
             _check_source(plan, port, work)
             held.release(recipes)
@@ -133,15 +133,17 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
         for name, recipes in figures.items():
             readouts[name] = engine.readouts(plan, name, work)
             held.release(recipes)
-        found = responses(chain, work)
+        chain_responses = responses(chain, work)
         if chain.final is not None:
             engine.value(plan, chain.final, work)
     seconds = {"sources": checked - start, "evaluation": time.perf_counter() - checked}
-    return Evaluation(plan, engine, work, chain, found, readouts, cautions, folder, seconds)
+    return Evaluation(
+        plan, engine, work, chain, chain_responses, readouts, cautions, folder, seconds
+    )
 
 
-def asked_later(plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recipe]:
-    """What is asked for once a network has been evaluated, to hold it until then.
+def needed_later(plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recipe]:
+    """What is needed once a network has been evaluated, to hold it until then.
 
     Parameters
     ----------
@@ -155,17 +157,17 @@ def asked_later(plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recip
     values = [plan.output(port) for port in ports]
     if (final := find_output(plan).port) is not None:
         values.append(plan.output(final))
-    for each in plan.nodes.values():
-        if hasattr(each.module, "target") and not each.node.disabled:
-            values += each.inputs.values()
+    for planned in plan.nodes.values():
+        if hasattr(planned.module, "target") and not planned.node.disabled:
+            values += planned.inputs.values()
         shown = Transfer | Image | Curve | Table if report else Transfer
-        values += [value for value in each.outputs.values() if isinstance(value, shown)]
-    found = [recipe for value in values for recipe in asked_for(value)]
+        values += [value for value in planned.outputs.values() if isinstance(value, shown)]
+    recipes = [recipe for value in values for recipe in asked_for(value)]
     if report and final is not None:
         from nodes.analysis.lineage import NoiseOf
 
-        found.append(NoiseOf(plan.output(final)))
-    return found
+        recipes.append(NoiseOf(plan.output(final)))
+    return recipes
 
 
 def _recipes(readouts: dict[str, Any]) -> tuple[Recipe, ...]:
@@ -186,7 +188,7 @@ def _evaluate_output(plan: Plan, name: str, output: str, work: Work) -> None:
     sampled = isinstance(value, Transfer) and value.own is not None
     try:
         if isinstance(value, Transfer | Magnitude | Phase) and not sampled:
-            # Nobody looks at the plane: its factors on two lines tell whether it can be made.
+            # The plane is not used: its factors on two lines show whether it can be made.
             _along_axes(value, work)
         elif value is not None:
             realize(value, work)

@@ -86,14 +86,14 @@ def ending_images(plan: Plan) -> list[str]:
 
 def ancestors(network: Network, *nodes: str) -> set[str]:
     """Every node that one of these hangs on."""
-    found: set[str] = set()
+    upstream: set[str] = set()
     waiting = list(nodes)
     while waiting:
         for link in network.links_into(waiting.pop()):
-            if link.source not in found:
-                found.add(link.source)
+            if link.source not in upstream:
+                upstream.add(link.source)
                 waiting.append(link.source)
-    return found
+    return upstream
 
 
 def source_images(plan: Plan) -> list[str]:
@@ -134,11 +134,11 @@ def _seen_or_open(plan: Plan) -> list[str]:
     linked = {f"{link.source}.{link.output}" for link in plan.network.links}
     main = {port for name in plan.nodes if (port := _first_image(plan.nodes[name], name))}
     open_ends = [port for port in _image_ports(plan) if port not in linked]
-    found = dict.fromkeys([*(port for _, port in _sink_inputs(plan)), *open_ends])
+    candidates = dict.fromkeys([*(port for _, port in _sink_inputs(plan)), *open_ends])
     beside = set(open_ends) - main
     return [
         port
-        for port in found
+        for port in candidates
         if plan.nodes[_node(port)].declaration.group != ANALYSIS and port not in beside
     ]
 
@@ -159,7 +159,7 @@ def _is_sink(plan: Plan, name: str) -> bool:
 
 
 def _first_image(planned: PlannedNode, name: str) -> str | None:
-    """The node's first picture, which is what it makes; the others tell how (its noise)."""
+    """The node's first picture, which is its product; the others show how (its noise)."""
     ports = (f"{name}.{port}" for port, value in planned.outputs.items() if _image(value))
     return next(ports, None)
 

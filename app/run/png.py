@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Grey = NDArray[np.uint8]
 _BLOCK_SAMPLES = 1 << 18
-_SAMPLES_ASKED = 1 << 22
+_SAMPLES_READ = 1 << 22
 
 
 def grey_levels(low: float, high: float, samples: NDArray[Any]) -> Grey:
@@ -36,11 +36,11 @@ def robust_limits(samples: NDArray[Any]) -> tuple[float, float]:
     """Values for black and white that a few odd samples do not move: the 0.1 % quantiles.
 
     Where all but a few samples are alike, as in a picture of a point, the extremes. Of a large
-    picture every n-th row and column is asked.
+    picture every n-th row and column is read.
     """
-    every = max(1, round((samples.size / _SAMPLES_ASKED) ** 0.5))
-    asked = samples[::every, ::every]
-    low, high = (float(each) for each in np.percentile(asked, (0.1, 99.9)))
+    every = max(1, round((samples.size / _SAMPLES_READ) ** 0.5))
+    sampled = samples[::every, ::every]
+    low, high = (float(limit) for limit in np.percentile(sampled, (0.1, 99.9)))
     if not high > low:
         low, high = float(samples.min()), float(samples.max())
     return low, high

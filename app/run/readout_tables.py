@@ -51,11 +51,13 @@ def jsonable(value: Any) -> Any:
     return value.as_posix() if isinstance(value, PurePath) else value
 
 
-def readout_rows(found: Evaluation) -> list[tuple[str, str, str, str]]:
+def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:
     """Node, read-out, value and unit of all that have a value."""
     rows = []
-    for node, values in found.readouts.items():
-        declared = {each.name: each for each in found.plan.nodes[node].declaration.readouts}
+    for node, values in evaluation.readouts.items():
+        declared = {
+            readout.name: readout for readout in evaluation.plan.nodes[node].declaration.readouts
+        }
         for name, value in values.items():
             if value is not None:
                 unit = declared[name].unit
@@ -65,7 +67,7 @@ def readout_rows(found: Evaluation) -> list[tuple[str, str, str, str]]:
 
 def warning_lines(warnings: Iterable[Caution]) -> list[str]:
     """One line for each warning of the nodes."""
-    return [printable(f"warning: {each}") for each in warnings]
+    return [printable(f"warning: {warning}") for warning in warnings]
 
 
 def columns(rows: Iterable[Sequence[str]], *, right: Sequence[int] = ()) -> str:

@@ -167,7 +167,7 @@ def responses_along(
     failed: dict[str, ImagechainError] = {}
 
     def along(stages: Iterable[Stage]) -> list[LineStageResponse]:
-        found = []
+        evaluated = []
         for stage in stages:
             work.check()
             try:
@@ -177,8 +177,8 @@ def responses_along(
             except ImagechainError as error:
                 failed[str(error)] = error
             else:
-                found.append(LineStageResponse(stage.node, stage.title, values))
-        return found
+                evaluated.append(LineStageResponse(stage.node, stage.title, values))
+        return evaluated
 
     before, later = along(chain.stages), along(chain.later)
     products = []
@@ -231,23 +231,23 @@ def at_nyquist(chain: Chain, work: Work) -> dict[str, float]:
         named[TOTAL] = [f for stage in chain.stages for f in stage.factors]
         if chain.later:
             named[SYSTEM] = [*named[TOTAL], *(f for s in chain.later for f in s.factors)]
-    found = {}
+    figures = {}
     places: tuple[tuple[Axis, float], ...] = (("x", grid.nyquist_x), ("y", grid.nyquist_y))
     for name, factors in named.items():
         for axis, frequency in places:
             value = response(work, factors, np.array([frequency]), axis)
-            found[f"{name}.mtf_nyquist_{axis}"] = float(value.mtf[0])
-            found[f"{name}.ptf_nyquist_{axis}"] = float(value.ptf[0])
-    return found
+            figures[f"{name}.mtf_nyquist_{axis}"] = float(value.mtf[0])
+            figures[f"{name}.ptf_nyquist_{axis}"] = float(value.ptf[0])
+    return figures
 
 
-def mtf_csv(found: Responses) -> str:
+def mtf_csv(responses: Responses) -> str:
     """One line for each frequency; the shorter axis of an oblong frame leaves cells empty."""
     columns: list[tuple[str, Vector]] = [
-        ("xi_cyc_per_mrad", found.xi),
-        ("eta_cyc_per_mrad", found.eta),
+        ("xi_cyc_per_mrad", responses.xi),
+        ("eta_cyc_per_mrad", responses.eta),
     ]
-    for stage in (*found.stages, *found.beside, *found.products):
+    for stage in (*responses.stages, *responses.beside, *responses.products):
         columns += [
             (f"{stage.name}.mtf_x", stage.x.mtf),
             (f"{stage.name}.ptf_x_rad", stage.x.ptf),

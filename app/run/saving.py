@@ -29,7 +29,7 @@ from nodes.files.write import write_picture
 
 Array = NDArray[Any]
 _TABLES = (CSV,)
-_CURVES = (CSV, *(each for each in WRITTEN if each.stores_floats))
+_CURVES = (CSV, *(file_format for file_format in WRITTEN if file_format.stores_floats))
 
 
 def check_suffix(port: str, value: Any, path: Path) -> None:
@@ -45,7 +45,7 @@ def check_suffix(port: str, value: Any, path: Path) -> None:
         allowed = _TABLES
     elif isinstance(value, Curve):
         allowed = _CURVES
-    if not any(each.matches(path) for each in allowed):
+    if not any(file_format.matches(path) for file_format in allowed):
         words = " ".join(suffixes(*allowed))
         raise UsageError(f"--save {port}={path}: a {value.port_type} is written as {words}")
 
@@ -109,7 +109,7 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
 
 
 def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:
-    """What the image's header says, the field of view being that of the samples written."""
+    """The image's header, the field of view being that of the samples written."""
     x, y = image.header.fov_x_deg, image.header.fov_y_deg
     header = {
         "unit": image.unit,

@@ -15,7 +15,7 @@ def sound_part(plan: Plan) -> Plan:
     network = plan.network
     final = network.extra.get("final")
     lost = isinstance(final, str) and final.rpartition(".")[0] in failed
-    kept = replace(
+    sound = replace(
         network,
         nodes={name: node for name, node in network.nodes.items() if name not in failed},
         links=tuple(link for link in network.links if not {link.source, link.target} & failed),
@@ -23,4 +23,4 @@ def sound_part(plan: Plan) -> Plan:
         extra={} if lost else network.extra,
     )
     nodes = {name: node for name, node in plan.nodes.items() if name not in failed}
-    return Plan(kept, nodes, plan.folder)
+    return Plan(sound, nodes, plan.folder)

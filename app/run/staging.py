@@ -68,7 +68,7 @@ class Staging:
             shutil.rmtree(place, ignore_errors=True)
 
     def claim(self, target: Path, guard: Guard | None = None) -> None:
-        """Say that `target` will be written, so that a bad one is known before any work.
+        """Reserve `target` for writing, so that a bad one is refused before any work.
 
         A `guard` raises if it may not be; it is called now, and again before any file is put in
         place, for what has changed meanwhile.
@@ -76,7 +76,7 @@ class Staging:
         Raises
         ------
         FileError
-            As of `check`; or if it is asked for twice.
+            As of `check`; or if it is reserved twice.
         """
         real = real_target(target)
         if real in self._claimed:
@@ -119,7 +119,7 @@ class Staging:
             raise FileError(f"cannot write {target}: no permission to write in {folder}")
 
     def write(self, target: Path, writer: Writer, guard: Guard | None = None) -> None:
-        """Let `writer` make the file under a temporary name of the same suffix.
+        """Have `writer` make the file under a temporary name of the same suffix.
 
         The `guard` is for a file that was not claimed before.
 
@@ -134,7 +134,7 @@ class Staging:
         real = real_target(target)
         if real not in self._claimed:
             self.claim(target, guard)
-        if any(each.target == real for each in self._staged):
+        if any(staged.target == real for staged in self._staged):
             raise FileError(f"cannot write: two outputs are to go to {target}")
         file = self._place(real, target) / f"{len(self._staged)}{real.suffix}"
         try:
@@ -148,7 +148,9 @@ class Staging:
 
     def guarded(self) -> list[tuple[Path, Path]]:
         """Targets that have a guard, links resolved, each with the file prepared for it."""
-        return [(each.target, each.file) for each in self._staged if each.target in self._guards]
+        return [
+            (staged.target, staged.file) for staged in self._staged if staged.target in self._guards
+        ]
 
     def commit(self) -> None:
         """Put every file in its place; if one fails, the others are as before.
@@ -158,15 +160,15 @@ class Staging:
         FileError
             For the one that failed.
         """
-        for each in self._staged:
-            self._check_again(each)
+        for staged in self._staged:
+            self._check_again(staged)
         undo: list[Callable[[], object]] = []
         target = self._folder or Path()
         try:
-            for each in self._staged:
-                target = each.given
-                _make_folders(each.target.parent, undo)
-                _put(each, undo)
+            for staged in self._staged:
+                target = staged.given
+                _make_folders(staged.target.parent, undo)
+                _put(staged, undo)
         except OSError as error:
             _undo(undo)
             raise FileError(f"cannot write {target}: {error.strerror or error}") from error
@@ -174,12 +176,12 @@ class Staging:
             _undo(undo)
             raise
 
-    def _check_again(self, each: _Staged) -> None:
-        self._check_way(each.given)
-        self.check(each.given)
-        guard = self._guards.get(each.target)
+    def _check_again(self, staged: _Staged) -> None:
+        self._check_way(staged.given)
+        self.check(staged.given)
+        guard = self._guards.get(staged.target)
         if guard is not None:
-            guard(each.given)
+            guard(staged.given)
 
     def _check_way(self, target: Path) -> None:
         """Refuse a file that leads to another place than when it was claimed."""
@@ -245,7 +247,7 @@ def check_folder(folder: Path) -> None:
 
 
 def real_target(target: Path) -> Path:
-    """Where a file or folder really lies, links followed.
+    """Where a file or folder really is, links followed.
 
     Raises
     ------
@@ -277,7 +279,7 @@ def _check_existing(real: Path, target: Path) -> None:
 
 def _existing(folder: Path) -> Path:
     """The folder, or the nearest one above it that exists."""
-    return next(each for each in (folder, *folder.parents) if each.exists())
+    return next(above for above in (folder, *folder.parents) if above.exists())
 
 
 def _owned_above(folder: Path) -> Iterator[Path]:
@@ -297,15 +299,15 @@ def _make_folders(folder: Path, undo: list[Callable[[], object]]) -> None:
     undo.append(folder.rmdir)
 
 
-def _put(each: _Staged, undo: list[Callable[[], object]]) -> None:
-    if each.target.exists():
-        kept = each.file.with_name(each.file.name + ".old")
-        shutil.copy2(each.target, kept)
-        each.file.chmod(stat.S_IMODE(each.target.stat().st_mode))
-        undo.append(lambda: kept.replace(each.target))
+def _put(staged: _Staged, undo: list[Callable[[], object]]) -> None:
+    if staged.target.exists():
+        backup = staged.file.with_name(staged.file.name + ".old")
+        shutil.copy2(staged.target, backup)
+        staged.file.chmod(stat.S_IMODE(staged.target.stat().st_mode))
+        undo.append(lambda: backup.replace(staged.target))
     else:
-        undo.append(lambda: each.target.unlink(missing_ok=True))
-    each.file.replace(each.target)
+        undo.append(lambda: staged.target.unlink(missing_ok=True))
+    staged.file.replace(staged.target)
 
 
 def _undo(steps: list[Callable[[], object]]) -> None:

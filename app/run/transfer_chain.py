@@ -82,10 +82,10 @@ def find_chain(plan: Plan) -> Chain:
     node = final.rpartition(".")[0]
     upstream = ancestors(plan.network, node) | {node}
     sources = tuple(_sources(plan, upstream))
-    found = _delivered(plan, upstream)
-    if found is None:
+    delivered = _delivered(plan, upstream)
+    if delivered is None:
         return _unconnected(plan, output, sources)
-    last, recipe = found
+    last, recipe = delivered
     factors = (*recipe.magnitude.factors, *recipe.phase.factors)
     before = ancestors(plan.network, last) | {last}
     stages = _stages(plan, factors, before)

@@ -10,7 +10,7 @@ import numpy as np
 from app.report.blocks import of_many
 from app.report.drawing.curves import drawn_stages
 from app.report.drawing.picture_drawing import MOST_DRAWN
-from app.run.evaluation import TimedWork, asked_later, evaluate, planned
+from app.run.evaluation import TimedWork, evaluate, needed_later, planned
 from app.run.responses import Response, Responses, StageResponse
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
@@ -33,7 +33,7 @@ def test_pictures_in_series():
     plan = planned(engine, linked_network(nodes, links), Path())
     work = TimedWork(Policy(threads=1), engine.store)
     image = plan.output(f"n{LONG - 1}.image")
-    with work.hold(asked_later(plan, [], report=True)):
+    with work.hold(needed_later(plan, [], report=True)):
         found = evaluate(engine, plan, work, Path())
         noise = work.value(NoiseOf(image))
     assert found.chain.final == f"n{LONG - 1}.image"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.run.evaluation import TimedWork, asked_later, evaluate, planned
+from app.run.evaluation import TimedWork, evaluate, needed_later, planned
 from core.chain.engine import Engine
 from core.chain.skipped import skips
 from core.evaluation.policy import Policy
@@ -53,7 +53,7 @@ def test_with_a_store_of_one_byte(name):
     engine = Engine(LIBRARY, store)
     plan = planned(engine, shipped(name), NETWORKS)
     work = Counting(store)
-    with work.hold(asked_later(plan, [], report=False)):
+    with work.hold(needed_later(plan, [], report=False)):
         evaluate(engine, plan, work, NETWORKS)
         skips(plan, work)
     assert {name: count for name, count in work.times.items() if count > 1} == {}
@@ -68,7 +68,7 @@ def test_with_what_reports_show():
     engine = Engine(LIBRARY, store)
     plan = planned(engine, shipped("kodak_kir310"), NETWORKS)
     work = Counting(store)
-    with work.hold(asked_later(plan, [], report=True)):
+    with work.hold(needed_later(plan, [], report=True)):
         found = evaluate(engine, plan, work, NETWORKS)
         report_facts(found, skips(plan, work))
     assert {name: count for name, count in work.times.items() if count > 1} == {}
