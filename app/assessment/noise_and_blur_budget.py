@@ -1,4 +1,4 @@
-"""Which stage contributes how much of the final picture's noise and blur, as in module Noise Budget.
+"""Which stage contributes how much of the final picture's noise and blur, as in Noise Budget.
 
 Noise is predicted from the chain, for all sensors of the kind; beside it stands what this picture
 has, less the same picture without noise. Blur is taken at half the Nyquist frequency of the

@@ -36,8 +36,8 @@ def check(options: Options) -> None:
         if refused:
             print("\n".join(written))
             raise NetworkProblems(refused)
-    except NetworkProblems as found:
-        raise _printed(place, found.problems) from None
+    except NetworkProblems as faults:
+        raise _printed(place, faults.problems) from None
     except InputError as error:
         raise _printed(place, [error]) from None
     warnings = warning_lines(plan.warnings())
@@ -52,7 +52,7 @@ def check(options: Options) -> None:
 def planned_writes(
     options: Options, place: Place, plan: Plan
 ) -> tuple[list[str], tuple[ImagechainError, ...]]:
-    """Lines that say what a run would write, and why it would refuse to.
+    """Lines on what a run would write, and why it would refuse to.
 
     Raises
     ------

@@ -34,18 +34,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     # through time and again for garbage, a tenth of a short command's processor time.
     gc.set_threshold(50_000, 10, 10)
     with (
-        stoppable(to_the_end=argv is None) as told_to_stop,
+        stoppable(to_the_end=argv is None) as stop,
         usable_streams(),
         warnings.catch_warnings(),
     ):
         warnings.simplefilter("ignore")
-        return _exit_code(words, told_to_stop)
+        return _exit_code(words, stop)
 
 
-def _exit_code(words: list[str], told_to_stop: Stop) -> int:
+def _exit_code(words: list[str], stop: Stop) -> int:
     """Carry out the words; what goes wrong becomes a line on stderr."""
     try:
-        told_to_stop.during(_carry_out, words, told_to_stop)
+        stop.during(_carry_out, words, stop)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         discard(sys.stdout)
@@ -53,14 +53,14 @@ def _exit_code(words: list[str], told_to_stop: Stop) -> int:
         return _cancelled()
     except Exception as error:
         # A stop may have become anything, as numpy makes an ImportError of one.
-        if told_to_stop.is_set() and not told_to_stop.is_late:
+        if stop.is_set() and not stop.is_late:
             return _cancelled()
-        return _failed(error, written=told_to_stop.is_late)
+        return _failed(error, written=stop.is_late)
     return 0
 
 
 def _failed(error: Exception, *, written: bool) -> int:
-    """Say what went wrong; `written` when only the printing was left to do."""
+    """Print what went wrong; `written` when only the printing was left to do."""
     if isinstance(error, ImagechainError):
         return _fail(_with_more(error), error.exit_code)
     if isinstance(error, MemoryError):
@@ -74,7 +74,7 @@ def _failed(error: Exception, *, written: bool) -> int:
     return _fail(f"internal error: {type(error).__name__}: {error}", 1)
 
 
-def _carry_out(words: list[str], told_to_stop: Stop) -> None:
+def _carry_out(words: list[str], stop: Stop) -> None:
     from app.options import command_options as arguments
 
     try:
@@ -84,12 +84,12 @@ def _carry_out(words: list[str], told_to_stop: Stop) -> None:
     if options.command == "run":
         from app.command.run import run
 
-        _stop_if(told_to_stop)
-        run(options, told_to_stop)
+        _stop_if(stop)
+        run(options, stop)
     elif options.command == "edit":
         from app.command.edit import edit
 
-        edit(options, told_to_stop)
+        edit(options, stop)
     elif options.command == "check":
         from app.command.check import check
 
@@ -97,12 +97,12 @@ def _carry_out(words: list[str], told_to_stop: Stop) -> None:
     elif options.command == "tradeoff":
         from app.command.tradeoff import trade_off
 
-        _stop_if(told_to_stop)
-        trade_off(options, told_to_stop)
+        _stop_if(stop)
+        trade_off(options, stop)
     elif options.command == "bench":
         from app.bench import bench
 
-        _stop_if(told_to_stop)
+        _stop_if(stop)
         bench(options)
     elif options.command == "networks":
         from app.command.networks import network_list
@@ -114,9 +114,9 @@ def _carry_out(words: list[str], told_to_stop: Stop) -> None:
         modules(as_json=options.as_json, key=options.module)
 
 
-def _stop_if(told_to_stop: Stop) -> None:
+def _stop_if(stop: Stop) -> None:
     """Stop after imports, which may have swallowed the exception."""
-    if told_to_stop.is_set():
+    if stop.is_set():
         raise Stopped
 
 

@@ -17,15 +17,15 @@ OFFSCREEN = "offscreen"
 _X_SOCKETS = Path("/tmp/.X11-unix")
 
 
-def edit(options: Options, told_to_stop: threading.Event) -> None:
+def edit(options: Options, stop_requested: threading.Event) -> None:
     """Open the editor and stay until its window is closed.
 
     Parameters
     ----------
     options : Options
-        What was asked for.
-    told_to_stop : threading.Event
-        Set when a signal asks the process to end.
+        What the command line gives.
+    stop_requested : threading.Event
+        Set on a signal to end the process.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def edit(options: Options, told_to_stop: threading.Event) -> None:
         raise UsageError(f"the editor needs Qt, which cannot be loaded: {error}") from error
     from app.editor.window.start import start
 
-    start(options, told_to_stop)
+    start(options, stop_requested)
 
 
 def check_display(environment: os._Environ[str] | dict[str, str]) -> None:

@@ -28,15 +28,15 @@ def modules(*, as_json: bool, key: str = "") -> None:
         raise UsageError(f"there is no module {shown(key)}{hint}")
     declared = [declaration(module) for name, module in library.items() if key in ("", name)]
     if as_json:
-        described = [described_module(each) for each in declared]
+        described = [described_module(entry) for entry in declared]
         print(json.dumps(described, indent=2, ensure_ascii=False, allow_nan=False))
         return
-    groups = list(dict.fromkeys(each.group for each in declared))
-    declared.sort(key=lambda each: groups.index(each.group))
-    for group, members in groupby(declared, key=lambda each: each.group):
+    groups = list(dict.fromkeys(entry.group for entry in declared))
+    declared.sort(key=lambda entry: groups.index(entry.group))
+    for group, members in groupby(declared, key=lambda entry: entry.group):
         print(f"{group}\n{'=' * len(group)}\n")
-        for each in members:
-            print(module_text(each), end="\n\n")
+        for entry in members:
+            print(module_text(entry), end="\n\n")
 
 
 def described_module(declared: Declaration) -> dict[str, Any]:
@@ -54,10 +54,10 @@ def described_module(declared: Declaration) -> dict[str, Any]:
             for port in declared.inputs
         ],
         "outputs": [{"name": port.name, "types": list(port.types)} for port in declared.outputs],
-        "parameters": [_parameter(each) for each in declared.parameters],
+        "parameters": [_parameter(parameter) for parameter in declared.parameters],
         "readouts": [
-            {"name": each.name, "unit": each.unit, "meaning": each.meaning}
-            for each in declared.readouts
+            {"name": readout.name, "unit": readout.unit, "meaning": readout.meaning}
+            for readout in declared.readouts
         ],
     }
 
@@ -88,14 +88,22 @@ def module_text(declared: Declaration) -> str:
     ways = [_ports(declared.inputs), _ports(declared.outputs)]
     lines.append(f"  ports: {' → '.join(ways).strip()}")
     rows = [
-        (f"    {each.name}", _default(each), each.param.unit, each.allowed(), each.param.text)
-        for each in declared.parameters
+        (
+            f"    {parameter.name}",
+            _default(parameter),
+            parameter.param.unit,
+            parameter.allowed(),
+            parameter.param.text,
+        )
+        for parameter in declared.parameters
     ]
     if rows:
         lines += ["  parameters:", columns(rows)]
-    told = [(f"    {each.name}", each.unit, each.meaning) for each in declared.readouts]
-    if told:
-        lines += ["  read-outs:", columns(told)]
+    readouts = [
+        (f"    {readout.name}", readout.unit, readout.meaning) for readout in declared.readouts
+    ]
+    if readouts:
+        lines += ["  read-outs:", columns(readouts)]
     return "\n".join(lines)
 
 

@@ -13,10 +13,10 @@ _WIDTH = 96
 
 def network_list() -> None:
     """Print the name by which each can be run, its title and what it shows."""
-    print("\n".join(_told(name, path) for name, path in shipped_networks().items()))
+    print("\n".join(_entry(name, path) for name, path in shipped_networks().items()))
 
 
-def _told(name: str, path: Path) -> str:
+def _entry(name: str, path: Path) -> str:
     document = json.loads(path.read_text(encoding="utf-8"))
     shows = textwrap.fill(
         document["description"], _WIDTH, initial_indent="  ", subsequent_indent="  "

@@ -57,7 +57,7 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
     Parameters
     ----------
     options : Options
-        What was asked for.
+        What the command line gives.
     cancel : threading.Event, optional
         Set to stop before the next node.
 
@@ -70,7 +70,7 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)
-    # All that a run asks for is known and held; reports may ask for more, and again.
+    # All that a run needs is known and held; reports may need more, and again.
     engine = Engine(library, None if options.reports else Store(KEPT_BYTES))
     plan = planned(engine, network, place.folder)
     folder = options.output_dir or Path(f"{place.name}-output")
@@ -85,15 +85,15 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
             work.check()
             ports = [port for _, port, _ in writers]
             with work.hold(needed_later(plan, ports, report=bool(options.reports))):
-                found = evaluate(engine, plan, work, place.folder)
-                found.seconds["total"] = time.perf_counter() - start
-                _write(found, writers, staging, folder, options.frames, rules)
-                skipped = skips(plan, work)  # before the reports, whose pictures ask for more
-                _write_reports(found, skipped, options, staging)
+                evaluation = evaluate(engine, plan, work, place.folder)
+                evaluation.seconds["total"] = time.perf_counter() - start
+                _write(evaluation, writers, staging, folder, options.frames, rules)
+                skipped = skips(plan, work)  # before the reports, whose pictures need more
+                _write_reports(evaluation, skipped, options, staging)
         work.check()
         too_late(cancel)
         forgotten = rules.commit(staging)
-    _print(found, skipped, folder, options, sinks)
+    _print(evaluation, skipped, folder, options, sinks)
     if forgotten:
         print(f"not remembered for the next run, which needs {OPTION}: {forgotten}")
 
@@ -115,7 +115,7 @@ def open_network(place: Place, options: Options, library: Library) -> Network:
     check_shares(
         network,
         library,
-        given=[(each.node, each.name) for each in options.settings],
+        given=[(setting.node, setting.name) for setting in options.settings],
         places=[place.path.absolute(), *options.allowed, *filter(None, [options.output_dir])],
     )
     if options.seed is not None:
@@ -130,19 +130,19 @@ def _policy(options: Options) -> Policy:
 
 def input_files(plan: Plan, folder: Path) -> list[Path]:
     """Files that the network reads: no output may take their place."""
-    found = []
-    for each in plan.nodes.values():
-        if each.module is None or each.declaration.sink:
+    files = []
+    for node in plan.nodes.values():
+        if node.module is None or node.declaration.sink:
             continue
-        for parameter in each.declaration.parameters:
-            value = getattr(each.module, parameter.name)
+        for parameter in node.declaration.parameters:
+            value = getattr(node.module, parameter.name)
             if parameter.kind == "path" and value is not None:
-                found.append(folder / value)
-    return found
+                files.append(folder / value)
+    return files
 
 
 def _claim(plan: Plan, options: Options, staging: Staging) -> list[tuple[Path, str, Region | None]]:
-    """Say early what will be written; gives the ``--save`` files, each with port and region."""
+    """Reserve early what will be written; gives the ``--save`` files, each with port and region."""
     saves = []
     if options.frames is not None and not 1 <= options.frames <= MOST_FRAMES:
         raise UsageError(f"--frames {options.frames}: give a whole number from 1 to {MOST_FRAMES}")
@@ -161,7 +161,7 @@ def _claim(plan: Plan, options: Options, staging: Staging) -> list[tuple[Path, s
 def _claim_guarded(
     own: list[Path], sinks: dict[str, Path], rules: WriteRules, staging: Staging
 ) -> None:
-    """Say early what the network writes, and refuse what it may not."""
+    """Reserve early what the network writes, and refuse what it may not."""
     refused = rules.refused(sinks, own, staging)
     if refused:
         raise NetworkProblems(refused) from refused[0]
@@ -182,12 +182,12 @@ def own_files(plan: Plan, folder: Path) -> list[Path]:
 
 def sink_targets(plan: Plan, folder: Path) -> dict[str, Path]:
     """Files that nodes write, by node."""
-    found = {}
-    for name, each in plan.nodes.items():
-        target = getattr(each.module, "target", None)
-        if each.declaration.sink and not each.node.disabled and target is not None:
-            found[name] = target(NodeContext(name, plan.network.seed, folder))
-    return found
+    targets = {}
+    for name, node in plan.nodes.items():
+        target = getattr(node.module, "target", None)
+        if node.declaration.sink and not node.node.disabled and target is not None:
+            targets[name] = target(NodeContext(name, plan.network.seed, folder))
+    return targets
 
 
 def _port_value(plan: Plan, node: str, port: str) -> Any:
@@ -210,7 +210,7 @@ def _region(save: Save, value: Any) -> Region | None:
 
 
 def _write(
-    found: Evaluation,
+    evaluation: Evaluation,
     saves: list[tuple[Path, str, Region | None]],
     staging: Staging,
     folder: Path,
@@ -218,93 +218,93 @@ def _write(
     rules: WriteRules,
 ) -> None:
     for path, port, region in saves:
-        staging.write(path, partial(_save, found, port, region, frames))
-    for node, path, writer in _sink_files(found):
+        staging.write(path, partial(_save, evaluation, port, region, frames))
+    for node, path, writer in _sink_files(evaluation):
         staging.write(path, writer, partial(rules.check, node))
-    if found.chain.final is not None:
-        staging.write(folder / FINAL, partial(_final_png, found, found.chain.final))
-    staging.write(folder / MTF, partial(write_text, content=mtf_csv(found.responses)))
-    told = {**found.readouts, **_warnings(found.cautions)}
-    text = json.dumps(jsonable(told), indent=2, ensure_ascii=False, allow_nan=False)
+    if evaluation.chain.final is not None:
+        staging.write(folder / FINAL, partial(_final_png, evaluation, evaluation.chain.final))
+    staging.write(folder / MTF, partial(write_text, content=mtf_csv(evaluation.responses)))
+    readouts = {**evaluation.readouts, **_warnings(evaluation.cautions)}
+    text = json.dumps(jsonable(readouts), indent=2, ensure_ascii=False, allow_nan=False)
     staging.write(folder / READOUTS, partial(write_text, content=printable(text) + "\n"))
 
 
 def _warnings(cautions: Iterable[Caution]) -> dict[str, dict[str, list[str]]]:
     """What the nodes warn of, under a name that no node can have; nothing where all is well."""
     nodes: dict[str, list[str]] = {}
-    for each in cautions:
-        nodes.setdefault(each.node, []).append(each.text)
+    for caution in cautions:
+        nodes.setdefault(caution.node, []).append(caution.text)
     return {WARNINGS: nodes} if nodes else {}
 
 
 def _write_reports(
-    found: Evaluation, skipped: tuple[Skip, ...], options: Options, staging: Staging
+    evaluation: Evaluation, skipped: tuple[Skip, ...], options: Options, staging: Staging
 ) -> None:
     for path in options.reports:
         from app.report import write_report
 
-        staging.write(path, partial(write_report, found, skipped))
+        staging.write(path, partial(write_report, evaluation, skipped))
 
 
 def _save(
-    found: Evaluation, port: str, region: Region | None, frames: int | None, path: Path
+    evaluation: Evaluation, port: str, region: Region | None, frames: int | None, path: Path
 ) -> None:
-    value = found.plan.output(port)
+    value = evaluation.plan.output(port)
     try:
         if frames is not None and isinstance(value, Image):
-            save_frames(value, path, found.work, port=port, frames=frames, region=region)
+            save_frames(value, path, evaluation.work, port=port, frames=frames, region=region)
         else:
-            save_value(value, path, found.work, port=port, region=region)
+            save_value(value, path, evaluation.work, port=port, region=region)
     except ImagechainError as error:
         raise error.at(port.rpartition(".")[0]) from error
 
 
-def _sink_files(found: Evaluation) -> list[tuple[str, Path, Callable[[Path], None]]]:
+def _sink_files(evaluation: Evaluation) -> list[tuple[str, Path, Callable[[Path], None]]]:
     files: list[tuple[str, Path, Callable[[Path], None]]] = []
-    for name, each in found.plan.nodes.items():
-        if not each.declaration.sink or each.node.disabled:
+    for name, node in evaluation.plan.nodes.items():
+        if not node.declaration.sink or node.node.disabled:
             continue
-        here = NodeContext(name, found.network.seed, found.folder)
-        module: Any = each.module
+        here = NodeContext(name, evaluation.network.seed, evaluation.folder)
+        module: Any = node.module
         try:
-            files += [(name, *file) for file in module.files(each.inputs, here, found.work)]
+            files += [(name, *file) for file in module.files(node.inputs, here, evaluation.work)]
         except ImagechainError as error:
             raise error.at(name) from error
     return files
 
 
-def _final_png(found: Evaluation, port: str, path: Path) -> None:
-    samples = realize(found.plan.output(port), found.work)
+def _final_png(evaluation: Evaluation, port: str, path: Path) -> None:
+    samples = realize(evaluation.plan.output(port), evaluation.work)
     check_finite(samples, port)
     write_bytes(path, encode_png(grey_levels(*robust_limits(samples), samples)))
 
 
 def _print(
-    found: Evaluation,
+    evaluation: Evaluation,
     skipped: tuple[Skip, ...],
     folder: Path,
     options: Options,
     sinks: dict[str, Path],
 ) -> None:
-    rows = readout_rows(found)
+    rows = readout_rows(evaluation)
     if rows:
         print(columns(rows, right=(2,)), end="\n\n")
-    told = warning_lines(found.cautions)
-    if told:
-        print("\n".join(told), end="\n\n")
+    lines = warning_lines(evaluation.cautions)
+    if lines:
+        print("\n".join(lines), end="\n\n")
     left_out = [
-        f"{each.node} (at most {each.bound:.2g})" for each in skipped if each.kind == "below_budget"
+        f"{skip.node} (at most {skip.bound:.2g})" for skip in skipped if skip.kind == "below_budget"
     ]
     if left_out:
-        budget = found.work.policy.budget
+        budget = evaluation.work.policy.budget
         print(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}")
-    names = [FINAL, MTF, READOUTS] if found.chain.final is not None else [MTF, READOUTS]
+    names = [FINAL, MTF, READOUTS] if evaluation.chain.final is not None else [MTF, READOUTS]
     print(f"{folder}: {', '.join(names)}")
-    if found.chain.final is None:
-        output = find_output(found.plan)
+    if evaluation.chain.final is None:
+        output = find_output(evaluation.plan)
         print(f"no {FINAL}: {how_to_choose(output) or output.missing}")
-    if found.chain.missing and found.chain.grid is not None:
-        print(f"no total in {MTF}: {found.chain.missing}")
+    if evaluation.chain.missing and evaluation.chain.grid is not None:
+        print(f"no total in {MTF}: {evaluation.chain.missing}")
     others = [
         *(save.text for save in options.saves),
         *map(str, options.reports),

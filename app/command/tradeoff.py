@@ -44,7 +44,7 @@ def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
     Parameters
     ----------
     options : Options
-        What was asked for.
+        What the command line gives.
     cancel : threading.Event, optional
         Set to stop before the next node.
 
@@ -67,18 +67,18 @@ def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
         curves = _curves(options, engine, plan, (varied, second, figures), cancel)
         if not options.figures:
             figures = telling([f for f in figures if f.text != varied.text], curves)
-        found = Results(
+        results = Results(
             network.name or place.name, varied, second, figures, curves, _present(plan, varied)
         )
-        _check_told(found)
+        _check_figures(results)
         for path in options.outputs:
-            staging.write(path, partial(_write, found))
+            staging.write(path, partial(_write, results))
         if cancel is not None and cancel.is_set():
             raise Cancelled("stopped on request")
         warnings = engine.warnings(plan, engine.work(_policy(options)), known_only=True)
         too_late(cancel)
         staging.commit()
-    _print(found, options.outputs)
+    _print(results, options.outputs)
     for line in warning_lines(warnings):
         print(line)
 
@@ -88,10 +88,10 @@ def _variations(
 ) -> tuple[Variation, Variation | None]:
     if not 1 <= len(texts) <= _MOST_VARIED:
         raise UsageError(f"{OPTION} is given {len(texts)} times: once, or twice for a family")
-    found = [variation(text, network, library=library) for text in texts]
-    if len(found) == 1:
-        return found[0], None
-    first, second = found
+    variations = [variation(text, network, library=library) for text in texts]
+    if len(variations) == 1:
+        return variations[0], None
+    first, second = variations
     if first.text == second.text:
         raise UsageError(f"{OPTION} {second.text} is given twice: vary another parameter")
     if len(first.values) * len(second.values) > MOST:
@@ -109,7 +109,7 @@ def _chosen(texts: Sequence[str], network: Network, library: Library) -> tuple[F
     for text in texts:
         if text not in known:
             node = text.rpartition(".")[0]
-            beside = [each for each, figure in known.items() if figure.node == node]
+            beside = [name for name, figure in known.items() if figure.node == node]
             hint = listed(beside) if beside else close(text, known) or listed(known)
             raise UsageError(f"--figure {shown(text)}: the network has no such read-out{hint}")
     return tuple(known[text] for text in dict.fromkeys(texts))
@@ -154,7 +154,7 @@ def _points(
     except ParameterError as error:
         reason = str(error.at(second.node))
         reasons = {figure.text: reason for figure in sweep.figures}
-        return (Point(each, {}, reasons) for each in sweep.values)
+        return (Point(abscissa, {}, reasons) for abscissa in sweep.values)
     return sweep.points(engine, engine.plan(network, folder=plan.folder, previous=plan), work)
 
 
@@ -163,36 +163,36 @@ def _present(plan: Plan, varied: Variation) -> Any:
     return plan.network.node(varied.node).params.get(varied.parameter.name, default)
 
 
-def _check_told(found: Results) -> None:
+def _check_figures(results: Results) -> None:
     """Refuse a trade-off that has nothing to show."""
-    if any(f.text in point.figures for f in found.figures for _, point in found.rows()):
+    if any(f.text in point.figures for f in results.figures for _, point in results.rows()):
         return
-    told = found.failures()
-    if not told:  # the figures nobody chose had no value, so none is left
-        told = [("", r) for _, point in found.rows() for r in point.reasons.values()]
-    why = f": {told[0][1]}" if told else ""
-    raise UsageError(f"{OPTION} {found.varied.text}: no value of it gives a figure{why}")
+    gaps = results.failures()
+    if not gaps:  # the default figures had no value, so none is left
+        gaps = [("", r) for _, point in results.rows() for r in point.reasons.values()]
+    why = f": {gaps[0][1]}" if gaps else ""
+    raise UsageError(f"{OPTION} {results.varied.text}: no value of it gives a figure{why}")
 
 
-def _write(found: Results, path: Path) -> None:
+def _write(results: Results, path: Path) -> None:
     if CSV.matches(path):
-        write_text(path, printable(csv_text(found)))
+        write_text(path, printable(csv_text(results)))
     elif JSON.matches(path):
-        write_text(path, printable(json_text(found)))
+        write_text(path, printable(json_text(results)))
     elif PNG.matches(path):
         from app.tradeoff.tradeoff_drawing import trade_off_png
 
-        write_bytes(path, trade_off_png(found))
+        write_bytes(path, trade_off_png(results))
     else:
         from app.tradeoff.tradeoff_page import page
 
-        write_text(path, printable(page(found)))
+        write_text(path, printable(page(results)))
 
 
-def _print(found: Results, outputs: Sequence[Path]) -> None:
+def _print(results: Results, outputs: Sequence[Path]) -> None:
     width = shutil.get_terminal_size().columns if sys.stdout and sys.stdout.isatty() else None
-    print(table(found, width))
-    reasons = failures(found)
+    print(table(results, width))
+    reasons = failures(results)
     if reasons:
         print("\n" + "\n".join(reasons))
     if outputs:

@@ -45,14 +45,14 @@ exit codes:
   1  a failure of the program, or stopped
   2  a fault of the input; one line on stderr says which
 
-imagechain COMMAND --help tells the options of a command; --set, --save, --report, --figure and
+imagechain COMMAND --help lists the options of a command; --set, --save, --report, --figure and
 --output may be repeated, --vary be given twice."""
 Look = Literal["dark", "light"]
 
 
 @dataclass(frozen=True)
 class Options:
-    """What was asked for."""
+    """What the command line gives."""
 
     command: Literal["edit", "run", "check", "tradeoff", "modules", "networks", "bench"]
     network: str = ""
@@ -94,19 +94,19 @@ class _Parser(argparse.ArgumentParser):
         return list(self._option_string_actions)
 
     def refuse(self, word: str) -> NoReturn:
-        """Say that there is no such option, or no room for another word."""
+        """Refuse an unknown option, or one word too many."""
         name = word.partition("=")[0]
         if not name.startswith("-"):
             self.error(f"{shown(name)} is one word too many")
         self.error(f"there is no option {shown(name)}{close(name, self.option_names())}")
 
     def print_help(self, file: Any = None) -> None:
-        # argparse's own says nothing where the disk is full.
+        # argparse's own reports no error where the disk is full.
         print(self.format_help(), end="", file=file, flush=True)
 
 
 class _Version(argparse.Action):
-    # Asked of the installation only when wanted: that costs a run 20 ms.
+    # Read from the installation only when needed: it takes 20 ms.
     def __call__(self, parser: argparse.ArgumentParser, *_: Any, **__: Any) -> None:
         print(f"imagechain {version()}")
         parser.exit()
@@ -120,78 +120,80 @@ def parse(argv: list[str]) -> Options:
     UsageError
         If it cannot be carried out.
     SystemExit
-        After printing the help or version asked for.
+        After printing the help or version.
     """
-    found = _found(argv)
-    if found.command == "networks":
+    arguments = _arguments(argv)
+    if arguments.command == "networks":
         return Options("networks")
-    if found.command == "modules":
-        return Options("modules", as_json=found.json, module=found.key or "")
-    if found.command == "bench":
+    if arguments.command == "modules":
+        return Options("modules", as_json=arguments.json, module=arguments.key or "")
+    if arguments.command == "bench":
         return Options(
             "bench",
-            bench_json=file_path("--json", found.json),
-            bench_html=file_path("--html", found.html),
-            bench_markdown=file_path("--markdown", found.markdown),
-            bench_pictures=file_path("--pictures", found.pictures),
-            quick=found.quick,
-            parts=tuple(found.only),
-            size=whole_number("--size", found.size),
+            bench_json=file_path("--json", arguments.json),
+            bench_html=file_path("--html", arguments.html),
+            bench_markdown=file_path("--markdown", arguments.markdown),
+            bench_pictures=file_path("--pictures", arguments.pictures),
+            quick=arguments.quick,
+            parts=tuple(arguments.only),
+            size=whole_number("--size", arguments.size),
         )
-    if found.command == "edit":
-        shot = file_path("--screenshot", found.screenshot)
+    if arguments.command == "edit":
+        shot = file_path("--screenshot", arguments.screenshot)
         if shot is not None and not PNG.matches(shot):
-            raise UsageError(f"--screenshot {found.screenshot}: a name that ends in .png")
+            raise UsageError(f"--screenshot {arguments.screenshot}: a name that ends in .png")
         return Options(
             "edit",
-            found.network or "",
+            arguments.network or "",
             screenshot=shot,
-            window_size=window_size("--size", found.size),
-            look=cast("Look | None", found.look),
-            part=found.part,
+            window_size=window_size("--size", arguments.size),
+            look=cast("Look | None", arguments.look),
+            part=arguments.part,
         )
-    settings = tuple(assignment("--set", text, "NODE.PARAM=VALUE") for text in found.set)
-    if found.command == "check":
-        return Options("check", found.network, settings, final=found.final, **_places(found))
+    settings = tuple(assignment("--set", text, "NODE.PARAM=VALUE") for text in arguments.set)
+    if arguments.command == "check":
+        return Options(
+            "check", arguments.network, settings, final=arguments.final, **_places(arguments)
+        )
     common: dict[str, Any] = {
         "settings": settings,
-        "final": found.final,
-        "precision": found.precision,
-        "tolerance": tolerance(found.tolerance),
-        "seed": whole_number("--seed", found.seed, largest=LARGEST_INTEGER),
-        "threads": whole_number("--threads", found.threads, largest=1024) or 0,
+        "final": arguments.final,
+        "precision": arguments.precision,
+        "tolerance": tolerance(arguments.tolerance),
+        "seed": whole_number("--seed", arguments.seed, largest=LARGEST_INTEGER),
+        "threads": whole_number("--threads", arguments.threads, largest=1024) or 0,
     }
-    if found.command == "tradeoff":
+    if arguments.command == "tradeoff":
         return Options(
             "tradeoff",
-            found.network,
-            vary=tuple(found.vary),
-            figures=tuple(found.figure),
-            outputs=tuple(output_path(text) for text in found.output),
+            arguments.network,
+            vary=tuple(arguments.vary),
+            figures=tuple(arguments.figure),
+            outputs=tuple(output_path(text) for text in arguments.output),
             **common,
         )
     return Options(
         "run",
-        found.network,
-        saves=tuple(save_target(text) for text in found.save),
-        reports=tuple(report_path(text) for text in found.report),
-        frames=whole_number("--frames", found.frames),
-        **_places(found),
+        arguments.network,
+        saves=tuple(save_target(text) for text in arguments.save),
+        reports=tuple(report_path(text) for text in arguments.report),
+        frames=whole_number("--frames", arguments.frames),
+        **_places(arguments),
         **common,
     )
 
 
-def _places(found: argparse.Namespace) -> dict[str, Any]:
+def _places(arguments: argparse.Namespace) -> dict[str, Any]:
     """Where a run writes, and where its network may."""
-    allowed = (file_path("--allow-writes-to", text) for text in found.allow_writes_to)
+    allowed = (file_path("--allow-writes-to", text) for text in arguments.allow_writes_to)
     return {
-        "output_dir": file_path("--output-dir", found.output_dir),
+        "output_dir": file_path("--output-dir", arguments.output_dir),
         "allowed": tuple(folder for folder in allowed if folder is not None),
     }
 
 
-def _found(argv: list[str]) -> argparse.Namespace:
-    """The words as argparse reads them; one it does not know is told with what is like it."""
+def _arguments(argv: list[str]) -> argparse.Namespace:
+    """The words as argparse reads them; an unknown one is refused with what is like it."""
     first = argv[0]
     parser, commands = _parser(first)
     if not first.startswith("-") and first not in commands:
@@ -200,10 +202,10 @@ def _found(argv: list[str]) -> argparse.Namespace:
     used = commands.get(first, parser)
     if used is parser and first not in parser.option_names():
         parser.refuse(first)
-    found, unknown = parser.parse_known_args(argv)
+    arguments, unknown = parser.parse_known_args(argv)
     if unknown:
         used.refuse(unknown[0])
-    return found
+    return arguments
 
 
 def _shipped() -> str:
@@ -220,7 +222,7 @@ def _shipped() -> str:
 
 
 def _parser(used: str) -> tuple[_Parser, Mapping[str, _Parser]]:
-    """The parser of all commands, and that of each; only the used one knows its words."""
+    """The parser of all commands, and that of each; only the used one has its options."""
     parser = _Parser(
         prog="imagechain",
         description="Simulate electro-optical and infrared image chains.",

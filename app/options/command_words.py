@@ -139,7 +139,7 @@ def tradeoff_words(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NODE.READOUT",
-        help="a figure of merit to tell: a read-out of a node, or the chain's MTF as "
+        help="a figure of merit to show: a read-out of a node, or the chain's MTF as "
         "total.mtf_nyquist_x, total.mtf_half_nyquist_x (and _y); may be repeated (default: figures "
         "of the electronics and the chain's MTF, as far as they change)",
     )

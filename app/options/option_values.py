@@ -58,7 +58,7 @@ class Save(Assignment):
         return f"--save {self.port}{bounds}={self.text}"
 
     def region(self, rows: int, columns: int) -> Region | None:
-        """The samples wanted of a picture of that size; None for all of them.
+        """The samples to save of a picture of that size; None for all of them.
 
         Raises
         ------
@@ -108,7 +108,7 @@ def output_path(text: str) -> Path:
 def _with_suffix(option: str, text: str, allowed: tuple[Format, ...]) -> Path:
     path = file_path(option, text)
     assert path is not None
-    if not any(each.matches(path) for each in allowed):
+    if not any(file_format.matches(path) for file_format in allowed):
         raise UsageError(
             f"{option} {text!r:.120}: the file's name must end in {_or(suffixes(*allowed))}"
         )

@@ -33,7 +33,7 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
     """
     for setting in settings:
         parameter = named_parameter("--set", setting, network, library=library)
-        if parameter is None:  # for the check of the whole network to say
+        if parameter is None:  # the check of the whole network reports it
             continue
         value = _fitting(parameter, setting)
         network = network.with_parameter(setting.node, setting.name, plain(value))
@@ -55,7 +55,11 @@ def with_final(network: Network, port: str, *, library: Library) -> Network:
         raise UsageError(f"--final {port:.120}: there is no node {shown(name)}{known}")
     module = library.get(node.module)
     if module is not None:
-        pictures = [each.name for each in declaration(module).outputs if "image" in each.types]
+        pictures = [
+            candidate.name
+            for candidate in declaration(module).outputs
+            if "image" in candidate.types
+        ]
         if output not in pictures:
             known = close(output, pictures) or f"; its pictures: {', '.join(pictures) or 'none'}"
             raise UsageError(f"--final {port:.120}: {name} has no picture {shown(output)}{known}")
@@ -82,7 +86,7 @@ def named_parameter(
     declared = declaration(module)
     parameter = declared.parameter(setting.name)
     if parameter is None:
-        names = [each.name for each in declared.parameters]
+        names = [candidate.name for candidate in declared.parameters]
         known = close(setting.name, names) or listed(names)
         raise UsageError(
             f"{option} {setting.port}: {declared.title} has no parameter "
@@ -93,10 +97,10 @@ def named_parameter(
 
 def readings(text: str) -> list[Any]:
     """What a text may mean, the likeliest first: JSON or a number, else itself."""
-    found: list[Any] = [text]
+    values: list[Any] = [text]
     with contextlib.suppress(ValueError, RecursionError):  # no JSON, so a text
-        found.insert(0, _read(text))
-    return found
+        values.insert(0, _read(text))
+    return values
 
 
 def _fitting(parameter: Parameter, setting: Assignment) -> Any:

@@ -1,4 +1,4 @@
-"""A progress bar on a terminal, once work takes long enough to want one."""
+"""A progress bar on a terminal, once work takes long."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Progress:
             self._bar.stop()
 
     def __call__(self, node: str | None) -> None:
-        """Say that `node` is about to compute."""
+        """Show that `node` is about to compute."""
         if not self._wanted:
             return
         if node:

@@ -1,4 +1,4 @@
-"""A polite end when the process is told to stop."""
+"""An orderly end on a signal to stop."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
 
 
 class Stopped(KeyboardInterrupt):
-    """Told to stop.
+    """Raised by a signal to stop.
 
     A class of its own: after a plain KeyboardInterrupt inside ``exec`` (as dataclasses use it) the
     interpreter ends by the signal, however well it was caught.
@@ -22,7 +22,7 @@ class Stopped(KeyboardInterrupt):
 
 
 class Stop(threading.Event):
-    """Set once the process is told to stop, and the handler of the signals that tell it.
+    """Set on a signal to stop, and the handler of these signals.
 
     `Stopped` is raised only inside `during`, whose caller catches it: anywhere else, such as in
     the caller's own ``except``, it would end the process with a traceback.
@@ -31,7 +31,7 @@ class Stop(threading.Event):
     def __init__(self) -> None:
         super().__init__()
         self.is_late = False
-        self._told = False
+        self._noted = False
 
     def during(self, function: Callable[..., object], *words: object) -> None:
         """Call a function that a signal may stop."""
@@ -43,9 +43,9 @@ class Stop(threading.Event):
 
     def __call__(self, _number: int, frame: FrameType | None) -> None:
         """Note the signal; raise where it can be caught, and nothing is being cleared away."""
-        if not self._told:
+        if not self._noted:
             # A signal within `set` would wait for its lock for ever.
-            self._told = True
+            self._noted = True
             self.set()
         if self.is_late or isinstance(sys.exception(), Stopped):
             return
@@ -56,7 +56,7 @@ class Stop(threading.Event):
 
 
 def too_late(cancel: threading.Event | None) -> None:
-    """Let a stop that is tied to signals come too late from now on."""
+    """From now on a stop that is tied to signals comes too late."""
     if isinstance(cancel, Stop):
         cancel.too_late()
 
@@ -71,7 +71,7 @@ def stoppable(*, to_the_end: bool = False) -> Iterator[Stop]:
     Parameters
     ----------
     to_the_end : bool
-        Whether the process ends after it: Ctrl-C then ends what is left of it without a word,
+        Whether the process ends after it: Ctrl-C then ends what is left of it without output,
         where Python would print a traceback. A signal to end that comes once more changes nothing:
         the process is ending, with the exit code of its stop.
     """

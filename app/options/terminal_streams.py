@@ -11,7 +11,7 @@ from typing import TextIO
 
 @contextlib.contextmanager
 def usable_streams() -> Iterator[None]:
-    """Let names of any alphabet be printed, and a closed stream swallow what is.
+    """Make names of any alphabet printable, and replace closed streams by the null device.
 
     Without it `print` writes to standard output what was meant for a closed standard error, and
     the next file that is opened takes the number of the closed stream.
@@ -34,13 +34,13 @@ def usable_streams() -> Iterator[None]:
 
 
 def discard(stream: TextIO) -> None:
-    """Let what is left in the stream's buffer, and all that follows, go nowhere."""
+    """Drop what is left in the stream's buffer, and all that follows."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def print_error(line: str) -> None:
-    """Print a line to standard error; where that is full or gone, nobody can be told."""
+    """Print a line to standard error; drop it where that is full or gone."""
     try:
         print(line, file=sys.stderr, flush=True)
     except (OSError, ValueError):

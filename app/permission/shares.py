@@ -1,4 +1,4 @@
-"""Files on other computers that a network names: reaching for one tells that computer who asks."""
+"""Files on other computers that a network names: opening one sends the user's name there."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ def named_shares(
     network: Network, library: Library, *, windows: bool = os.name == "nt"
 ) -> dict[tuple[str, str], str]:
     """The computers that file names in a network lead to, by node and parameter."""
-    found: dict[tuple[str, str], str] = {}
+    servers: dict[tuple[str, str], str] = {}
     if not windows:
-        return found
+        return servers
     for node in network.nodes.values():
         if node.module not in library:
             continue
@@ -49,8 +49,8 @@ def named_shares(
             if parameter.kind == "path" and isinstance(value, str):
                 server = share_server(value, windows=windows)
                 if server is not None:
-                    found[node.id, parameter.name] = server
-    return found
+                    servers[node.id, parameter.name] = server
+    return servers
 
 
 def check_shares(
@@ -79,10 +79,10 @@ def check_shares(
     NetworkError
         Naming node, file and computer.
     """
-    found = named_shares(network, library, windows=windows)
-    trusted = {found[each] for each in given if each in found}
+    servers = named_shares(network, library, windows=windows)
+    trusted = {servers[key] for key in given if key in servers}
     trusted |= {server for place in places if (server := share_server(str(place), windows=windows))}
-    for (node, name), server in found.items():
+    for (node, name), server in servers.items():
         if server not in trusted:
             value = shown(str(network.nodes[node].params[name]))
             raise NetworkError(

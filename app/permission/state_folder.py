@@ -1,4 +1,4 @@
-"""Where this user's programs keep what they remember: never inside a network's folder."""
+"""Where this user's programs keep their state: never inside a network's folder."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ Print = tuple[int, str]
 class WriteRecord:
     """The record of one network file, in a file of the user's state folder.
 
-    It lies there and not beside the network, because a network that came from elsewhere could
+    It is there and not beside the network, because a network that came from elsewhere could
     bring a record of its own. One that is lost or damaged counts as empty.
 
     Parameters
@@ -49,7 +49,7 @@ class WriteRecord:
         known = self.written.get(file, ())
         with contextlib.suppress(OSError):
             status = file.lstat()
-            alike = any(each[0] == status.st_size for each in known)
+            alike = any(entry[0] == status.st_size for entry in known)
             return alike and stat.S_ISREG(status.st_mode) and fingerprint(file) in known
         return False
 
@@ -108,7 +108,7 @@ def remember_chosen(network: Path, files: Iterable[Path]) -> None:
 
 @contextlib.contextmanager
 def changing(network: Path) -> Iterator[None]:
-    """Let nobody else read and write a network's record meanwhile."""
+    """Hold off other processes that read and write a network's record."""
     path = _place(Path(os.path.realpath(network)))
     if path is None:
         yield
@@ -122,8 +122,8 @@ def changing(network: Path) -> Iterator[None]:
 def fingerprint(file: Path) -> Print:
     """Size and hash of what a file holds."""
     with file.open("rb") as opened:
-        found = hashlib.file_digest(opened, "sha256").hexdigest()
-        return opened.tell(), found
+        digest = hashlib.file_digest(opened, "sha256").hexdigest()
+        return opened.tell(), digest
 
 
 def _place(network: Path) -> Path | None:
@@ -138,7 +138,7 @@ def _read(network: Path, content: dict[str, Any]) -> WriteRecord:
     if content["format"] != FORMAT or content["version"] != VERSION:
         raise ValueError("it is of another kind")
     written = {
-        Path(file): tuple((int(size), str(found)) for size, found in prints)
+        Path(file): tuple((int(size), str(digest)) for size, digest in prints)
         for file, prints in content["written"].items()
     }
     return WriteRecord(network, written, frozenset(Path(file) for file in content["chosen"]))

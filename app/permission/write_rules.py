@@ -1,4 +1,4 @@
-"""Where a network may write: it may come from anybody, and names its files itself."""
+"""Where a network may write: its origin is unknown, and it names its files itself."""
 
 from __future__ import annotations
 
@@ -97,25 +97,25 @@ class WriteRules:
         checks += [
             (node, partial(self.check, node, target), target) for node, target in sinks.items()
         ]
-        found: list[ImagechainError] = []
+        errors: list[ImagechainError] = []
         for node, allow, target in checks:
             try:
                 allow()
                 staging.check(target)
             except FileError as error:
-                found.append(error.at(node) if node else error)
-        return (*found, *_twice(sinks, own))
+                errors.append(error.at(node) if node else error)
+        return (*errors, *_twice(sinks, own))
 
     def commit(self, staging: Staging) -> str:
-        """Put the files in place, and remember those that nodes have written.
+        """Put the files in place, and record those that nodes have written.
 
-        They are remembered before, too: a process that is killed meanwhile leaves files that are
+        They are recorded before, too: a process that is killed meanwhile leaves files that are
         known, whether they are the old ones or the new ones.
 
         Returns
         -------
         str
-            Why they could not be remembered; empty where they were.
+            Why they could not be recorded; empty where they were.
 
         Raises
         ------
@@ -128,10 +128,10 @@ class WriteRules:
             raise FileError(f"cannot read {error.filename}: {error.strerror or error}") from error
         with changing(self.record.network):
             before = self._known().written
-            both = {target: (*before.get(target, ()), each) for target, each in new.items()}
+            both = {target: (*before.get(target, ()), entry) for target, entry in new.items()}
             problem = self._remember(both)
             staging.commit()
-            return problem or self._remember({target: (each,) for target, each in new.items()})
+            return problem or self._remember({target: (entry,) for target, entry in new.items()})
 
     def _known(self) -> WriteRecord:
         """The record as it is now: another run, or the editor, may have added to it."""
@@ -144,9 +144,9 @@ class WriteRules:
         if not new:
             return ""
         known = self._known()
-        kept = {file: each for file, each in known.written.items() if os.path.lexists(file)}
+        existing = {file: prints for file, prints in known.written.items() if os.path.lexists(file)}
         try:
-            write_record(replace(known, written={**kept, **new}))
+            write_record(replace(known, written={**existing, **new}))
         except FileError as error:
             return error.message
         return ""
@@ -160,7 +160,7 @@ def write_rules(options: Options, place: Place, output: Path) -> WriteRules:
     UsageError
         If a folder to be allowed is none.
     FileError
-        If the output folder nobody named is a link, as one that came along with the network, or
+        If the default output folder is a link, as one that came along with the network, or
         lies in a current folder that has been removed.
     """
     for folder in options.allowed:
@@ -174,7 +174,7 @@ def write_rules(options: Options, place: Place, output: Path) -> WriteRules:
     return WriteRules(
         folders=(*_own_folder(place), real),
         allowed=allowed,
-        given=frozenset(each.node for each in options.settings if each.name == "path"),
+        given=frozenset(setting.node for setting in options.settings if setting.name == "path"),
         record=read_record(place.path),
     )
 
@@ -197,7 +197,7 @@ def _own_folder(place: Place) -> tuple[Path, ...]:
 
 
 def _within(path: Path, folder: Path) -> bool:
-    """Whether a path lies below a folder, also where the system takes A for a."""
+    """Whether a path is below a folder, also where the system takes A for a."""
     if path.is_relative_to(folder):
         return True
     return any(_same(above, folder) for above in path.parents)
