@@ -21,7 +21,7 @@ from app.run.staging import Staging
 from app.tradeoff.sweep import Point, TradeOff, with_value
 from app.tradeoff.texts import csv_text, failures, json_text, table
 from app.tradeoff.tradeoff_figures import Figure, default_figures, figures_of
-from app.tradeoff.tradeoff_results import Curve, Results, shown_value, telling
+from app.tradeoff.tradeoff_results import Curve, Results, changing_figures, shown_value
 from app.tradeoff.values import MOST, OPTION, Variation, variation
 from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan
@@ -66,7 +66,7 @@ def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
             staging.claim(path)
         curves = _curves(options, engine, plan, (varied, second, figures), cancel)
         if not options.figures:
-            figures = telling([f for f in figures if f.text != varied.text], curves)
+            figures = changing_figures([f for f in figures if f.text != varied.text], curves)
         results = Results(
             network.name or place.name, varied, second, figures, curves, _present(plan, varied)
         )

@@ -17,7 +17,7 @@ from core.network.network import Network
 
 @dataclass(frozen=True)
 class Point:
-    """The figures at one value, by ``NODE.READOUT``; `reasons` tells why there is none."""
+    """The figures at one value, by ``NODE.READOUT``; `reasons` has why there is none."""
 
     value: Any
     figures: Mapping[str, float] = field(default_factory=dict)
@@ -35,7 +35,7 @@ class TradeOff:
     values : tuple
         The values it takes, as a network file has them.
     figures : tuple of Figure
-        What is told of the network at each of them.
+        Figures of the network at each of them.
     """
 
     node: str
@@ -60,7 +60,7 @@ class TradeOff:
         Raises
         ------
         Cancelled
-            When the caller has asked to stop.
+            When the caller has requested a stop.
         """
         for value in self.values:
             work.check()
@@ -71,8 +71,8 @@ class TradeOff:
                 yield Point(value, {}, {figure.text: reason for figure in self.figures})
                 continue
             varied = engine.plan(network, folder=plan.folder, previous=plan)
-            told = computed(self.figures, engine, varied, work, self.node)
-            yield Point(value, told.values, told.reasons)
+            result = computed(self.figures, engine, varied, work, self.node)
+            yield Point(value, result.values, result.reasons)
 
 
 def with_value(network: Network, engine: Engine, node: str, parameter: str, value: Any) -> Network:
@@ -84,10 +84,10 @@ def with_value(network: Network, engine: Engine, node: str, parameter: str, valu
         If the value is not allowed, or stands for an empty parameter without saying so.
     """
     declared = parameter_of(network, engine, node, parameter)
-    found = declared.coerce(value)
-    if found is None and value is not None:
+    coerced = declared.coerce(value)
+    if coerced is None and value is not None:
         raise ParameterError(parameter, value, "it stands for an empty parameter, as null does")
-    return network.with_parameter(node, parameter, plain(found))
+    return network.with_parameter(node, parameter, plain(coerced))
 
 
 def parameter_of(network: Network, engine: Engine, node: str, parameter: str) -> Parameter:
@@ -99,7 +99,7 @@ def parameter_of(network: Network, engine: Engine, node: str, parameter: str) ->
         If there is no such node, or its module has no such parameter.
     """
     module = engine.library.get(network.node(node).module)
-    found = declaration(module).parameter(parameter) if module is not None else None
-    if found is None:
+    declared = declaration(module).parameter(parameter) if module is not None else None
+    if declared is None:
         raise NetworkError(f"{node} has no parameter {parameter}")
-    return found
+    return declared

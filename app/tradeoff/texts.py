@@ -16,70 +16,70 @@ _GAP = 2  # between columns
 _MOST_REASONS = 12
 
 
-def table(found: Results, width: int | None = None) -> str:
+def table(results: Results, width: int | None = None) -> str:
     """Heads of node, name and unit above the values; broken into blocks no wider than `width`."""
-    axes = [found.varied, *([found.second] if found.second else [])]
-    kept = [_axis_column(axis, found, number) for number, axis in enumerate(axes)]
+    axes = [results.varied, *([results.second] if results.second else [])]
+    axis_columns = [_axis_column(axis, results, number) for number, axis in enumerate(axes)]
     others = [
         [
             *(figure.node, figure.name, figure.unit),
-            *(_cell(point.figures.get(figure.text), figure.unit) for _, point in found.rows()),
+            *(_cell(point.figures.get(figure.text), figure.unit) for _, point in results.rows()),
         ]
-        for figure in found.figures
+        for figure in results.figures
     ]
     blocks = []
     while others:
-        block = [*kept]
-        while others and (len(block) == len(kept) or _fits([*block, others[0]], width)):
+        block = [*axis_columns]
+        while others and (len(block) == len(axis_columns) or _fits([*block, others[0]], width)):
             block.append(others.pop(0))
         rows = list(zip(*block, strict=True))
         blocks.append(columns(rows, right=range(len(block))))
     return "\n\n".join(blocks)
 
 
-def failures(found: Results) -> list[str]:
+def failures(results: Results) -> list[str]:
     """One line for each place that has no figure, and why; of many, the first."""
-    lines = [f"{place}: {reason}" for place, reason in found.failures()]
+    lines = [f"{place}: {reason}" for place, reason in results.failures()]
     if len(lines) > _MOST_REASONS:
         lines[_MOST_REASONS - 1 :] = [f"and {len(lines) - _MOST_REASONS + 1} more gaps"]
     return lines
 
 
-def csv_text(found: Results) -> str:
+def csv_text(results: Results) -> str:
     """A row for each point in full precision; what is not there is empty, its reason at the end."""
     heads = [
-        found.varied.text,
-        *([found.second.text] if found.second else []),
-        *(figure.text for figure in found.figures),
+        results.varied.text,
+        *([results.second.text] if results.second else []),
+        *(figure.text for figure in results.figures),
         "failed",
     ]
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
     lines.writerow(heads)
-    for curve, point in found.rows():
-        values = [point.value, *([curve.second] if found.second else [])]
-        values += [point.figures.get(figure.text) for figure in found.figures]
+    for curve, point in results.rows():
+        values = [point.value, *([curve.second] if results.second else [])]
+        values += [point.figures.get(figure.text) for figure in results.figures]
         reasons = dict.fromkeys(
-            point.reasons[f.text] for f in found.figures if f.text in point.reasons
+            point.reasons[f.text] for f in results.figures if f.text in point.reasons
         )
         lines.writerow([*(_exact(value) for value in values), "; ".join(reasons)])
     return text.getvalue()
 
 
-def json_text(found: Results) -> str:
+def json_text(results: Results) -> str:
     """All that is known, for programs."""
-    figures = [figure.text for figure in found.figures]
+    figures = [figure.text for figure in results.figures]
     facts = {
-        "network": found.network,
-        "vary": [_variation(each) for each in (found.varied, found.second) if each is not None],
-        "present": found.present,
+        "network": results.network,
+        "vary": [_variation(axis) for axis in (results.varied, results.second) if axis is not None],
+        "present": results.present,
         "figures": [
-            {"name": each.text, "unit": each.unit, "meaning": each.meaning}
-            for each in found.figures
+            {"name": figure.text, "unit": figure.unit, "meaning": figure.meaning}
+            for figure in results.figures
         ],
         "curves": [
             {
-                **({"second": curve.second} if found.second is not None else {}),
+                **({"second": curve.second} if results.second is not None else {}),
                 "points": [
                     {
                         "value": point.value,
@@ -89,7 +89,7 @@ def json_text(found: Results) -> str:
                     for point in curve.points
                 ],
             }
-            for curve in found.curves
+            for curve in results.curves
         ],
     }
     return json.dumps(jsonable(facts), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
@@ -99,8 +99,8 @@ def _variation(varied: Variation) -> dict[str, Any]:
     return {"parameter": varied.text, "unit": varied.unit, "values": varied.values}
 
 
-def _axis_column(axis: Variation, found: Results, number: int) -> list[str]:
-    values = [(point.value, curve.second)[number] for curve, point in found.rows()]
+def _axis_column(axis: Variation, results: Results, number: int) -> list[str]:
+    values = [(point.value, curve.second)[number] for curve, point in results.rows()]
     return [
         *(axis.node, axis.parameter.name, axis.unit),
         *(shown_value(value) for value in values),

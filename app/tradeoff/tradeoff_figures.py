@@ -58,27 +58,27 @@ def figures_of(network: Network, library: Library) -> dict[str, Figure]:
 
     Whether a read-out is a number shows only once it is computed.
     """
-    found: list[Figure] = []
+    figures: list[Figure] = []
     modules = {node.module for node in network.nodes.values()}
     if "back_transform" in modules:
         for total, what in _TOTALS.items():
             if total == TOTAL or ELECTRONICS in modules:
-                found += [
+                figures += [
                     Figure(total, n, "", f"{what} {where}") for n, (*_, where) in _PLACES.items()
                 ]
     for node in network.nodes.values():
         if node.module in library and not node.disabled:
-            found += [
-                Figure(node.id, each.name, each.unit, each.meaning)
-                for each in declaration(library[node.module]).readouts
+            figures += [
+                Figure(node.id, readout.name, readout.unit, readout.meaning)
+                for readout in declaration(library[node.module]).readouts
             ]
-    return {figure.text: figure for figure in found}
+    return {figure.text: figure for figure in figures}
 
 
 def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
-    """What is usually asked for: the electronics' figures and the chain's MTF.
+    """The figures of most use: the electronics' and the chain's MTF.
 
-    Of a network with neither, what its analysis tells, else all there is.
+    Of a network with neither, those of its analysis, else all there is.
     """
     known = figures_of(network, library)
     groups = {
@@ -97,7 +97,7 @@ def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
 
 
 @dataclass(frozen=True)
-class Told:
+class FigureValues:
     """Numbers by figure, and for the others why there is none."""
 
     values: Mapping[str, float]
@@ -106,13 +106,13 @@ class Told:
 
 def computed(
     figures: Iterable[Figure], engine: Engine, plan: Plan, work: Work, varied: str
-) -> Told:
+) -> FigureValues:
     """The figures of a planned network, of which `varied` is the node that a trade-off varies.
 
     Raises
     ------
     Cancelled
-        When the caller has asked to stop.
+        When the caller has requested a stop.
     """
     figures = tuple(figures)
     values: dict[str, float] = {}
@@ -120,26 +120,26 @@ def computed(
     for node in dict.fromkeys(figure.node for figure in figures):
         totals = [f for f in figures if f.node == node and f.is_total]
         readouts = [f for f in figures if f.node == node and not f.is_total]
-        for wanted in filter(None, (totals, *([each] for each in readouts))):
+        for wanted in filter(None, (totals, *([figure] for figure in readouts))):
             work.check()
             try:
                 if wanted is totals:
-                    found = _total(totals, plan, work, varied)
+                    results = _total(totals, plan, work, varied)
                 else:
                     name = wanted[0].name
-                    found = engine.readouts(plan, node, work, names=(name,))
+                    results = engine.readouts(plan, node, work, names=(name,))
             except Cancelled:
                 raise
             except ImagechainError as error:
                 reasons |= {figure.text: str(error) for figure in wanted}
                 continue
             for figure in wanted:
-                number = _number(found.get(figure.name))
+                number = _number(results.get(figure.name))
                 if number is None:
-                    reasons[figure.text] = _no_number(figure, found)
+                    reasons[figure.text] = _no_number(figure, results)
                 else:
                     values[figure.text] = number
-    return Told(values, reasons)
+    return FigureValues(values, reasons)
 
 
 def _total(figures: Iterable[Figure], plan: Plan, work: Work, varied: str) -> dict[str, Any]:
@@ -151,28 +151,28 @@ def _total(figures: Iterable[Figure], plan: Plan, work: Work, varied: str) -> di
     chain = find_chain(sound_part(plan))
     if chain.grid is None or not chain.cascade:
         raise NetworkError(f"no total MTF: {chain.missing}")
-    found = {}
+    mtfs = {}
     for figure in figures:
         axis, share, _ = _PLACES[figure.name]
         later = chain.later if figure.node == SYSTEM else ()
         factors = [factor for stage in (*chain.stages, *later) for factor in stage.factors]
         nyquist = chain.grid.nyquist_x if axis == "x" else chain.grid.nyquist_y
         value = response(work, factors, np.array([share * nyquist]), axis)
-        found[figure.name] = float(value.mtf[0])
-        if not np.isfinite(found[figure.name]):
+        mtfs[figure.name] = float(value.mtf[0])
+        if not np.isfinite(mtfs[figure.name]):
             raise DataError("the MTF is not finite")
-    return found
+    return mtfs
 
 
 def _after(network: Network, node: str) -> set[str]:
-    found: set[str] = set()
+    dependents: set[str] = set()
     waiting = [node]
     while waiting:
         for name in network.followers.get(waiting.pop(), ()):
-            if name not in found:
-                found.add(name)
+            if name not in dependents:
+                dependents.add(name)
                 waiting.append(name)
-    return found
+    return dependents
 
 
 def _number(value: Any) -> float | None:
@@ -182,6 +182,6 @@ def _number(value: Any) -> float | None:
     return None if np.isnan(number) else number
 
 
-def _no_number(figure: Figure, found: Mapping[str, Any]) -> str:
-    value = found.get(figure.name)
+def _no_number(figure: Figure, results: Mapping[str, Any]) -> str:
+    value = results.get(figure.name)
     return f"{figure.text} has no value" if value is None else f"{figure.text} is no number"

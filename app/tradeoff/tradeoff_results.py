@@ -33,9 +33,9 @@ class Results:
     varied : Variation
         What moves along the axis.
     second : Variation or None
-        What tells the curves apart.
+        What differs from curve to curve.
     figures : tuple of Figure
-        What is told.
+        The figures shown.
     curves : tuple of Curve
         One, or one for each value of the second parameter.
     present : object
@@ -51,24 +51,26 @@ class Results:
 
     def failures(self) -> list[tuple[str, str]]:
         """Where the network or a figure fails, and why; in words."""
-        found = []
+        gaps = []
         for curve, point in self.rows():
             reasons = dict.fromkeys(
-                point.reasons[each.text] for each in self.figures if each.text in point.reasons
+                point.reasons[figure.text]
+                for figure in self.figures
+                if figure.text in point.reasons
             )
             place = f"{self.varied.text} = {shown_value(point.value, self.varied.unit)}"
             if self.second is not None:
                 place += f", {self.second.text} = {shown_value(curve.second, self.second.unit)}"
-            found += [(place, reason) for reason in reasons]
-        return found
+            gaps += [(place, reason) for reason in reasons]
+        return gaps
 
     def rows(self) -> Iterator[tuple[Curve, Point]]:
         """Every point with its curve."""
         return ((curve, point) for curve in self.curves for point in curve.points)
 
 
-def telling(figures: Sequence[Figure], curves: Sequence[Curve]) -> tuple[Figure, ...]:
-    """Of figures nobody chose, those that change; where none does, those that have a value."""
+def changing_figures(figures: Sequence[Figure], curves: Sequence[Curve]) -> tuple[Figure, ...]:
+    """Of the default figures, those that change; where none does, those that have a value."""
     rows = {
         figure: [point.figures.get(figure.text) for curve in curves for point in curve.points]
         for figure in figures
@@ -76,7 +78,7 @@ def telling(figures: Sequence[Figure], curves: Sequence[Curve]) -> tuple[Figure,
     shown: list[Figure] = []
     for figure, row in rows.items():
         known = (f for f in shown if f.is_total and figure.is_total and f.name == figure.name)
-        if any(each is not None for each in row) and row not in [rows[f] for f in known]:
+        if any(value is not None for value in row) and row not in [rows[f] for f in known]:
             shown.append(figure)  # not the MTF with electronics that do not filter
     changing = [figure for figure in shown if _changes([v for v in rows[figure] if v is not None])]
     return tuple(changing or shown)

@@ -1,4 +1,4 @@
-"""The values a parameter is to take: a range, or a list, as the command line says it."""
+"""The values a parameter is to take: a range, or a list, as on the command line."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def spaced(
 
 
 def variation(text: str, network: Network, *, library: Library) -> Variation:
-    """What ``--vary`` says.
+    """The parameter and values of ``--vary``.
 
     Numbers out of the parameter's range are left for the evaluation to refuse, one by one.
 
@@ -75,51 +75,57 @@ def variation(text: str, network: Network, *, library: Library) -> Variation:
     UsageError, ParameterError
         If it does not fit the network, or is no range or list.
     """
-    said = assignment(OPTION, text, FORM)
-    parameter = named_parameter(OPTION, said, network, library=library)
+    setting = assignment(OPTION, text, FORM)
+    parameter = named_parameter(OPTION, setting, network, library=library)
     if parameter is None or parameter.kind == "numbers":
-        raise UsageError(f"{OPTION} {said.port}: a list of numbers cannot be varied")
+        raise UsageError(f"{OPTION} {setting.port}: a list of numbers cannot be varied")
     numeric = parameter.kind in ("number", "integer")
-    if numeric and ":" in said.text:
-        return _range(said, parameter)
-    parts = said.text.split(",")
+    if numeric and ":" in setting.text:
+        return _range(setting, parameter)
+    parts = setting.text.split(",")
     if len(parts) > MOST:
-        raise UsageError(f"{OPTION} {said.port}: {len(parts)} values, at most {MOST} are allowed")
-    values = tuple(dict.fromkeys(_value(part.strip(), parameter, said) for part in parts))
-    return Variation(said.node, parameter, values)
+        raise UsageError(
+            f"{OPTION} {setting.port}: {len(parts)} values, at most {MOST} are allowed"
+        )
+    values = tuple(dict.fromkeys(_value(part.strip(), parameter, setting) for part in parts))
+    return Variation(setting.node, parameter, values)
 
 
-def _range(said: Assignment, parameter: Parameter) -> Variation:
-    parts = said.text.split(":")
+def _range(setting: Assignment, parameter: Parameter) -> Variation:
+    parts = setting.text.split(":")
     log = len(parts) == 4 and parts[3] == "log"
     fits = len(parts) in _RANGE_PARTS and (len(parts) == 3 or log)
     if not fits or not all(_NUMBER.fullmatch(part) for part in parts[:2]):
-        raise UsageError(f"{OPTION} {said.port}={said.text:.80}: write {FORM}")
+        raise UsageError(f"{OPTION} {setting.port}={setting.text:.80}: write {FORM}")
     low, high = float(parts[0]), float(parts[1])
     if not (np.isfinite([low, high]).all() and low != high):
-        raise UsageError(f"{OPTION} {said.port}={said.text:.80}: FROM and TO must be two numbers")
+        raise UsageError(
+            f"{OPTION} {setting.port}={setting.text:.80}: FROM and TO must be two numbers"
+        )
     if not _COUNT.fullmatch(parts[2]) or not 2 <= int(parts[2]) <= MOST:
         raise UsageError(
-            f"{OPTION} {said.port}: COUNT = {parts[2]:.20} is not allowed: from 2 to {MOST}"
+            f"{OPTION} {setting.port}: COUNT = {parts[2]:.20} is not allowed: from 2 to {MOST}"
         )
     if log and (low <= 0 or high <= 0):
-        raise UsageError(f"{OPTION} {said.port}={said.text:.80}: log needs FROM and TO above 0")
+        raise UsageError(
+            f"{OPTION} {setting.port}={setting.text:.80}: log needs FROM and TO above 0"
+        )
     whole = parameter.kind == "integer"
     values = spaced(low, high, int(parts[2]), log=log, whole=whole)
-    return Variation(said.node, parameter, values, log)
+    return Variation(setting.node, parameter, values, log)
 
 
-def _value(text: str, parameter: Parameter, said: Assignment) -> Any:
+def _value(text: str, parameter: Parameter, setting: Assignment) -> Any:
     first: ParameterError | None = None
     for reading in readings(text):
         try:
-            found = parameter.coerce(reading)
+            coerced = parameter.coerce(reading)
         except ParameterError as error:
             if parameter.kind in ("number", "integer") and _finite(reading):
                 return reading
-            first = first or error.at(said.node)
+            first = first or error.at(setting.node)
         else:
-            return reading if is_number(reading) and found is None else plain(found)
+            return reading if is_number(reading) and coerced is None else plain(coerced)
     assert first is not None
     raise first
 

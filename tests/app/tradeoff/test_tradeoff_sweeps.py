@@ -11,7 +11,7 @@ import pytest
 
 from app.tradeoff.sweep import Point, TradeOff
 from app.tradeoff.tradeoff_figures import Figure, default_figures, figures_of
-from app.tradeoff.tradeoff_results import Curve, telling
+from app.tradeoff.tradeoff_results import Curve, changing_figures
 from app.tradeoff.values import spaced, variation
 from core.chain.engine import Engine
 from core.errors import Cancelled, ImagechainError
@@ -195,7 +195,7 @@ def test_of_the_usual_figures_those_that_change_are_shown(network):
     engine = Engine(LIBRARY)
     sweep = TradeOff("electronics", "d_star", (1e10, 1e11), figures)
     points = tuple(sweep.points(engine, engine.plan(network), engine.work(Policy())))
-    shown = {figure.name for figure in telling(figures, [Curve(None, points)])}
+    shown = {figure.name for figure in changing_figures(figures, [Curve(None, points)])}
     assert shown == {"d_star", "nep_W", "ner", "netd_detector_K", "netd_system_K", "snr"}
 
 
@@ -203,8 +203,8 @@ def test_rounding_is_no_change():
     figures = (Figure("a", "x"), Figure("a", "y"))
     rows = [{"a.x": 1.0, "a.y": 1.0}, {"a.x": 1.0 + 1e-7, "a.y": 1.1}]
     points = tuple(Point(number, row) for number, row in enumerate(rows))
-    assert telling(figures, [Curve(None, points)]) == figures[1:]
-    assert telling(figures[:1], [Curve(None, points)]) == figures[:1]  # all that there is
+    assert changing_figures(figures, [Curve(None, points)]) == figures[1:]
+    assert changing_figures(figures[:1], [Curve(None, points)]) == figures[:1]  # all that there is
 
 
 def test_spaced_values():
