@@ -24,7 +24,7 @@ _MEASURED_BY = {
 
 
 def bench(options: Options) -> None:
-    """Measure and print the parts asked for; write the files asked for when all is done.
+    """Measure and print the parts of the options; write their files when all is done.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def bench(options: Options) -> None:
         print(_heading(facts), flush=True)
         parts = {name: _measured(name, settings) for name in settings.parts}
         facts["seconds"] = time.perf_counter() - start
-        facts["parts"] = {name: [t.facts() for t in found] for name, found in parts.items()}
+        facts["parts"] = {name: [t.facts() for t in tables] for name, tables in parts.items()}
         files.write(staging, facts, parts, settings)
         staging.commit()
     print(f"{facts['seconds']:.0f} s" + "".join(f"; wrote {path}" for path in files.named()))
@@ -56,12 +56,12 @@ def bench(options: Options) -> None:
 
 def _measured(name: str, settings: Settings) -> list[Table]:
     print(f"\n== {PARTS[name]} ==", flush=True)
-    found = []
+    tables = []
     for measure in _measures(name):
         for table in measure(settings):
             print("\n" + terminal_text(table), flush=True)
-            found.append(table)
-    return found
+            tables.append(table)
+    return tables
 
 
 def _measures(name: str) -> Sequence[Callable[[Settings], list[Table]]]:
@@ -72,7 +72,7 @@ def _measures(name: str) -> Sequence[Callable[[Settings], list[Table]]]:
 
 def _heading(facts: Facts) -> str:
     machine = facts["machine"]
-    versions = ", ".join(f"{name} {each}" for name, each in machine["versions"].items())
+    versions = ", ".join(f"{name} {release}" for name, release in machine["versions"].items())
     return (
         f"{machine['processor']}, {machine['usable_cores']} of {machine['cores']} cores, "
         f"load {machine['load']:.1f}; {versions}; periodic frames by {machine['fft']}\n"

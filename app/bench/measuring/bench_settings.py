@@ -57,7 +57,7 @@ class Settings:
 
     @classmethod
     def of(cls, options: Options) -> Settings:
-        """What the command line asks for.
+        """The settings of the command line.
 
         Raises
         ------
@@ -101,7 +101,7 @@ class Settings:
         return tuple(sizes)
 
     def words(self) -> list[str]:
-        """Options of the command line that ask for this."""
+        """Options of the command line that give these settings."""
         words = ["--quick"] if self.quick else []
         if self.parts != tuple(PARTS):
             words += [f"--only {part}" for part in self.parts]

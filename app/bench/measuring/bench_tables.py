@@ -37,7 +37,7 @@ class Chart:
     by_colour : bool
         Words in the colours of their groups, which are not named themselves.
     floor : (value, text), optional
-        A line across, and what it says: errors below it mean nothing.
+        A line across, and its text: errors below it mean nothing.
     """
 
     x: str
@@ -61,7 +61,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of figures and what they say.
+    """Rows of figures and a text on them.
 
     Parameters
     ----------

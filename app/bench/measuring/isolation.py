@@ -35,9 +35,9 @@ def command(module: str, *words: str) -> list[str]:
 def environment() -> dict[str, str]:
     """Environment of a child as a user would have it, but able to find our packages."""
     root = str(Path(__file__).resolve().parents[3])
-    kept = {name: value for name, value in os.environ.items() if name not in STEADY}
-    path = [root, *filter(None, [kept.get("PYTHONPATH")])]
-    return {**kept, "PYTHONPATH": os.pathsep.join(path)}
+    variables = {name: value for name, value in os.environ.items() if name not in STEADY}
+    path = [root, *filter(None, [variables.get("PYTHONPATH")])]
+    return {**variables, "PYTHONPATH": os.pathsep.join(path)}
 
 
 def _words(options: Options) -> list[str]:

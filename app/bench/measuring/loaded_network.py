@@ -1,4 +1,4 @@
-"""A network with its scene in memory, evaluated from nothing as often as wanted."""
+"""A network with its scene in memory, evaluated from nothing any number of times."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class SceneStore(Store):
 
     def peek(self, key: str, default: Any = None) -> Any:
         """As the store's own, with what is held."""
-        found = self._held.get(key)
-        return super().peek(key, default) if found is None else found
+        held = self._held.get(key)
+        return super().peek(key, default) if held is None else held
 
     def keys(self) -> set[str]:
         """What is there now."""
@@ -38,14 +38,14 @@ class SceneStore(Store):
             return set(self._values)
 
     def forget_all_but(self, keys: set[str]) -> None:
-        """Forget what has come since."""
+        """Drop what has come since."""
         with self._lock:
             for key in [key for key in self._values if key not in keys]:
                 self._bytes -= self._values.pop(key)[1]
 
 
 class Chain:
-    """An engine, a network and its scene; whatever is timed tells its own seconds.
+    """An engine, a network and its scene; whatever is timed returns its own seconds.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ Seconds = Callable[[], float]
 class Timing:
     """Medians over pairs: seconds of the subject, of T0 beside it, and their ratios' quartiles.
 
-    `alone_seconds` is T0 measured back to back, with warm caches: it says how far T0 itself swings.
+    `alone_seconds` is T0 measured back to back, with warm caches: how far T0 itself varies.
     """
 
     seconds: float
@@ -62,7 +62,7 @@ def round_trip(image: Array, workers: int) -> Seconds:
 
 
 def paired(subject: Seconds, t0: Seconds, *, pairs: int, warm_up: int = 2) -> Timing:
-    """Measure in turn; both tell their own seconds, so that preparations do not count.
+    """Measure in turn; both return their own seconds, so that preparations do not count.
 
     Parameters
     ----------
@@ -76,12 +76,12 @@ def paired(subject: Seconds, t0: Seconds, *, pairs: int, warm_up: int = 2) -> Ti
     for _ in range(warm_up):
         t0()
         subject()
-    found = [(t0(), subject()) for _ in range(pairs)]
-    ratios = sorted(took / unit for unit, took in found)
+    samples = [(t0(), subject()) for _ in range(pairs)]
+    ratios = sorted(took / unit for unit, took in samples)
     quarters = statistics.quantiles(ratios, n=4, method="inclusive") if pairs > 1 else ratios * 3
     return Timing(
-        statistics.median(took for _, took in found),
-        statistics.median(unit for unit, _ in found),
+        statistics.median(took for _, took in samples),
+        statistics.median(unit for unit, _ in samples),
         statistics.median(t0() for _ in range(pairs)),
         quarters[1],
         quarters[0],

@@ -23,7 +23,7 @@ Parts = Mapping[str, Sequence[Table]]
 
 @dataclass(frozen=True)
 class Files:
-    """Where each is to go, None for those not asked for.
+    """Where each is to go, None for those not to be written.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class Files:
 
     @classmethod
     def of(cls, options: Options, settings: Settings) -> Files:
-        """What the command line asks for."""
+        """The files of the command line."""
         return cls(
             options.bench_json,
             options.bench_html,
@@ -53,8 +53,8 @@ class Files:
         )
 
     def named(self) -> list[Path]:
-        """What was asked for, as it was named."""
-        return [each for each in (self.json, self.html, self.markdown, self.pictures) if each]
+        """The files to be written, as they were named."""
+        return [path for path in (self.json, self.html, self.markdown, self.pictures) if path]
 
     def staging(self) -> Staging:
         """A place for them, every one claimed.
@@ -91,7 +91,7 @@ class Files:
         if self.pictures is not None:
             from app.bench.pages.charts import chart_png
 
-            for table in (each for tables in parts.values() for each in tables):
+            for table in (table for tables in parts.values() for table in tables):
                 drawn = chart_png(table)
                 if drawn is not None:
                     target = self._picture(self.pictures, table.name)

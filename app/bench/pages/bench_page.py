@@ -28,7 +28,7 @@ def page(facts: Mapping[str, Any], parts: Mapping[str, Sequence[Table]]) -> str:
     blocks: list[Block] = [
         Heading(1, TITLE),
         Text(
-            "Time is told in T0, the bare round trip irfft2(rfft2(image)) of the same image, type "
+            "Time is given in T0, the bare round trip irfft2(rfft2(image)) of the same image, type "
             "and threads, measured in turn with the subject: what any Fourier method has to pay. "
             "Medians of the ratios of pairs.",
             "lead",
@@ -37,8 +37,8 @@ def page(facts: Mapping[str, Any], parts: Mapping[str, Sequence[Table]]) -> str:
     ]
     for name, tables in parts.items():
         blocks.append(Heading(2, PARTS[name]))
-        for each in tables:
-            blocks += _section(each)
+        for table in tables:
+            blocks += _section(table)
     return html_page(TITLE, blocks)
 
 

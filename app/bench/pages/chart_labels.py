@@ -82,7 +82,7 @@ def place_labels(
             box = _box(start, place, distance * axis.figure.dpi / 72, extent.width, extent.height)
             cost = _cost(box, taken, curve, frame) + FARTHER * DISTANCES.index(distance)
             tried.append((cost, len(tried), anchor, place, distance, box))
-        *_, anchor, place, distance, box = min(tried, key=lambda each: each[:2])
+        *_, anchor, place, distance, box = min(tried, key=lambda candidate: candidate[:2])
         _word(axis, label, anchor, place, distance, size)
         taken.append(box)
 

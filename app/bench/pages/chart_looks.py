@@ -12,7 +12,7 @@ from app.report.drawing.plain_matplotlib import load_matplotlib
 
 WIDTH, HEIGHT = 8.2, 4.9  # inches
 TITLE_WIDTH = 84  # letters of a line of the title
-# Told apart by every kind of colour vision (Okabe and Ito 2008), their light ones darkened for
+# Distinct in every kind of colour vision (Okabe and Ito 2008), their light ones darkened for
 # letters on white.
 COLOURS = ("#0072B2", "#D55E00", "#00805C", "#A8508A", "#8A6D00", "#2B2B2B", "#3C9BD6")
 FAINT, DARK = "#8a8a8a", "#333333"

@@ -42,13 +42,13 @@ def chart_png(table: Table, *, titled: bool = True) -> bytes | None:
 def plain_ticks(low: float, high: float) -> list[float]:
     """Round numbers between the ends of a logarithmic axis: powers of ten, more where few."""
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    found: list[float] = []
+    ticks: list[float] = []
     for leading in ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)):
-        found = [digit * 10.0**power for power in decades for digit in leading]
-        found = [tick for tick in found if low <= tick <= high]
-        if len(found) >= ENOUGH_TICKS:
+        ticks = [digit * 10.0**power for power in decades for digit in leading]
+        ticks = [tick for tick in ticks if low <= tick <= high]
+        if len(ticks) >= ENOUGH_TICKS:
             break
-    return found
+    return ticks
 
 
 def _error_png(chart: Chart, rows: Sequence[Row], title: str) -> bytes:
@@ -79,15 +79,15 @@ def _error_png(chart: Chart, rows: Sequence[Row], title: str) -> bytes:
             named = bool(chart.group) and not chart.by_colour
             if named:
                 others = [
-                    each for other in curves.values() if other is not places for each in other
+                    place for other in curves.values() if other is not places for place in other
                 ]
                 ends = most_apart(axis, places, others)
                 names.append(Label(figure_text(group), ends, colour, bold=True))
             if chart.label and not (named and len(places) == 1):
-                told = [row.get(chart.label) for row in groups[group]]
+                texts = [row.get(chart.label) for row in groups[group]]
                 words += [
                     Label(figure_text(word), (place,), colour if chart.by_colour else DARK)
-                    for word, place in zip(told, places, strict=True)
+                    for word, place in zip(texts, places, strict=True)
                     if word is not None
                 ]
         lines = [np.array(places) for places in curves.values()] if chart.lines else []

@@ -34,8 +34,8 @@ def fragment(
         f"Made by `{command}` on {facts['date'][:10]}: {machine}. T0 is the bare round trip "
         "`scipy.fft.irfft2(scipy.fft.rfft2(image))` of the same image and type in the same run."
     )
-    short = [each.shortened() for tables in parts.values() for each in tables]
-    return "\n\n".join([START, made, *(_section(each) for each in short if each), END])
+    short = [table.shortened() for tables in parts.values() for table in tables]
+    return "\n\n".join([START, made, *(_section(table) for table in short if table), END])
 
 
 def inserted(file: Path, text: str) -> str:

@@ -1,4 +1,4 @@
-"""Importing other programs: quietly, and what prysm asks for that setuptools has no more."""
+"""Importing other programs: quietly, and prysm with the version lookup that setuptools lacks."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ def why_missing(package: str) -> str:
 
 @contextmanager
 def _version_lookup() -> Iterator[None]:
-    """Answer prysm 0.21, which asks pkg_resources for its own version and for nothing else.
+    """Stand in for pkg_resources, from which prysm 0.21 takes its version and nothing else.
 
-    Later setuptools, which pyBSM asks for, do not have it.
+    Later setuptools, which pyBSM requires, do not have it.
     """
     if GONE in sys.modules or find_spec(GONE) is not None:
         yield

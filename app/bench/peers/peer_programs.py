@@ -1,4 +1,4 @@
-"""How each other program is asked for the task, as its documentation shows."""
+"""How the other programs do the task, as in their documentation."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Noted:
-    """A way to deliver with something to say of it."""
+    """A way to deliver, with a note on it."""
 
     deliver: Callable[[Array], Array]
     note: str = ""

@@ -77,12 +77,12 @@ def chain(edges: str, precision: Precision, *, known: bool = False) -> Callable[
         note = ""
         if known:
             axes: Axes = "mirrored" if edges == "reflect" else "periodic"
-            found = work.value(Known(factor, grid, axes, node=factor.node))
-            note = found.told
-        kept = store.keys()
+            known_plane = work.value(Known(factor, grid, axes, node=factor.node))
+            note = known_plane.told
+        keys = store.keys()
 
         def deliver(frame: Array) -> Array:
-            store.forget_all_but(kept)
+            store.forget_all_but(keys)
             store.hold(key, frame.astype(work.policy.dtype, copy=False))
             return np.asarray(engine.value(engine.plan(network), "back.image", work))
 

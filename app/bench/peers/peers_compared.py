@@ -1,7 +1,7 @@
 """The same optical work done by other programs, where they are installed.
 
-A circular aperture and a square pixel blur a frame; its sampling is what pyBSM's documentation asks
-for, a quarter of the cutoff's period. The delivered MTF is the FFT of a unit point sent through the
+A circular aperture and a square pixel blur a frame; its sampling is that of pyBSM's documentation,
+a quarter of the cutoff's period. The delivered MTF is the FFT of a unit point sent through the
 whole path, and its error the largest difference from the analytic product.
 """
 
@@ -89,7 +89,7 @@ def _measured(
     row: dict[str, Any] = {"program": name, "size": size}
     try:
         deliver = build()
-        found = paired(
+        timing = paired(
             lambda: seconds(lambda: deliver(scene)),
             round_trip(scene, settings.threads),
             pairs=settings.slow_pairs,
@@ -103,7 +103,7 @@ def _measured(
     wrong = float(np.abs(np.abs(response) - np.abs(expected)).max())
     shift = -float(np.angle(response[0, 1])) * size / (2 * np.pi)
     note = getattr(deliver, "note", "")
-    return row | found.facts() | {"error": wrong, "shift": shift, "note": note}
+    return row | timing.facts() | {"error": wrong, "shift": shift, "note": note}
 
 
 def _analytic(task: Task) -> Array:
@@ -115,8 +115,8 @@ def _analytic(task: Task) -> Array:
         aberration_mrad=0.0,
         pixel_mrad=task.pixel_mrad,
     )
-    found = sensor.modulus(frequency[np.newaxis, :], frequency[:, np.newaxis])
-    return np.asarray(found, np.float64)
+    modulus = sensor.modulus(frequency[np.newaxis, :], frequency[:, np.newaxis])
+    return np.asarray(modulus, np.float64)
 
 
 MEASURES = (peers,)

@@ -51,15 +51,15 @@ def charge_transfer(settings: Settings) -> list[Table]:
             }
 
             both = partial(_both, full, how)
-            found = charge_transfer_mtf(phase_per_transfer=w, **how)
+            computed_mtf = charge_transfer_mtf(phase_per_transfer=w, **how)
             turned = charge_transfer_ptf(phase_per_transfer=w, **how)
-            both_wrong = np.abs(found * np.exp(1j * turned) - mtf * np.exp(1j * ptf))
+            both_wrong = np.abs(computed_mtf * np.exp(1j * turned) - mtf * np.exp(1j * ptf))
             rows.append(
                 {
                     "choice": model,
                     "setting": lost,
                     **paired(partial(seconds, both), t0, pairs=settings.pairs).facts(),
-                    "mtf": float(np.abs(found - mtf).max()),
+                    "mtf": float(np.abs(computed_mtf - mtf).max()),
                     "ptf": float(np.abs(turned - ptf).max()),
                     "error": float(both_wrong.max()),
                 }

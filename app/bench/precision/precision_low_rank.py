@@ -40,7 +40,7 @@ def low_rank(settings: Settings) -> list[Table]:
         direct = otf.at(every[:, np.newaxis], every[np.newaxis, :])
         places = places_of(size)
         expected = expected_at(shape, otf.lags_mm(*places))
-        for choice, found, subject in (
+        for choice, values, subject in (
             ("direct", direct, otf.direct),
             ("plane", plane, otf.plane),
             ("plane, known", plane, otf.known),
@@ -52,8 +52,8 @@ def low_rank(settings: Settings) -> list[Table]:
                     "choice": choice,
                     "mark": choice if shape == "clear" else None,
                     **paired(subject, t0, pairs=pairs, warm_up=1).facts(),
-                    "error": float(np.abs(found[places] - expected).max()),
-                    "from_direct": float(np.abs(found - direct).max()),
+                    "error": float(np.abs(values[places] - expected).max()),
+                    "from_direct": float(np.abs(values - direct).max()),
                 }
             )
     heads = {

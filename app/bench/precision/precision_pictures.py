@@ -29,13 +29,13 @@ def precision(settings: Settings) -> list[Table]:
         # The same samples for both, so that drawing in another precision is no error.
         kodak = Kodak(settings.small, kind, scene)
         quiet = kodak.without_photons()
-        found = kodak.value(quiet, PIXELS)
-        mean, true_mean = float(found.mean(dtype=np.float64)), float(expected.mean())
+        picture = kodak.value(quiet, PIXELS)
+        mean, true_mean = float(picture.mean(dtype=np.float64)), float(expected.mean())
         rows.append(
             {
                 "choice": kind,
                 **_timed(kodak, quiet, single, settings),
-                "error": _error(found, expected),
+                "error": _error(picture, expected),
                 "mean_error": abs(mean - true_mean) / true_mean,
             }
         )
@@ -86,7 +86,7 @@ def edges(settings: Settings) -> list[Table]:
     }
     text = (
         "Default reflect: no part of the picture comes from its far side, and no frame is padded "
-        "for that; the columns on the right say what repeating the frame would change."
+        "for that; the columns on the right show what repeating the frame would change."
     )
     title = f"Edges: Kodak optics, {settings.small}², single precision, against direct sums"
     return [Table("edges", title, heads, tuple(rows), text, CHOICE_CHART)]
@@ -103,8 +103,8 @@ def _timed(kodak: Kodak, network: Any, unit: Kodak, settings: Settings) -> dict[
     return paired(lambda: kodak.cold(network, PIXELS), t0, pairs=settings.pairs).facts()
 
 
-def _error(found: Array, expected: Array) -> float:
-    return float(np.abs(found - expected).max() / np.abs(expected).max())
+def _error(picture: Array, expected: Array) -> float:
+    return float(np.abs(picture - expected).max() / np.abs(expected).max())
 
 
 MEASURES = (precision, edges)

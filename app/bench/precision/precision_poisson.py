@@ -26,7 +26,7 @@ CHANCE = 1.36  # 95 of 100 samples of n stay within 1.36/√n of their law (Kolm
 def poisson(settings: Settings) -> list[Table]:
     """Time, and how far the deviates' distribution is from Poisson's."""
     kodak = Kodak(settings.size)
-    shape, workers, each = kodak.scene.shape, kodak.policy.workers, kodak.work.each
+    shape, workers, for_each = kodak.scene.shape, kodak.policy.workers, kodak.work.each
     t0 = round_trip(kodak.scene, workers)
     chance = CHANCE / math.sqrt(kodak.scene.size)
     rows = []
@@ -35,13 +35,13 @@ def poisson(settings: Settings) -> list[Table]:
         stream = Stream(seed=1996, node="photons", field="photons")
         plain = np.random.default_rng(1996)
         subjects: tuple[tuple[str, Callable[[], Any], int], ...] = (
-            ("exact", partial(poisson_field, means, stream, each=each), workers),
+            ("exact", partial(poisson_field, means, stream, each=for_each), workers),
             ("exact, numpy", partial(plain.poisson, means), 1),
-            ("rounded normal", partial(_rounded_normal, means, stream, each), workers),
+            ("rounded normal", partial(_rounded_normal, means, stream, for_each), workers),
         )
         for choice, subject, threads in subjects:
             counts = np.asarray(subject())
-            found = paired(partial(seconds, subject), t0, pairs=settings.slow_pairs, warm_up=1)
+            timing = paired(partial(seconds, subject), t0, pairs=settings.slow_pairs, warm_up=1)
             spread = float(counts.var(dtype=np.float64)) / mean
             rows.append(
                 {
@@ -49,7 +49,7 @@ def poisson(settings: Settings) -> list[Table]:
                     "mean": mean,
                     "mark": None if choice == "exact, numpy" else f"{mean:g}",
                     "threads": threads,
-                    **found.facts(),
+                    **timing.facts(),
                     "error": kolmogorov_distance(counts, mean),
                     "chance": chance,
                     "variance": spread - 1.0,
@@ -90,14 +90,14 @@ def poisson(settings: Settings) -> list[Table]:
 def kolmogorov_distance(counts: Array, mean: float) -> float:
     """Largest difference between the counts' distribution function and Poisson's."""
     law = poisson_cumulative(mean)
-    found = np.bincount(np.clip(counts, 0, len(law) - 1).astype(np.int64).ravel())
-    share = np.cumsum(np.pad(found, (0, len(law) - len(found)))) / counts.size
+    histogram = np.bincount(np.clip(counts, 0, len(law) - 1).astype(np.int64).ravel())
+    share = np.cumsum(np.pad(histogram, (0, len(law) - len(histogram)))) / counts.size
     return float(np.abs(share - law).max())
 
 
-def _rounded_normal(means: Array, stream: Stream, each: Each) -> Array:
+def _rounded_normal(means: Array, stream: Stream, for_each: Each) -> Array:
     """The approximation: a normal deviate of the same mean and variance, to the nearest count."""
-    counts = normal_field(stream, means.shape, dtype=means.dtype, each=each)
+    counts = normal_field(stream, means.shape, dtype=means.dtype, each=for_each)
     counts *= np.sqrt(means)
     counts += means
     np.rint(counts, out=counts)

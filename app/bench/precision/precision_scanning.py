@@ -85,11 +85,11 @@ class Scanner:
         # The interval from the triangle, not from the measured geometry's cosine.
         aside = np.tan((columns - 0.5 * (self.size - 1)) * self.interval_mrad * 1e-3)
         own = self.interval_mrad / np.hypot(1.0, aside)
-        found = [
+        values = [
             mirrored_column(spectrum, sensor, column, float(interval))
             for column, interval in zip(columns, own, strict=True)
         ]
-        return columns, np.array(found).T
+        return columns, np.array(values).T
 
 
 def scanning(settings: Settings) -> list[Table]:
@@ -142,8 +142,8 @@ def _text(rows: list[dict[str, Any]]) -> str:
     whole = {row["field"]: row for row in rows if row["choice"] == WHOLE}
 
     def slower(choice: str) -> str:
-        found = [row["t0"] / whole[row["field"]]["t0"] for row in rows if row["choice"] == choice]
-        return f"{float(f'{max(found):.2g}'):g}"
+        ratios = [row["t0"] / whole[row["field"]]["t0"] for row in rows if row["choice"] == choice]
+        return f"{float(f'{max(ratios):.2g}'):g}"
 
     errors = " and ".join(
         f"{row['error']:.1%} at {field}" for field, row in whole.items() if "," not in field

@@ -45,7 +45,7 @@ def skipping(settings: Settings) -> list[Table]:
         for tolerance in TOLERANCES:
             policy = Policy(precision=kind, tolerance=tolerance)
             chain = Chain(network, policy, first.scene)
-            found = paired(partial(chain.cold, network, END), t0, pairs=settings.pairs)
+            timing = paired(partial(chain.cold, network, END), t0, pairs=settings.pairs)
             skipped = len(_delivered(chain).spent(chain.work)[1])
             shown = "default" if tolerance is None else f"{tolerance:.0e}".replace("e-0", "e-")
             rows.append(
@@ -54,7 +54,7 @@ def skipping(settings: Settings) -> list[Table]:
                     "tolerance": policy.budget,
                     "skipped": skipped,
                     "mark": f"{shown.replace('0e+00', '0')} ({skipped})",
-                    **found.facts(),
+                    **timing.facts(),
                     "error": _rms(chain.value(network, END), expected),
                 }
             )
@@ -67,9 +67,9 @@ def skipping(settings: Settings) -> list[Table]:
         "error": "rms error / (max − min)",
     }
     text = (
-        "Default an eighth of the samples' rounding: what it leaves out cannot be told from "
-        "rounding, so nobody has to know of it; a greater tolerance is kept to as well, and is for "
-        "who wants the time. T0 is that of single precision in all rows."
+        "Default an eighth of the samples' rounding: what it leaves out cannot be distinguished "
+        "from rounding; a greater tolerance is kept to as well, and saves time. T0 is that of "
+        "single precision in all rows."
     )
     title = f"Stages left out: {2 * len(STRENGTHS)} weak stages, {settings.small}², mirrored"
     chart = Chart(
@@ -88,9 +88,9 @@ def skipping(settings: Settings) -> list[Table]:
 def weak_chain(size: int) -> tuple[Network, WeakStages]:
     """Pupil, aberration and pixel with stages ever weaker, and the same for the truth."""
     corner = math.sqrt(0.5) / INTERVAL_MRAD
-    sigmas = tuple(math.sqrt(0.5 * each) / (math.pi * corner) for each in STRENGTHS)
+    sigmas = tuple(math.sqrt(0.5 * strength) / (math.pi * corner) for strength in STRENGTHS)
     lag_mm = SENSOR["wavelength_um"] * corner
-    r0_mm = tuple(lag_mm * (3.44 / each) ** 0.6 for each in STRENGTHS)
+    r0_mm = tuple(lag_mm * (3.44 / strength) ** 0.6 for strength in STRENGTHS)
     nodes = {name: (key, params) for name, key, params in _nodes(size, sigmas, r0_mm)}
     stages = [name for name in nodes if name not in ("scene", "init", "pupil", "back")]
     links = [
@@ -134,8 +134,8 @@ def _delivered(chain: Chain) -> Delivered:
     return recipe
 
 
-def _rms(found: Array, expected: Array) -> float:
-    wrong = np.asarray(found, np.float64) - expected
+def _rms(picture: Array, expected: Array) -> float:
+    wrong = np.asarray(picture, np.float64) - expected
     return float(np.sqrt(np.mean(wrong * wrong)) / (expected.max() - expected.min()))
 
 

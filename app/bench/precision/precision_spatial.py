@@ -40,14 +40,14 @@ def spatial(settings: Settings) -> list[Table]:
             if half_width is not None:
                 network = network.with_parameter("space", "half_width_px", half_width)
                 port, pairs = SPACE, settings.slow_pairs
-            found = chain.value(network, port)
+            picture = chain.value(network, port)
             subject = partial(chain.cold, network, port)
             rows.append(
                 {
                     "kernel": kernel,
                     "choice": "Fourier" if half_width is None else f"±{half_width}",
                     **paired(subject, t0, pairs=pairs, warm_up=1).facts(),
-                    "error": float(np.abs(found - expected).max() / np.abs(expected).max()),
+                    "error": float(np.abs(picture - expected).max() / np.abs(expected).max()),
                 }
             )
     heads = {
@@ -63,19 +63,19 @@ def spatial(settings: Settings) -> list[Table]:
 
 
 def _text(rows: list[dict[str, Any]]) -> str:
-    told = []
+    clauses = []
     for kernel in APERTURES_MM:
         fourier, *space = (row for row in rows if row["kernel"] == kernel)
         faster = [row for row in space if row["ms"] < fourier["ms"]]
         if faster:
             last = faster[-1]
             up_to = f"is faster here up to {last['choice']} samples, where it errs by"
-            told.append(f"in {kernel} it {up_to} {last['error']:.1g} of the largest value")
+            clauses.append(f"in {kernel} it {up_to} {last['error']:.1g} of the largest value")
         else:
-            told.append(f"in {kernel} it is the slower here at every width")
+            clauses.append(f"in {kernel} it is the slower here at every width")
     return (
         "Default Fourier: its time does not depend on the blur, and it is exact. Convolution in "
-        f"space is there to compare with: {'; '.join(told)}. The kernel is made anew each time."
+        f"space is there to compare with: {'; '.join(clauses)}. The kernel is made anew each time."
     )
 
 

@@ -40,13 +40,13 @@ def wavelengths(settings: Settings) -> list[Table]:
         for count in counts:
             network = kodak.network.with_parameter("pupil", "radius", radius)
             otf = Otf(kodak, network.with_parameter("optics", "wavelengths", count))
-            found = otf.factor.transfer(kodak.work, xi, np.zeros_like(xi))
+            computed = otf.factor.transfer(kodak.work, xi, np.zeros_like(xi))
             rows.append(
                 {
                     "aperture": aperture,
                     "choice": count,
                     **paired(otf.plane, t0, pairs=3, warm_up=1).facts(),
-                    "error": float(np.abs(found - np.array(expected)).max()),
+                    "error": float(np.abs(computed - np.array(expected)).max()),
                 }
             )
     text = (

@@ -54,8 +54,8 @@ def _first_picture(times: int) -> dict[str, Any]:
 
 
 def _drag(size: int, seconds: float) -> list[dict[str, Any]]:
-    found = _measured("slider_drag", str(size), str(seconds))
-    wanted, shown = PICTURES_PER_S[size], found["pictures_per_s"]
+    figures = _measured("slider_drag", str(size), str(seconds))
+    wanted, shown = PICTURES_PER_S[size], figures["pictures_per_s"]
     return [
         {
             "what": f"slider drag at {size}²",
@@ -63,27 +63,27 @@ def _drag(size: int, seconds: float) -> list[dict[str, Any]]:
             "unit": "pictures/s",
             "target": f"≥ {wanted:g}",
             "verdict": "met" if shown >= wanted else f"missed: {shown / wanted:.2f} × target",
-            **found,
+            **figures,
         },
-        _row(f"largest gap of the event loop at {size}²", found["largest_gap_ms"], "ms", GAP_MS),
+        _row(f"largest gap of the event loop at {size}²", figures["largest_gap_ms"], "ms", GAP_MS),
     ]
 
 
 def _other_gap(node: str, parameter: str, seconds: float) -> dict[str, Any]:
-    found = _measured("slider_drag", str(OTHER_SIZE), str(seconds), "1", node, parameter)
+    figures = _measured("slider_drag", str(OTHER_SIZE), str(seconds), "1", node, parameter)
     what = f"largest gap, {node}.{parameter} dragged at {OTHER_SIZE}²"
-    return _row(what, found["largest_gap_ms"], "ms", GAP_MS)
+    return _row(what, figures["largest_gap_ms"], "ms", GAP_MS)
 
 
 def _large_network() -> list[dict[str, Any]]:
-    found = _measured("hundred_nodes")
-    moving = _row("dragging one of 100 nodes, a step", found["move_ms"], "ms", GAP_MS)
-    return [_row("loading 100 nodes", found["load_s"], "s", LOAD_S), moving]
+    figures = _measured("hundred_nodes")
+    moving = _row("dragging one of 100 nodes, a step", figures["move_ms"], "ms", GAP_MS)
+    return [_row("loading 100 nodes", figures["load_s"], "s", LOAD_S), moving]
 
 
 def _memory(number: int, warm: int) -> dict[str, Any]:
-    found = _measured("many_networks", str(number), str(warm))
-    return _row(f"growth of memory by {number} networks", found["growth"], "", GROWTH) | found
+    figures = _measured("many_networks", str(number), str(warm))
+    return _row(f"growth of memory by {number} networks", figures["growth"], "", GROWTH) | figures
 
 
 def _row(what: str, value: float, unit: str, target: float) -> dict[str, Any]:
@@ -103,8 +103,8 @@ def _measured(what: str, *words: str) -> dict[str, Any]:
     if done.returncode:
         lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
         raise RuntimeError(f"{what} {' '.join(words)}: {lines[-1]}")
-    found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-    return found
+    figures: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return figures
 
 
 MEASURES = (window,)

@@ -76,15 +76,15 @@ def _beyond(largest: dict[str, Any]) -> Table:
     with tempfile.TemporaryDirectory() as folder:
         file = str(Path(folder) / "scene.npy")
         _child("draw", file, HUGE, steady=False)
-        found = _child("memory", file, HUGE, steady=False)
-    times = found["seconds"] / largest["seconds"]
+        measured = _child("memory", file, HUGE, steady=False)
+    times = measured["seconds"] / largest["seconds"]
     rows.append(
         {
             "size": HUGE,
-            **found,
+            **measured,
             "times": times,
             "times_verdict": verdict(times, TIMES_REACH, 4.0),
-            "memory_verdict": verdict(found["images"], HUGE_MEMORY_REACH, MEMORY_REACH),
+            "memory_verdict": verdict(measured["images"], HUGE_MEMORY_REACH, MEMORY_REACH),
         }
     )
     heads = {
@@ -105,9 +105,9 @@ def _beyond(largest: dict[str, Any]) -> Table:
 
 
 def judge_steps(rows: list[dict[str, Any]]) -> str:
-    """Say in each row how it stands to the one before, and of all whether the ratio increases.
+    """Judge each row against the one before, and of all whether the ratio increases.
 
-    A rise counts, however small; one that its uncertainty does not tell from none is said to be so.
+    A rise counts, however small; one within its uncertainty is marked as such.
     """
     judged = [row for row in rows if SMALL <= row["size"] <= LARGE]
     rises: list[str] = []
@@ -154,8 +154,8 @@ def _child(what: str, file: str, *numbers: int, steady: bool) -> dict[str, Any]:
     if done.returncode:
         lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
         raise RuntimeError(f"growth {what} {numbers}: {lines[-1]}")
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
+    figures: dict[str, Any] = json.loads(done.stdout)
+    return figures
 
 
 def _timed(file: str, size: int, pairs: int) -> dict[str, Any]:
@@ -190,8 +190,8 @@ def _peak(file: str, size: int) -> dict[str, Any]:
 
     network = kodak_network(size)
     scene = network.nodes["scene"].params
-    kept = {n: scene[n] for n in ("fov_x_deg", "fov_y_deg", "cut_on_um", "cut_off_um")}
-    source = Node("scene", "read_image", {"path": file, **kept})
+    field_and_band = {n: scene[n] for n in ("fov_x_deg", "fov_y_deg", "cut_on_um", "cut_off_um")}
+    source = Node("scene", "read_image", {"path": file, **field_and_band})
     network = replace(network, nodes={**network.nodes, "scene": source})
     engine = Engine(standard_library(), Store(KEPT_BYTES))  # as in a run
     work = engine.work(Policy())
@@ -243,10 +243,10 @@ def _high_water() -> int:
 def _main(words: list[str]) -> None:
     what, file, size = words[0], words[1], int(words[2])
     if what == "time":
-        found = _timed(file, size, int(words[3]))
+        figures = _timed(file, size, int(words[3]))
     else:
-        found = {"memory": _peak, "draw": _draw}[what](file, size)
-    print(json.dumps(found))
+        figures = {"memory": _peak, "draw": _draw}[what](file, size)
+    print(json.dumps(figures))
     sys.stdout.flush()
     os._exit(0)  # giving 8192² pictures back page by page takes longer than the measurement
 

@@ -119,7 +119,7 @@ def _edits(kodak: Kodak, settings: Settings) -> list[Any]:
 
 
 def _plain(kodak: Kodak, settings: Settings) -> Any:
-    """In double precision, as numpy computes when nothing is said."""
+    """In double precision, numpy's default."""
     t0 = round_trip(kodak.scene, kodak.policy.workers)
     grabber = kodak.network.nodes["frame_grabber"].params
     size = {"lines": grabber["height"], "samples": grabber["width"]}
@@ -127,19 +127,19 @@ def _plain(kodak: Kodak, settings: Settings) -> Any:
     def subject() -> float:
         return seconds(lambda: whole_chain(kodak.scene, **size, seed=1996))
 
-    found = paired(subject, t0, pairs=settings.slow_pairs, warm_up=1)
+    timing = paired(subject, t0, pairs=settings.slow_pairs, warm_up=1)
     name = "stage by stage as in 1996, numpy, no photon noise"
-    return _row(name, found.facts(), None, None)
+    return _row(name, timing.facts(), None, None)
 
 
 def _unchanged(kodak: Kodak, settings: Settings) -> Any:
     kodak.value(kodak.network, FINAL)
     before = kodak.engine.plan(kodak.network)
     count = len(kodak.network.nodes)
-    found = sorted(
+    times_us = sorted(
         kodak.looked_at_again(before) / count * 1e6 for _ in range(settings.pairs * LOOKS)
     )
-    low, middle, high = statistics.quantiles(found, n=4)
+    low, middle, high = statistics.quantiles(times_us, n=4)
     return {
         "subject": "nothing changed",
         "value": middle,

@@ -52,12 +52,12 @@ class Otf:
     def factor(self) -> Planar:
         """The transfer factor; no array is in it."""
         plan = self.kodak.engine.plan(self.network)
-        found = plan.output("optics.mtf").factors[0]
-        assert isinstance(found, Planar)
-        return found
+        factor = plan.output("optics.mtf").factors[0]
+        assert isinstance(factor, Planar)
+        return factor
 
     def direct(self) -> float:
-        """Seconds of evaluating it at every frequency, nothing known before."""
+        """Seconds of evaluating it at every frequency, with nothing computed before."""
         return self._seconds(lambda factor: self._blocks(lambda rows: self._plane(factor, rows)))
 
     def plane(self) -> float:
@@ -108,9 +108,9 @@ class Otf:
     @cached_property
     def grid(self) -> Grid:
         """Sampling of the picture."""
-        found = self.kodak.engine.plan(self.network).output("init.context").grid
-        assert isinstance(found, Grid)
-        return found
+        grid = self.kodak.engine.plan(self.network).output("init.context").grid
+        assert isinstance(grid, Grid)
+        return grid
 
     @cached_property
     def axes(self) -> tuple[Array, Array]:

@@ -17,10 +17,10 @@ NEEDS_MPMATH = "not measured: its truth needs mpmath, which is not installed (ex
 def mpmath() -> Any:
     """The module mpmath at 40 digits, or None where it is not installed."""
     try:
-        import mpmath as found
+        import mpmath as module
     except ImportError:
         return None
-    context = found.mp.clone()
+    context = module.mp.clone()
     context.dps = 40
     return context
 

@@ -64,14 +64,14 @@ class Aperture:
         for x, y in ((0.0, 0.0), (shift_x, shift_y)):
             circles += [(x, y, r) for r in (self.radius, self.inner) if r > 0]
             lines += [x - self.half_bar, x + self.half_bar]
-        found = [y + sign * r for _, y, r in circles for sign in (-1, 1)]
-        found += [y + sign * self.half_beam for y in (0.0, shift_y) for sign in (-1, 1)]
+        breaks = [y + sign * r for _, y, r in circles for sign in (-1, 1)]
+        breaks += [y + sign * self.half_beam for y in (0.0, shift_y) for sign in (-1, 1)]
         for x, y, r in circles:
             roots = [math.sqrt(r * r - (line - x) ** 2) for line in lines if abs(line - x) <= r]
-            found += [y + sign * root for root in roots for sign in (-1, 1)]
+            breaks += [y + sign * root for root in roots for sign in (-1, 1)]
         for first, second in combinations(circles, 2):
-            found += _crossings(first, second)
-        return found
+            breaks += _crossings(first, second)
+        return breaks
 
 
 def _crossings(
