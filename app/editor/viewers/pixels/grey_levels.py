@@ -47,7 +47,7 @@ class Spread:
         return np.asarray(self.low * (1.0 - share) + self.high * share)
 
 
-def extremes(samples: Array, *, apply: Each = in_turn) -> Range:
+def extremes(samples: Array, *, for_each: Each = in_turn) -> Range:
     """Least and greatest sample of a real array that is not empty; NaN if one is NaN."""
     ranges: list[Range] = [(0.0, 0.0)] * len(_rows(samples))
 
@@ -56,12 +56,12 @@ def extremes(samples: Array, *, apply: Each = in_turn) -> Range:
         block = samples[rows]
         ranges[index] = float(block.min()), float(block.max())
 
-    _suited_to(samples, apply)(one, list(enumerate(_rows(samples))))
+    _suited_to(samples, for_each)(one, list(enumerate(_rows(samples))))
     lows, highs = np.array(ranges).T
     return float(lows.min()), float(highs.max())
 
 
-def grey_levels(samples: Array, low: float, high: float, *, apply: Each = in_turn) -> Levels:
+def grey_levels(samples: Array, low: float, high: float, *, for_each: Each = in_turn) -> Levels:
     """Samples as 0 (`low` and below) to 255 (`high` and above), to the nearest level.
 
     Parameters
@@ -70,22 +70,22 @@ def grey_levels(samples: Array, low: float, high: float, *, apply: Each = in_tur
         Real and finite.
     low, high : float
         Black and white; where `high` is not above `low`, all is mid grey.
-    apply : callable
+    for_each : callable
         `Work.each`, for large pictures.
     """
     if not high > low:
         return np.full(samples.shape, MID_GREY, np.uint8)
-    return _steps(samples, low, high, 255, 0.5, apply)
+    return _steps(samples, low, high, 255, 0.5, for_each)
 
 
-def spread_of(samples: Array, *, apply: Each = in_turn) -> Spread:
+def spread_of(samples: Array, *, for_each: Each = in_turn) -> Spread:
     """Extremes and histogram of a picture, shape (rows, columns), real and finite."""
-    low, high = extremes(samples, apply=apply)
+    low, high = extremes(samples, for_each=for_each)
     counts = np.zeros(BINS, np.int64)
     if not high > low:
         counts[0] = samples.size
         return Spread(low, high, counts)
-    flat = _steps(samples, low, high, BINS, 0.0, apply).reshape(-1)
+    flat = _steps(samples, low, high, BINS, 0.0, for_each).reshape(-1)
     even = flat.size // 2 * 2
     # In pairs: half as many increments of twice as many counters, which is twice as fast.
     pairs = flat[:even].view(np.uint16)
@@ -100,7 +100,7 @@ def spread_of(samples: Array, *, apply: Each = in_turn) -> Spread:
 
 
 def quantiles(
-    samples: Array, spread: Spread, shares: tuple[float, ...], *, apply: Each = in_turn
+    samples: Array, spread: Spread, shares: tuple[float, ...], *, for_each: Each = in_turn
 ) -> tuple[float, ...]:
     """Values below which these shares of the samples lie, interpolated between two samples.
 
@@ -108,7 +108,7 @@ def quantiles(
     """
     if not spread.high > spread.low:
         return (spread.low,) * len(shares)
-    index = _steps(samples, spread.low, spread.high, BINS, 0.0, apply)
+    index = _steps(samples, spread.low, spread.high, BINS, 0.0, for_each)
     ends = np.cumsum(spread.counts)
     return tuple(_quantile(samples, index, ends, share) for share in shares)
 
@@ -129,7 +129,9 @@ def _quantile(samples: Array, index: Levels, ends: NDArray[np.int64], share: flo
     return a * (1.0 - part) + b * part
 
 
-def _steps(samples: Array, low: float, high: float, top: int, shift: float, apply: Each) -> Levels:
+def _steps(
+    samples: Array, low: float, high: float, top: int, shift: float, for_each: Each
+) -> Levels:
     """Integers below (sample − low)/(high − low)·top + shift, 0 to 255."""
     levels = np.empty(samples.shape, np.uint8)
     scaled = _single(low, high, top, shift) if _fits(samples, low, high) else None
@@ -142,7 +144,7 @@ def _steps(samples: Array, low: float, high: float, top: int, shift: float, appl
             np.clip(values, 0, 255, out=values)
         np.copyto(levels[rows], values, casting="unsafe")
 
-    _suited_to(samples, apply)(one, list(_rows(samples)))
+    _suited_to(samples, for_each)(one, list(_rows(samples)))
     return levels
 
 
@@ -193,5 +195,5 @@ def _rows(samples: Array) -> list[slice]:
     return [slice(start, start + height) for start in range(0, rows, height)]
 
 
-def _suited_to(samples: Array, apply: Each) -> Each:
-    return apply if samples.size > THREADED_SAMPLES else in_turn
+def _suited_to(samples: Array, for_each: Each) -> Each:
+    return for_each if samples.size > THREADED_SAMPLES else in_turn

@@ -113,7 +113,7 @@ def test_threads_change_nothing():
     def each(function, items):
         workers.each(function, items, 4)
 
-    assert extremes(samples, each=each) == (float(samples.min()), float(samples.max()))
-    alone, many = spread_of(samples), spread_of(samples, each=each)
+    assert extremes(samples, for_each=each) == (float(samples.min()), float(samples.max()))
+    alone, many = spread_of(samples), spread_of(samples, for_each=each)
     assert (alone.counts == many.counts).all()
-    assert (grey_levels(samples, -1, 1) == grey_levels(samples, -1, 1, each=each)).all()
+    assert (grey_levels(samples, -1, 1) == grey_levels(samples, -1, 1, for_each=each)).all()
