@@ -36,7 +36,7 @@ def edit(options: Options, stop_requested: threading.Event) -> None:
     """
     os.environ.setdefault("QT_PREFERRED_BINDING", "PySide6")
     if options.network:
-        find_network(options.network)  # a slip of the pen comes before what the machine lacks
+        find_network(options.network)  # a misspelt name is reported before what the machine lacks
     if options.screenshot is not None:
         os.environ.setdefault("QT_QPA_PLATFORM", OFFSCREEN)
     elif sys.platform.startswith("linux"):

@@ -230,7 +230,7 @@ def _write(
 
 
 def _warnings(cautions: Iterable[Caution]) -> dict[str, dict[str, list[str]]]:
-    """What the nodes warn of, under a name that no node can have; nothing where all is well."""
+    """The nodes' warnings, under a name that no node can have; empty where there are none."""
     nodes: dict[str, list[str]] = {}
     for caution in cautions:
         nodes.setdefault(caution.node, []).append(caution.text)

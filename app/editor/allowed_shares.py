@@ -29,7 +29,7 @@ class Shares:
         self._answers[server] = allowed
 
     def allow(self, path: Path) -> None:
-        """Allow the computer of a path that the person has been to."""
+        """Allow the computer of a path that the person has opened."""
         server = share_server(str(path), windows=self._windows)
         if server is not None:
             self.answer(server, True)

@@ -21,7 +21,7 @@ def html_page(title: str, blocks: Iterable[Block]) -> str:
     blocks : iterable of Block
         What stands on the page, from above.
     """
-    # Only who writes a page loads it: 40 ms.
+    # Imported only where a page is written: 40 ms.
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(

@@ -12,7 +12,7 @@ from core.errors import NetworkError
 from core.names import shown
 from core.network.network import Network, marked_twice
 
-ANALYSIS = "Analysis"  # the group whose modules compare and measure, so their pictures end nothing
+ANALYSIS = "Analysis"  # the group whose modules compare and measure: their pictures are no output
 _MOST_NAMED = 8
 
 
@@ -153,7 +153,7 @@ def _sink_inputs(plan: Plan) -> list[tuple[str, str]]:
 
 
 def _is_sink(plan: Plan, name: str) -> bool:
-    """Not so a node that is not there, or whose module is unknown or cannot be built."""
+    """Whether a node writes files; False of one that is missing or cannot be built."""
     planned = plan.nodes.get(name)
     return planned is not None and planned.module is not None and planned.declaration.sink
 

@@ -1,4 +1,4 @@
-"""The part of a plan that could be planned, for those who look at the network as a whole."""
+"""The part of a plan without errors, for what concerns the network as a whole."""
 
 from __future__ import annotations
 

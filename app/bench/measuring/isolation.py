@@ -1,4 +1,4 @@
-"""A process whose memory is not handed back to the system between measurements."""
+"""A process that keeps its memory between measurements."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """Collecting Python's garbage in the window's thread, and the long way only in quiet moments.
 
 A collection of all objects stops every thread, longer the more there are (14 ms of 42 000), and
-comes when a computation allocates most: the event loop stood still for 105 to 142 ms while a scene
+starts when a computation allocates most: the event loop stood still for 105 to 142 ms while a scene
 was drawn, 18 to 53 ms without it. It may also take widgets apart in a worker's thread, which Qt
-does not bear.
+does not allow.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Collector(QObject):
             self._timer.start()
 
     def stop(self) -> None:
-        """Let Python collect by itself again, if it did before."""
+        """Switch Python's own collection on again, if it was on before."""
         if self._timer.isActive():
             self._timer.stop()
             gc.enable()

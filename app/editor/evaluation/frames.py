@@ -16,7 +16,7 @@ shown: of 4, 8, 12 and 16 ms, 8 had the shortest gaps at their full number.
 
 
 class Frames(QObject):
-    """Lets news be taken at once, or a frame after the last ones.
+    """Has news taken at once, or a frame after the last ones.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class Frames(QObject):
             self._pass_on()
 
     def stop(self) -> None:
-        """Pass nothing on that is still waiting."""
+        """Drop what is still waiting."""
         self._pause.stop()
         self._waiting = False
 

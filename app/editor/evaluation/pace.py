@@ -51,7 +51,7 @@ class Pace:
         self._wasted = 0.0
 
     def gave_way(self, seconds: float) -> None:
-        """A pass was given up after so long."""
+        """Note that a pass was stopped after so long."""
         self._wasted += seconds
 
     def is_slow(self, seconds: float) -> bool:
@@ -64,7 +64,7 @@ class Pace:
         self._rest_again = time.perf_counter() + wait
 
     def rest_may_wait(self) -> bool:
-        """Whether what is no picture had its share of the time while edits come."""
+        """Whether queries other than pictures have had their share of the time during edits."""
         return time.perf_counter() < self._rest_again
 
     def gives_way(

@@ -64,7 +64,7 @@ class Position:
         self._nodes.append(node)
 
     def leave(self) -> None:
-        """It is done: what it was needed for goes on."""
+        """It is done: the computation that needed it goes on."""
         self._nodes.pop()
 
 

@@ -172,7 +172,7 @@ class Runner:
         return self._small
 
     def _pass(self, task: Task) -> bool:
-        """Answer all that is due; whether it came to its end, or was cancelled by the person."""
+        """Answer all that is due; whether it was completed, or cancelled by the person."""
         snapshot, reduced = task.snapshot, task.reduced
         position = Position(len(task.due), lambda place: self._must_stop(task, place))
         self.position = position
@@ -250,7 +250,7 @@ class Runner:
         return self._inbox.cancelled >= snapshot.generation
 
     def _is_edited(self, snapshot: Snapshot) -> bool:
-        """Whether it has been edited since the last pass that came to its end."""
+        """Whether it has been edited since the last complete pass."""
         return self._done is None or self._done.edits != snapshot.edits
 
     def _is_late(self, snapshot: Snapshot) -> bool:
@@ -281,7 +281,7 @@ class Runner:
         self._send_badges()
 
     def _look_at_samples(self, plan: Plan, work: PassWork) -> None:
-        """What nodes warn of once samples are there; for that alone none are computed."""
+        """Take the nodes' warnings on samples already computed; none are computed for them."""
         pending = [check for check in plan.checks() if isinstance(check, PendingCheck)]
         keys = {check.recipe.key for check in pending}
         self._warned = {key: warning for key, warning in self._warned.items() if key in keys}
@@ -290,7 +290,7 @@ class Runner:
                 self._warned[check.recipe.key] = check.value(work)
 
     def _answer_waiting(self, snapshot: Snapshot) -> None:
-        """Answer what could wait until edits paused; whatever comes goes before it."""
+        """Answer what could wait until edits paused; new snapshots go first."""
         assert self._planned is not None
         plan, inbox = self._planned.shown, self._inbox
         due = due_queries(snapshot.asked, plan, self._sent, waiting=True)

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from core.modules.declaration import Declaration
 from nodes.files.formats import readable_formats
 
-# What people call it who have not read its title or summary.
+# Common names that are not in its title or summary.
 _ALSO: Mapping[str, str] = MappingProxyType(
     {
         "test_scene": "target bars edge star chart",

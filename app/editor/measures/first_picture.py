@@ -1,7 +1,7 @@
 """From the start of a process to the first picture of a network in the window.
 
-Prints at which time of the system's monotonic clock the window and the picture were painted; who
-started the process knows when that was.
+Prints at which time of the system's monotonic clock the window and the picture were painted; the
+caller has the time of the process's start.
 """
 
 from __future__ import annotations

@@ -94,7 +94,7 @@ def open_slider(
     settle(window)
     window.session.select([node])
     settle(window)
-    # Of the panel that is there: one of the network before may wait to be deleted.
+    # Of the present panel: that of the network before may not be deleted yet.
     slider = window.panels.panels[node].findChild(QSlider, f"slider.{parameter}")
     assert isinstance(slider, QSlider)
     return slider

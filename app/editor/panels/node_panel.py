@@ -22,7 +22,7 @@ from core.network.network import Network
 
 
 class NodePanel(QFrame):
-    """Head and body of a node's panel. Holds nothing of the document: it shows it.
+    """Head and body of a node's panel. It shows the document and holds no part of it.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ class NodePanel(QFrame):
         self.body.set_theme(theme)
 
     def edit_name(self) -> None:
-        """Let the node's name be typed."""
+        """Open the node's name for editing."""
         self.folded = False
         self.head.name.setFocus(Qt.FocusReason.OtherFocusReason)
         self.head.name.selectAll()

@@ -102,7 +102,7 @@ class PanelArea(QScrollArea):
             panel.set_badge(badges.get(name))
 
     def edit_name(self) -> None:
-        """Let the name of the node selected last be typed."""
+        """Open the name of the node selected last for editing."""
         panel = self.panels.get(next(iter(self._session.selection[-1:]), ""))
         if panel is not None:
             panel.edit_name()

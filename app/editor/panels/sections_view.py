@@ -157,7 +157,7 @@ class SectionsView(QWidget):
             box.setVisible(shown and section.page in ("", page))
 
     def _narrow(self, values: Mapping[str, Any]) -> None:
-        """Offer the choices that go with what is chosen elsewhere."""
+        """Offer the choices that are valid with the other choices."""
         for offer in filter(None, (section.offer for section in self.sections)):
             field = self.field(offer.parameter)
             if isinstance(field, ButtonsField):

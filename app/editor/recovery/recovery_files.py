@@ -110,7 +110,7 @@ class Autosave:
         write_text(self._file, json.dumps(content, indent=1) + "\n")
 
     def _prepare(self) -> None:
-        """Make the folder and the lock, before there is a file that could be taken for a dead's."""
+        """Make the folder and the lock before the file: without a lock it counts as left behind."""
         folder = self._file.parent
         try:
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -121,7 +121,7 @@ class Autosave:
             raise FileError(f"cannot write in {folder}: {reason}") from error
 
     def _remove(self) -> None:
-        # The lock goes last: a file without one could be taken for left behind.
+        # The lock is removed last: a file without one counts as left behind.
         if self._written is not None or self._lock is not None:
             with contextlib.suppress(OSError):
                 self._file.unlink(missing_ok=True)
@@ -209,7 +209,7 @@ def _age(work: Recovered) -> float:
 
 
 def _read(path: Path) -> Recovered | None:
-    """What a recovery file holds; None where its process lives, or it is gone."""
+    """What a recovery file holds; None where its process is alive, or the file is gone."""
     held = is_held(path.with_suffix(LOCK_SUFFIX))
     if held:
         return None
@@ -272,7 +272,7 @@ def _get(content: Any, name: str, kind: type) -> Any:
 
 
 def _sweep(folder: Path) -> None:
-    """Clear away what dead processes left beside their recovery files."""
+    """Clear away what ended processes left beside their recovery files."""
     for lock in folder.glob(f"*{LOCK_SUFFIX}"):
         if lock.stem.isalnum() and is_held(lock) is False:
             # Named by core.atomic: the file's name between a dot and what makes it new.

@@ -149,13 +149,13 @@ class TradeOffPlots(QWidget):
         self.pointed.emit(math.nan if frame is None else self._value(frame, event.position()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let the mark go."""
+        """End the drag of the mark."""
         if self._dragged and event.button() == Qt.MouseButton.LeftButton:
             self._dragged = False
             self.released.emit()
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Nothing is read any more."""
+        """Show no values any more."""
         super().leaveEvent(event)
         self.pointed.emit(math.nan)
 

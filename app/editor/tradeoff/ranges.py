@@ -12,9 +12,9 @@ from app.tradeoff.values import is_number, spaced
 from core.modules.parameters import Parameter
 
 COARSE = 5
-PART = 8  # values in one question: it is begun anew if an edit comes
+PART = 8  # values in one query: it starts anew if an edit comes
 NEAR = 0.2  # of a declared range: below that share of its end it would hide what happens
-LOG_FROM = 3000.0  # the end of a range over its beginning, from which on it goes by factors
+LOG_FROM = 3000.0  # the end of a range over its beginning, from which on its steps are factors
 DEFAULT_COUNT = 25
 LEAST_COUNT, MOST_COUNT = 2, 201
 

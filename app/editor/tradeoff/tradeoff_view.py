@@ -163,7 +163,7 @@ class TradeOffView(Viewer):
         self._draw()
 
     def follow(self, before: Network, after: Network) -> None:
-        """Move the mark; go with nodes that get other names."""
+        """Move the mark; follow nodes that are renamed."""
         old, new = renamed_node(before, after) or ("", "")
         if old and self._chosen is not None:
             self._chosen = frozenset(renamed(name, old, new) for name in self._chosen)
@@ -174,7 +174,7 @@ class TradeOffView(Viewer):
         self._show_mark()
 
     def follow_opening(self) -> None:
-        """Nothing is varied of another document."""
+        """Vary nothing of another document."""
         self._chosen = None
         self.varied.choose()
         self.span = None

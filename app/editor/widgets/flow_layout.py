@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QLayout, QLayoutItem, QWidget
 
 
 class FlowLayout(QLayout):
-    """Places its widgets from left to right, and goes on below where the line ends."""
+    """Places its widgets from left to right, and continues below where the line ends."""
 
     def __init__(self, parent: QWidget | None = None, *, across: int = 6, down: int = 4) -> None:
         super().__init__(parent)

@@ -1,6 +1,6 @@
 """Methods that a base class of widgets leaves to the classes made of it.
 
-A widget's metaclass is Qt's own, so that those of `abc` cannot see to it.
+A widget's metaclass is Qt's own, so that `abc` cannot enforce it.
 """
 
 from __future__ import annotations

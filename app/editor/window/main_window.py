@@ -171,7 +171,9 @@ class MainWindow(QMainWindow):
         if self._remembered:
             self.settings.remember_window(self)
         for other in self.findChildren(QWidget):
-            if other.isWindow():  # dialogs, docks that float: the process lives while one is shown
+            if (
+                other.isWindow()
+            ):  # dialogs, docks that float: the process goes on while one is shown
                 other.hide()
         self.evaluator.close()
         self.autosaver.close()

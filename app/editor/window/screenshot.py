@@ -20,7 +20,7 @@ from core.errors import FileError, UsageError
 from nodes.library import standard_library
 
 PATIENCE_S = 120.0
-_SETTLE_S = 0.4  # queued answers, second looks and repaints after the last pass
+_SETTLE_S = 0.4  # queued answers and repaints after the last pass
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from app.options.terminal_streams import print_error
 from core.errors import FileError, ImagechainError
 from nodes.library import standard_library
 
-_WAKE_MS = 200  # a signal is seen by Python only while Python runs
+_WAKE_MS = 200  # Python handles a signal only while its code runs
 
 
 def application() -> QApplication:
@@ -93,7 +93,7 @@ def _only_note(stop_requested: threading.Event) -> None:
 
 
 class _Reporter:
-    """A fault of ours in a slot becomes one line; the window goes on."""
+    """An internal error in a slot becomes one line; the window goes on."""
 
     def __init__(self, window: MainWindow) -> None:
         self._window = window

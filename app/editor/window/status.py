@@ -66,7 +66,7 @@ class StatusBar(QStatusBar):
             self.showMessage(text, NOTE_MS)
 
     def forget_error(self) -> None:
-        """Nothing is wrong any more."""
+        """Clear the error."""
         if not self.error:
             return  # as with nearly every edit
         self._error.setText("")

@@ -135,7 +135,7 @@ def _draw_bars(axis: Any, data: CurveData) -> None:
         drawn = _drawn(y, data.log_y)
         axis.barh(at, drawn, thick * 0.92, color=colour, label=series.label)
         for height, end, value in zip(at, drawn, y, strict=True):
-            _tell(axis, height, end, value, data.log_y)
+            _write_value(axis, height, end, value, data.log_y)
     if data.log_y:
         axis.set_xscale("log")
     axis.set_yticks(
@@ -149,7 +149,7 @@ def _draw_bars(axis: Any, data: CurveData) -> None:
     axis.set_xlabel(data.y_label)
 
 
-def _tell(axis: Any, height: float, end: float, value: float, log: bool) -> None:
+def _write_value(axis: Any, height: float, end: float, value: float, log: bool) -> None:
     """The value behind its bar; where there is no bar, where it would begin."""
     if np.isfinite(value):
         text = number(value)

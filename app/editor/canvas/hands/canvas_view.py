@@ -33,7 +33,7 @@ _STEP = 1.0015  # of zoom, for each eighth of a degree of the wheel
 
 
 class Handler(Protocol):
-    """What decides on the view's events; see `Handling`."""
+    """Handler of the view's events; see `Handling`."""
 
     def wants_key(self, event: QKeyEvent) -> bool:
         """Whether a key is for a gesture under way, and no shortcut."""
@@ -42,7 +42,7 @@ class Handler(Protocol):
         """Handle a key; whether it was for the canvas."""
 
     def key_released(self, event: QKeyEvent) -> None:
-        """Handle a key that is let go."""
+        """Handle a key release."""
 
     def press(self, event: QMouseEvent) -> None:
         """Handle a button that goes down."""
@@ -184,7 +184,7 @@ class GraphView(NodeViewer):
         self.viewport().update()
 
     def _show(self) -> None:
-        # The scene's rectangle is what is seen of it: nothing is left to be scrolled.
+        # The scene's rectangle is its visible part: there is no range to scroll.
         self.setSceneRect(self.visible_rect())
         self.setTransform(QTransform.fromScale(self._zoom, self._zoom))
 

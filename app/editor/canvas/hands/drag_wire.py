@@ -73,7 +73,7 @@ class DragWire(Gesture):
             self._dropped(self._fixed, old, pos)
 
     def leave(self) -> None:
-        """No live wire, no marks."""
+        """Remove the live wire and the marks."""
         surface = self.surface
         surface.live.setVisible(False)
         surface.hint.hide()

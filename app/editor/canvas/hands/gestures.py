@@ -39,7 +39,7 @@ class Gesture(ABC):
             self.drag(pos, self.surface.view.scene_point(pos))
 
     def release(self, pos: QPoint) -> None:
-        """The button went up there."""
+        """Handle the release of the button there."""
         self.to(pos)
         point = self.surface.view.scene_point(pos)
         self.leave()
@@ -49,12 +49,12 @@ class Gesture(ABC):
             self.click()
 
     def cancel(self) -> None:
-        """It is given up: nothing has happened."""
+        """Cancel it: nothing is changed."""
         self.leave()
 
     @abstractmethod
     def drag(self, pos: QPoint, point: QPointF) -> None:
-        """Show where it has come to."""
+        """Show its present position."""
 
     @abstractmethod
     def drop(self, pos: QPoint, point: QPointF) -> None:
@@ -64,7 +64,7 @@ class Gesture(ABC):
     def leave(self) -> None:
         """Take away what was only shown."""
 
-    def click(self) -> None:  # noqa: B027 - most gestures mean nothing by a click
+    def click(self) -> None:  # noqa: B027 - most gestures have no click
         """It was no drag."""
 
 
@@ -82,7 +82,7 @@ class Pan(Gesture):
         self._last = pos
 
     def drop(self, pos: QPoint, point: QPointF) -> None:
-        """Nothing: it is where it is."""
+        """Change nothing more: the view has been moved already."""
 
     def leave(self) -> None:
         """The pointer is an arrow again."""

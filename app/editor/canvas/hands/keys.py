@@ -70,7 +70,7 @@ class Keys(QObject):
         return False
 
     def release(self, event: QKeyEvent) -> None:
-        """A nudge ends when its key goes up."""
+        """End a nudge when its key is released."""
         if self._nudging and event.key() in _ARROWS and not event.isAutoRepeat():
             self._nudging = False
             self._surface.session.end_gesture()

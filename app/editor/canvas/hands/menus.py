@@ -15,7 +15,7 @@ from core.editing.links import Rewire
 
 
 class Menus(QObject):
-    """Pops menus up and goes on; none waits for an answer.
+    """Pops menus up without blocking.
 
     Signals
     -------

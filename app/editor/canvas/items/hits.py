@@ -14,13 +14,13 @@ from app.editor.canvas.items.node_item import NodeItem, NodePort
 from app.editor.canvas.items.wire_item import WireItem
 
 _PORT_PX, _PORT_LEAST, _PORT_MOST = 9.0, 9.0, 26.0
-_PORTS_FROM = 0.25  # below this zoom ports are too small to be meant
+_PORTS_FROM = 0.25  # below this zoom ports are too small to be picked
 _WIRE_PX = 6.0
 
 
 @dataclass(frozen=True)
 class Hit:
-    """The foremost thing under a point, or nothing. A port comes with its node."""
+    """The foremost item under a point, or none. A port comes with its node."""
 
     port: NodePort | None = None
     node: NodeItem | None = None

@@ -1,6 +1,6 @@
 """Which wire and which backdrop are selected, and what the pointer is over: the view's alone.
 
-Held by what the document calls them, never as items: those come and go.
+Held by their names in the document, never as items: items are replaced.
 """
 
 from __future__ import annotations

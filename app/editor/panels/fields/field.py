@@ -89,7 +89,7 @@ class Field(QWidget):
         """Show what the document has but may not have."""
 
     def set_enabled(self, on: bool) -> None:
-        """Let it be edited, or not."""
+        """Enable or disable editing."""
         self.setEnabled(on)
 
     def set_unit_width(self, width: int) -> None:

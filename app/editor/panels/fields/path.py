@@ -57,7 +57,7 @@ class PathField(TypedField):
         self.edit.show_text("" if value is None else Path(value).as_posix())
 
     def open_dialog(self) -> None:
-        """Let a file be chosen; returns at once."""
+        """Open a dialog to choose a file; returns at once."""
         for other in self.findChildren(QFileDialog, "field.dialog"):
             other.reject()
         dialog = QFileDialog(self, self.parameter.param.text.partition(":")[0].capitalize())

@@ -14,7 +14,7 @@ PER_DECADE = 100
 LOGARITHMIC_FROM = 1000.0
 LARGEST_WHOLE_RANGE = 1e6
 
-# What people set, by unit, where the declaration leaves the range open.
+# Usual ranges, by unit, where the declaration leaves the range open.
 _USUAL: Mapping[str, tuple[float, float]] = MappingProxyType(
     {
         "µm": (0.4, 20.0),
@@ -66,7 +66,7 @@ class Scale:
 
     @property
     def rest(self) -> float:
-        """Where it stands while there is no number."""
+        """Its position while there is no number."""
         return min(max(0.0, self.low), self.high)
 
     def value_at(self, position: int) -> float | int:

@@ -59,7 +59,7 @@ class TypeIn(QLineEdit):
 
     @property
     def marked(self) -> bool:
-        """Whether what stands here was refused."""
+        """Whether the text was refused."""
         return self._marked
 
     @property

@@ -26,7 +26,7 @@ _WRAPPED = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop | Qt.TextF
 
 
 class Illustration(QWidget):
-    """A picture of what a node does, drawn from answers; itself holds nothing of the document.
+    """A picture of what a node does, drawn from answers; it holds no part of the document.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class Illustration(QWidget):
         return str(value)
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint what there is to show; called where there is something."""
+        """Paint the picture; called only where there is one."""
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
@@ -176,7 +176,7 @@ class Illustration(QWidget):
         self.show_problem("")
 
     def in_short(self, error: ImagechainError) -> str:
-        """Why there is nothing to be seen, in a line."""
+        """Why there is no picture, in a line."""
         if error.node is not None and error.node != self.node:
             return f"waits for {error.node}: {error.message}"
         missing = self.missing_inputs()

@@ -140,7 +140,7 @@ class FiguresQuery(Query):
 
 
 def _output_of(plan: Plan) -> tuple[str | None, str, tuple[str, ...]]:
-    """The picture that the network delivers, or why there is none, and which could be meant."""
+    """The picture that the network delivers, or why there is none, and the candidates for it."""
     try:
         output = find_output(sound_part(plan))
     except ImagechainError as error:

@@ -75,7 +75,7 @@ class FiguresStrip(Viewer):
         self.set_theme(theme)
 
     def text(self, name: str) -> str:
-        """What stands there for a read-out, such as ``snr``, for ``output`` or ``run_time``."""
+        """The text shown for a read-out, such as ``snr``, for ``output`` or ``run_time``."""
         return self._values[name].text()
 
     def set_theme(self, theme: Theme) -> None:
@@ -87,11 +87,11 @@ class FiguresStrip(Viewer):
             label.setPalette(palette)
 
     def state(self) -> dict[str, Any]:
-        """Nothing is remembered."""
+        """Nothing to restore."""
         return {}
 
     def restore(self, state: Any) -> None:
-        """Nothing is remembered."""
+        """Nothing to restore."""
 
     def queries(self) -> tuple[Query, ...]:
         """The figures of the node selected, if it is an electronics, else of the last one."""

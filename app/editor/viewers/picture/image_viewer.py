@@ -167,7 +167,7 @@ class ImageViewer(Viewer):
             self.status.show_text(str(answer.error), failed=True)
 
     def follow(self, before: Network, after: Network) -> None:
-        """Go with nodes that get other names; a node that comes back is shown again."""
+        """Follow nodes that are renamed; a node that is restored is shown again."""
         moved = (self._lost or self.choices).moved(before, after)
         gone = moved.port is not None and moved.port.rpartition(".")[0] not in after.nodes
         now = Choices() if gone else moved

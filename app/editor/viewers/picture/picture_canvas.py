@@ -90,7 +90,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.cross.setBrush(None)
 
     def show_picture(self, picture: Picture) -> None:
-        """Show a picture; the part that is seen stays, but of one that lies elsewhere."""
+        """Show a picture; the part that is seen stays, unless its axes are others."""
         place = extent(picture.facts)
         moved = place != self._place
         if moved:

@@ -89,7 +89,7 @@ class ProfileLine(QObject):
         self._draw()
 
     def clear(self) -> None:
-        """There is no picture."""
+        """Show no profile: there is no picture."""
         self._picture = None
         self._curve.setData([], [])
         self._other.setData([], [])

@@ -101,7 +101,7 @@ class RegionTool(QObject):
         self._describe(f"region of {self._node}: {region.description()}")
 
     def draw(self) -> None:
-        """Let a region be drawn: on this picture, or on that of the node that is selected.
+        """Start the drawing of a region: on this picture, or on that of the selected node.
 
         Without one selected, it is that of the first node that has one on this picture.
         """

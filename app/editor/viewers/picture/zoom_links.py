@@ -10,7 +10,7 @@ from app.editor.viewers.picture.picture_canvas import PictureCanvas
 class ZoomLinks:
     """The pictures that show the same part as one does, as shares of their sizes.
 
-    Links go both ways, but not on from one to the next, and keep no picture alive.
+    Links are mutual but not passed on from one to the next, and hold no picture.
     """
 
     def __init__(self, canvas: PictureCanvas) -> None:
@@ -18,14 +18,14 @@ class ZoomLinks:
         self._linked: weakref.WeakSet[ZoomLinks] = weakref.WeakSet()
 
     def link(self, other: ZoomLinks, on: bool) -> None:
-        """Go along with another from now on, or no more."""
+        """Link to another, or end the link."""
         for one, two in ((self, other), (other, self)):
             (one._linked.add if on else one._linked.discard)(two)
         if on:
             self._canvas.set_zoom(other._canvas.zoom)
 
     def has(self, other: ZoomLinks) -> bool:
-        """Whether the other one goes along."""
+        """Whether the other one is linked."""
         return other in self._linked
 
     def apply_zoom(self) -> None:

@@ -19,7 +19,7 @@ Range = tuple[float, float]
 BINS = 256
 MID_GREY = 128
 BLOCK_SAMPLES = 1 << 16  # 1024² singles take 0.5 ms so; 1.2 ms in blocks of an eighth
-THREADED_SAMPLES = 1 << 20  # of smaller pictures one thread is done before others wake
+THREADED_SAMPLES = 1 << 20  # of smaller pictures one thread is done before others start
 _COUNTED = 1 << 20
 _NARROWEST, _WIDEST = 1e-30, 1e38  # ranges in which single precision can be scaled
 

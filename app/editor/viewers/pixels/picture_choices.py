@@ -28,7 +28,7 @@ class Choices:
 
     @property
     def query(self) -> PictureQuery | None:
-        """The question; None where nothing is to be shown."""
+        """The query; None where nothing is to be shown."""
         if self.port is None:
             return None
         if not self.compares:

@@ -59,7 +59,7 @@ class TransferCurve:
 
 @dataclass(frozen=True)
 class Mark:
-    """A frequency along the line that means something.
+    """A frequency along the line that is marked.
 
     "Nyquist" is that of the spectrum, "combined" that once pixels are combined.
     """

@@ -88,7 +88,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._frame(self._whole())
 
     def leaveEvent(self, event: QEvent) -> None:
-        """The cursor reads nothing."""
+        """Show no values any more."""
         super().leaveEvent(event)
         self._read_nothing()
 
@@ -145,7 +145,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         return curve
 
     def _follow_marks(self) -> None:
-        """Put the marks where they are now; those that are too many wait for their use."""
+        """Put the marks at their present places; surplus ones are hidden for later use."""
         along = self.drawing.x_range
         marks = [
             mark

@@ -84,7 +84,7 @@ def entry_pen(entries: Sequence[Entry], name: str, theme: Theme) -> QPen:
         colour = colours[max(others - 1, 0) % len(colours)]
         return thick(see_through(colour, _FAINT), 1, Qt.PenStyle.DotLine)
     pen = thick(colours[others % len(colours)], 1, _DASHES[others // len(colours) % len(_DASHES)])
-    if entry.over:  # three curves in one are seen in turn
+    if entry.over:  # three curves on one another are seen in turn
         pen.setDashPattern([_PIECE, 2 * _PIECE])
         pen.setDashOffset(_PIECE * entry.over)
     return pen
@@ -96,7 +96,7 @@ def mark_pen(theme: Theme) -> QPen:
 
 
 def see_through(colour: str, alpha: int) -> QColor:
-    """A colour that lets what is below shine through, `alpha` 0 to 255."""
+    """A translucent colour, `alpha` 0 to 255."""
     mixed = QColor(colour)
     mixed.setAlpha(alpha)
     return mixed

@@ -160,7 +160,7 @@ class PlotViewer(Viewer):
             self.status.show_text(f"{len(answer.value.rows)} figures; Ctrl+C copies them")
 
     def follow(self, before: Network, after: Network) -> None:
-        """Go with nodes that get other names; a node that comes back is shown again."""
+        """Follow nodes that are renamed; a node that is restored is shown again."""
         port = self._lost or self.port
         if port is None:
             return

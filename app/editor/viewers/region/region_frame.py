@@ -126,7 +126,7 @@ class RegionFrame(QGraphicsObject):
         self.moved.emit(self.mapFromScene(event.scenePos()))
 
     def mouseReleaseEvent(self, _event: QGraphicsSceneMouseEvent) -> None:
-        """Let go."""
+        """Emit the end of the drag."""
         self.released.emit()
 
     def contextMenuEvent(self, event: QGraphicsSceneContextMenuEvent) -> None:

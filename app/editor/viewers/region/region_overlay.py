@@ -128,14 +128,14 @@ class RegionOverlay(QObject):
             item.hide()
 
     def arm(self, on: bool) -> None:
-        """Let the next drag draw a region, or not."""
+        """Switch on or off that the next drag draws a region."""
         if on != self.armed:
             self.armed = on
             self.sheet.setVisible(on and self.region is not None)
             self.armed_changed.emit(on)
 
     def hold(self, on: bool) -> None:
-        """Let the arrow keys move the region, or not."""
+        """Switch on or off that the arrow keys move the region."""
         if on != self.held:
             self.held = on
             self._paint()
@@ -238,7 +238,7 @@ class RegionOverlay(QObject):
         self.hold(False)
 
     def _fit_to_screen(self, *_: object) -> None:
-        """Handles and title go by what the frame measures on the screen."""
+        """Size handles and title by the frame on the screen."""
         if self.region is None:
             return
         wide, high = self._view.viewPixelSize()

@@ -1,4 +1,4 @@
-"""Every action of the window: its menu, its keys, what it does. Menus and lists come of these."""
+"""Every action of the window: menu, keys, what it does. Menus and lists are made from these."""
 
 from __future__ import annotations
 

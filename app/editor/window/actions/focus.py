@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 
 def go_to_next(parts: Sequence[QWidget], step: int) -> None:
-    """Give the focus to the next of the parts that can be seen, or to the first thing in it."""
+    """Give the focus to the next of the parts that can be seen, or to the first widget in it."""
     seen = [part for part in parts if part.isVisible()]
     focus = QApplication.focusWidget()
     at = next((number for number, part in enumerate(seen) if _holds(part, focus)), -1)

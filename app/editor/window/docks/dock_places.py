@@ -31,7 +31,7 @@ def arrange(
 
 
 class Curtain(QObject):
-    """Hides the docks while the first page is shown, which has nothing to do with them."""
+    """Hides the docks while the first page is shown."""
 
     def __init__(self, window: QMainWindow) -> None:
         super().__init__(window)

@@ -122,7 +122,7 @@ class ViewerDocks(QObject):
                 self.docks[number].hide()
 
     def _look_at_input(self, name: str, number: int) -> None:
-        """Of a node without outputs, what comes into it."""
+        """Show the input of a node without outputs."""
         for link in self._session.network.links_into(name):
             self.look_at(number, f"{link.source}.{link.output}")
             return

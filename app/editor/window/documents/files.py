@@ -78,7 +78,7 @@ class Files(QObject):
 
     def show(self, opened: Opened) -> None:
         """Put an opened document in the window."""
-        self._drop_dialog()  # a name asked for is meant for the document that goes
+        self._drop_dialog()  # it names a file for the document that is closed
         if opened.document.path is not None:
             self._settings.add_recent(opened.document.path)
         self._session.open(opened.document)
@@ -91,7 +91,7 @@ class Files(QObject):
         self._session.message.emit("error", text)
 
     def save(self, following: Next | None = None) -> None:
-        """Save to the document's file, or ask for one; then go on, if it was saved."""
+        """Save to the document's file, or one the person chooses; then go on, if it was saved."""
         self.about_to_save.emit()
         path = self._session.document.path
         if path is None:
@@ -100,7 +100,7 @@ class Files(QObject):
             self.save_to(path, following)
 
     def save_as(self, following: Next | None = None) -> None:
-        """Ask for a file and save to it; then go on, if it was saved."""
+        """Let the person choose a file and save to it; then go on, if it was saved."""
         self.about_to_save.emit()
         dialog = self._in_place_of_other(SaveDialog(*self._words("Save the network")))
         dialog.setDefaultSuffix(NETWORK_SUFFIX.removeprefix("."))
@@ -196,7 +196,7 @@ class Files(QObject):
         return self._window, title, str(path.parent if path else Path.cwd()), _FILTER
 
     def _in_place_of_other(self, dialog: QFileDialog) -> QFileDialog:
-        """The dialog, to be filled and shown; the one that is open goes."""
+        """The dialog, to be filled and shown; the one that is open is closed."""
         self._drop_dialog()
         dialog.setObjectName("file_dialog")
         dialog.finished.connect(lambda: self._forget(dialog))

@@ -1,4 +1,4 @@
-"""The questions that stand before work is lost. Each blocks the window until it is answered."""
+"""The questions before work is lost. Each blocks the window until it is answered."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Question(QMessageBox):
         self.finished.connect(self.deleteLater)
 
     def offer(self, answer: Answer, text: str, role: QMessageBox.ButtonRole) -> None:
-        """Offer an answer in words of its own; the first one is taken by Enter."""
+        """Offer an answer with a text of its own; Enter takes the first one."""
         button = self.addButton(text, role)
         button.setObjectName(answer)
         if len(self.buttons()) == 1:

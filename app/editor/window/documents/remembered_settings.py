@@ -1,4 +1,4 @@
-"""What is remembered from one start to the next: look, window, files opened lately."""
+"""Settings kept from one start to the next: look, window, files opened lately."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MOST_RECENT = 12
 
 
 class Settings:
-    """Settings in an ini file of the person's; a damaged one counts as empty.
+    """Settings in an ini file of the user; a damaged one counts as empty.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ _ROLE = QMessageBox.ButtonRole
 
 
 class SaveDialog(QFileDialog):
-    """Asks beside the work whether a file that is there is to be replaced.
+    """Asks the person, without blocking, whether an existing file is to be replaced.
 
     Qt's own question would stop the window until it is answered, and swallow the close that the
     window's manager sends meanwhile.

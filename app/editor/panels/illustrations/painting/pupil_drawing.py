@@ -1,4 +1,4 @@
-"""Painting an exit pupil from its geometry: what is open, and what stands in the way."""
+"""Painting an exit pupil from its geometry: what is open, and what obstructs it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The query how a Camera Geometry node looks at the ground."""
+"""The query of a Camera Geometry node's view of the ground."""
 
 from __future__ import annotations
 

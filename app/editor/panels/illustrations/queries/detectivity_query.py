@@ -84,7 +84,7 @@ class Detectivity:
 
 @dataclass(frozen=True)
 class DetectivityQuery(Query):
-    """D*(λ) of the node's detector, what it is in the band, and what comes of it.
+    """D*(λ) of the node's detector, D* in the band, and the noise computed from it.
 
     Without a picture, the curve is that of the makers' conditions.
     """

@@ -1,4 +1,4 @@
-"""The query what a source's picture looks like, answered by a small grey one."""
+"""The query for a source's picture, answered by a small grey one."""
 
 from __future__ import annotations
 
