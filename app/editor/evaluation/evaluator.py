@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from app.editor.evaluation.collector import Collector
 from app.editor.evaluation.frames import Frames
-from app.editor.evaluation.mailbox import Asked, Inbox, Outbox, Snapshot
+from app.editor.evaluation.mailbox import Inbox, Outbox, Request, Snapshot
 from app.editor.evaluation.pace import PAUSE_S
 from app.editor.evaluation.queries import Answer, Badge, Busy, Query
 from app.editor.evaluation.runner import Runner
@@ -97,7 +97,7 @@ class Evaluator(QObject):
             self._outbox,
         )
         self._thread: threading.Thread | None = None
-        self._asked: dict[str, tuple[Asked, ...]] = {}
+        self._requests: dict[str, tuple[Request, ...]] = {}
         self._since: dict[str, int] = {}
         self._answered: dict[str, int] = {}
         self._numbers = 0
@@ -139,16 +139,16 @@ class Evaluator(QObject):
 
         A query that stays is answered again once its answer changes.
         """
-        known = {asked.query: asked for asked in self._asked.get(owner, ())}
-        asked = tuple(known.get(query) or self._numbered(owner, query) for query in queries)
-        if asked != self._asked.get(owner):
+        known = {request.query: request for request in self._requests.get(owner, ())}
+        requests = tuple(known.get(query) or self._numbered(owner, query) for query in queries)
+        if requests != self._requests.get(owner):
             self._since.setdefault(owner, self._generation + 1)
-            self._asked[owner] = asked
+            self._requests[owner] = requests
             self._post_soon()
 
     def forget(self, owner: str) -> None:
         """Drop the queries of that owner."""
-        self._asked.pop(owner, None)
+        self._requests.pop(owner, None)
         self._since.pop(owner, None)
         self._answered.pop(owner, None)
         self._post_soon()
@@ -184,9 +184,9 @@ class Evaluator(QObject):
         self._finished = self._generation
         self._rest()
 
-    def _numbered(self, owner: str, query: Query) -> Asked:
+    def _numbered(self, owner: str, query: Query) -> Request:
         self._numbers += 1
-        return Asked(owner, query, self._numbers)
+        return Request(owner, query, self._numbers)
 
     def _follow_change(self, before: Any, after: Any) -> None:
         if not computes_alike(before, after):
@@ -223,7 +223,7 @@ class Evaluator(QObject):
                 self._document,
                 network,
                 self._session.folder,
-                tuple(request for group in self._asked.values() for request in group),
+                tuple(request for group in self._requests.values() for request in group),
                 self._edits,
                 self._generates,
                 self._gestures,

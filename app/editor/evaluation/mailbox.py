@@ -16,7 +16,7 @@ from core.network.network import Network
 
 
 @dataclass(frozen=True)
-class Asked:
+class Request:
     """A query of an owner; posted again after it was dropped, it has another number."""
 
     owner: str
@@ -36,7 +36,7 @@ class Snapshot:
         Number of the document.
     network, folder
         The document.
-    asked : tuple of Asked
+    requests : tuple of Request
         All queries on it.
     edits, generates : int
         How many edits, openings and generations there have been, and how many of the last.
@@ -52,7 +52,7 @@ class Snapshot:
     document: int
     network: Network
     folder: Path
-    asked: tuple[Asked, ...]
+    requests: tuple[Request, ...]
     edits: int
     generates: int
     gestures: int

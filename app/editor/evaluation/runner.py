@@ -100,11 +100,11 @@ class Runner:
         task = Task(
             snapshot,
             plan,
-            due_queries(snapshot.asked, plan, self._sent),
+            due_queries(snapshot.requests, plan, self._sent),
             change,
             expected=self._pace.expected(change),
         )
-        wanted = [due.asked for due in task.due if due.asked.query.from_preview]
+        wanted = [due.request for due in task.due if due.request.query.from_preview]
         if not wanted or not self._is_edited(snapshot):
             return task
         if not self._pace.is_slow(task.expected):
@@ -131,15 +131,15 @@ class Runner:
         generate = last.generates != snapshot.generates
         if last.edits != snapshot.edits:
             self._sent.take_up(errors=generate)
-        self._sent.keep(snapshot.asked)
+        self._sent.keep(snapshot.requests)
         return generate
 
     def _answer_all(self, snapshot: Snapshot, error: ImagechainError) -> None:
         """Answer every query with the error."""
         start = time.perf_counter()
-        for asked in snapshot.asked:
-            if self._sent.is_due(asked, key := ("no answer", str(error))):
-                self._send(Due(asked, key), snapshot, error=error)
+        for request in snapshot.requests:
+            if self._sent.is_due(request, key := ("no answer", str(error))):
+                self._send(Due(request, key), snapshot, error=error)
         self._outbox.done(PassDone(snapshot.generation, time.perf_counter() - start))
         self._outbox.finished(snapshot.generation)
 
@@ -194,7 +194,7 @@ class Runner:
             if reduced > 1 or not self._is_cancelled(snapshot):
                 self._pace.gave_way(position.seconds)
                 return False
-            self._sent.give_up([due.asked for due in task.due[position.done :]])
+            self._sent.give_up([due.request for due in task.due[position.done :]])
         finally:
             self.position = None
         # What is opened is looked at only once it has been planned.
@@ -220,7 +220,7 @@ class Runner:
             value, error = None, due.error
             try:
                 if error is None:
-                    value = due.asked.query.answer(passing)
+                    value = due.request.query.answer(passing)
             except Exception as raised:
                 if position.stopped and isinstance(raised, Cancelled):
                     raise
@@ -238,9 +238,9 @@ class Runner:
         work: PassWork | None = None,
         reduced: int = 1,
     ) -> None:
-        asked = due.asked
-        self._sent.put(asked, Sent(due.key, work.log if work else None, reduced, error))
-        answer = Answer(snapshot.generation, asked.owner, asked.query, value, error, reduced)
+        request = due.request
+        self._sent.put(request, Sent(due.key, work.log if work else None, reduced, error))
+        answer = Answer(snapshot.generation, request.owner, request.query, value, error, reduced)
         self._outbox.answer(answer)
         if due.is_picture:
             self._pace.shown()
@@ -293,14 +293,14 @@ class Runner:
         """Answer what could wait until edits paused; new snapshots go first."""
         assert self._planned is not None
         plan, inbox = self._planned.shown, self._inbox
-        due = due_queries(snapshot.asked, plan, self._sent, waiting=True)
+        due = due_queries(snapshot.requests, plan, self._sent, waiting=True)
         position = Position(len(due), lambda _: inbox.waiting or self._is_cancelled(snapshot))
         self.position = position
         try:
             self._answer(list(due), Task(snapshot, plan, due, None), position)
         except Cancelled:
             if self._is_cancelled(snapshot):
-                self._sent.give_up([item.asked for item in due[position.done :]])
+                self._sent.give_up([item.request for item in due[position.done :]])
         finally:
             self.position = None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Hashable, Iterator
 from dataclasses import dataclass
 
-from app.editor.evaluation.mailbox import Asked
+from app.editor.evaluation.mailbox import Request
 from core.errors import ImagechainError
 from core.evaluation.evaluation_log import EvaluationLog
 
@@ -24,8 +24,8 @@ class SentAnswers:
     """The answer sent last to each query that stands."""
 
     def __init__(self) -> None:
-        self._sent: dict[Asked, Sent] = {}
-        self._given_up: set[Asked] = set()
+        self._sent: dict[Request, Sent] = {}
+        self._given_up: set[Request] = set()
 
     def __iter__(self) -> Iterator[Sent]:
         return iter(tuple(self._sent.values()))
@@ -43,26 +43,26 @@ class SentAnswers:
         self._sent.clear()
         self._given_up.clear()
 
-    def keep(self, asked: Collection[Asked]) -> None:
+    def keep(self, requests: Collection[Request]) -> None:
         """Drop all but these."""
-        wanted = set(asked)
+        wanted = set(requests)
         self._sent = {request: sent for request, sent in self._sent.items() if request in wanted}
         self._given_up &= wanted
 
-    def is_due(self, asked: Asked, key: Hashable, reduced: int = 1) -> bool:
+    def is_due(self, request: Request, key: Hashable, reduced: int = 1) -> bool:
         """Whether the query is to be answered: its answer depends on something else by now."""
-        if asked in self._given_up:
+        if request in self._given_up:
             return False
-        sent = self._sent.get(asked)
+        sent = self._sent.get(request)
         return key is None or sent is None or (sent.key, sent.reduced) != (key, reduced)
 
-    def put(self, asked: Asked, sent: Sent) -> None:
+    def put(self, request: Request, sent: Sent) -> None:
         """Note an answer."""
-        self._sent[asked] = sent
+        self._sent[request] = sent
 
-    def give_up(self, asked: Collection[Asked]) -> None:
+    def give_up(self, requests: Collection[Request]) -> None:
         """Leave these unanswered until there is an edit."""
-        self._given_up.update(asked)
+        self._given_up.update(requests)
 
     def take_up(self, *, errors: bool = False) -> None:
         """Answer again what was given up, and with `errors` what was answered by an error."""

@@ -6,7 +6,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 from app.editor.evaluation.failures import as_error
-from app.editor.evaluation.mailbox import Asked, Snapshot
+from app.editor.evaluation.mailbox import Request, Snapshot
 from app.editor.evaluation.pace import Pace
 from app.editor.evaluation.sent import SentAnswers
 from core.chain.engine import Plan
@@ -21,14 +21,14 @@ Change = frozenset[tuple[str, str] | str | Link] | None
 class Due:
     """A query to be answered, and what its answer depends on, or why that is unknown."""
 
-    asked: Asked
+    request: Request
     key: Hashable
     error: ImagechainError | None = None
 
     @property
     def is_picture(self) -> bool:
         """Whether it is as urgent as pictures are."""
-        return self.asked.query.urgency <= 0
+        return self.request.query.urgency <= 0
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Task:
 
 
 def due_queries(
-    asked: Sequence[Asked],
+    requests: Sequence[Request],
     plan: Plan,
     sent: SentAnswers,
     reduced: int = 1,
@@ -78,21 +78,21 @@ def due_queries(
     With `waiting` only what can wait until edits pause, else only what cannot.
     """
     queries = []
-    for request in asked:
+    for request in requests:
         if request.query.waits is not waiting:
             continue
         due = _due(request, plan)
         if sent.is_due(request, due.key, reduced):
             queries.append(due)
-    return tuple(sorted(queries, key=lambda due: due.asked.query.urgency))
+    return tuple(sorted(queries, key=lambda due: due.request.query.urgency))
 
 
-def _due(asked: Asked, plan: Plan) -> Due:
+def _due(request: Request, plan: Plan) -> Due:
     try:
-        return Due(asked, asked.query.key(plan))
+        return Due(request, request.query.key(plan))
     except Exception as raised:
         error = as_error(raised)
-        return Due(asked, ("error", str(error)), error)
+        return Due(request, ("error", str(error)), error)
 
 
 def overtaken(task: Task, newest: Snapshot | None, pace: Pace, elapsed: float) -> bool:

@@ -51,8 +51,8 @@ class Viewer(QWidget):
         self.evaluator = evaluator
         self.theme = theme
         self.owner = owner
-        self._asking = False
-        self._asked: tuple[Query, ...] = ()
+        self._active = False
+        self._posted: tuple[Query, ...] = ()
         if evaluator is not None:
             evaluator.answered.connect(self._answered)
         session.changed.connect(self._changed)
@@ -64,7 +64,7 @@ class Viewer(QWidget):
 
     def accepts(self, query: Query) -> bool:
         """Whether an answer to this is still of use."""
-        return query in self._asked
+        return query in self._posted
 
     def take(self, answer: Answer) -> None:
         """Show an answer that `accepts` lets through."""
@@ -77,16 +77,16 @@ class Viewer(QWidget):
 
     def ask(self) -> None:
         """Post the present queries, if the viewer is visible."""
-        if not self._asking:
+        if not self._active:
             return
-        self._asked = tuple(self.queries())
+        self._posted = tuple(self.queries())
         if self.evaluator is not None:
-            self.evaluator.ask(self.owner, self._asked)
+            self.evaluator.ask(self.owner, self._posted)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Post queries from now on."""
         super().showEvent(event)
-        self._asking = True
+        self._active = True
         self.ask()
 
     def hideEvent(self, event: QHideEvent) -> None:
@@ -100,14 +100,14 @@ class Viewer(QWidget):
         self._release()
 
     def _release(self) -> None:
-        if self._asking:
-            self._asking = False
-            self._asked = ()
+        if self._active:
+            self._active = False
+            self._posted = ()
             if self.evaluator is not None:
                 self.evaluator.forget(self.owner)
 
     def _answered(self, answer: Any) -> None:
-        if answer.owner == self.owner and self._asking and self.accepts(answer.query):
+        if answer.owner == self.owner and self._active and self.accepts(answer.query):
             self.take(answer)
 
     def _changed(self, before: Any, after: Any) -> None:
