@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-Each = Callable[[Callable[[Any], None], Sequence[Any]], None]
+ForEach = Callable[[Callable[[Any], None], Sequence[Any]], None]
 """Calls a function on every item of a sequence, in whatever order."""
 
 
@@ -29,11 +29,11 @@ class Workers:
         self._pool: ThreadPoolExecutor | None = None
         self._size = 0
 
-    def each(self, function: Callable[[Any], None], items: Sequence[Any], threads: int) -> None:
+    def for_each(self, function: Callable[[Any], None], items: Sequence[Any], threads: int) -> None:
         """Call `function` on every item; items must write to different places.
 
         The calling thread takes items too and never waits for one that nobody has begun, so that
-        a function may call `each` again.
+        a function may call `for_each` again.
 
         Parameters
         ----------

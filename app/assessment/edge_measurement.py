@@ -209,7 +209,7 @@ def edge_drawn(work: Work, scene: Array, *, width: int, height: int, angle_deg: 
         signal=high,
         angle_deg=angle_deg,
         dtype=work.policy.dtype,
-        each=work.each,
+        for_each=work.for_each,
     )
 
 

@@ -66,7 +66,7 @@ def noise_budget(evaluation: Evaluation) -> NoiseBudget | str:
 
 def _measured(work: Work, image: Image) -> Measured:
     clean = work.value(noise_free(image.recipe))
-    noise = statistics(np.subtract(work.value(image.recipe), clean), each=work.each)
+    noise = statistics(np.subtract(work.value(image.recipe), clean), for_each=work.for_each)
     return Measured(noise.mean, noise.sigma)
 
 

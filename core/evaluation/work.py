@@ -140,7 +140,7 @@ class Work:
         if self._cancel is not None and self._cancel.is_set():
             raise Cancelled("stopped on request")
 
-    def each(self, function: Callable[[Any], None], items: Sequence[Any]) -> None:
+    def for_each(self, function: Callable[[Any], None], items: Sequence[Any]) -> None:
         """Call `function` on every item, in threads; items must write to different places."""
 
         def one(item: Any) -> None:
@@ -148,7 +148,7 @@ class Work:
             with watched(None):  # a thread of the pool does not know that it is watched
                 function(item)
 
-        self._workers.each(one, items, self.policy.workers)
+        self._workers.for_each(one, items, self.policy.workers)
 
     def _made(self, recipe: Recipe) -> Any:
         """Make a recipe, what it is made of before it."""

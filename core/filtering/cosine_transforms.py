@@ -46,7 +46,7 @@ def transform_rows(work: Work, values: Array, kind: Kind) -> None:
     def one(rows: slice) -> None:
         values[rows] = transform_block(values[rows], kind, axis=1)
 
-    work.each(one, row_blocks(values.shape))
+    work.for_each(one, row_blocks(values.shape))
 
 
 def transform_columns(work: Work, values: Array, kind: Kind, width: int | None = None) -> None:
@@ -59,7 +59,7 @@ def transform_columns(work: Work, values: Array, kind: Kind, width: int | None =
         block = values[:, start : min(start + step, columns)]
         block[...] = transform_block(np.ascontiguousarray(block), kind, axis=0)
 
-    work.each(one, range(0, columns, step))
+    work.for_each(one, range(0, columns, step))
 
 
 def row_blocks(shape: tuple[int, ...]) -> list[slice]:

@@ -58,7 +58,7 @@ def filter_lines(
         require_finite(filtered)
         np.add(filtered, (mean * response[0].real).astype(result.dtype), out=result[lines])
 
-    work.each(one, range(0, image.shape[0], height))
+    work.for_each(one, range(0, image.shape[0], height))
     return result
 
 

@@ -55,7 +55,7 @@ def local_mean(work: Work, image: Array, *, sigma_px: float) -> Array:
         values[rows, : len(across)] *= across
         values[rows, len(across) :] = 0
 
-    work.each(spread, row_blocks(image.shape))
+    work.for_each(spread, row_blocks(image.shape))
     width = len(across)
     transform_columns(work, values, "dct", width)
     values[: len(along), :width] *= along[:, np.newaxis]

@@ -56,7 +56,7 @@ def mirrored_spectrum(work: Work, image: Array) -> MeanFree:
         part = np.subtract(image[rows], mean, out=values[rows], dtype=values.dtype)
         values[rows] = transform_block(part, "dct", axis=1)
 
-    work.each(one, row_blocks(image.shape))
+    work.for_each(one, row_blocks(image.shape))
     transform_columns(work, values, "dct")
     return MeanFree(values, mean)
 
@@ -211,7 +211,7 @@ def _lines(work: Work, spectrum: Array, terms: _Terms, odd_y: bool, columns: sli
             total = part if total is None else np.add(total, part, out=total)
         lines[start:stop] = 0 if total is None else total[:, columns]
 
-    work.each(one, range(0, rows_out, height))
+    work.for_each(one, range(0, rows_out, height))
     return lines
 
 

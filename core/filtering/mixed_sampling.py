@@ -140,7 +140,7 @@ def _summed(lines: ScanLines, intervals_mrad: Vector) -> Parts:
             for part, values in zip(parts, found, strict=True):
                 part[block, members[group]] = lines.summed(values, members[group])
 
-    lines.work.each(one, range(len(groups)))
+    lines.work.for_each(one, range(len(groups)))
     return parts
 
 
@@ -220,7 +220,7 @@ def _delivered(lines: ScanLines, parts: Parts, responses: Array) -> Array:
         found = tuple(np.ascontiguousarray(part[:, block]) for part in parts)
         picture[:, block] = lines.samples(found, responses[:, block])
 
-    lines.work.each(one, range(0, columns, step))
+    lines.work.for_each(one, range(0, columns, step))
     require_finite(picture)
     return picture
 

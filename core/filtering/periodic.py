@@ -127,7 +127,7 @@ def _fold(
             direct[start:stop] = _aliases_up(total, columns, width)
             turned[start:stop] = _aliases_beyond(total, grid.columns, columns, width)
 
-    work.each(one, range(0, rows, height))
+    work.for_each(one, range(0, rows, height))
     return direct, turned
 
 

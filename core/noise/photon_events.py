@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.noise.random_fields import Stream
-from core.threads import Each, in_turn
+from core.threads import ForEach, in_turn
 
 Array = NDArray[Any]
 
@@ -50,7 +50,7 @@ def displaced_events(
     *,
     share: float,
     sigma_px: float,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
 ) -> Array:
     """Poisson deviates whose means are `share` of the picture's Gaussian-weighted local mean.
 
@@ -65,8 +65,8 @@ def displaced_events(
     sigma_px : float
         Standard deviation of the weights along each axis in samples, `LEAST_SIGMA_PX` to
         `LARGEST_SIGMA_PX`.
-    each : callable
-        Calls a function on every block: `Work.each`.
+    for_each : callable
+        Calls a function on every block: `Work.for_each`.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def displaced_events(
         columns = _mirrored(columns + moves[1], picture.shape[1])
         found[block] = rows * picture.shape[1] + columns
 
-    each(one, range(-(-flat.size // BLOCK)))
+    for_each(one, range(-(-flat.size // BLOCK)))
     counts = np.zeros(flat.size, picture.dtype)
     for places in found.values():
         np.add.at(counts, places, picture.dtype.type(1))

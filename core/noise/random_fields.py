@@ -21,7 +21,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from core.errors import DataError, ParameterError
 from core.evaluation.region import Region, runs
-from core.threads import Each, in_turn
+from core.threads import ForEach, in_turn
 
 Floats = TypeVar("Floats", NDArray[np.float32], NDArray[np.float64])
 _Array = NDArray[Any]
@@ -84,7 +84,7 @@ def normal_field(
     shape: tuple[int, ...],
     *,
     dtype: DTypeLike = np.float64,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
 ) -> _Array:
     """Standard normal deviates.
 
@@ -98,7 +98,7 @@ def normal_field(
         float64 (ziggurat) or float32 (Box-Muller on 32-bit uniforms, three times as fast, no
         deviate beyond 6.77).
     each
-        Calls a function on every block, in any order and from any thread: `Work.each`.
+        Calls a function on every block, in any order and from any thread: `Work.for_each`.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def normal_field(
     Source: Marsaglia and Tsang 2000 (ziggurat); Box and Muller 1958.
     """
     draw = _box_muller if _is_single(dtype) else _ziggurat
-    return _drawn(stream, np.empty(shape, dtype), draw, each)
+    return _drawn(stream, np.empty(shape, dtype), draw, for_each)
 
 
 def normal_part(
@@ -116,7 +116,7 @@ def normal_part(
     region: Region,
     *,
     dtype: DTypeLike = np.float64,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
 ) -> _Array:
     """A region of the `normal_field` of that shape; no block is drawn that lies beside it."""
     draw = _box_muller if _is_single(dtype) else _ziggurat
@@ -133,7 +133,7 @@ def normal_part(
                 lines = samples[offset : offset + run.rows * run.columns].reshape(run.shape)
                 part[both.seen_from(region)] = lines[both.seen_from(run)]
 
-    each(one, region.blocks(columns, BLOCK))
+    for_each(one, region.blocks(columns, BLOCK))
     return part
 
 
@@ -142,18 +142,18 @@ def uniform_field(
     shape: tuple[int, ...],
     *,
     dtype: DTypeLike = np.float64,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
 ) -> _Array:
     """Deviates uniform in [0, 1); parameters as in `normal_field`."""
     _is_single(dtype)
-    return _drawn(stream, np.empty(shape, dtype), _uniform, each)
+    return _drawn(stream, np.empty(shape, dtype), _uniform, for_each)
 
 
 def poisson_field(
     mean: Floats,
     stream: Stream,
     *,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
     in_place: bool = False,
 ) -> Floats:
     """Poisson deviates, one for each mean.
@@ -198,8 +198,8 @@ def poisson_field(
         _poisson(generator, means, flat_counts[block])
 
     if mean.size and mean.max() <= SPARSE_MEAN:
-        each = in_turn  # drawing events is short work between numpy calls: threads only wait
-    _for_each_block(stream, counts.size, draw, each)
+        for_each = in_turn  # drawing events is short work between numpy calls: threads only wait
+    _for_each_block(stream, counts.size, draw, for_each)
     return counts
 
 
@@ -214,19 +214,21 @@ def _generator(key: int, block: int) -> Generator:
     return Generator(Philox(key=key, counter=[0, 0, block, 0]))
 
 
-def _drawn(stream: Stream, out: _Array, draw: _Draw, each: Each) -> _Array:
+def _drawn(stream: Stream, out: _Array, draw: _Draw, for_each: ForEach) -> _Array:
     flat = out.reshape(out.size)
-    _for_each_block(stream, flat.size, lambda generator, block: draw(generator, flat[block]), each)
+    _for_each_block(
+        stream, flat.size, lambda generator, block: draw(generator, flat[block]), for_each
+    )
     return out
 
 
-def _for_each_block(stream: Stream, size: int, work: _Work, each: Each) -> None:
+def _for_each_block(stream: Stream, size: int, work: _Work, for_each: ForEach) -> None:
     key = stream.key
 
     def one(block: int) -> None:
         work(_generator(key, block), slice(block * BLOCK, (block + 1) * BLOCK))
 
-    each(one, range(-(-size // BLOCK)))
+    for_each(one, range(-(-size // BLOCK)))
 
 
 def _ziggurat(generator: Generator, out: _Array) -> None:

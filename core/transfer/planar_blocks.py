@@ -129,7 +129,7 @@ class Known(Recipe):
             rows = slice(start, start + height)
             plane[rows] = _evaluated(work, factor, table, quarter, rows)
 
-        work.each(one, range(0, len(quarter.eta), height))
+        work.for_each(one, range(0, len(quarter.eta), height))
         return Kept(plane=plane)
 
 

@@ -136,7 +136,7 @@ class NoisePlan:
 
 def _deviates_part(work: Work, region: Region, *, stream: Stream, shape: tuple[int, int]) -> Array:
     wanted = region.broadcast(shape)
-    return normal_part(stream, shape, wanted, dtype=work.policy.dtype, each=work.each)
+    return normal_part(stream, shape, wanted, dtype=work.policy.dtype, for_each=work.for_each)
 
 
 def _deviates_share(region: Region, shape: tuple[int, int]) -> float:
@@ -147,7 +147,7 @@ def _deviates_share(region: Region, shape: tuple[int, int]) -> float:
 @in_parts(_deviates_part, _deviates_share)
 def unit_deviates(work: Work, *, stream: Stream, shape: tuple[int, int]) -> Array:
     """Standard normal deviates."""
-    return normal_field(stream, shape, dtype=work.policy.dtype, each=work.each)
+    return normal_field(stream, shape, dtype=work.policy.dtype, for_each=work.for_each)
 
 
 @ends_lineage
@@ -199,7 +199,7 @@ def _rounding(
 def quantized(work: Work, picture: Array, limits: tuple[float, float], *, bits: int) -> Array:
     """Nearest of 2^bits levels between the limits."""
     low, high = limits
-    return quantize(picture, bits=bits, low=low, high=high, each=work.each)
+    return quantize(picture, bits=bits, low=low, high=high, for_each=work.for_each)
 
 
 @ends_lineage

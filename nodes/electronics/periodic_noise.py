@@ -100,7 +100,7 @@ def _drawn_part(work: Work, region: Region, *, grid: Grid, **values: float) -> A
         pattern[lines] = periodic_pattern(x_mrad=x_mrad, y_mrad=y_mrad[lines], **values)
 
     step = max(1, _BLOCK_SAMPLES // region.columns)
-    work.each(block, [slice(start, start + step) for start in range(0, region.rows, step)])
+    work.for_each(block, [slice(start, start + step) for start in range(0, region.rows, step)])
     return pattern
 
 

@@ -163,7 +163,7 @@ def figures(
     probe_y: int | None,
 ) -> TableData:
     """Statistics and probe as a table, with apparent temperatures where `band_um` is known."""
-    found = statistics(samples, each=work.each)
+    found = statistics(samples, for_each=work.for_each)
     values = {"minimum": found.minimum, "maximum": found.maximum, "mean": found.mean}
     meanings = {"minimum": "least sample", "maximum": "greatest sample", "mean": "mean"}
     rows = [TableRow(name, value, unit, meanings[name]) for name, value in values.items()]

@@ -36,7 +36,7 @@ def radiance_caution(
     stated a unit, and mean ± 2 σ (three quarters of the samples at least, after Chebyshev) lie
     between the coldest and the hottest land surface ever seen.
     """
-    found = statistics(samples, each=work.each)
+    found = statistics(samples, for_each=work.for_each)
     limit = brightest_surface_radiance(band_um=band_um)
     kelvin = _like_kelvin(found)
     if found.mean > limit:

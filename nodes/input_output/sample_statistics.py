@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.threads import Each, in_turn
+from core.threads import ForEach, in_turn
 
 Array = NDArray[Any]
 BLOCK_SAMPLES = 1 << 18
@@ -35,19 +35,19 @@ def blocks(samples: Array, check: Callable[[], None]) -> Iterator[NDArray[np.flo
         yield flat[start : start + BLOCK_SAMPLES].astype(np.float64)
 
 
-def statistics(samples: Array, *, each: Each = in_turn) -> Statistics:
+def statistics(samples: Array, *, for_each: ForEach = in_turn) -> Statistics:
     """Statistics of a real array of any shape that is not empty.
 
     Parameters
     ----------
     samples : ndarray
         The samples.
-    each : callable
-        Calls a function on every block, in any order: `Work.each`.
+    for_each : callable
+        Calls a function on every block, in any order: `Work.for_each`.
     """
     low, high = float(samples.min()), float(samples.max())
     # Relative to the minimum: the sum of large equal samples would round their mean.
-    mean = low + _sum_of(samples, lambda block: float(np.sum(block)), low, each) / samples.size
+    mean = low + _sum_of(samples, lambda block: float(np.sum(block)), low, for_each) / samples.size
     mean = min(max(mean, low), high)
     reach = max(high - mean, mean - low)
     if reach == 0.0:
@@ -60,11 +60,13 @@ def statistics(samples: Array, *, each: Each = in_turn) -> Statistics:
             block /= scale
         return float(np.einsum("i,i->", block, block))
 
-    mean_square = _sum_of(samples, squares, mean, each) / samples.size
+    mean_square = _sum_of(samples, squares, mean, for_each) / samples.size
     return Statistics(low, high, mean, scale * math.sqrt(mean_square))
 
 
-def _sum_of(samples: Array, summed: Callable[[Array], float], offset: float, each: Each) -> float:
+def _sum_of(
+    samples: Array, summed: Callable[[Array], float], offset: float, for_each: ForEach
+) -> float:
     """Sum of a function's values on the blocks in double precision, less an offset."""
     flat = samples.reshape(-1)
     starts = range(0, flat.size, BLOCK_SAMPLES)
@@ -76,7 +78,7 @@ def _sum_of(samples: Array, summed: Callable[[Array], float], offset: float, eac
         block -= offset
         sums[index] = summed(block)
 
-    each(one, range(len(starts)))
+    for_each(one, range(len(starts)))
     return math.fsum(sums)
 
 

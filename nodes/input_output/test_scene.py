@@ -127,16 +127,16 @@ def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
 @source_step(area_means=True)
 def drawn(work: Work, **values: Any) -> NDArray[np.floating]:
     """The scene's samples in the evaluation's precision."""
-    return draw_scene(dtype=work.policy.dtype, each=work.each, **values)
+    return draw_scene(dtype=work.policy.dtype, for_each=work.for_each, **values)
 
 
 @ends_lineage
 def shares_drawn(work: Work, **values: Any) -> Shares:
     """Where the scene's surfaces are seen."""
-    return draw_shares(dtype=work.policy.dtype, each=work.each, **values)
+    return draw_shares(dtype=work.policy.dtype, for_each=work.for_each, **values)
 
 
 @source_step(area_means=True)
 def shown(work: Work, shares: Shares, **values: Any) -> NDArray[np.floating]:
     """The scene's samples from the shares of its surfaces."""
-    return with_radiance(shares, each=work.each, **values)
+    return with_radiance(shares, for_each=work.for_each, **values)

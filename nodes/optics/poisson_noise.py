@@ -118,10 +118,12 @@ def published_noise(
     """The added deviates, by their events where these are few."""
     share = percent / 100.0
     if events_are_few(image, share=share, sigma_px=sigma_px):
-        return displaced_events(image, stream, share=share, sigma_px=sigma_px, each=work.each)
+        return displaced_events(
+            image, stream, share=share, sigma_px=sigma_px, for_each=work.for_each
+        )
     # One array serves as local mean, means and counts in turn.
     means = published_means(local_mean(work, image, sigma_px=sigma_px), percent=percent)
-    return poisson_field(means, stream, each=work.each, in_place=True)
+    return poisson_field(means, stream, for_each=work.for_each, in_place=True)
 
 
 def _photons_counted(
@@ -134,7 +136,7 @@ def _photons_counted(
 def photon_counts(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
     """The picture made of numbers of photons."""
     means = photon_means(image, photons_per_unit=photons_per_unit)
-    counts = poisson_field(means, stream, each=work.each)
+    counts = poisson_field(means, stream, for_each=work.for_each)
     return radiance_of_photons(counts, photons_per_unit=photons_per_unit)
 
 
@@ -178,7 +180,7 @@ def _difference(work: Work, noisy: Array, image: Array) -> Array:
 
 @ends_lineage
 def _moments(work: Work, noise: Array) -> Statistics:
-    return statistics(noise, each=work.each)
+    return statistics(noise, for_each=work.for_each)
 
 
 @ends_lineage

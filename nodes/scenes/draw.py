@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from core.threads import Each, in_turn
+from core.threads import ForEach, in_turn
 from nodes.scenes import scene_targets as targets
 from nodes.scenes.airfield import airfield
 from nodes.scenes.checks import check_frame, check_geometry, check_radiometry
@@ -28,7 +28,7 @@ def draw_scene(
     angle_deg: float,
     frequency: float,
     dtype: npt.DTypeLike,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
 ) -> npt.NDArray[np.floating]:
     """Band radiance of a test scene, averaged over each sample's area.
 
@@ -52,7 +52,7 @@ def draw_scene(
         the number of spokes (siemens_star).
     dtype : dtype
         float32 or float64; the sums are in double either way.
-    each : callable
+    for_each : callable
         Draws some rows at a time, perhaps in threads.
 
     Returns
@@ -77,7 +77,11 @@ def draw_scene(
     if kind in ("dormitory", "airfield"):
         drawing = dormitory() if kind == "dormitory" else airfield()
         return drawing.render(
-            surface_radiance(**sources), width=width, height=height, dtype=kind_dtype, each=each
+            surface_radiance(**sources),
+            width=width,
+            height=height,
+            dtype=kind_dtype,
+            for_each=for_each,
         )
     background, signal = target_radiance(**sources)
     size: dict[str, Any] = {"width": width, "height": height, "dtype": kind_dtype}
@@ -86,11 +90,15 @@ def draw_scene(
         "uniform": lambda: targets.uniform(**size, background=background),
         "point": lambda: targets.point(**size, **two),
         "two_panel": lambda: targets.two_panel(**size, **two),
-        "slanted_edge": lambda: targets.slanted_edge(**size, **two, angle_deg=angle_deg, each=each),
-        "sine": lambda: targets.sine(
-            **size, **two, angle_deg=angle_deg, frequency=frequency, each=each
+        "slanted_edge": lambda: targets.slanted_edge(
+            **size, **two, angle_deg=angle_deg, for_each=for_each
         ),
-        "siemens_star": lambda: targets.siemens_star(**size, **two, frequency=frequency, each=each),
+        "sine": lambda: targets.sine(
+            **size, **two, angle_deg=angle_deg, frequency=frequency, for_each=for_each
+        ),
+        "siemens_star": lambda: targets.siemens_star(
+            **size, **two, frequency=frequency, for_each=for_each
+        ),
         "four_bar": lambda: targets.four_bar(**size, **two, frequency=frequency),
     }
     return draw[kind]()

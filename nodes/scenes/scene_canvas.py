@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from core.threads import Each, in_turn
+from core.threads import ForEach, in_turn
 from nodes.scenes.coverage import FloatArray, cell_edges, half_plane_coverage
 from nodes.scenes.ellipses import Ellipses
 from nodes.scenes.mixes import Mix, Radiances, Texture, radiance_of
@@ -199,7 +199,7 @@ class Drawing:
         width: int,
         height: int,
         dtype: npt.DTypeLike,
-        each: Each = in_turn,
+        for_each: ForEach = in_turn,
     ) -> npt.NDArray[np.floating]:
         """Draw at `width` × `height` samples; sums are in double, rounded once."""
         known = with_textures(radiances, self.textures)
@@ -221,7 +221,7 @@ class Drawing:
             dtype=dtype,
             rows=rows,
             samples=BLOCK_SAMPLES,
-            each=each,
+            for_each=for_each,
         )
 
 
@@ -236,7 +236,7 @@ def by_blocks(
     height: int,
     dtype: npt.DTypeLike,
     rows: Callable[[int, int], FloatArray],
-    each: Each,
+    for_each: ForEach,
     samples: int = FORMULA_SAMPLES,
 ) -> npt.NDArray[np.floating]:
     """Fill a picture from `rows(start, stop)`, about so many samples at a time."""
@@ -247,7 +247,7 @@ def by_blocks(
         stop = min(start + step, height)
         picture[start:stop] = rows(start, stop)
 
-    each(fill, range(0, height, step))
+    for_each(fill, range(0, height, step))
     return picture
 
 

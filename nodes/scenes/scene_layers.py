@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from core.threads import Each, in_turn
+from core.threads import ForEach, in_turn
 from nodes.scenes.coverage import FloatArray, cell_edges
 from nodes.scenes.mixes import Radiances, Texture
 from nodes.scenes.scene_canvas import Drawing, Place, with_textures
@@ -67,7 +67,9 @@ class Layers:
     textures: tuple[Texture, ...]
     tiles: tuple[Tiles, ...]
 
-    def picture(self, radiances: Radiances, each: Each = in_turn) -> npt.NDArray[np.floating]:
+    def picture(
+        self, radiances: Radiances, for_each: ForEach = in_turn
+    ) -> npt.NDArray[np.floating]:
         """The picture for these radiances, of the shares' type."""
         known = with_textures(radiances, self.textures)
         patterns = {texture.name for texture in self.textures}
@@ -88,7 +90,7 @@ class Layers:
             samples += least
             places[tiles.rows, tiles.columns] = samples.reshape(-1, tall, wide)
 
-        each(fill, self.tiles)
+        for_each(fill, self.tiles)
         return np.ascontiguousarray(picture[:height, :width])
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from core.errors import ParameterError
-from core.threads import Each, in_turn
+from core.threads import ForEach, in_turn
 from nodes.scenes.coverage import (
     FloatArray,
     ellipse_coverage,
@@ -68,7 +68,7 @@ def slanted_edge(
     signal: float,
     angle_deg: float,
     dtype: npt.DTypeLike,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
 ) -> Picture:
     """`signal` on one side of an edge through the centre.
 
@@ -88,7 +88,7 @@ def slanted_edge(
         )
         return background + (signal - background) * share
 
-    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, each=each)
+    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, for_each=for_each)
 
 
 def sine(
@@ -100,7 +100,7 @@ def sine(
     angle_deg: float,
     frequency: float,
     dtype: npt.DTypeLike,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
 ) -> Picture:
     """A sinusoid of radiance between `background` and `signal`, a crest at the centre.
 
@@ -125,7 +125,7 @@ def sine(
         picture: FloatArray = mean + np.cos(phase) * x_cosine - np.sin(phase) * x_sine
         return picture
 
-    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, each=each)
+    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, for_each=for_each)
 
 
 def siemens_star(
@@ -136,7 +136,7 @@ def siemens_star(
     signal: float,
     frequency: float,
     dtype: npt.DTypeLike,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
 ) -> Picture:
     """A disc of `frequency` sectors of `signal`, the first about the +x axis.
 
@@ -156,7 +156,7 @@ def siemens_star(
         star = star_coverage(x_edges, y_edges, spokes=spokes)
         return background + (signal - background) * disc * star
 
-    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, each=each)
+    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, for_each=for_each)
 
 
 def four_bar(

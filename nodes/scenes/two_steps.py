@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from core.threads import Each, in_turn
+from core.threads import ForEach, in_turn
 from nodes.scenes import scene_targets as targets
 from nodes.scenes.airfield import airfield
 from nodes.scenes.checks import check_frame, check_radiometry
@@ -50,7 +50,7 @@ def draw_shares(
     width: int,
     height: int,
     dtype: npt.DTypeLike,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
     **geometry: float,
 ) -> Shares:
     """Share of each sample's area that shows each surface.
@@ -63,7 +63,7 @@ def draw_shares(
         Samples across and down.
     dtype : dtype
         float32 or float64, of the shares; the sums are in double either way.
-    each : callable
+    for_each : callable
         Draws some rows at a time, perhaps in threads.
     **geometry
         What `GEOMETRY` names, as for `draw_scene`.
@@ -80,7 +80,7 @@ def draw_shares(
     draw: Callable[..., targets.Picture] = targets.slanted_edge
     if kind == "siemens_star":
         draw = targets.siemens_star
-    size: dict[str, Any] = {"width": width, "height": height, "dtype": kept, "each": each}
+    size: dict[str, Any] = {"width": width, "height": height, "dtype": kept, "for_each": for_each}
     return draw(**size, background=0.0, signal=1.0, **geometry)
 
 
@@ -91,7 +91,7 @@ def with_radiance(
     cut_off_um: float,
     temperature_K: float,
     delta_K: float,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
 ) -> npt.NDArray[np.floating]:
     """Band radiance of a scene from the shares of its surfaces.
 
@@ -101,7 +101,7 @@ def with_radiance(
         From `draw_shares`.
     cut_on_um, cut_off_um, temperature_K, delta_K : float
         As for `draw_scene`.
-    each : callable
+    for_each : callable
         Sums some tiles at a time, perhaps in threads.
 
     Returns
@@ -122,7 +122,7 @@ def with_radiance(
     }
     check_radiometry(**sources)
     if isinstance(shares, Layers):
-        return shares.picture(surface_radiance(**sources), each)
+        return shares.picture(surface_radiance(**sources), for_each)
     background, signal = target_radiance(**sources)
     picture: npt.NDArray[np.floating] = shares * (signal - background)
     picture += background

@@ -129,7 +129,7 @@ def _sampled(work: Work, image: Array, along: Taps, across: Taps | None) -> Arra
         result[rows] = lines if across is None else _combined(lines, *across, axis=1)
 
     step = max(1, _BLOCK_SAMPLES // max(width, old_width))
-    work.each(block, [slice(start, start + step) for start in range(0, len(base), step)])
+    work.for_each(block, [slice(start, start + step) for start in range(0, len(base), step)])
     return result
 
 

@@ -16,13 +16,13 @@ from core.threads import Workers
 @pytest.mark.parametrize("count", [0, 1, 2, 97])
 def test_every_item_is_done_once(threads, count):
     done = []
-    Workers().each(done.append, range(count), threads)
+    Workers().for_each(done.append, range(count), threads)
     assert sorted(done) == list(range(count))
 
 
 def test_several_threads_do_work_at_the_same_time():
     both = threading.Barrier(2, timeout=PATIENCE_S)
-    Workers().each(lambda _: both.wait(), range(2), 2)  # one thread alone would wait for ever
+    Workers().for_each(lambda _: both.wait(), range(2), 2)  # one thread alone would wait for ever
 
 
 def test_never_more_threads_than_asked_for():
@@ -32,9 +32,9 @@ def test_never_more_threads_than_asked_for():
         names.add(threading.current_thread().name)
         time.sleep(0.001)
 
-    workers.each(one, range(50), 4)
+    workers.for_each(one, range(50), 4)
     names.clear()
-    workers.each(one, range(50), 2)
+    workers.for_each(one, range(50), 2)
     assert len(names) <= 2
 
 
@@ -52,7 +52,7 @@ def test_an_error_comes_out_and_ends_the_work(threads):
         time.sleep(0.001)
 
     with pytest.raises(DataError, match="three"):
-        Workers().each(one, range(MANY), threads)
+        Workers().for_each(one, range(MANY), threads)
     assert len(done) < MANY - 1
 
 
@@ -70,7 +70,7 @@ def test_an_error_of_the_caller_waits_for_those_at_work():
         left.set()
 
     with pytest.raises(DataError, match="mine"):
-        Workers().each(one, range(2), 2)
+        Workers().for_each(one, range(2), 2)
     assert left.is_set()
 
 
@@ -78,9 +78,9 @@ def test_calls_may_nest_without_end_of_threads():
     workers, done = Workers(), []
 
     def outer(item):
-        workers.each(lambda inner: done.append((item, inner)), range(5), 2)
+        workers.for_each(lambda inner: done.append((item, inner)), range(5), 2)
 
-    workers.each(outer, range(8), 2)
+    workers.for_each(outer, range(8), 2)
     assert sorted(done) == [(a, b) for a in range(8) for b in range(5)]
 
 
@@ -93,8 +93,8 @@ def test_two_callers_share_the_threads():
             sums[which] += item
 
         for _ in range(200):
-            workers.each(one, range(1, 2), 2)
-            workers.each(lambda _: None, range(3), 3)
+            workers.for_each(one, range(1, 2), 2)
+            workers.for_each(lambda _: None, range(3), 3)
 
     both = [threading.Thread(target=caller, args=(n,)) for n in range(2)]
     for each in both:

@@ -16,7 +16,7 @@ from app.bench.measuring.kodak import Kodak
 from app.bench.measuring.timing import paired, round_trip, seconds
 from app.bench.truth.truth_laws import poisson_cumulative
 from core.noise.random_fields import Stream, normal_field, poisson_field
-from core.threads import Each
+from core.threads import ForEach
 
 Array = NDArray[Any]
 MEANS = (0.0034, 0.3, 3.0, 30.0, 300.0, 3000.0)  # the two first: the thesis' sensors
@@ -26,7 +26,7 @@ CHANCE = 1.36  # 95 of 100 samples of n stay within 1.36/√n of their law (Kolm
 def poisson(settings: Settings) -> list[Table]:
     """Time, and how far the deviates' distribution is from Poisson's."""
     kodak = Kodak(settings.size)
-    shape, workers, for_each = kodak.scene.shape, kodak.policy.workers, kodak.work.each
+    shape, workers, for_each = kodak.scene.shape, kodak.policy.workers, kodak.work.for_each
     t0 = round_trip(kodak.scene, workers)
     chance = CHANCE / math.sqrt(kodak.scene.size)
     rows = []
@@ -35,7 +35,7 @@ def poisson(settings: Settings) -> list[Table]:
         stream = Stream(seed=1996, node="photons", field="photons")
         plain = np.random.default_rng(1996)
         subjects: tuple[tuple[str, Callable[[], Any], int], ...] = (
-            ("exact", partial(poisson_field, means, stream, each=for_each), workers),
+            ("exact", partial(poisson_field, means, stream, for_each=for_each), workers),
             ("exact, numpy", partial(plain.poisson, means), 1),
             ("rounded normal", partial(_rounded_normal, means, stream, for_each), workers),
         )
@@ -95,9 +95,9 @@ def kolmogorov_distance(counts: Array, mean: float) -> float:
     return float(np.abs(share - law).max())
 
 
-def _rounded_normal(means: Array, stream: Stream, for_each: Each) -> Array:
+def _rounded_normal(means: Array, stream: Stream, for_each: ForEach) -> Array:
     """The approximation: a normal deviate of the same mean and variance, to the nearest count."""
-    counts = normal_field(stream, means.shape, dtype=means.dtype, each=for_each)
+    counts = normal_field(stream, means.shape, dtype=means.dtype, for_each=for_each)
     counts *= np.sqrt(means)
     counts += means
     np.rint(counts, out=counts)

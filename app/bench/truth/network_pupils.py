@@ -99,7 +99,7 @@ class Otf:
         def one(start: int) -> None:
             block(slice(start, start + ROWS_AT_ONCE))
 
-        self.kodak.work.each(one, range(0, self.grid.rows, ROWS_AT_ONCE))
+        self.kodak.work.for_each(one, range(0, self.grid.rows, ROWS_AT_ONCE))
 
     def _plane(self, factor: Planar, rows: slice) -> Array:
         xi, eta = self.axes

@@ -38,6 +38,6 @@ class SideWork(Work):
         """Raise `Cancelled` if the other one is to stop."""
         self._work.check()
 
-    def each(self, function: Callable[[Any], None], items: Sequence[Any]) -> None:
+    def for_each(self, function: Callable[[Any], None], items: Sequence[Any]) -> None:
         """Call `function` on every item, in the other one's threads."""
-        self._work.each(function, items)
+        self._work.for_each(function, items)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.errors import DataError, ParameterError
 from core.physics.numerics.scalar_checks import finite, within
-from core.threads import Each, in_turn
+from core.threads import ForEach, in_turn
 
 # Samples worked on at once. A picture of 512² is done sooner in one block than by two threads:
 # 0.45 ms against 0.7, most of it waiting for each other.
@@ -27,7 +27,7 @@ def quantize(
     low: float,
     high: float,
     out: NDArray[Any] | None = None,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
 ) -> NDArray[Any]:
     """Replace each sample by the nearest of 2^b levels from `low` to `high`.
 
@@ -42,8 +42,8 @@ def quantize(
         there is no range, and the samples come back as they are.
     out : ndarray, optional
         Where to put the result, of the same shape and dtype; may be `array` itself.
-    each : callable
-        Calls a function on every block of samples, in any order: `Work.each`.
+    for_each : callable
+        Calls a function on every block of samples, in any order: `Work.for_each`.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def quantize(
     def one(block: tuple[NDArray[Any], NDArray[Any]]) -> None:
         _quantize_block(*block, first=first, last=last, steps=steps)
 
-    each(one, list(_blocks(samples, result)))
+    for_each(one, list(_blocks(samples, result)))
     return result
 
 

@@ -29,7 +29,7 @@ from core.physics.measurement.sample_sums import (
     weighted,
 )
 from core.physics.sampling.footprints import SQUARE, Footprints, arranged
-from core.threads import Each, in_turn
+from core.threads import ForEach, in_turn
 
 Array = NDArray[Any]
 Vector = NDArray[np.float64]
@@ -46,7 +46,7 @@ def footprint_means(
     dtype: Any,
     coverage: Array | None = None,
     fill: float = 0.0,
-    each: Each = in_turn,
+    for_each: ForEach = in_turn,
 ) -> Array:
     """Mean of the scene over each footprint.
 
@@ -64,7 +64,7 @@ def footprint_means(
         From `footprint_coverage`, where footprints leave the scene; None: none does.
     fill : float
         What is seen outside the scene.
-    each : callable
+    for_each : callable
         Takes some columns at a time, perhaps in threads.
 
     Returns
@@ -83,11 +83,11 @@ def footprint_means(
         else:
             seen[:, columns] = means + middle * share[:, columns] + fill * (1 - share[:, columns])
 
-    each(fill_in, _blocks(laid))
+    for_each(fill_in, _blocks(laid))
     return np.ascontiguousarray(seen.T) if laid.turned else seen
 
 
-def footprint_coverage(*, laid: Footprints, dtype: Any, each: Each = in_turn) -> Array:
+def footprint_coverage(*, laid: Footprints, dtype: Any, for_each: ForEach = in_turn) -> Array:
     """Share of each footprint that lies on the scene, exactly 1 where all of it does."""
     seen = np.ones((laid.lines, laid.columns), dtype)
 
@@ -97,7 +97,7 @@ def footprint_coverage(*, laid: Footprints, dtype: Any, each: Each = in_turn) ->
             share = np.clip(_block(laid, columns, None, 0.0, "area"), 0.0, 1.0)
             seen[:, columns] = np.where(within, 1.0, share)
 
-    each(fill_in, _blocks(laid))
+    for_each(fill_in, _blocks(laid))
     return np.ascontiguousarray(seen.T) if laid.turned else seen
 
 

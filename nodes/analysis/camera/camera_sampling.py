@@ -60,7 +60,7 @@ def _laid(camera: Camera, ground: Ground, strips: int) -> Footprints:
 @ends_lineage
 def covered(work: Work, laid: Footprints) -> Array:
     """Share of each footprint that lies on the scene."""
-    return footprint_coverage(laid=laid, dtype=work.policy.dtype, each=work.each)
+    return footprint_coverage(laid=laid, dtype=work.policy.dtype, for_each=work.for_each)
 
 
 @ends_lineage
@@ -81,7 +81,7 @@ def sampled(
         dtype=work.policy.dtype,
         coverage=coverage,
         fill=fill,
-        each=work.each,
+        for_each=work.for_each,
     )
 
 

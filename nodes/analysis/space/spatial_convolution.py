@@ -51,7 +51,7 @@ def _one_pass(work: Work, image: Array, kernel: Kernel, edges: Edges) -> Array:
                 total += np.multiply(moved, taps[row, column], out=product)
         result[block] = total
 
-    work.each(one, _blocks(rows, columns, along=high > wide))
+    work.for_each(one, _blocks(rows, columns, along=high > wide))
     return result
 
 

@@ -83,7 +83,7 @@ class TestCancel:
                 stop.set()
 
         with pytest.raises(Cancelled):
-            work.each(one, range(1000))
+            work.for_each(one, range(1000))
         assert len(calls) < 1000
 
     def test_from_another_thread(self):
@@ -108,4 +108,4 @@ class TestCancel:
                 raise DataError("seven")
 
         with pytest.raises(DataError, match="seven"):
-            work.each(one, range(20))
+            work.for_each(one, range(20))

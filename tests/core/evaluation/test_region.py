@@ -133,7 +133,7 @@ class TestDeviates:
                 drawn.append(item)
                 function(item)
 
-        normal_part(STREAM, shape, region, dtype=np.float32, each=counted)
+        normal_part(STREAM, shape, region, dtype=np.float32, for_each=counted)
         assert drawn == blocks
 
 

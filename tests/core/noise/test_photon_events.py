@@ -86,7 +86,7 @@ def test_the_same_counts_for_any_number_of_threads(dtype):
             stream(),
             share=0.01,
             sigma_px=5.0,
-            each=lambda function, items, n=n: Workers().each(function, items, n),
+            for_each=lambda function, items, n=n: Workers().for_each(function, items, n),
         )
         for n in (1, 2)
     )

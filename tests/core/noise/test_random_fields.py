@@ -130,9 +130,9 @@ def test_small_and_enormous_means_in_one_block():
     assert abs((counts[2::3] / 1e20 - 1).mean()) < 1e-10
 
 
-def each(threads):
+def in_threads(threads):
     """In so many threads."""
-    return lambda function, items: Workers().each(function, items, threads)
+    return lambda function, items: Workers().for_each(function, items, threads)
 
 
 @pytest.mark.parametrize("size", [0, 1, 2, 3, 5, 100, BLOCK - 1, BLOCK, BLOCK + 1, 3 * BLOCK + 7])
@@ -140,10 +140,10 @@ def each(threads):
 def test_any_size_and_the_same_bits_for_any_number_of_threads(size, dtype):
     mean = np.linspace(0, 3, size, dtype=dtype)
     for draw in (
-        lambda threads: normal_field(stream(), (size,), dtype=dtype, each=each(threads)),
-        lambda threads: uniform_field(stream(), (size,), dtype=dtype, each=each(threads)),
-        lambda threads: poisson_field(mean, stream(), each=each(threads)),
-        lambda threads: poisson_field(mean * dtype(10), stream(), each=each(threads)),
+        lambda threads: normal_field(stream(), (size,), dtype=dtype, for_each=in_threads(threads)),
+        lambda threads: uniform_field(stream(), (size,), dtype=dtype, for_each=in_threads(threads)),
+        lambda threads: poisson_field(mean, stream(), for_each=in_threads(threads)),
+        lambda threads: poisson_field(mean * dtype(10), stream(), for_each=in_threads(threads)),
     ):
         one, two, three = (draw(threads) for threads in (1, 2, 3))
         assert one.dtype == dtype
@@ -211,12 +211,12 @@ def test_blocks_are_done_one_by_one_and_may_be_stopped(threads):
             function(item)
             done.append(item)
 
-        Workers().each(one, items, threads)
+        Workers().for_each(one, items, threads)
 
-    normal_field(stream(), (3 * BLOCK,), each=counted)
+    normal_field(stream(), (3 * BLOCK,), for_each=counted)
     assert sorted(done) == [0, 1, 2]
     with pytest.raises(Cancelled):
-        normal_field(stream(), (8 * BLOCK,), each=counted)
+        normal_field(stream(), (8 * BLOCK,), for_each=counted)
 
 
 def test_generator_of_a_block_is_what_the_field_is_made_of():

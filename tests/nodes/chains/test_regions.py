@@ -159,9 +159,9 @@ class Counted(Work):
         self.items = 0
         self.samples = {}
 
-    def each(self, function, items):
+    def for_each(self, function, items):
         self.items += len(items)
-        super().each(function, items)
+        super().for_each(function, items)
 
     def _compute(self, recipe, region=None):
         value = super()._compute(recipe, region)

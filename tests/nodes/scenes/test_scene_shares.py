@@ -105,7 +105,7 @@ def test_shares_do_not_depend_on_blocks_nor_threads(monkeypatch):
     threaded = with_radiance(
         shares_of("dormitory", 200, 150, np.float32),
         **sources,
-        each=lambda function, items: workers.each(function, items, 3),
+        for_each=lambda function, items: workers.for_each(function, items, 3),
     )
     np.testing.assert_allclose(threaded, whole, rtol=EPS)
 

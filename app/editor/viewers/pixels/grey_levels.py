@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.threads import Each, in_turn
+from core.threads import ForEach, in_turn
 
 Array = NDArray[Any]
 Levels = NDArray[np.uint8]
@@ -47,7 +47,7 @@ class Spread:
         return np.asarray(self.low * (1.0 - share) + self.high * share)
 
 
-def extremes(samples: Array, *, for_each: Each = in_turn) -> Range:
+def extremes(samples: Array, *, for_each: ForEach = in_turn) -> Range:
     """Least and greatest sample of a real array that is not empty; NaN if one is NaN."""
     ranges: list[Range] = [(0.0, 0.0)] * len(_rows(samples))
 
@@ -61,7 +61,7 @@ def extremes(samples: Array, *, for_each: Each = in_turn) -> Range:
     return float(lows.min()), float(highs.max())
 
 
-def grey_levels(samples: Array, low: float, high: float, *, for_each: Each = in_turn) -> Levels:
+def grey_levels(samples: Array, low: float, high: float, *, for_each: ForEach = in_turn) -> Levels:
     """Samples as 0 (`low` and below) to 255 (`high` and above), to the nearest level.
 
     Parameters
@@ -78,7 +78,7 @@ def grey_levels(samples: Array, low: float, high: float, *, for_each: Each = in_
     return _steps(samples, low, high, 255, 0.5, for_each)
 
 
-def spread_of(samples: Array, *, for_each: Each = in_turn) -> Spread:
+def spread_of(samples: Array, *, for_each: ForEach = in_turn) -> Spread:
     """Extremes and histogram of a picture, shape (rows, columns), real and finite."""
     low, high = extremes(samples, for_each=for_each)
     counts = np.zeros(BINS, np.int64)
@@ -100,7 +100,7 @@ def spread_of(samples: Array, *, for_each: Each = in_turn) -> Spread:
 
 
 def quantiles(
-    samples: Array, spread: Spread, shares: tuple[float, ...], *, for_each: Each = in_turn
+    samples: Array, spread: Spread, shares: tuple[float, ...], *, for_each: ForEach = in_turn
 ) -> tuple[float, ...]:
     """Values below which these shares of the samples lie, interpolated between two samples.
 
@@ -130,7 +130,7 @@ def _quantile(samples: Array, index: Levels, ends: NDArray[np.int64], share: flo
 
 
 def _steps(
-    samples: Array, low: float, high: float, top: int, shift: float, for_each: Each
+    samples: Array, low: float, high: float, top: int, shift: float, for_each: ForEach
 ) -> Levels:
     """Integers below (sample − low)/(high − low)·top + shift, 0 to 255."""
     levels = np.empty(samples.shape, np.uint8)
@@ -195,5 +195,5 @@ def _rows(samples: Array) -> list[slice]:
     return [slice(start, start + height) for start in range(0, rows, height)]
 
 
-def _suited_to(samples: Array, for_each: Each) -> Each:
+def _suited_to(samples: Array, for_each: ForEach) -> ForEach:
     return for_each if samples.size > THREADED_SAMPLES else in_turn

@@ -178,7 +178,7 @@ class PictureQuery(Query):
         else:
             low, high = levels
         work.check()
-        grey = grey_levels(samples, low, high, for_each=work.each)
+        grey = grey_levels(samples, low, high, for_each=work.for_each)
         grey.flags.writeable = False
         shown = work.value(recipe)
         return Picture(

@@ -67,11 +67,11 @@ def spread(work: Work, samples: Array, *, name: str) -> Spread:
         low, high = float(samples.min()), float(samples.max())
     if not (np.isfinite(low) and np.isfinite(high)):
         check_finite(samples, name)
-    return spread_of(samples, for_each=work.each)
+    return spread_of(samples, for_each=work.for_each)
 
 
 @ends_lineage
 def inner_range(work: Work, samples: Array, spread: Spread) -> Range:
     """From the 0.5 % to the 99.5 % quantile; the extremes where these are equal."""
-    low, high = quantiles(samples, spread, INNER, for_each=work.each)
+    low, high = quantiles(samples, spread, INNER, for_each=work.for_each)
     return (low, high) if high > low else (spread.low, spread.high)

@@ -133,7 +133,7 @@ def test_it_stops_with_the_pass_and_works_in_its_threads():
     main = Work(Policy(threads=2), Store(), cancel)
     side = SideWork(main)
     seen = []
-    side.each(seen.append, [1, 2, 3])
+    side.for_each(seen.append, [1, 2, 3])
     assert sorted(seen) == [1, 2, 3]
     cancel.set()
     with pytest.raises(Exception, match="stopped on request"):

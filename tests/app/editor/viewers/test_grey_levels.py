@@ -111,7 +111,7 @@ def test_threads_change_nothing():
     workers = Workers()
 
     def each(function, items):
-        workers.each(function, items, 4)
+        workers.for_each(function, items, 4)
 
     assert extremes(samples, for_each=each) == (float(samples.min()), float(samples.max()))
     alone, many = spread_of(samples), spread_of(samples, for_each=each)

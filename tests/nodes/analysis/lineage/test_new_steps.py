@@ -36,7 +36,7 @@ def with_shot_noise(work, image, deviates, *, electrons):
 
 
 def deviates(work, *, stream):
-    return normal_field(stream, (ROWS, COLUMNS), dtype=np.float64, each=work.each)
+    return normal_field(stream, (ROWS, COLUMNS), dtype=np.float64, for_each=work.for_each)
 
 
 @dataclass(frozen=True)

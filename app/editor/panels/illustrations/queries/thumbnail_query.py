@@ -55,6 +55,6 @@ class ThumbnailQuery(Query):
         """The picture, small."""
         image: Image = passing.plan.output(f"{self.node}.image")
         samples = passing.work.value(image.recipe)
-        low, high = extremes(samples, for_each=passing.work.each)
+        low, high = extremes(samples, for_each=passing.work.for_each)
         small = shrunk(samples, MOST_SAMPLES)
         return Thumbnail(grey_levels(small, low, high), image, low, high)
