@@ -60,7 +60,7 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
 
 @dataclass(frozen=True, eq=False)
 class Delivered(Recipe):
-    """Pixels of a filtered image, blocks of them combined if a factor says so."""
+    """Pixels of a filtered image, blocks of them combined if a factor is above 1."""
 
     magnitude: Magnitude
     phase: Phase
@@ -87,7 +87,7 @@ class Delivered(Recipe):
 
     def first(self, work: Work) -> tuple[Recipe, ...]:
         """Without the picture where its spectrum is there."""
-        if self.one_source and work.knows(self._spectrum):
+        if self.one_source and work.has(self._spectrum):
             return self.bound
         return (*self.bound, *self._pictures)
 
@@ -152,11 +152,11 @@ class Delivered(Recipe):
 
     def _made(self, work: Work, region: Region | None = None) -> Array:
         grid = self.magnitude.grid
-        kept, _ = self.spent(work)
-        product = Product(kept)
+        factors, _ = self.spent(work)
+        product = Product(factors)
         source = self.magnitude.image
         if source is not None and self.one_source:
-            if not kept and self.factor_x == self.factor_y == 1:
+            if not factors and self.factor_x == self.factor_y == 1:
                 picture = source.recipe
                 samples = work.part(picture, region) if region else work.value(picture)
                 return np.asarray(samples, work.policy.dtype)
@@ -218,7 +218,7 @@ class _Delivery(Linear):
 
     @property
     def combines_pixels(self) -> bool:
-        """Whether a factor says so."""
+        """Whether a factor is above 1."""
         return (self.recipe.factor_x, self.recipe.factor_y) != (1, 1)
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:  # noqa: ARG002

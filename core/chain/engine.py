@@ -1,4 +1,4 @@
-"""Evaluating a network: plan every node in microseconds, then compute only what is asked for."""
+"""Evaluating a network: plan every node in microseconds, then compute only what is requested."""
 
 from __future__ import annotations
 
@@ -51,17 +51,17 @@ class PlannedNode:
         if self.error is not None or self.module is None or self.node.disabled:
             return ()
         known = {**self.inputs, "outputs": self.result, GIVEN: frozenset(self.node.params)}
-        found = []
+        results = []
         for check in self.declaration.warnings:
             method = getattr(self.module, check.name)
-            asked = partial(method, *(known[name] for name in check.needs))
-            found.append(checked(asked, node=self.node.id, check=check.name))
-        return tuple(each for each in found if each is not None)
+            bound = partial(method, *(known[name] for name in check.needs))
+            results.append(checked(bound, node=self.node.id, check=check.name))
+        return tuple(result for result in results if result is not None)
 
     @property
     def warnings(self) -> tuple[Caution, ...]:
         """What its module warns of without looking at samples."""
-        return tuple(each for each in self.checks if isinstance(each, Caution))
+        return tuple(check for check in self.checks if isinstance(check, Caution))
 
 
 @dataclass(frozen=True)
@@ -109,11 +109,11 @@ class Plan:
 
     def checks(self) -> list[Caution | PendingCheck]:
         """What the nodes warn of, or would if they saw the samples, in order."""
-        return [each for planned in self.nodes.values() for each in planned.checks]
+        return [check for planned in self.nodes.values() for check in planned.checks]
 
     def warnings(self) -> list[Caution]:
         """What the nodes warn of without looking at samples, in order."""
-        return [each for each in self.checks() if isinstance(each, Caution)]
+        return [check for check in self.checks() if isinstance(check, Caution)]
 
 
 class Engine:
@@ -196,31 +196,31 @@ class Engine:
         ImagechainError
             The node's own error, or one met while computing.
         """
-        found = self.planned_readouts(plan, node, names)
-        recipes = [value for value in found.values() if isinstance(value, Recipe)]
+        values = self.planned_readouts(plan, node, names)
+        recipes = [value for value in values.values() if isinstance(value, Recipe)]
         with work.hold(recipes) as held:
-            for name, value in found.items():
+            for name, value in values.items():
                 if isinstance(value, Recipe):
                     try:
-                        found[name] = work.value(value)
+                        values[name] = work.value(value)
                     except ImagechainError as error:
                         raise error.at(node) from error
                     held.release([value])
-        return found
+        return values
 
     def warnings(self, plan: Plan, work: Work, *, known_only: bool = False) -> list[Caution]:
         """What the nodes warn of, those warnings included for which samples are looked at.
 
         With `known_only` these are left out where the samples have not been computed so far.
         """
-        found = []
-        for each in plan.checks():
-            if isinstance(each, Caution):
-                found.append(each)
-            elif not known_only or each.is_ready(work):
-                caution = each.value(work)
-                found += [] if caution is None else [caution]
-        return found
+        cautions = []
+        for check in plan.checks():
+            if isinstance(check, Caution):
+                cautions.append(check)
+            elif not known_only or check.is_ready(work):
+                caution = check.value(work)
+                cautions += [] if caution is None else [caution]
+        return cautions
 
     def planned_readouts(
         self, plan: Plan, node: str, names: Collection[str] | None = None
@@ -235,9 +235,9 @@ class Engine:
         planned = plan.node(node)
         if planned.error is not None:
             raise planned.error
-        found: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         if planned.result is None and planned.node.disabled:
-            return found
+            return values
         known = {**planned.inputs, "outputs": planned.result}
         for readout in planned.declaration.readouts:
             if names is not None and readout.name not in names:
@@ -245,10 +245,10 @@ class Engine:
             arguments = {name: known[name] for name in readout.needs}
             try:
                 with watched(node):
-                    found[readout.name] = getattr(planned.module, readout.method)(**arguments)
+                    values[readout.name] = getattr(planned.module, readout.method)(**arguments)
             except ImagechainError as error:
                 raise error.at(node) from error
-        return found
+        return values
 
     def _plan_node(
         self, network: Network, name: str, planned: Mapping[str, PlannedNode], folder: Path
@@ -313,7 +313,7 @@ def _unchanged(
 def _brought(
     link: Link, source: PlannedNode | None, described: Declaration, inputs: Mapping[str, Any]
 ) -> Any:
-    """What a link brings to its input; for networks that nobody has validated."""
+    """What a link brings to its input; for networks that have not been validated."""
     port = described.input(link.input)
     if port is None:
         raise NetworkError(f"{described.title} has no input {link.input!r}")

@@ -22,14 +22,14 @@ Wire = TypeVar("Wire", Magnitude, Phase)
 def at_frame(recipe: Recipe, frame: int) -> Recipe:
     """The recipe of the same picture in another frame; frame 0 is the picture itself."""
 
-    def change(each: Recipe) -> Recipe | None:
-        if not isinstance(each, Step):
+    def change(step: Recipe) -> Recipe | None:
+        if not isinstance(step, Step):
             return None
-        moved = tuple((name, _moved(value, frame)) for name, value in each.parameters)
-        if moved == each.parameters:
+        moved = tuple((name, _moved(value, frame)) for name, value in step.parameters)
+        if moved == step.parameters:
             return None
-        inputs = tuple(made.of(one) for one in each.inputs)
-        return replace(each, inputs=inputs, parameters=moved)
+        inputs = tuple(made.of(one) for one in step.inputs)
+        return replace(step, inputs=inputs, parameters=moved)
 
     made = Remaking(change)
     return made.of(recipe)
@@ -64,19 +64,19 @@ class Remaking:
         """The recipe remade; the same object where nothing changes."""
         path = [] if recipe.key in self._known else [(recipe, iter(_pictures(recipe)))]
         while path:  # the furthest first: none is remade within another
-            each, coming = path[-1]
+            part, coming = path[-1]
             fresh = next((one for one in coming if one.key not in self._known), None)
             if fresh is not None:
                 path.append((fresh, iter(_pictures(fresh))))
                 continue
-            self._known[each.key] = self._change(each) or self.inputs_of(each)
+            self._known[part.key] = self._change(part) or self.inputs_of(part)
             path.pop()
         return self._known[recipe.key]
 
     def inputs_of(self, recipe: Recipe) -> Recipe:
         """The recipe with its inputs remade; those of transfer functions are left alone."""
         if isinstance(recipe, Step):
-            inputs = tuple(self.of(each) for each in recipe.inputs)
+            inputs = tuple(self.of(part) for part in recipe.inputs)
             same = all(a is b for a, b in zip(inputs, recipe.inputs, strict=True))
             return recipe if same else replace(recipe, inputs=inputs)
         if isinstance(recipe, Delivered):

@@ -1,4 +1,4 @@
-"""Making arrays of what is on a wire, as a viewer or a file wants them."""
+"""Making arrays of what is on a wire, in the form that a viewer or a file needs."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def realize(value: Any, work: Work, region: Region | None = None) -> Any:
 
 
 def asked_for(value: Any) -> tuple[Recipe, ...]:
-    """The recipes whose values `realize` asks for, to hold them before."""
+    """The recipes whose values `realize` takes, to hold them before."""
     if isinstance(value, Image | Curve | Table):
         return (value.recipe,)
     if isinstance(value, Transfer):

@@ -39,7 +39,7 @@ class Skip:
         The node's id.
     kind : Kind
         ``disabled``; ``identity``, a setting that changes nothing; ``below_budget``, a stage left
-        out; ``unseen``, outputs that nobody asked for; ``unchanged``, values that were there
+        out; ``unseen``, outputs that were not requested; ``unchanged``, values that were there
         already; ``mirrored_edges``, a frame that needs no padding; ``pupil_centre``, an OTF
         evaluated within the image's band alone; ``folded``, a pixel mean taken on the spectrum;
         ``region``, a picture of which only a region was wanted.
@@ -48,9 +48,9 @@ class Skip:
     bound : float, optional
         Of a stage left out: the most it could change, as a fraction of the picture's range.
     share : float, optional
-        The part that was computed after all, where it can be told.
+        The part that was computed after all, where it is known.
     ports : tuple of str
-        Outputs that nobody asked for.
+        Outputs that were not requested.
     """
 
     node: str
@@ -72,12 +72,12 @@ def skips(plan: Plan, work: Work) -> tuple[Skip, ...]:
         The evaluation.
     """
     account = _Account(work)
-    found: dict[str, list[Skip]] = {name: [] for name in plan.nodes}
+    skips_by_node: dict[str, list[Skip]] = {name: [] for name in plan.nodes}
     for name, planned in plan.nodes.items():
         for skip in account.of_node(name, planned):
-            if skip.node in found:  # a factor may name a stage that is no node
-                found[skip.node].append(skip)
-    return tuple(skip for each in found.values() for skip in _strongest(each))
+            if skip.node in skips_by_node:  # a factor may name a stage that is no node
+                skips_by_node[skip.node].append(skip)
+    return tuple(skip for skips_of in skips_by_node.values() for skip in _strongest(skips_of))
 
 
 def is_neutral(planned: PlannedNode) -> bool:
@@ -96,18 +96,19 @@ def is_neutral(planned: PlannedNode) -> bool:
 
 
 class _Account:
-    """What one evaluation has asked for, and what need not have been asked for."""
+    """What one evaluation requested, and what of it need not have been."""
 
     def __init__(self, work: Work) -> None:
         self.work = work
-        self.asked, self.computed = {**work.log.asked}, {*work.log.computed}
+        self.requested, self.computed = {**work.log.requested}, {*work.log.computed}
         reused = work.log.reused()
         behind = _behind(reused)
         self.parts = {**work.log.parts}
         self._steps: dict[str | None, list[str]] = {}
-        for key, recipe in self.asked.items():
+        for key, recipe in self.requested.items():
             self._steps.setdefault(recipe.node, []).append(key)
-        self.known = behind.union(self.asked, work.log.looked_at, (key for key, _ in self.parts))
+        parts = (key for key, _ in self.parts)
+        self.known = behind.union(self.requested, work.log.looked_at, parts)
         self.was_there = behind.union(recipe.key for recipe in reused)
 
     def of_node(self, name: str, planned: PlannedNode) -> Iterator[Skip]:
@@ -122,7 +123,7 @@ class _Account:
         keys = {port: _key(value) for port, value in made.items()}
         unseen = tuple(port for port, key in keys.items() if key not in self.known)
         if unseen:
-            text = f"nobody asked for the whole array of {', '.join(unseen)}: it was not made"
+            text = f"whole array of {', '.join(unseen)} not requested: it was not made"
             yield Skip(name, "unseen", text, ports=unseen)
         yield from self._unchanged(name, set(keys.values()))
         for value in made.values():
@@ -149,7 +150,7 @@ class _Account:
         maker = image.recipe.node or name
         shares = []
         for (key, region), recipe in self.parts.items():
-            if recipe.node == maker and key in self.asked:
+            if recipe.node == maker and key in self.requested:
                 shares += [1.0] if key in self.computed else []
             elif recipe.node == maker and (key, region) in self.computed:
                 shares.append(recipe.share(region, image.shape))
@@ -180,11 +181,11 @@ class _Account:
                 f"pixels averaged on the spectrum: one inverse of {small} samples, none of {size}"
             )
             yield Skip(name, "folded", text, share=1 / factors)
-        kept, left_out = recipe.spent(self.work)
+        counted, left_out = recipe.spent(self.work)
         for stage in left_out:
             text = f"{stage.label or 'the stage'} left out: it changes less than the error budget"
             yield Skip(stage.node or "", "below_budget", text, bound=stage.bound)
-        for factor in kept:
+        for factor in counted:
             if isinstance(factor, Planar) and factor.cutoff is not None:
                 reach = zip((grid.nyquist_x, grid.nyquist_y), factor.cutoff, strict=True)
                 across, along = (min(1.0, nyquist / cutoff) for nyquist, cutoff in reach)
@@ -217,7 +218,7 @@ def _key(value: Any) -> str:
 
 def _behind(recipes: list[Recipe]) -> set[str]:
     """Keys of all that these recipes are made of, themselves left out."""
-    found: set[str] = set()
+    keys: set[str] = set()
     waiting = list(recipes)
     while waiting:
         recipe = waiting.pop()
@@ -225,15 +226,15 @@ def _behind(recipes: list[Recipe]) -> set[str]:
         if isinstance(recipe, Step):
             wires = (value for _, value in recipe.parameters if isinstance(value, SpectrumWire))
             needed += [wire.image.recipe for wire in wires if wire.image is not None]
-        waiting += [each for each in needed if each.key not in found]
-        found.update(each.key for each in needed)
-    return found
+        waiting += [one for one in needed if one.key not in keys]
+        keys.update(one.key for one in needed)
+    return keys
 
 
-def _strongest(found: list[Skip]) -> Iterator[Skip]:
-    """Of what is said more than once, as in several pictures, the largest bound or share."""
+def _strongest(skips_of_node: list[Skip]) -> Iterator[Skip]:
+    """Of skips listed more than once, as in several pictures, the largest bound or share."""
     best: dict[tuple[str, str], Skip] = {}
-    for skip in found:
+    for skip in skips_of_node:
         other = best.setdefault((skip.kind, skip.text), skip)
         if (skip.bound or 0, skip.share or 0) > (other.bound or 0, other.share or 0):
             best[skip.kind, skip.text] = skip

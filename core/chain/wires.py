@@ -1,4 +1,4 @@
-"""What travels on wires: small immutable values that know how to be made, and hold no arrays."""
+"""What travels on wires: small immutable recipes that hold no arrays."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Platform = Literal["line", "push", "array"]
 
 @dataclass(frozen=True)
 class Header:
-    """What an image's file says of the sensor that took it; empty fields are None.
+    """What an image's file states of the sensor that took it; empty fields are None.
 
     `bare_integers`: the file stores integers and names no unit of them. `unit_named`: it names one.
     `channels`: names of a colour picture's channels, of which the image is one; empty for a picture
@@ -51,15 +51,15 @@ class Image:
     rows, columns : int
         Size.
     interval_x_mrad, interval_y_mrad : float or None
-        Sampling interval, None where nobody has said.
+        Sampling interval, None where it is not given.
     unit : str
         Unit of the samples.
     band_um : (float, float) or None
         Cut-on and cut-off wavelength.
     header : Header
-        What the file says, for `Init & Trans`.
+        What the file states, for `Init & Trans`.
     edges : Edges or None
-        How the frame goes on beyond its edges, as its transform had it; None where nobody has said.
+        How the frame goes on beyond its edges, as its transform had it; None where unknown.
     """
 
     port_type: ClassVar[str] = "image"
@@ -194,7 +194,7 @@ class Transfer:
 class Context:
     """The data structure of Init & Trans: sampling, optics, detector, platform.
 
-    Empty values are None; a module that needs one says so by name.
+    Empty values are None; a module that needs one raises an error that names it.
     """
 
     port_type: ClassVar[str] = "context"

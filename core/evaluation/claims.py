@@ -2,8 +2,8 @@
 
 A recipe that is to be made claims what it `needs`; so does each of those in turn, unless its value
 is there already. A claimed value is pinned in the store, whatever its size. Once a recipe has been
-made its claims are given up, and what nobody else claims may go. Chains of any length are followed
-without recursion.
+made its claims are given up, and values without another claim may go. Chains of any length are
+followed without recursion.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Claims:
             self._give_up(self.waiting.pop(recipe.key, ()))
 
     def take(self, recipes: Iterable[Recipe]) -> None:
-        """Claim values, for somebody who will ask for them."""
+        """Claim values that will be read later."""
         with self._lock:
             self._take(recipes)
 
@@ -108,7 +108,7 @@ class Claims:
 
 
 class Held:
-    """Values held for asks to come, until each has been released or the block ends."""
+    """Values held for reads to come, until each has been released or the block ends."""
 
     def __init__(self, claims: Claims, recipes: Iterable[Recipe]) -> None:
         self._claims = claims
@@ -118,7 +118,7 @@ class Held:
         claims.take([recipe for alike in self._left.values() for recipe in alike])
 
     def release(self, recipes: Iterable[Recipe]) -> None:
-        """One ask for each of these has been answered."""
+        """Each of these has been read once."""
         self._claims.give_up([self._left[recipe.key].pop() for recipe in recipes])
 
     def __enter__(self) -> Held:

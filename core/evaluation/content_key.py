@@ -23,7 +23,7 @@ def content_key(*parts: object) -> str:
     Raises
     ------
     TypeError
-        For an object whose content cannot be told.
+        For an object whose content has no defined form.
     """
     # The text of plain values is made in one go: half the time of feeding the hash bit by bit.
     text = repr(_plain(parts)).encode("utf-8", "surrogatepass")

@@ -1,4 +1,4 @@
-"""What one evaluation has asked for, and what of it had to be computed."""
+"""What one evaluation requested, and what of it had to be computed."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class EvaluationLog:
 
     Attributes
     ----------
-    asked : dict of key to Recipe
-        Recipes whose value was wanted.
+    requested : dict of key to Recipe
+        Recipes whose value was requested.
     parts : dict of (key, Region) to Recipe
-        Pictures of which a region was wanted.
+        Pictures of which a region was requested.
     computed : set of str or (key, Region)
         Those of both whose computation was begun.
     looked_at : set of str
@@ -27,23 +27,23 @@ class EvaluationLog:
     """
 
     def __init__(self) -> None:
-        self.asked: dict[str, Recipe] = {}
+        self.requested: dict[str, Recipe] = {}
         self.parts: dict[tuple[str, Region], Recipe] = {}
         self.computed: set[str | tuple[str, Region]] = set()
         self.looked_at: set[str] = set()
 
     def add(self, other: EvaluationLog) -> None:
         """Take over the notes of another evaluation."""
-        self.asked.update(other.asked)
+        self.requested.update(other.requested)
         self.parts.update(other.parts)
         self.computed |= other.computed
         self.looked_at |= other.looked_at
 
     def reused(self) -> list[Recipe]:
-        """Recipes whose value, or what was wanted of it, was there already."""
-        whole = [recipe for key, recipe in list(self.asked.items()) if key not in self.computed]
+        """Recipes whose value, or the requested part of it, was there already."""
+        whole = [recipe for key, recipe in list(self.requested.items()) if key not in self.computed]
         return whole + [
             recipe
             for (key, region), recipe in list(self.parts.items())
-            if key not in self.asked and (key, region) not in self.computed
+            if key not in self.requested and (key, region) not in self.computed
         ]

@@ -1,8 +1,8 @@
 """Recipes: how a value is made, without the value.
 
 A recipe has a content key. Two recipes with equal keys give the same value to the last bit, so the
-value is made once and shared. Nothing is computed until `Work.value` asks. Of a picture,
-`Work.part` asks for a region alone; a recipe that is `in_parts` then makes no more than that.
+value is made once and shared. Nothing is computed until `Work.value` is called. `Work.part` gives a
+region of a picture alone; a recipe that is `in_parts` then makes no more than that.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from core.evaluation.region import Region
 F = TypeVar("F", bound=Callable[..., Any])
 Share = Callable[[Region, tuple[int, int]], float]
 Evaluation = Any
-"""The `core.evaluation.work.Work` that computes recipes. It knows them; they do not know it."""
+"""The `core.evaluation.work.Work` that computes recipes. It imports them; they do not import it."""
 
 
 class Recipe(ABC):
@@ -39,14 +39,14 @@ class Recipe(ABC):
 
     @property
     def needs(self) -> tuple[Recipe, ...]:
-        """Recipes that `compute` may ask for, as far as that is known before.
+        """Recipes whose values `compute` may read, as far as that is known before.
 
         Their values are held until this one is made, whatever their size.
         """
         return self.inputs
 
     def first(self, work: Evaluation) -> tuple[Recipe, ...]:  # noqa: ARG002  (others look at what is there)
-        """Those it will certainly ask for, made one after the other before `compute` is called.
+        """Those it will certainly read, made one after the other before `compute` is called.
 
         A chain of any length is then made without one step waiting within the next.
         """
@@ -63,8 +63,8 @@ class Recipe(ABC):
     @cached_property
     def key(self) -> str:
         """Content key; fields declared with ``compare=False`` do not enter it."""
-        for each in _without_key(self):
-            each.key  # noqa: B018  (kept by each: no key is then made within another)
+        for recipe in _without_key(self):
+            recipe.key  # noqa: B018  (kept by each: no key is then made within another)
         return content_key(type(self).__qualname__, *self._content())
 
     @abstractmethod
@@ -93,14 +93,14 @@ def _without_key(recipe: Recipe) -> Iterator[Recipe]:
     """All that a recipe is made of and that has no key yet, the furthest first."""
     path = [(recipe, iter(recipe.made_of))]
     while path:
-        each, parts = path[-1]
+        recipe_on_path, parts = path[-1]
         fresh = next((part for part in parts if "key" not in vars(part)), None)
         if fresh is not None:
             path.append((fresh, iter(fresh.made_of)))
             continue
         path.pop()
         if path:
-            yield each
+            yield recipe_on_path
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,8 +169,8 @@ class Step(Recipe):
 
     def share(self, region: Region, shape: tuple[int, int]) -> float:
         """As it was given to `in_parts`."""
-        told: Share = getattr(self.function, "share", None) or super().share
-        return told(region, shape)
+        share: Share = getattr(self.function, "share", None) or super().share
+        return share(region, shape)
 
 
 def in_parts(part: Callable[..., Any], share: Share | None = None) -> Callable[[F], F]:
@@ -180,7 +180,7 @@ def in_parts(part: Callable[..., Any], share: Share | None = None) -> Callable[[
     ----------
     part : callable
         Called as ``part(work, region, *inputs, **parameters)``, where `inputs` are the recipes:
-        it asks `work.part` or `work.parts` for what it needs of them.
+        it calls `work.part` or `work.parts` for what it needs of them.
     share : callable, optional
         Called with region and shape of the picture: share of the whole's work that it takes.
     """

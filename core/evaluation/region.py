@@ -1,4 +1,4 @@
-"""A rectangle of a picture's samples, for when the rest of the picture is not wanted."""
+"""A rectangle of a picture's samples, for when the rest of the picture is not needed."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class Region:
         return slice(top, top + self.rows), slice(left, left + self.columns)
 
     def blocks(self, columns: int, size: int) -> list[int]:
-        """Which blocks of `size` samples the region lies in, in a picture of so many columns."""
+        """Which blocks of `size` samples the region covers, in a picture of so many columns."""
         lines = np.arange(self.top, self.bottom) * columns
         first, last = (lines + self.left) // size, (lines + self.right - 1) // size
         bounds = set(zip(first.tolist(), last.tolist(), strict=True))

@@ -1,6 +1,6 @@
 """The store of computed values: least recently used out first, bounded in bytes.
 
-A value that somebody has pinned stays, whatever its size, until the last one lets it go.
+A pinned value stays, whatever its size, until the last one lets it go.
 """
 
 from __future__ import annotations
@@ -82,18 +82,18 @@ class Store:
 
     @property
     def pinned(self) -> int:
-        """How many keys somebody has pinned, whether their values are there or not."""
+        """How many keys are pinned, whether their values are there or not."""
         return len(self._pins)
 
     def peek(self, key: str, default: Any = None) -> Any:
         """The value of `key` if it is there, else `default`; never computes."""
         with self._lock:
-            found = self._values.get(key)
-            if found is not None:
+            entry = self._values.get(key)
+            if entry is not None:
                 self._values.move_to_end(key)
-                return found[0]
-            found = self._pinned.get(key)
-            return default if found is None else found[0]
+                return entry[0]
+            entry = self._pinned.get(key)
+            return default if entry is None else entry[0]
 
     def holds(self, key: str) -> bool:
         """Whether the value of `key` is there."""
@@ -109,9 +109,9 @@ class Store:
         """
         with self._lock:
             self._pins[key] = self._pins.get(key, 0) + 1
-            found = self._values.pop(key, None)
-            if found is not None:
-                self._pinned[key] = found
+            entry = self._values.pop(key, None)
+            if entry is not None:
+                self._pinned[key] = entry
                 return True
         return self.holds(key)
 
@@ -123,28 +123,28 @@ class Store:
                 self._pins[key] = left
                 return
             del self._pins[key]
-            found = self._pinned.pop(key, None)
-            if found is not None:
-                self._bytes -= found[1]
-                self._keep(key, *found)
+            entry = self._pinned.pop(key, None)
+            if entry is not None:
+                self._bytes -= entry[1]
+                self._keep(key, *entry)
 
     def get(self, key: str, compute: Callable[[], Any]) -> Any:
         """The value of `key`, computed if it is not there.
 
-        A second thread asking for a key under computation waits for it. An error is not kept:
-        the next one to ask tries again.
+        A second thread that reads a key under computation waits for it. An error is not kept:
+        the next read tries again.
         """
-        found = self.peek(key, _ABSENT)
-        if found is not _ABSENT:
-            return found
+        stored = self.peek(key, _ABSENT)
+        if stored is not _ABSENT:
+            return stored
         with self._lock:
             running = self._running.setdefault(key, _Running())
             running.users += 1
         try:
             with running.lock:
-                found = self.peek(key, _ABSENT)
-                if found is not _ABSENT:
-                    return found
+                stored = self.peek(key, _ABSENT)
+                if stored is not _ABSENT:
+                    return stored
                 value = compute()
                 freeze(value)
                 if isinstance(value, np.ndarray):
@@ -167,8 +167,8 @@ class Store:
     def _put(self, key: str, value: Any) -> None:
         size = size_in_bytes(value)
         with self._lock:
-            for kept in (self._values, self._pinned):
-                self._bytes -= kept.pop(key, (None, 0))[1]
+            for entries in (self._values, self._pinned):
+                self._bytes -= entries.pop(key, (None, 0))[1]
             if key not in self._pins:
                 self._keep(key, value, size)
                 return

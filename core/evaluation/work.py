@@ -22,7 +22,7 @@ from core.threads import Workers
 
 Progress = Callable[[str | None], None]
 DEEPEST = 24
-"""Parts that are made one within the other; what lies further up is made whole."""
+"""Parts that are made one within the other; what comes before them is made whole."""
 
 
 class Work:
@@ -68,20 +68,20 @@ class Work:
         Raises
         ------
         Cancelled
-            When the caller has asked to stop.
+            When the caller has requested a stop.
         """
         key = recipe.key
-        self.log.asked[key] = recipe
+        self.log.requested[key] = recipe
         value = self.store.get(key + self._suffix, lambda: self._made(recipe))
         if key in self._claims.waiting:
-            self._claims.settle(recipe)  # somebody else has made it
+            self._claims.settle(recipe)  # another thread has made it
         return value
 
     def hold(self, recipes: Iterable[Recipe]) -> Held:
-        """Hold values that will be asked for one after the other, and what they are made of.
+        """Hold values that will be read one after the other, and what they are made of.
 
-        Written ``with work.hold(recipes) as held:``. Each is let go of once `Held.release` says
-        that it has been asked for, the rest when the block ends.
+        Written ``with work.hold(recipes) as held:``. Each is let go of once `Held.release` reports
+        that it has been read, the rest when the block ends.
         """
         return Held(self._claims, recipes)
 
@@ -102,7 +102,7 @@ class Work:
             for held in opened:
                 held.close()
 
-    def knows(self, recipe: Recipe) -> bool:
+    def has(self, recipe: Recipe) -> bool:
         """Whether the value of a recipe is there already."""
         return self.store.holds(recipe.key + self._suffix)
 
@@ -113,7 +113,7 @@ class Work:
         the bit where they are made alone.
         """
         depth = getattr(self._nested, "parts", 0)
-        if recipe.in_parts and depth < DEEPEST and not self.knows(recipe):
+        if recipe.in_parts and depth < DEEPEST and not self.has(recipe):
             self.log.parts[recipe.key, region] = recipe
             with self._part_held(recipe, region, depth) as key:
                 return self.store.get(key, lambda: self._compute(recipe, region))
@@ -132,11 +132,11 @@ class Work:
         of it need not be made once more.
         """
         order = sorted(range(len(recipes)), key=lambda index: recipes[index].in_parts)
-        found = {index: self.part(recipes[index], region) for index in order}
-        return [found[index] for index in range(len(recipes))]
+        by_index = {index: self.part(recipes[index], region) for index in order}
+        return [by_index[index] for index in range(len(recipes))]
 
     def check(self) -> None:
-        """Raise `Cancelled` if the caller has asked to stop."""
+        """Raise `Cancelled` if the caller has requested a stop."""
         if self._cancel is not None and self._cancel.is_set():
             raise Cancelled("stopped on request")
 
@@ -145,7 +145,7 @@ class Work:
 
         def one(item: Any) -> None:
             self.check()
-            with watched(None):  # a thread of the pool does not know that it is watched
+            with watched(None):  # the state of numpy's errors is one of its thread
                 function(item)
 
         self._workers.for_each(one, items, self.policy.workers)
@@ -164,25 +164,25 @@ class Work:
         path = [(recipe, iter(recipe.first(self)))]
         try:
             while path:
-                each, coming = path[-1]
-                fresh = next((one for one in coming if not self.knows(one)), None)
+                current, coming = path[-1]
+                fresh = next((one for one in coming if not self.has(one)), None)
                 if fresh is not None:
                     self._claims.begin(fresh)
                     path.append((fresh, iter(fresh.first(self))))
                     continue
                 if len(path) > 1:
-                    self.log.asked[each.key] = each
-                    self.store.get(each.key + self._suffix, partial(self._compute, each))
-                    self._claims.settle(each)
+                    self.log.requested[current.key] = current
+                    self.store.get(current.key + self._suffix, partial(self._compute, current))
+                    self._claims.settle(current)
                 path.pop()
         except ImagechainError as error:
-            owner = next((each.node for each, _ in reversed(path) if each.node), None)
+            owner = next((current.node for current, _ in reversed(path) if current.node), None)
             if owner is None:
                 raise
             raise error.at(owner) from error
         finally:
-            for each, _ in path[1:]:
-                self._claims.settle(each)
+            for current, _ in path[1:]:
+                self._claims.settle(current)
 
     @contextmanager
     def _part_held(self, recipe: Recipe, region: Region, depth: int) -> Iterator[str]:
@@ -200,8 +200,8 @@ class Work:
         finally:
             nested.parts = depth
             if depth == 0:
-                for each in nested.pinned:
-                    self.store.unpin(each)
+                for pinned in nested.pinned:
+                    self.store.unpin(pinned)
                 self._claims.give_up([recipe])
 
     def _compute(self, recipe: Recipe, region: Region | None = None) -> Any:

@@ -62,12 +62,12 @@ class PendingCheck:
 
     def is_ready(self, work: Work) -> bool:
         """Whether the samples it takes have been computed."""
-        return all(map(work.knows, self.recipe.needs))
+        return all(map(work.has, self.recipe.needs))
 
     def value(self, work: Work) -> Caution | None:
         """What it warns of."""
-        found = checked(partial(work.value, self.recipe), node=self.node, check=self.check)
-        return found if isinstance(found, Caution) else None
+        result = checked(partial(work.value, self.recipe), node=self.node, check=self.check)
+        return result if isinstance(result, Caution) else None
 
 
 def checked(
@@ -75,17 +75,17 @@ def checked(
 ) -> Caution | PendingCheck | None:
     """What a method warns of, placed on its node; a failure of its own is a `Caution` too."""
     try:
-        found = method()
+        result = method()
     except Cancelled:
         raise
     except ImagechainError as error:
-        found = Caution(f"its check {check} was not possible: {error.message}", "mend that first")
+        result = Caution(f"its check {check} was not possible: {error.message}", "mend that first")
     except Exception as error:  # of whoever wrote the method: the network and the rest are sound
         what = " ".join(f"{type(error).__name__}: {error}".split())
-        found = Caution(
+        result = Caution(
             f"its check {check} failed ({what:.200})",
             "a fault of this program, not of the network; what it checks may be wrong or right",
         )
-    if isinstance(found, Recipe):
-        return PendingCheck(node, check, found)
-    return None if found is None else found.at(node, check)
+    if isinstance(result, Recipe):
+        return PendingCheck(node, check, result)
+    return None if result is None else result.at(node, check)

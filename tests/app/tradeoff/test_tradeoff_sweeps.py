@@ -101,7 +101,7 @@ def test_a_point_is_what_the_network_gives_with_that_value(network):
 
 
 def computed_by_node(work):
-    nodes = [recipe.node for key, recipe in work.log.asked.items() if key in work.log.computed]
+    nodes = [recipe.node for key, recipe in work.log.requested.items() if key in work.log.computed]
     return Counter(nodes)
 
 

@@ -53,7 +53,9 @@ def test_a_frame_repeats_to_the_bit_and_computes_no_more_than_noise(tmp_path):
     image, work, _ = frames(tmp_path, *ALL)
     computed = set(work.log.computed)
     again = work.value(at_frame(image.recipe, 5))
-    new = [work.log.asked[key] for key in work.log.computed - computed if key in work.log.asked]
+    new = [
+        work.log.requested[key] for key in work.log.computed - computed if key in work.log.requested
+    ]
     assert not [r for r in new if r.node in ("scene", "pupil")]
     fresh, other = picture_of(*noisy_sensor(tmp_path, *ALL), tmp_path, seed=7)
     assert np.array_equal(other.value(at_frame(fresh.recipe, 5)), again)

@@ -225,10 +225,10 @@ class TestAccount:
         bench = Bench()
         plan, work = bench.engine.plan(chain()), bench.work()
         before = bench.engine.value(plan, "bin.image", work)
-        count, asked = len(bench.computed), set(work.log.asked)
+        count, requested = len(bench.computed), set(work.log.requested)
         first = skips(plan, work)
         assert skips(plan, work) == first
-        assert (len(bench.computed), set(work.log.asked)) == (count, asked)
+        assert (len(bench.computed), set(work.log.requested)) == (count, requested)
         bench.engine.store.clear()
         assert np.array_equal(bench.engine.value(plan, "bin.image", work), before)
 
@@ -257,13 +257,13 @@ class TestAccount:
         keys = {plan.output(f"{name}.image").key for name in names} | {
             plan.output("make.image").key
         }
-        assert set(work.log.asked) == work.log.computed == keys
+        assert set(work.log.requested) == work.log.computed == keys
         assert of_kind(skips(plan, work), "unchanged") == {}
 
 
 def test_what_was_asked_for_but_not_computed_was_there():
     here, there = (Step.of(math.sqrt, node=name, x=name) for name in ("here", "there"))
     log = EvaluationLog()
-    log.asked = {here.key: here, there.key: there}
+    log.requested = {here.key: here, there.key: there}
     log.computed.add(here.key)
     assert log.reused() == [there]
