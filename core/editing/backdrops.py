@@ -14,7 +14,7 @@ from core.names import thaw
 from core.network.network import Network
 
 FIELD = "backdrops"
-NODE_SIZE = (180.0, 100.0)  # of a node whose size is not told
+NODE_SIZE = (180.0, 100.0)  # of a node whose size is not given
 _MARGIN, _HEAD = 24.0, 30.0
 
 Sizes = Mapping[str, tuple[float, float]]
@@ -36,7 +36,7 @@ def backdrops_of(network: Network) -> tuple[Backdrop, ...]:
 
     Their places in this tuple are what `change`, `remove` and `nodes_on` call `index`.
     """
-    return tuple(backdrop for _, backdrop in _found(network))
+    return tuple(backdrop for _, backdrop in _indexed(network))
 
 
 def add(network: Network, backdrop: Backdrop) -> Operation:
@@ -46,7 +46,7 @@ def add(network: Network, backdrop: Backdrop) -> Operation:
 
 
 def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
-    """Give a backdrop another title, place or size; what else its file says of it stays.
+    """Give a backdrop another title, place or size; its other fields in the file stay.
 
     Raises
     ------
@@ -136,21 +136,21 @@ def _box(network: Network, name: str, sizes: Sizes) -> tuple[float, float, float
 
 
 def _entries(network: Network) -> list[Any]:
-    found = thaw(network.extra.get(FIELD, []))
-    return found if isinstance(found, list) else []
+    entries = thaw(network.extra.get(FIELD, []))
+    return entries if isinstance(entries, list) else []
 
 
-def _found(network: Network) -> list[tuple[int, Backdrop]]:
+def _indexed(network: Network) -> list[tuple[int, Backdrop]]:
     """Backdrops, with their places in the file's list."""
     read = ((place, _backdrop(entry)) for place, entry in enumerate(_entries(network)))
     return [(place, backdrop) for place, backdrop in read if backdrop is not None]
 
 
 def _place(network: Network, index: int) -> int:
-    found = _found(network)
-    if not 0 <= index < len(found):
-        raise NetworkError(f"there is no backdrop {index + 1}; there are {len(found)}")
-    return found[index][0]
+    backdrops = _indexed(network)
+    if not 0 <= index < len(backdrops):
+        raise NetworkError(f"there is no backdrop {index + 1}; there are {len(backdrops)}")
+    return backdrops[index][0]
 
 
 def _backdrop(entry: Any) -> Backdrop | None:

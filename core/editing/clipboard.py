@@ -20,7 +20,7 @@ from core.network.parsing import FORMAT, parse_network
 NODES_FORMAT = "imagechain-nodes"
 SOURCE = "the clipboard"
 
-_STEP = 30.0  # aside of what lies there already
+_STEP = 30.0  # aside of nodes already there
 _MOST_STEPS = 200
 _NEAR = 10.0
 _FARTHEST = 1e6  # a point beyond is none that a canvas could show
@@ -36,8 +36,11 @@ def copied(network: Network, names: Iterable[str], library: Library) -> str:
     """
     part = _part(network, names)
     document = json.loads(format_network(part, library=library))
-    kept = ("version", "nodes", "links", "layout")
-    fields = {"format": NODES_FORMAT, **{key: document[key] for key in kept if key in document}}
+    copied_fields = ("version", "nodes", "links", "layout")
+    fields = {
+        "format": NODES_FORMAT,
+        **{key: document[key] for key in copied_fields if key in document},
+    }
     return json.dumps(fields, ensure_ascii=False, indent=2)
 
 
@@ -73,7 +76,7 @@ def pasted(
 def duplicated(
     network: Network,
     names: Iterable[str],
-    library: Library,  # noqa: ARG001 - asked for like `copied` and `pasted`
+    library: Library,  # noqa: ARG001 - same arguments as `copied` and `pasted`
 ) -> tuple[tuple[str, ...], Operation]:
     """What puts a copy of nodes beside them, fed by the same wires; and the copies' names.
 
@@ -97,7 +100,7 @@ def _part(network: Network, names: Iterable[str]) -> Network:
     chosen = {name: network.node(name) for name in names}
     return Network(
         nodes={name: node for name, node in network.nodes.items() if name in chosen},
-        links=tuple(each for each in network.links if {each.source, each.target} <= chosen.keys()),
+        links=tuple(link for link in network.links if {link.source, link.target} <= chosen.keys()),
         layout={name: at for name, at in network.layout.items() if name in chosen},
     )
 
@@ -141,7 +144,7 @@ def _centred(points: Mapping[str, Point], at: Point) -> dict[str, Point]:
 
 
 def _aside(network: Network, points: Mapping[str, Point]) -> dict[str, Point]:
-    """The points, moved together until none lies on one that is taken."""
+    """The points, moved together until none is on one that is taken."""
     taken = {_cell(point) for point in network.layout.values()}
     moved = dict(points)
     for _ in range(_MOST_STEPS):

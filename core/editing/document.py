@@ -19,7 +19,7 @@ Listener = Callable[[Network, Network], None]
 
 
 class Document:
-    """A network being edited. Only `do`, `undo` and `redo` change it, and they tell the listeners.
+    """A network being edited. Only `do`, `undo` and `redo` change it, and they call the listeners.
 
     Parameters
     ----------
@@ -112,10 +112,10 @@ class Document:
         self._become(self.history.redo(self.network))
 
     def disagreement(self) -> str:
-        """What somebody else has done to its file since then; empty where it is as it was."""
-        if self.path is None or (found := mark_of(self.path)) == self.stored:
+        """What another program has done to its file since then; empty where it is unchanged."""
+        if self.path is None or (current := mark_of(self.path)) == self.stored:
             return ""
-        return "removed" if found == GONE else "changed"
+        return "removed" if current == GONE else "changed"
 
     def save(self, path: Path | None = None, *, over: bool = False) -> None:
         """Write it to a file, from then on its own.
@@ -125,7 +125,7 @@ class Document:
         path : Path, optional
             Another file than its own.
         over : bool
-            Whether to write over what somebody else has made of its own file.
+            Whether to write over changes that another program made to its own file.
 
         Raises
         ------

@@ -28,7 +28,7 @@ class SetField(Operation):
     value
         As a network file has it.
     label : str, optional
-        What the undo menu says.
+        Text in the undo menu.
     """
 
     sets: ClassVar[bool] = True

@@ -57,12 +57,12 @@ def fitting(library: Library, types: Collection[str], side: Side) -> tuple[Candi
         One for each port that fits.
     """
     wanted = set(types)
-    found = []
+    candidates = []
     for key, module in library.items():
         known = declaration(module)
         ports = known.inputs if side == "input" else known.outputs
-        found += [Candidate(key, port.name) for port in ports if wanted & set(port.types)]
-    return tuple(found)
+        candidates += [Candidate(key, port.name) for port in ports if wanted & set(port.types)]
+    return tuple(candidates)
 
 
 def new_node(
@@ -110,7 +110,7 @@ def wired_to(
         link = Link(node, port, name, candidate.port)
     else:
         link = Link(name, candidate.port, node, port)
-        old = next((each for each in network.links_into(node) if each.input == port), None)
+        old = next((wire for wire in network.links_into(node) if wire.input == port), None)
         between = inserted(grown, library, old, name) if old else None
         if between is not None and link in between.apply(grown).links:
             return name, together((adding, between), adding.text)
@@ -130,7 +130,7 @@ def _others(network: Network, library: Library, link: Link, node: str) -> list[L
         return []
     taken = {link.input} if link.target == node else set()
     followers = {link.target} - {node}
-    found = side_links(network, library, node, taken, followers)
+    links = side_links(network, library, node, taken, followers)
     behind = reached_from(network, {node, *followers})
     for kind in (MAGNITUDE, PHASE):
         port = port_of(module.inputs, kind)
@@ -138,8 +138,8 @@ def _others(network: Network, library: Library, link: Link, node: str) -> list[L
             continue
         source = _spectrum(network, library, link, node, kind, required=port.required)
         if source is not None and source[0] not in behind:
-            found.append(Link(*source, node, port.name))
-    return found
+            links.append(Link(*source, node, port.name))
+    return links
 
 
 def _spectrum(

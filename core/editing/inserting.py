@@ -1,4 +1,4 @@
-"""Putting a node that lies free into a wire."""
+"""Putting an unconnected node into a wire."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def _led(
             Link(wire.source, wire.output, node, entry.name),
             Link(node, output.name, wire.target, wire.input),
         ]
-    taken = {each.input for each in (*network.links_into(node), *new) if each.target == node}
+    taken = {link.input for link in (*network.links_into(node), *new) if link.target == node}
     followers = {wire.target for wire, _, _ in through}
     new += side_links(network, library, node, taken, followers)
     return Rewire(
@@ -66,7 +66,7 @@ def _ends(
     given = giving.output(link.output) if giving else None
     wanted = taking.input(link.input) if taking else None
     kinds = given.types if given else wanted.types if wanted else ()
-    linked = {each.input for each in network.links_into(node)}
+    linked = {wire.input for wire in network.links_into(node)}
     for kind in kinds:
         entry, output = port_of(module.inputs, kind), port_of(module.outputs, kind)
         fits = wanted is None or kind in wanted.types
@@ -87,7 +87,7 @@ def _partner(
     if module is None or wire is None or node in (wire.source, wire.target):
         return None
     entry, output = port_of(module.inputs, other), port_of(module.outputs, other)
-    linked = {each.input for each in network.links_into(node)}
+    linked = {into.input for into in network.links_into(node)}
     if entry is None or output is None or entry.name in linked:
         return None
     return wire, entry, output

@@ -100,13 +100,13 @@ def way_between(network: Network, start: str, end: str) -> tuple[str, ...] | Non
 
 def reached_from(network: Network, starts: set[str]) -> set[str]:
     """These nodes and all that their links lead to."""
-    found = set(starts)
+    reached = set(starts)
     rest = list(starts)
     while rest:
-        fresh = [name for name in network.followers[rest.pop()] if name not in found]
-        found.update(fresh)
+        fresh = [name for name in network.followers[rest.pop()] if name not in reached]
+        reached.update(fresh)
         rest += fresh
-    return found
+    return reached
 
 
 def declared(network: Network, library: Library, name: str) -> Declaration | None:
@@ -117,7 +117,7 @@ def declared(network: Network, library: Library, name: str) -> Declaration | Non
 
 
 def _no_port(node: str, side: str, port: str, ports: tuple[Port, ...]) -> str:
-    names = [each.name for each in ports]
+    names = [candidate.name for candidate in ports]
     listed = f"it has {', '.join(names)}" if names else "it has none"
     return f"{shown(node)} has no {side} {shown(port)}{close(port, names) or f': {listed}'}"
 
@@ -151,8 +151,8 @@ class Rewire(Operation):
         if missing:
             raise NetworkError(f"there is no link {missing[0]}")
         gone = {*self.remove, *displaced(network, self.add)}
-        kept = [link for link in network.links if link not in gone and link not in self.add]
-        return replace(network, links=(*kept, *self.add))
+        unchanged = [link for link in network.links if link not in gone and link not in self.add]
+        return replace(network, links=(*unchanged, *self.add))
 
     def inverse(self, network: Network) -> Operation:
         """Wire as before."""

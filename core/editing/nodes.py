@@ -43,20 +43,20 @@ class Add(Operation):
     @property
     def text(self) -> str:
         """What it does."""
-        return self.label or f"Add {named([each.node.id for each in self.placed])}"
+        return self.label or f"Add {named([placed.node.id for placed in self.placed])}"
 
     def apply(self, network: Network) -> Network:
         """The network with them."""
         order = list(network.nodes)
         nodes = dict(network.nodes)
         layout = dict(network.layout)
-        for each in self.placed:
-            if each.node.id in nodes:
-                raise NetworkError(f"there is a node {shown(each.node.id)} already")
-            nodes[each.node.id] = each.node
-            order.insert(len(order) if each.index is None else each.index, each.node.id)
-            if each.at is not None:
-                layout[each.node.id] = _finite(each.node.id, each.at)
+        for placed in self.placed:
+            if placed.node.id in nodes:
+                raise NetworkError(f"there is a node {shown(placed.node.id)} already")
+            nodes[placed.node.id] = placed.node
+            order.insert(len(order) if placed.index is None else placed.index, placed.node.id)
+            if placed.at is not None:
+                layout[placed.node.id] = _finite(placed.node.id, placed.at)
         grown = replace(
             network,
             nodes={name: nodes[name] for name in order},
@@ -67,7 +67,7 @@ class Add(Operation):
 
     def inverse(self, network: Network) -> Operation:
         """Take them out again; what was linked before comes back."""
-        names = tuple(each.node.id for each in self.placed)
+        names = tuple(placed.node.id for placed in self.placed)
         before = displaced(network, self.links)
         # Taking nodes out takes what mentions them along, be it from before they came.
         left = dropped({**network.extra, **self.extra}, set(names))

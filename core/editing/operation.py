@@ -1,7 +1,7 @@
 """Changes of a network as values, each with its inverse.
 
 An operation applied to a network it does not fit raises an error of this program and changes
-nothing. The inverse is asked of the network before the change: it then undoes exactly that change.
+nothing. The inverse is made from the network before the change: it undoes exactly that change.
 """
 
 from __future__ import annotations
@@ -79,16 +79,16 @@ class Together(Operation):
 
     def apply(self, network: Network) -> Network:
         """The network after all of them."""
-        for each in self.operations:
-            network = each.apply(network)
+        for operation in self.operations:
+            network = operation.apply(network)
         return network
 
     def inverse(self, network: Network) -> Operation:
         """Undo all of them, the last one first."""
         undoing = []
-        for each in self.operations:
-            undoing.append(each.inverse(network))
-            network = each.apply(network)
+        for operation in self.operations:
+            undoing.append(operation.inverse(network))
+            network = operation.apply(network)
         return Together(tuple(reversed(undoing)), self.text)
 
 
@@ -99,8 +99,8 @@ def together(operations: Iterable[Operation], label: str = "") -> Operation:
     its last step, and nothing is nested.
     """
     parts: list[Operation] = []
-    for each in _flat(operations):
-        _append(parts, each)
+    for operation in _flat(operations):
+        _append(parts, operation)
     return Together(tuple(parts), label)
 
 
@@ -108,11 +108,11 @@ def _flat(operations: Iterable[Operation]) -> Iterator[Operation]:
     """By a stack: the nesting of what is given does not matter."""
     rest = list(operations)[::-1]
     while rest:
-        each = rest.pop()
-        if isinstance(each, Together):
-            rest.extend(reversed(each.operations))
+        operation = rest.pop()
+        if isinstance(operation, Together):
+            rest.extend(reversed(operation.operations))
         else:
-            yield each
+            yield operation
 
 
 def _append(parts: list[Operation], later: Operation) -> None:
@@ -128,8 +128,8 @@ def _append(parts: list[Operation], later: Operation) -> None:
 
 def with_field(fields: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
     """The fields with one set, or taken away by ABSENT."""
-    kept = {key: item for key, item in fields.items() if key != name}
-    return kept if value is ABSENT else {**kept, name: value}
+    others = {key: item for key, item in fields.items() if key != name}
+    return others if value is ABSENT else {**others, name: value}
 
 
 def named(names: Sequence[str]) -> str:

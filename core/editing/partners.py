@@ -48,21 +48,21 @@ def side_links(
     taken : iterable of str
         Inputs that are not empty.
     followers : iterable of str
-        Nodes that it feeds, or will: what lies behind them is no candidate.
+        Nodes that it feeds, or will: what comes after them is no candidate.
     """
     module = declared(network, library, node)
     if module is None:
         return []
     behind = reached_from(network, {node, *followers})
-    found = []
+    links = []
     for port in module.inputs:
         if port.name in taken or not port.required or port.types[0] not in _FEW:
             continue
         every = outputs_of(network, library, port.types[0])
         sources = [end for end in every if end[0] != node]
         if len(sources) == 1 and sources[0][0] not in behind:
-            found.append(Link(*sources[0], node, port.name))
-    return found
+            links.append(Link(*sources[0], node, port.name))
+    return links
 
 
 def port_of(ports: Iterable[Port], kind: str) -> Port | None:
@@ -75,16 +75,16 @@ def wire_beside(network: Network, library: Library, link: Link, kind: str) -> Li
 
     Of several, the one that does both.
     """
-    found = [
+    candidates = [
         other
         for other in network.links
         if other != link
         and (other.source == link.source or other.target == link.target)
         and kind in _types(network, library, other)
     ]
-    if len(found) > 1:
-        found = [other for other in found if (other.source, other.target) == _nodes(link)]
-    return found[0] if len(found) == 1 else None
+    if len(candidates) > 1:
+        candidates = [other for other in candidates if (other.source, other.target) == _nodes(link)]
+    return candidates[0] if len(candidates) == 1 else None
 
 
 def end_beside(network: Network, library: Library, end: End, kind: str) -> End | None:

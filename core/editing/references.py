@@ -22,7 +22,7 @@ def renamed(extra: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:
 
 
 def dropped(extra: Mapping[str, Any], gone: set[str]) -> dict[str, Any]:
-    """The fields without what says something of these nodes."""
+    """The fields without entries that name these nodes."""
     fields = dict(extra)
     if _of(fields.get("final")) in gone:
         del fields["final"]
@@ -35,7 +35,7 @@ def dropped(extra: Mapping[str, Any], gone: set[str]) -> dict[str, Any]:
 def _rows(fields: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     rows = fields.get("published")
     if not isinstance(rows, tuple | list) or not all(isinstance(row, Mapping) for row in rows):
-        return []  # not what we know: left as it is
+        return []  # of another form: left as it is
     return list(rows)
 
 

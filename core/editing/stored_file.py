@@ -1,4 +1,4 @@
-"""What a file held when it was read or written, to notice that somebody else has changed it.
+"""What a file held when it was read or written, to notice that another program has changed it.
 
 The content itself is compared, by its hash: two writings within one tick of the file system's clock
 give the same time, and a file that was only touched is no other.
@@ -16,7 +16,7 @@ GONE = ""
 
 
 def mark(content: bytes) -> str:
-    """What tells this content from any other."""
+    """A digest that distinguishes this content from any other."""
     return hashlib.sha256(content).hexdigest()
 
 
@@ -29,7 +29,7 @@ def mark_of(path: Path) -> str:
         if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait
             return "no regular file"
         with path.open("rb") as file:
-            # More than any network has tells it from every network.
+            # More than the largest network: the mark then differs from every network's.
             return mark(file.read(LARGEST + 1))
     except FileNotFoundError:
         return GONE

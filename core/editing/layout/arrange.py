@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping
 from core.editing.layout.layers import columns_of, components, rows_of
 from core.network.network import Network
 
-NODE_SIZE = (180.0, 100.0)  # of a node whose size is not told
+NODE_SIZE = (180.0, 100.0)  # of a node whose size is not given
 COLUMN_GAP, ROW_GAP = 60.0, 40.0
 
 Point = tuple[float, float]
@@ -48,19 +48,19 @@ def arranged(
     top = 0.0
     for part in parts:
         if len(part) > 1:
-            found = _part({name: followers[name] for name in part}, sizes)
-            top = _put(places, found, sizes, top)
+            points = _part({name: followers[name] for name in part}, sizes)
+            top = _put(places, points, sizes, top)
     singles = [part[0] for part in parts if len(part) == 1]
     if singles:
         _put(places, _grid(singles, sizes), sizes, top)
     return _anchored(network, places)
 
 
-def _put(places: dict[str, Point], found: Mapping[str, Point], sizes: Sizes, top: float) -> float:
+def _put(places: dict[str, Point], points: Mapping[str, Point], sizes: Sizes, top: float) -> float:
     """Put a part below the others; where the next one begins."""
-    highest = min(y for _, y in found.values())
-    places |= {name: (x, y - highest + top) for name, (x, y) in found.items()}
-    return max(places[name][1] + _size(sizes, name)[1] for name in found) + 2 * ROW_GAP
+    highest = min(y for _, y in points.values())
+    places |= {name: (x, y - highest + top) for name, (x, y) in points.items()}
+    return max(places[name][1] + _size(sizes, name)[1] for name in points) + 2 * ROW_GAP
 
 
 def _part(followers: Followers, sizes: Sizes) -> dict[str, Point]:
@@ -68,12 +68,12 @@ def _part(followers: Followers, sizes: Sizes) -> dict[str, Point]:
     column = columns_of(followers)
     layers = rows_of(followers, column)
     heights = _heights(followers, column, layers, sizes)
-    found = {}
+    points = {}
     left = 0.0
     for layer in layers:
-        found.update({name: (left, heights[name]) for name in layer})
+        points.update({name: (left, heights[name]) for name in layer})
         left += max((_size(sizes, name)[0] for name in layer), default=0.0) + COLUMN_GAP
-    return found
+    return points
 
 
 def _heights(
@@ -104,12 +104,12 @@ def _heights(
 
 def _leading(followers: Followers, column: Mapping[str, int]) -> dict[str, str]:
     """What leads to each node over the shortest way, the first of several."""
-    found: dict[str, str] = {}
+    leading: dict[str, str] = {}
     for name, targets in followers.items():
         for target in targets:
-            if target not in found or column[name] > column[found[target]]:
-                found[target] = name
-    return found
+            if target not in leading or column[name] > column[leading[target]]:
+                leading[target] = name
+    return leading
 
 
 def _grid(names: list[str], sizes: Sizes) -> dict[str, Point]:

@@ -30,10 +30,10 @@ def components(followers: Followers) -> list[list[str]]:
             part.update(dict.fromkeys(fresh, count))
             rest += fresh
         count += 1
-    found: list[list[str]] = [[] for _ in range(count)]
+    parts: list[list[str]] = [[] for _ in range(count)]
     for name in followers:
-        found[part[name]].append(name)
-    return found
+        parts[part[name]].append(name)
+    return parts
 
 
 def columns_of(followers: Followers) -> dict[str, int]:
@@ -84,13 +84,13 @@ def neighbours(
     followers: Followers, column: Mapping[str, int]
 ) -> dict[str, list[tuple[str, float]]]:
     """What each node is joined to, and how much that counts: less the longer the wire."""
-    found: dict[str, list[tuple[str, float]]] = {name: [] for name in followers}
+    weighted: dict[str, list[tuple[str, float]]] = {name: [] for name in followers}
     for name, targets in followers.items():
         for target in targets:
             weight = 1.0 / max(abs(column[target] - column[name]), 1) ** 2
-            found[name].append((target, weight))
-            found[target].append((name, weight))
-    return found
+            weighted[name].append((target, weight))
+            weighted[target].append((name, weight))
+    return weighted
 
 
 def crossings(followers: Followers, column: Mapping[str, int], height: Mapping[str, float]) -> int:
