@@ -85,7 +85,7 @@ def mirrored_filter(
     factor_x, factor_y : int
         Block size; each divides the frame's size.
     region : Region, optional
-        Of the result, all that is wanted: then only its columns are transformed along y.
+        Part of the result that is needed: then only its columns are transformed along y.
 
     Returns
     -------

@@ -77,12 +77,12 @@ class ColumnFold:
     @cached_property
     def segments(self) -> tuple[tuple[slice, slice, bool, int | None], ...]:
         """Places, columns, whether they count negative, and which column counts twice."""
-        found = []
+        segments = []
         for places, columns, weights in alias_rows(0, self.size, self.size, self.factor, self.odd):
             twice = np.flatnonzero(np.abs(weights) == 2.0)
             edge = int(twice[0]) if len(twice) else None
-            found.append((places, columns, bool(weights[0] < 0), edge))
-        return tuple(found)
+            segments.append((places, columns, bool(weights[0] < 0), edge))
+        return tuple(segments)
 
     def __call__(self, values: Array) -> Array:
         """Fold a block of rows; `values` may be overwritten."""

@@ -136,8 +136,8 @@ def _summed(lines: ScanLines, intervals_mrad: Vector) -> Parts:
         for start in range(0, shape[0], height):
             lines.work.check()
             block = slice(start, start + height)
-            found = lines.evaluated(float(groups[group]), block)
-            for part, values in zip(parts, found, strict=True):
+            block_parts = lines.evaluated(float(groups[group]), block)
+            for part, values in zip(parts, block_parts, strict=True):
                 part[block, members[group]] = lines.summed(values, members[group])
 
     lines.work.for_each(one, range(len(groups)))
@@ -162,21 +162,21 @@ def _blended(
         return Blend((lines.unscanned(lines.values),))
     last = float(intervals_mrad.min())
     if last == float(intervals_mrad.max()):
-        return Blend(tuple(lines.unscanned(part) for part in lines.kept(last)), 1)
+        return Blend(tuple(lines.unscanned(part) for part in lines.with_planar(last)), 1)
     if nodes is None:
         nodes = _enough(lines, intervals_mrad, tolerance)
     at = scale_nodes_mrad(intervals_mrad=intervals_mrad, count=nodes)
     weights = scale_weights(nodes_mrad=at, intervals_mrad=intervals_mrad)
     at_last = scale_weights(nodes_mrad=at, intervals_mrad=[last])[:, 0]
-    gap = [lines.unscanned(part) for part in lines.kept(last)]
+    gap = [lines.unscanned(part) for part in lines.with_planar(last)]
     parts = [np.zeros_like(part) for part in gap]
     for interval, weight, share in zip(at, weights, at_last, strict=True):
         lines.work.check()
         row = weight.astype(lines.real)
-        for index, part in enumerate(lines.kept(float(interval))):
-            found = lines.unscanned(part)
-            gap[index] -= found * lines.real.type(share)
-            parts[index] += np.multiply(found, row, out=found)
+        for index, part in enumerate(lines.with_planar(float(interval))):
+            part_alone = lines.unscanned(part)
+            gap[index] -= part_alone * lines.real.type(share)
+            parts[index] += np.multiply(part_alone, row, out=part_alone)
     return Blend(tuple(parts), nodes, tuple(gap), _error(lines, intervals_mrad, nodes))
 
 
@@ -217,8 +217,8 @@ def _delivered(lines: ScanLines, parts: Parts, responses: Array) -> Array:
 
     def one(start: int) -> None:
         block = slice(start, start + step)
-        found = tuple(np.ascontiguousarray(part[:, block]) for part in parts)
-        picture[:, block] = lines.samples(found, responses[:, block])
+        spectra = tuple(np.ascontiguousarray(part[:, block]) for part in parts)
+        picture[:, block] = lines.samples(spectra, responses[:, block])
 
     lines.work.for_each(one, range(0, columns, step))
     require_finite(picture)
@@ -256,5 +256,5 @@ def _between(intervals_mrad: Vector, count: int) -> Vector:
     """Where a blend of so many nodes errs most: both ends, and half way between nodes."""
     first, last = float(intervals_mrad.max()), float(intervals_mrad.min())
     middle, reach = 0.5 * (1.0 / last + 1.0 / first), 0.5 * (1.0 / last - 1.0 / first)
-    found = 1.0 / (middle - reach * np.cos(np.pi * np.arange(count + 1) / count))
-    return np.asarray(np.clip(found, last, first))
+    intervals = 1.0 / (middle - reach * np.cos(np.pi * np.arange(count + 1) / count))
+    return np.asarray(np.clip(intervals, last, first))

@@ -19,7 +19,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ScanChain:
-    """H(scan, flight), whichever axis of the frame the scan lies on.
+    """H(scan, flight), whichever axis of the frame the scan is along.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class ScanChain:
         else:
             plane = self.product.plane(work, flight, scan)
             plane = None if plane is None else plane.T
-        assert plane is not None, "asked for only where there are planar factors"
+        assert plane is not None, "called only where there are planar factors"
         return np.broadcast_to(plane, (len(flight), len(scan)))
 
     def kept_plane(self, work: Work, interval_mrad: float) -> Array:
@@ -86,7 +86,7 @@ class ScanChain:
         else:
             grid = replace(self.grid, interval_y_mrad=interval_mrad)
         plane = Planes(work, self.product, grid, axes).block(slice(0, self.grid.rows))
-        assert plane is not None, "asked for only where there are planar factors"
+        assert plane is not None, "called only where there are planar factors"
         if self.turned:
             return np.ascontiguousarray(plane.T)
         if self.edges == "reflect":

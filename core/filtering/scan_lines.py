@@ -62,7 +62,7 @@ class ScanLines(ABC):
     def _along_scan(self) -> Array:
         return self.chain.along_scan(self.work, self.scan)
 
-    def kept(self, interval_mrad: float) -> Parts:
+    def with_planar(self, interval_mrad: float) -> Parts:
         """The spectrum times what does not separate, at one interval in flight: P, or P and Q."""
         if not self.planar:
             return (self.values,)
@@ -159,11 +159,11 @@ class MirroredLines(ScanLines):
     def _sines(self, values: Array, axis: int) -> Array:
         workers = self.work.policy.workers if axis == 1 else 1
         moved = np.zeros_like(values)
-        kept, source = (slice(None, -1), slice(1, None))
+        target, source = (slice(None, -1), slice(1, None))
         if axis == 0:
-            moved[kept] = values[source]
+            moved[target] = values[source]
         else:
-            moved[:, kept] = values[:, source]
+            moved[:, target] = values[:, source]
         return np.asarray(scipy.fft.idst(moved, type=2, axis=axis, workers=workers))
 
 

@@ -3,7 +3,7 @@
 A frame of samples is a sum of waves: the cosines of the frame mirrored at its edges, or those of
 the frame repeated. Noise that is the same everywhere has independent amplitudes on these, so a
 transfer function multiplies their variances by |H|². Interpolation, and odd phases on mirrored
-frames, make several waves of one; a matrix for each axis then tells how much of each first wave is
+frames, make several waves of one; a matrix for each axis then gives how much of each first wave is
 in each present one.
 
 Source: Papoulis 1991, Probability, Random Variables, and Stochastic Processes, chapter 10, for
@@ -63,9 +63,9 @@ class NoisePower:
     @classmethod
     def white(cls, rows: int, columns: int, variance: float | Array) -> NoisePower:
         """Of samples independent of each other, of one variance or each of its own."""
-        each = np.asarray(variance, np.float64)
-        power = np.full((1, 1), float(np.mean(each)))
-        return cls(rows, columns, power, variances=each if each.ndim else None)
+        variances = np.asarray(variance, np.float64)
+        power = np.full((1, 1), float(np.mean(variances)))
+        return cls(rows, columns, power, variances=variances if variances.ndim else None)
 
     @classmethod
     def of_pattern(cls, samples: Array) -> NoisePower:
@@ -210,8 +210,8 @@ class NoisePower:
         waves = _samples_of(np.eye(size) if matrix is None else matrix, self.axes)
         made = operator(waves)
         periodic = (axes or self.axes) == "periodic"
-        found = scipy.fft.fft(made, axis=0, norm="ortho") if periodic else _cosines_of(made)
-        return self._with(axis, new or size, found)
+        transformed = scipy.fft.fft(made, axis=0, norm="ortho") if periodic else _cosines_of(made)
+        return self._with(axis, new or size, transformed)
 
     def _with(self, axis: int, size: int, matrix: Array | None) -> NoisePower:
         if axis == 0:

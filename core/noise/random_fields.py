@@ -40,7 +40,7 @@ rejection method would lose its accuracy to cancelling logarithms."""
 
 _AT_ONCE = BLOCK // 2  # words drawn at a time: a block of normals in one go
 _ALL_BITS = 2**64 - 1
-_PLACE_BITS = (BLOCK - 1).bit_length()  # of a random word, that tell a place in a block
+_PLACE_BITS = (BLOCK - 1).bit_length()  # of a random word, that give a place in a block
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def normal_part(
     dtype: DTypeLike = np.float64,
     for_each: ForEach = in_turn,
 ) -> _Array:
-    """A region of the `normal_field` of that shape; no block is drawn that lies beside it."""
+    """A region of the `normal_field` of that shape; no block outside it is drawn."""
     draw = _box_muller if _is_single(dtype) else _ziggurat
     (rows, columns), key, part = shape, stream.key, np.empty(region.shape, dtype)
 
@@ -290,8 +290,8 @@ def _thinned(generator: Generator, mean: _Array, largest: float, counts: _Array)
         if places != mean.size:
             inside = place < mean.size
             place, words = place[inside], words[inside]
-        kept = words * unit < mean[place]
-        np.add.at(counts, place, kept.astype(counts.dtype))
+        accepted = words * unit < mean[place]
+        np.add.at(counts, place, accepted.astype(counts.dtype))
 
 
 def _poisson_or_normal(generator: Generator, mean: _Array, counts: _Array) -> None:

@@ -59,8 +59,8 @@ def spend(
             break
         left -= bounds[index]
         skipped[index] = Skipped(factors[index].label, factors[index].node, bounds[index])
-    kept = tuple(f for index, f in enumerate(factors) if index not in skipped)
-    return kept, tuple(skipped.values())
+    needed = tuple(f for index, f in enumerate(factors) if index not in skipped)
+    return needed, tuple(skipped.values())
 
 
 def _farthest(frequency: Array) -> Array:
@@ -70,7 +70,7 @@ def _farthest(frequency: Array) -> Array:
 
 
 def stage_bound(work: Work, factor: Factor, xi: Array, eta: Array, *, radii: int = RADII) -> float:
-    """Upper bound of |1 − H| over the band; infinite where it is not cheap to tell."""
+    """Upper bound of |1 − H| over the band; infinite where it is not cheap to find."""
     if isinstance(factor, Separable):
         across = _axis_change(work, factor, factor.x, xi)
         along = _axis_change(work, factor, factor.y, eta)

@@ -278,7 +278,7 @@ def factor_at(work: Work | None, factor: Factor, xi: Array, eta: Array) -> NDArr
         x, y = factor.axis(work, factor.x, xi), factor.axis(work, factor.y, eta)
         neutral = 1.0 if factor.part == "mtf" else 0.0
         row, column = neutral if x is None else x, neutral if y is None else y
-        each = row * column if factor.part == "mtf" else row + column
-        return np.broadcast_to(np.asarray(each, np.float64), xi.shape)
+        combined = row * column if factor.part == "mtf" else row + column
+        return np.broadcast_to(np.asarray(combined, np.float64), xi.shape)
     value = np.broadcast_to(factor.transfer(work, xi, eta), xi.shape)
     return np.asarray(np.angle(value) if factor.take == "phase" else np.real(value), np.float64)

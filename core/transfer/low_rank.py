@@ -50,10 +50,10 @@ def cross_approximation(
         values = evaluate(i_probes, j_probes)
         if not np.all(values):
             return None  # the edge of the support is in the plane, and it is no low-rank curve
-        found = _pivots(values, 0.5 * tolerance, highest)
-        if found is None:
+        pivot = _pivots(values, 0.5 * tolerance, highest)
+        if pivot is None:
             return None
-        i, j, left, right = found
+        i, j, left, right = pivot
         # At the pivots' rows and columns the factors on the probes are triangular.
         u = evaluate(every_row, j_probes[j]) @ np.linalg.inv(right[:, j])
         v = np.linalg.inv(left[i]) @ evaluate(i_probes[i], every_column)

@@ -32,37 +32,37 @@ class Planes:
     def __init__(self, work: Work, product: Product, grid: Grid, axes: Axes) -> None:
         self._work = work
         self.xi, self.eta = axes_of(grid, axes)
-        self._parts: list[tuple[Planar, Quarter, Kept]] = []
+        self._parts: list[tuple[Planar, Quarter, Precomputed]] = []
         for factor in product.planar:
             quarter = Quarter.of(self.xi, self.eta, factor.cutoff)
-            kept = EVALUATED
-            if _is_kept(grid, axes):
-                kept = work.value(Known(factor, grid, axes, node=factor.node))
-            self._parts.append((factor, quarter, kept))
+            known = EVALUATED
+            if _is_precomputed(grid, axes):
+                known = work.value(Known(factor, grid, axes, node=factor.node))
+            self._parts.append((factor, quarter, known))
 
     def block(self, rows: slice) -> Array | None:
         """Product at all columns of these rows; None without planar factors."""
         result: Array | None = None
-        for factor, quarter, kept in self._parts:
-            part = self._part(factor, quarter, kept, rows)
+        for factor, quarter, known in self._parts:
+            part = self._part(factor, quarter, known, rows)
             result = part if result is None else result * part
         return result
 
-    def _part(self, factor: Planar, quarter: Quarter, kept: Kept, rows: slice) -> Array:
+    def _part(self, factor: Planar, quarter: Quarter, known: Precomputed, rows: slice) -> Array:
         lines, which = quarter.rows(rows)
-        found = kept.rows(lines)
-        if found is None:
-            found = _evaluated(self._work, factor, kept.table, quarter, lines)
+        values = known.rows(lines)
+        if values is None:
+            values = _evaluated(self._work, factor, known.table, quarter, lines)
         if which is None and len(quarter.xi) == quarter.columns:
-            return found
-        height = len(found) if which is None else len(which)
-        part = np.zeros((height, quarter.columns), found.dtype)
-        part[slice(None) if which is None else which, : len(quarter.xi)] = found
+            return values
+        height = len(values) if which is None else len(which)
+        part = np.zeros((height, quarter.columns), values.dtype)
+        part[slice(None) if which is None else which, : len(quarter.xi)] = values
         return part
 
 
 @dataclass(frozen=True)
-class Kept:
+class Precomputed:
     """What is known of a factor on a quarter: two thin matrices, the plane, a table, or nothing."""
 
     thin: tuple[Array, Array] | None = None
@@ -70,8 +70,8 @@ class Kept:
     table: RadialTable | None = None
 
     @property
-    def told(self) -> str:
-        """For people."""
+    def description(self) -> str:
+        """What is stored, in words."""
         if self.thin is not None:
             return "low rank kept"
         if self.plane is not None:
@@ -85,7 +85,7 @@ class Kept:
         return None if self.plane is None else np.asarray(self.plane[lines])
 
 
-EVALUATED = Kept()
+EVALUATED = Precomputed()
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +109,7 @@ class Known(Recipe):
         """What the factor's law is made of."""
         return self.factor.law.inputs
 
-    def compute(self, work: Work) -> Kept:
+    def compute(self, work: Work) -> Precomputed:
         """Compute in double, keep in the evaluation's precision."""
         factor = self.factor
         quarter = Quarter.of(*axes_of(self.grid, self.axes), factor.cutoff)
@@ -118,10 +118,10 @@ class Known(Recipe):
             table = _radial_table(work, factor, quarter)
             thin = _thin(work, factor, table, quarter)
             if thin is not None:
-                return Kept(thin=thin)
+                return Precomputed(thin=thin)
         dtype = work.policy.dtype
         if quarter.samples * dtype.itemsize > work.store.capacity_bytes // 4:
-            return Kept(table=table)
+            return Precomputed(table=table)
         plane = np.empty((len(quarter.eta), len(quarter.xi)), dtype)
         height = max(1, BLOCK_SAMPLES // len(quarter.xi))
 
@@ -130,17 +130,17 @@ class Known(Recipe):
             plane[rows] = _evaluated(work, factor, table, quarter, rows)
 
         work.for_each(one, range(0, len(quarter.eta), height))
-        return Kept(plane=plane)
+        return Precomputed(plane=plane)
 
 
 def known_planes(product: Product, grid: Grid, axes: Axes) -> list[Recipe]:
-    """The recipes that `Planes` asks for."""
-    if not product.symmetric or not _is_kept(grid, axes):
+    """The recipes that `Planes` reads."""
+    if not product.symmetric or not _is_precomputed(grid, axes):
         return []
     return [Known(factor, grid, axes, node=factor.node) for factor in product.planar]
 
 
-def _is_kept(grid: Grid, axes: Axes) -> bool:
+def _is_precomputed(grid: Grid, axes: Axes) -> bool:
     """Whether planes of this size are worth keeping."""
     columns = grid.columns if axes == "mirrored" else grid.columns // 2 + 1
     return min(columns, grid.rows) >= SMALLEST
@@ -152,10 +152,10 @@ def _evaluated(
     """Rows of the factor, with the same bits whether they are then kept or not."""
     across, along = quarter.xi[np.newaxis, :], quarter.eta[lines][:, np.newaxis]
     if table is not None:
-        found = table.at(_square(factor, across, along), _of_radius(work, factor))
+        values = table.at(_square(factor, across, along), _of_radius(work, factor))
     else:
-        found = factor.transfer(work, across, along)
-    return found.astype(work.policy.dtype)
+        values = factor.transfer(work, across, along)
+    return values.astype(work.policy.dtype)
 
 
 def _square(factor: Planar, across: Array, along: Array) -> Array:

@@ -18,7 +18,7 @@ Array = NDArray[Any]
 
 
 class Product:
-    """H(xi, eta) = Hx(xi)·Hy(eta)·Π planar factors, evaluated only where asked.
+    """H(xi, eta) = Hx(xi)·Hy(eta)·Π planar factors, evaluated only where needed.
 
     Parameters
     ----------
@@ -60,8 +60,8 @@ class Product:
             return None
         value: Array | None = None
         for factor in self.planar:
-            each = factor.transfer(work, xi[np.newaxis, :], eta[:, np.newaxis])
-            value = each if value is None else value * each
+            values = factor.transfer(work, xi[np.newaxis, :], eta[:, np.newaxis])
+            value = values if value is None else value * values
         return value
 
     def total(self, work: Work | None, xi: Array, eta: Array) -> Array:

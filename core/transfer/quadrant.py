@@ -41,7 +41,7 @@ class Quarter:
             lines, places = np.unique(lines, return_inverse=True)
         if cutoff is None:
             return cls(xi, lines, places, columns)
-        across, along = ((1.0 + MARGIN) * each for each in cutoff)
+        across, along = ((1.0 + MARGIN) * limit for limit in cutoff)
         return cls(xi[xi <= across], lines[lines <= along], places, columns)
 
     @property
@@ -55,10 +55,10 @@ class Quarter:
         The places are a slice where they can be, and which is None for all rows.
         """
         places = self.places[rows]
-        kept = places < len(self.eta)
-        if kept.all():
+        inside = places < len(self.eta)
+        if inside.all():
             return _sliced(places), None
-        return _sliced(places[kept]), kept
+        return _sliced(places[inside]), inside
 
 
 def _sliced(places: Array) -> slice | Array:

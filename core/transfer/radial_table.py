@@ -71,10 +71,10 @@ class RadialTable:
         np.minimum(place, len(self.values) - 1, out=place)
         index = place.astype(np.intp)
         place -= index
-        found: Array = self.steps.take(index)
-        found *= place
-        found += self.values.take(index)
-        rough = np.isnan(found)
+        values: Array = self.steps.take(index)
+        values *= place
+        values += self.values.take(index)
+        rough = np.isnan(values)
         if rough.any():
-            found[rough] = function(radius[rough])
-        return found
+            values[rough] = function(radius[rough])
+        return values

@@ -78,7 +78,7 @@ def chain(edges: str, precision: Precision, *, known: bool = False) -> Callable[
         if known:
             axes: Axes = "mirrored" if edges == "reflect" else "periodic"
             known_plane = work.value(Known(factor, grid, axes, node=factor.node))
-            note = known_plane.told
+            note = known_plane.description
         keys = store.keys()
 
         def deliver(frame: Array) -> Array:
