@@ -16,7 +16,7 @@ from core.leftovers import new_mark, sweep
 def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give the name of a temporary file that takes the place of `path` when the block succeeds.
 
-    The temporary file lies in the same folder with the same suffix, so that the final rename
+    The temporary file is in the same folder with the same suffix, so that the final rename
     stays within one file system and writers that choose a format by suffix choose the same one.
     It is flushed to the disk before the rename. When the block raises, it is removed and what
     was at `path` before is untouched. A symbolic link is followed: its target is replaced.

@@ -1,4 +1,4 @@
-"""The errors a user can meet, each one line that says what, where, the value and what is allowed.
+"""The errors a user can meet, each one line that states what, where, the value and what is allowed.
 
 Which to raise:
 
@@ -8,7 +8,7 @@ Which to raise:
   `ChangedFileError`, one that is no longer what it was when it was opened.
 - `NetworkError`: a network document that is not one, or whose modules and links do not fit.
 - `UsageError`: a command line that cannot be carried out.
-- `Cancelled`: the caller asked to stop.
+- `Cancelled`: the caller requested a stop.
 
 All but `Cancelled` are faults of the input: the command line ends with exit code 2 for them.
 """
@@ -58,7 +58,7 @@ def _rebuilt(kind: type[E], args: tuple[Any, ...], state: dict[str, Any]) -> E:
 
 
 class InputError(ImagechainError):
-    """The input is at fault; the message says how to mend it."""
+    """The input is at fault; the message states how to mend it."""
 
     exit_code = 2
 
@@ -103,7 +103,7 @@ class FileError(InputError):
 
 
 class ChangedFileError(FileError):
-    """A file that somebody else has changed or removed since it was read or written."""
+    """A file that another program has changed or removed since it was read or written."""
 
 
 class NetworkError(InputError):
@@ -119,4 +119,4 @@ class UsageError(InputError):
 
 
 class Cancelled(ImagechainError):
-    """The caller asked to stop before the work was done."""
+    """The caller requested a stop before the work was done."""

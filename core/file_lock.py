@@ -42,9 +42,9 @@ class FileLock:
 
 
 def take(path: Path) -> FileLock | None:
-    """Make a lock file of this process; None where the file system knows no locks.
+    """Make a lock file of this process; None where the file system has no locks.
 
-    Nor is there one where somebody else holds it, or just looks whether anybody does.
+    Nor is there one where another process holds it, or is just testing whether it is held.
 
     Raises
     ------
@@ -87,9 +87,9 @@ def in_turn(path: Path, wait_s: float = 10.0) -> Iterator[None]:
 
 
 def is_held(path: Path) -> bool | None:
-    """Whether a living process holds a lock; None where there is no such file to tell by."""
+    """Whether a living process holds a lock; None where there is no such file."""
     try:
-        # No link and no pipe: whoever names a file so wants another one opened.
+        # No link and no pipe: such a name would open another file.
         descriptor = os.open(path, os.O_RDWR | _PLAIN)
     except OSError:
         return None

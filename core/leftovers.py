@@ -1,4 +1,4 @@
-"""Names of temporary files that say whose they are, and clearing away those of dead processes."""
+"""Names of temporary files that carry their process, and clearing away those of dead processes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FOLDER_PREFIX = ".imagechain-"
 LOCK = "lock"
 """A file in a temporary folder that its process holds locked."""
 ABANDONED_S = 30 * 24 * 3600.0
-"""So long untouched, a folder belongs to nobody, also where its process cannot be known."""
+"""A folder untouched for so long is abandoned, also where its process cannot be known."""
 
 _UNKNOWN = "0" * 8
 _MARK = r"([0-9a-f]{8})-([0-9]{1,10})-([0-9a-f]{8})-[0-9a-f]{8}"
@@ -30,7 +30,7 @@ _UNMARKED = re.compile(re.escape(FOLDER_PREFIX) + r"[0-9a-f]{12}")  # before fol
 
 
 def new_mark() -> str:
-    """A part of a name that nobody else makes: the machine, this process, and a random number."""
+    """A part of a name that no other process makes: machine, process, and a random number."""
     return f"{_host()}-{os.getpid()}-{_digest(own_token())}-{secrets.token_hex(4)}"
 
 
@@ -38,7 +38,7 @@ def sweep(folder: Path) -> None:
     """Remove what dead processes of this user have left in a folder.
 
     Only real files and folders whose names are marked are touched. What a process of another
-    machine made is left until nobody has touched it for 30 days: whether that one runs is not
+    machine made is left until it has not been touched for 30 days: whether that one runs is not
     known here. What cannot be removed stays.
     """
     with contextlib.suppress(OSError), os.scandir(folder) as entries:
@@ -83,7 +83,7 @@ def _is_dead(pid: int, start: str, folder: Path | None) -> bool | None:
 def _lives(pid: int, start: str) -> bool | None:
     if start != _UNKNOWN:
         return _digest(start_token(pid)) == start
-    if os.name != "posix":  # asking there would end it
+    if os.name != "posix":  # there `os.kill` would end the process
         return None
     try:
         os.kill(pid, 0)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 LEAST_BYTES = 1 << 27
 WITHOUT_KNOWLEDGE = 1 << 29
-"""Where the system does not say how much memory there is."""
+"""Where the system does not report how much memory there is."""
 
 
 def store_bytes() -> int:
@@ -20,21 +20,21 @@ def store_bytes() -> int:
     whole = usable_bytes()
     if whole is None:
         return WITHOUT_KNOWLEDGE
-    free = [each for each in (_available(), *_left_in_groups()) if each is not None]
+    free = [size for size in (_available(), *_left_in_groups()) if size is not None]
     return max(LEAST_BYTES, min(whole // 4, min(free, default=whole) // 2))
 
 
 def usable_bytes() -> int | None:
-    """The memory that the process may use; None where the system does not say.
+    """The memory that the process may use; None where the system does not report it.
 
     That of the machine, or less where a container or a limit of the process leaves it less.
     """
-    whole = [each for each in (physical_bytes(), *_limits()) if each is not None]
+    whole = [size for size in (physical_bytes(), *_limits()) if size is not None]
     return min(whole, default=None)
 
 
 def physical_bytes() -> int | None:
-    """The machine's memory; None where the system does not say."""
+    """The machine's memory; None where the system does not report it."""
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, ValueError, OSError):  # not on every system
@@ -43,15 +43,15 @@ def physical_bytes() -> int | None:
 
 def _limits() -> list[int]:
     """What containers and limits of the process leave of the machine's memory."""
-    found = [limit for folder in _groups() if (limit := _group_limit(folder)) is not None]
+    limits = [limit for folder in _groups() if (limit := _group_limit(folder)) is not None]
     try:
         import resource
 
         soft, _ = resource.getrlimit(resource.RLIMIT_AS)
-        found += [soft] if soft != resource.RLIM_INFINITY else []
+        limits += [soft] if soft != resource.RLIM_INFINITY else []
     except (ImportError, AttributeError, OSError, ValueError):  # not on every system
         pass
-    return found
+    return limits
 
 
 def _available() -> int | None:
@@ -60,18 +60,18 @@ def _available() -> int | None:
         text = Path("/proc/meminfo").read_text()
     except OSError:
         return None
-    found = re.search(r"^MemAvailable:\s+(\d+) kB", text, re.MULTILINE)
-    return None if found is None else int(found[1]) << 10
+    match = re.search(r"^MemAvailable:\s+(\d+) kB", text, re.MULTILINE)
+    return None if match is None else int(match[1]) << 10
 
 
 def _left_in_groups() -> list[int]:
-    found = []
+    sizes = []
     for folder in _groups():
         limit = _group_limit(folder)
         used = _number(folder / "memory.current", folder / "memory.usage_in_bytes")
         if limit is not None and used is not None:
-            found.append(max(0, limit - used))
-    return found
+            sizes.append(max(0, limit - used))
+    return sizes
 
 
 def _group_limit(folder: Path) -> int | None:
@@ -79,7 +79,7 @@ def _group_limit(folder: Path) -> int | None:
 
 
 def _number(*files: Path) -> int | None:
-    """What the first file that can be read says; None for `max`, no limit."""
+    """What the first readable file holds; None for `max`, no limit."""
     for file in files:
         try:
             text = file.read_text().strip()
@@ -95,7 +95,7 @@ def _groups(root: Path = Path("/sys/fs/cgroup")) -> list[Path]:
         lines = Path("/proc/self/cgroup").read_text().splitlines()
     except OSError:
         return []
-    found: list[Path] = []
+    folders: list[Path] = []
     for line in lines:
         _, kinds, path = line.split(":", 2)
         if kinds and "memory" not in kinds.split(","):
@@ -104,6 +104,6 @@ def _groups(root: Path = Path("/sys/fs/cgroup")) -> list[Path]:
         folder = base
         for part in ["", *path.strip("/").split("/")]:
             folder = folder / part
-            if folder.is_dir() and folder not in found:
-                found.append(folder)
-    return found
+            if folder.is_dir() and folder not in folders:
+                folders.append(folder)
+    return folders

@@ -46,7 +46,7 @@ def printable(text: str) -> str:
     Bytes of file names that are no UTF-8 become escapes too. A JSON document stays one, and reads
     back the same.
     """
-    return _BARRED.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+    return _BARRED.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 def close(name: str, known: Iterable[str]) -> str:

@@ -9,7 +9,7 @@ _PROC = Path("/proc")
 
 
 def start_token(pid: int) -> str:
-    """What tells a process from a later one of the same number; empty where that is unknown.
+    """What distinguishes a process from a later one of the same number; empty where unknown.
 
     On Linux, the boot and the time within it at which the process began.
     """
@@ -28,5 +28,5 @@ def own_token() -> str:
 
 
 def runs(pid: int, token: str) -> bool:
-    """Whether the process of that number and token runs; False where that cannot be told."""
+    """Whether the process of that number and token runs; False where that is unknown."""
     return bool(token) and start_token(pid) == token

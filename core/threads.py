@@ -1,4 +1,4 @@
-"""Threads that are kept for many short pieces of work; the thread that asks works along."""
+"""Threads that are kept for many short pieces of work; the calling thread works along."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Workers:
     def for_each(self, function: Callable[[Any], None], items: Sequence[Any], threads: int) -> None:
         """Call `function` on every item; items must write to different places.
 
-        The calling thread takes items too and never waits for one that nobody has begun, so that
+        The calling thread takes items too and never waits for one that has not begun, so that
         a function may call `for_each` again.
 
         Parameters
@@ -95,6 +95,6 @@ class _Shared:
             return next(self._items)
 
     def stop(self) -> None:
-        """Give nothing more: somebody failed."""
+        """Give nothing more: an item failed."""
         with self._lock:
             self._stopped = True

@@ -1,4 +1,4 @@
-"""The lineage of steps: what analysis needs to know of one, declared beside its function.
+"""The lineage of steps: what analysis needs of one, declared beside its function.
 
 Transfer functions and noises of a picture are read off its recipe, step by step from the picture
 back to its source. Of a step six things are needed:
@@ -99,8 +99,8 @@ class Lineage:
 
 def lineage_of(recipe: Recipe) -> Lineage | None:
     """What becomes of a picture in a recipe; None where nothing behind it can be followed."""
-    found: Lineage | None = recipe.lineage
-    return found
+    lineage: Lineage | None = recipe.lineage
+    return lineage
 
 
 def picture_step(
@@ -122,7 +122,7 @@ def picture_step(
     noise : callable, optional
         Called as ``noise(at, *inputs, **parameters)`` with the `AtStep`.
     looks_at : tuple of str
-        Inputs whose values `noise`, or the linear change, asks for.
+        Inputs whose values `noise`, or the linear change, reads.
     noise_free : callable, optional
         Called like `linear`, with the picture without noise in the picture's place: what takes the
         step's place, at its node. It raises `DataError` where nothing is left.
@@ -177,4 +177,4 @@ def source_step(*, area_means: bool) -> Callable[[F], F]:
 def _inputs(function: Callable[..., Any]) -> list[str]:
     """Names of the inputs that a step's function takes, after the work."""
     given = signature(function).parameters.values()
-    return [each.name for each in given if each.kind in _POSITIONAL][1:]
+    return [parameter.name for parameter in given if parameter.kind in _POSITIONAL][1:]

@@ -82,7 +82,7 @@ class WarningCheck:
 
 @dataclass(frozen=True)
 class Declaration:
-    """All there is to know of a module without running it."""
+    """All that is known of a module without running it."""
 
     key: str
     title: str
@@ -116,7 +116,7 @@ class Declaration:
 def readout(
     unit: str = "", *, name: str = ""
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Mark a method as a read-out in `unit`; its docstring says what it means.
+    """Mark a method as a read-out in `unit`; its docstring is its meaning.
 
     Its arguments are named after the input ports it needs, or `outputs` for what `run` returned.
     It returns a value, or the recipe of one. `name` is for a read-out named like a parameter.
@@ -133,10 +133,10 @@ def readout(
 def warning(
     method: Callable[..., Caution | Recipe | None],
 ) -> Callable[..., Caution | Recipe | None]:
-    """Mark a method that warns; its docstring says of what.
+    """Mark a method that warns; its docstring names what of.
 
     Its arguments are as those of a read-out, and `given`, the names of the parameters that the
-    network sets. It returns a `Caution`, or None where all is well. It is asked whenever the node
+    network sets. It returns a `Caution`, or None where all is well. It is called whenever the node
     is planned: it compares values, and computes no pixels. Where samples have to be looked at, it
     returns the recipe of a `Caution` or None, which is computed where the samples are.
     """
@@ -204,7 +204,7 @@ def declaration(module: type[Module]) -> Declaration:
     Raises
     ------
     TypeError
-        If the class is not written as the module docstring says.
+        If the class is not written as the module docstring states.
     """
     untyped: Any = module  # mypy finds a class of frozen dataclasses unhashable
     return _derive(untyped)
@@ -239,14 +239,14 @@ def _derive(module: Any) -> Declaration:
 
 def _parameters(module: type[Module]) -> tuple[Parameter, ...]:
     hints = get_type_hints(module, include_extras=True)
-    found = []
+    parameters = []
     for field in dataclasses.fields(module):  # type: ignore[arg-type]
         hint = hints[field.name]
         if get_origin(hint) is not Annotated:
             raise TypeError(f"{module.__name__}.{field.name} needs Annotated[type, Param(...)]")
         base, param = get_args(hint)[:2]
         kind, choices, empty = _kind(base, param)
-        found.append(
+        parameters.append(
             Parameter(
                 name=field.name,
                 kind=kind,
@@ -256,7 +256,7 @@ def _parameters(module: type[Module]) -> tuple[Parameter, ...]:
                 param=param,
             )
         )
-    return tuple(found)
+    return tuple(parameters)
 
 
 def _kind(base: Any, param: Param) -> tuple[Kind, tuple[Any, ...], bool]:
@@ -301,13 +301,13 @@ def _outputs(module: type[Module]) -> tuple[Port, ...]:
 
 
 def _warnings(module: type[Module]) -> tuple[WarningCheck, ...]:
-    found = {}
+    checks = {}
     for klass in reversed(module.__mro__):
         for name, method in vars(klass).items():
             if hasattr(method, "is_warning"):
                 needs = tuple(inspect.signature(method).parameters)[1:]
-                found[name] = WarningCheck(name, _meaning(method), needs)
-    return tuple(found.values())
+                checks[name] = WarningCheck(name, _meaning(method), needs)
+    return tuple(checks.values())
 
 
 def _meaning(method: Any) -> str:
@@ -315,12 +315,12 @@ def _meaning(method: Any) -> str:
 
 
 def _readouts(module: type[Module]) -> tuple[Readout, ...]:
-    found = {}
+    readouts = {}
     for klass in reversed(module.__mro__):
         for attribute, method in vars(klass).items():
             if hasattr(method, "readout_unit"):
                 name = method.readout_name or attribute
                 needs = tuple(inspect.signature(method).parameters)[1:]
                 unit = method.readout_unit
-                found[name] = Readout(name, unit, _meaning(method), needs, attribute)
-    return tuple(found.values())
+                readouts[name] = Readout(name, unit, _meaning(method), needs, attribute)
+    return tuple(readouts.values())

@@ -1,4 +1,4 @@
-"""Parameters of modules: what is allowed, and turning what a file or a person says into it."""
+"""Parameters of modules: what is allowed, and turning what a file or a user gives into it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LARGEST_NUMBER = sys.float_info.max
 
 @dataclass(frozen=True)
 class Param:
-    """What a module's author says of a parameter.
+    """A module author's description of a parameter.
 
     Parameters
     ----------

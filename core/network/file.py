@@ -64,12 +64,12 @@ def load_network(
 
 
 def read_network(path: str | PathLike[str], *, library: Library) -> Network:
-    """Open a network file without asking whether it fits the library; errors as `load_network`."""
+    """Open a network file without checking it against the library; errors as `load_network`."""
     return parse_network(read_text(path), library=library, name_of_source=fspath(path))
 
 
 def read_text(path: str | PathLike[str]) -> str:
-    """The text of a network file, whatever it says; errors as `load_network`."""
+    """The text of a network file, whatever it holds; errors as `load_network`."""
     try:
         # Opening a pipe would wait, reading a device never end.
         if not stat.S_ISREG(Path(path).stat().st_mode):

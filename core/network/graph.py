@@ -34,12 +34,12 @@ def topological(followers: Followers) -> tuple[str, ...]:
 def cycles(followers: Followers) -> list[tuple[str, ...]]:
     """One cycle of every set of nodes that reach each other, each once round, in order."""
     place = {name: number for number, name in enumerate(followers)}
-    found = []
+    loops = []
     for members in _components(followers):
         first = min(members, key=place.__getitem__)
         if len(members) > 1 or first in followers[first]:
-            found.append(_loop(followers, members, place))
-    return sorted(found, key=lambda loop: place[loop[0]])
+            loops.append(_loop(followers, members, place))
+    return sorted(loops, key=lambda loop: place[loop[0]])
 
 
 def _loop(followers: Followers, members: set[str], place: Mapping[str, int]) -> tuple[str, ...]:

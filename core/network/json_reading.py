@@ -57,14 +57,14 @@ def _check_depth(text: str) -> None:
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
+    fields = dict(pairs)
+    if len(fields) < len(pairs):
         seen: set[str] = set()
         for name, _ in pairs:
             if name in seen:
                 raise NetworkError(f"the key {shown(name)} comes twice in one object")
             seen.add(name)
-    return found
+    return fields
 
 
 def _integer(text: str) -> int:

@@ -30,7 +30,7 @@ def migrate(
 def with_current_names(network: Network, library: Library) -> Network:
     """Use the names the library has now for modules, parameters and ports.
 
-    A module says its earlier keys in `replaces`, and in a mapping `renamed` (old name: new name)
+    A module lists its earlier keys in `replaces`, and in a mapping `renamed` (old name: new name)
     those of its parameters and ports. A name that is still in use, or whose new name is taken,
     stays.
     """

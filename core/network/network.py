@@ -22,7 +22,7 @@ SEEDS = f"a whole number from 0 to {LARGEST_INTEGER}"
 
 
 class _Frozen:
-    """Copies and pickles by its fields: read-only mappings know neither."""
+    """Copies and pickles by its fields: read-only mappings support neither."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         values = tuple(thaw(getattr(self, f.name)) for f in fields(self))  # type: ignore[arg-type]
@@ -42,7 +42,7 @@ class Node(_Frozen):
     params : mapping
         What was set, as plain JSON values; what is left out has its default.
     auto : bool or None
-        Auto-Generate; None where nobody has said.
+        Auto-Generate; None where the file does not set it.
     disabled : bool
         Whether it passes its main input through.
     extra : mapping
@@ -108,7 +108,7 @@ class Link:
 class Network(_Frozen):
     """A document. Its nodes keep their order; that of links means nothing, so it is not kept.
 
-    `layout` gives points of the canvas by node, `extra` what else the file says.
+    `layout` gives points of the canvas by node, `extra` the file's other fields.
 
     Raises
     ------
@@ -148,11 +148,11 @@ class Network(_Frozen):
     @cached_property
     def followers(self) -> Mapping[str, tuple[str, ...]]:
         """The nodes that each node's links lead to; links to nowhere do not count."""
-        found: dict[str, dict[str, None]] = {name: {} for name in self.nodes}
+        targets_of: dict[str, dict[str, None]] = {name: {} for name in self.nodes}
         for link in self.links:
-            if link.source in found and link.target in found:
-                found[link.source][link.target] = None
-        return {name: tuple(targets) for name, targets in found.items()}
+            if link.source in targets_of and link.target in targets_of:
+                targets_of[link.source][link.target] = None
+        return {name: tuple(targets) for name, targets in targets_of.items()}
 
     @property
     def marked(self) -> tuple[str, ...]:
@@ -189,7 +189,7 @@ class Network(_Frozen):
         A disabled node has only the outputs it passes an input on to, an unknown module none.
         """
         linked = {(link.source, link.output) for link in self.links}
-        found = []
+        outputs = []
         for node in self.nodes.values():
             if node.module not in library:
                 continue
@@ -198,8 +198,8 @@ class Network(_Frozen):
             for port in declared.outputs:
                 alive = port.name in through or not node.disabled
                 if alive and (node.id, port.name) not in linked:
-                    found.append((node.id, port.name))
-        return tuple(found)
+                    outputs.append((node.id, port.name))
+        return tuple(outputs)
 
     def order(self) -> tuple[str, ...]:
         """Ids of the nodes, each after those it is linked from; else in the document's order.
@@ -215,7 +215,7 @@ class Network(_Frozen):
         return ordered
 
     def with_parameter(self, node: str, name: str, value: Any) -> Network:
-        """With a parameter set; whether its module takes it, `problems` tells.
+        """With a parameter set; `problems` checks whether its module takes it.
 
         Raises
         ------

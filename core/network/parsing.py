@@ -27,7 +27,7 @@ _WORDS: dict[type, str] = {
 def parse_network(text: str, *, library: Library, name_of_source: str = "network") -> Network:
     """Read a network from the text of its file. It runs no code and reads no other file.
 
-    Whether modules, values and links fit the library is for `core.network.validation` to say:
+    Whether modules, values and links fit the library is checked by `core.network.validation`:
     modules that are not in it stay as they are.
 
     Parameters
@@ -55,8 +55,8 @@ def parse_network(text: str, *, library: Library, name_of_source: str = "network
 
 def _version(document: dict[str, Any]) -> int:
     if document.get("format") != FORMAT:
-        found = f"not {document['format']!r:.80}" if "format" in document else "but has none"
-        raise NetworkError(f"not an Imagechain network: its format must be {FORMAT!r}, {found}")
+        instead = f"not {document['format']!r:.80}" if "format" in document else "but has none"
+        raise NetworkError(f"not an Imagechain network: its format must be {FORMAT!r}, {instead}")
     version = _field(document, "version", int, "")
     if version < 1:
         raise NetworkError(f"version = {version} is not allowed: a whole number from 1")
@@ -87,7 +87,7 @@ def _node(name: str, value: Any) -> Node:
     where = f"nodes.{name}"
     _expect(value, dict, where)
     for other in _others(value, NODE_FIELDS):
-        # Fields we do not know are kept, but a slip here would silently run with the defaults.
+        # Unknown fields are kept, but a slip here would silently run with the defaults.
         meant = difflib.get_close_matches(other, ("params", "disabled", "final"), n=1, cutoff=0.75)
         if meant and len(other) <= 64:
             raise NetworkError(f"{where} has a field {shown(other)}; did you mean {meant[0]}?")
@@ -140,5 +140,5 @@ def _field(value: dict[str, Any], name: str, kind: type, where: str, default: An
 def _expect(value: Any, kind: type, where: str) -> None:
     # Not isinstance: to Python, true is a whole number.
     if type(value) is not kind:
-        found = _WORDS[bool] if isinstance(value, bool) else _WORDS[type(value)]
-        raise NetworkError(f"{where} must be {_WORDS[kind]}, not {found}")
+        word = _WORDS[bool] if isinstance(value, bool) else _WORDS[type(value)]
+        raise NetworkError(f"{where} must be {_WORDS[kind]}, not {word}")

@@ -48,9 +48,9 @@ def check_network(
     NetworkProblems
         With all of them.
     """
-    found = problems(network, library=library, keep_unknown=keep_unknown, unfinished=unfinished)
-    if found:
-        raise NetworkProblems(found) from found[0]
+    faults = problems(network, library=library, keep_unknown=keep_unknown, unfinished=unfinished)
+    if faults:
+        raise NetworkProblems(faults) from faults[0]
 
 
 def problems(
@@ -74,19 +74,19 @@ def problems(
     survey = _Survey(network, library)
     survey.nodes(keep_unknown)
     survey.links()
-    survey.found += [cycle_error(loop) for loop in cycles(network.followers)]
+    survey.faults += [cycle_error(loop) for loop in cycles(network.followers)]
     if not unfinished:
         survey.missing()
         if len(network.marked) > 1:
-            survey.found.append(marked_twice(network.marked))
-    return survey.found
+            survey.faults.append(marked_twice(network.marked))
+    return survey.faults
 
 
 class _Survey:
     def __init__(self, network: Network, library: Library) -> None:
         self.network = network
         self.library = library
-        self.found: list[ImagechainError] = []
+        self.faults: list[ImagechainError] = []
         self.suggestions = 0
         self.declared: dict[str, Declaration] = {
             name: declaration(library[node.module])
@@ -95,7 +95,7 @@ class _Survey:
         }
 
     def _add(self, text: str, node: str | None) -> None:
-        self.found.append(NetworkError(text, node=node))
+        self.faults.append(NetworkError(text, node=node))
 
     def _close(self, name: str, known: Iterable[str]) -> str:
         self.suggestions += 1
@@ -113,18 +113,18 @@ class _Survey:
     def _parameters(self, node: Node, declared: Declaration) -> None:
         known = {parameter.name: parameter for parameter in declared.parameters}
         values = thaw(node.params)
-        before = len(self.found)
+        before = len(self.faults)
         for name, value in values.items():
             if name not in known:
                 hint = self._close(name, known)
                 allowed = f"{declared.title} has no such parameter{hint or _listed(known)}"
-                self.found.append(ParameterError(shown(name), value, allowed, node=node.id))
+                self.faults.append(ParameterError(shown(name), value, allowed, node=node.id))
             else:
                 self._attempt(node, known[name].coerce, value)
         for name, parameter in known.items():
             if parameter.required and name not in values:
-                self.found.append(ParameterError(name, None, parameter.allowed(), node=node.id))
-        if len(self.found) == before:
+                self.faults.append(ParameterError(name, None, parameter.allowed(), node=node.id))
+        if len(self.faults) == before:
             # Combinations make sense to judge only once each value does.
             module = self.library[node.module]
             self._attempt(node, lambda given: module.build(given).check(), values)
@@ -134,7 +134,7 @@ class _Survey:
             step(value)
         except ImagechainError as error:
             error.node = error.node or node.id
-            self.found.append(error)
+            self.faults.append(error)
 
     def links(self) -> None:
         into: dict[tuple[str, str], list[Link]] = {}
@@ -166,12 +166,12 @@ class _Survey:
         if declared is None:
             return None
         ports = declared.outputs if side == "output" else declared.inputs
-        found = next((candidate for candidate in ports if candidate.name == port), None)
-        if found is None:
+        match = next((candidate for candidate in ports if candidate.name == port), None)
+        if match is None:
             names = [candidate.name for candidate in ports]
             hint = self._close(port, names) or _listed(names)
             self._add(f"{declared.title} has no {side} {shown(port)} (the link {link}){hint}", name)
-        return found
+        return match
 
     def missing(self) -> None:
         linked = {(link.target, link.input) for link in self.network.links}
