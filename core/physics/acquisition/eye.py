@@ -122,7 +122,7 @@ def _share_of_cells(length_mrad: ArrayLike, bandwidth: float, cells: int) -> Vec
     with np.errstate(over="ignore"):
         lengths = np.minimum(length[:, np.newaxis] * part, _LONGEST)
     up_to = part * spatial_share(length_mrad=lengths, noise_bandwidth_cyc_per_mrad=bandwidth)
-    # It never falls with the bandwidth; where it has levelled off rounding might say so.
+    # It never falls with the bandwidth; where it has levelled off rounding might lower it.
     return np.asarray(np.maximum(np.diff(up_to, axis=1, prepend=0.0), 0.0), np.float64)
 
 

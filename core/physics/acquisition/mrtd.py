@@ -87,7 +87,7 @@ def mrtd_ratches_K(  # noqa: N802
     dξ from 0 to Δf_N/v. It is the equation above, with the average over the bar's length 7/(2f)
     written as Δ·2f/(7·N_os), whence the √14, and Q(f) for the one over its width. Under Q(f) the
     model of 1975 has the noise's spectrum, given here, and eye and display, which are not. Lines
-    count as independent. It knows no fixed pattern and no limit by sampling.
+    count as independent. It has no fixed pattern and no limit by sampling.
 
     Source: Ratches, Lawson, Obert, Bergemann, Cassidy and Swenson 1975, ECOM-7043; Ratches 1976,
     Opt. Eng. 15, 525. The equation's number could not be checked; the form was derived anew.
@@ -192,10 +192,10 @@ def mrtd_flir92_K(  # noqa: N802
             noise_bandwidth_y_cyc_per_mrad=along_cyc_per_mrad,
             spectrum=_rectangle(spectrum),
         )
-    found = _threshold(transfer, positive("snr_threshold", snr_threshold) * np.sqrt(left))
+    mrtd = _threshold(transfer, positive("snr_threshold", snr_threshold) * np.sqrt(left))
     if sampled:
-        found[at >= across_cyc_per_mrad] = np.inf
-    return found
+        mrtd[at >= across_cyc_per_mrad] = np.inf
+    return mrtd
 
 
 def mrtd_two_dimensional(

@@ -178,9 +178,9 @@ def resolvable_frequency(*, frequency: ArrayLike, mrtd_K: ArrayLike, apparent_K:
         rise = (np.log(apparent) - np.log(start)) / (np.log(end) - np.log(start))
         power = from_place * np.exp(rise * (np.log(to_place) - np.log(from_place)))
         linear = from_place + (to_place - from_place) * (apparent - start) / (end - start)
-    found = np.where((from_place > 0.0) & (start > 0.0), power, linear)
-    found = np.where(upper > lower, np.clip(found, from_place, to_place), from_place)
-    return np.where(last < 0, 0.0, found)[()]
+    crossing = np.where((from_place > 0.0) & (start > 0.0), power, linear)
+    crossing = np.where(upper > lower, np.clip(crossing, from_place, to_place), from_place)
+    return np.where(last < 0, 0.0, crossing)[()]
 
 
 def _resolved_part(frequency: ArrayLike, mrtd_K: ArrayLike) -> tuple[Values, Values]:

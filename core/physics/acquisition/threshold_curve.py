@@ -93,8 +93,8 @@ def _ends(known: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> list[tuple[
     padded = np.concatenate([[False], known, [False]])
     first = np.flatnonzero(padded[1:-1] & ~padded[:-2])
     last = np.flatnonzero(padded[1:-1] & ~padded[2:])
-    found = []
+    secants = []
     for low, high in zip(first.tolist(), last.tolist(), strict=True):
         if high > low:
-            found += [(low, low + 1, low), (high, high - 1, high + 1)]
-    return found
+            secants += [(low, low + 1, low), (high, high - 1, high + 1)]
+    return secants

@@ -1,6 +1,6 @@
 """The targeting task performance (TTP) value of a target seen through a sensor.
 
-Unlike Johnson's cycles, which know only the highest frequency resolved, it sums at all
+Unlike Johnson's cycles, which depend only on the highest frequency resolved, it sums at all
 frequencies how far the target's contrast is above the contrast threshold of sensor and eye.
 """
 

@@ -94,8 +94,8 @@ def charge_transfer_ptf(
         return np.asarray(-count * lost * _minus_sine(phase), dtype=np.float64)
     if model == "leading":
         return np.asarray(-count * lost * np.sin(phase), dtype=np.float64)
-    kept = float(efficiency) + 2.0 * lost * np.square(np.sin(0.5 * phase))
-    return np.asarray(-count * np.arctan2(lost * np.sin(phase), kept), dtype=np.float64)
+    real_part = float(efficiency) + 2.0 * lost * np.square(np.sin(0.5 * phase))
+    return np.asarray(-count * np.arctan2(lost * np.sin(phase), real_part), dtype=np.float64)
 
 
 def _count_and_loss(transfers: float, efficiency: float, model: str) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Reasons not to trust the spread of an edge, told instead of a wrong MTF."""
+"""Reasons not to trust the spread of an edge, given instead of a wrong MTF."""
 
 from __future__ import annotations
 

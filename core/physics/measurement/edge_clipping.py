@@ -31,7 +31,7 @@ _APART = 1 / 64  # samples between distances that count as two
 _CORNER = 0.15  # slope at an end, of that a quarter sample before it
 _PIXEL_RAMP = 1.6  # samples: an edge with no blur but the pixel's own is no wider
 _ALL_AT_LIMIT = 0.9  # share of a side's samples
-_LEAST_SAMPLES = 10  # that tell the noise on a half of the ramp
+_LEAST_SAMPLES = 10  # that give the noise on a half of the ramp
 _SPACING = 0.125  # samples between those that are compared for it
 _FADED = 0.52  # noise of photons in the dark half of the ramp, of that on the bright side
 _SURE = 2.5  # times the doubt of that ratio
@@ -87,7 +87,7 @@ def refuse_corner(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread) -> Non
 
 
 def _end_of(outer: Vector, deficit: Vector, reach: float) -> End:
-    """Whether what is lacking to the extreme value ends with a slope: a parabola tells it."""
+    """Whether what is lacking to the extreme value ends with a slope, by a parabola."""
     short = deficit > _SAME
     end = float(np.max(outer[short]))
     if end > reach - 1.0:
@@ -166,9 +166,9 @@ def _disorder(away: Vector, values: Vector, line: EdgeLine, ramp: NDArray[np.boo
     middle, least = 0.0, np.inf
     for _ in range(_SEARCHES):
         turns = middle + width * np.linspace(-1.0, 1.0, _TURNS)
-        found = [_fall(values[np.argsort(away - turn * row, kind="stable")]) for turn in turns]
-        best = int(np.argmin(found))
-        middle, least = float(turns[best]), min(least, found[best])
+        falls = [_fall(values[np.argsort(away - turn * row, kind="stable")]) for turn in turns]
+        best = int(np.argmin(falls))
+        middle, least = float(turns[best]), min(least, falls[best])
         width *= 2.0 / (_TURNS - 1)
     return least
 

@@ -192,8 +192,8 @@ def _refuse_direction(slope: float) -> None:
     angle = math.degrees(math.atan(abs(slope)))
     if angle > _LARGEST_ANGLE_DEG:
         raise DataError(
-            f"the edge stands at about {angle:.0f}° to the rows' normal, where it cannot be told "
-            f"across from along: turn it to 2° to 10°, at most {_LARGEST_ANGLE_DEG:g}°"
+            f"the edge stands at about {angle:.0f}° to the rows' normal, where across cannot be "
+            f"distinguished from along: turn it to 2° to 10°, at most {_LARGEST_ANGLE_DEG:g}°"
         )
 
 

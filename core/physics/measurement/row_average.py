@@ -22,7 +22,7 @@ _LEAST_CONTRAST = 5.0  # times the standard error of a mean of rows
 
 @dataclass(frozen=True)
 class RowAverage:
-    """What the mean of rows told.
+    """MTF measured from the mean of rows.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def row_average(
     noise = float(np.sqrt(np.mean((picture - profile) ** 2)))
     left, right, contrast = _transition(profile, target)
     outer = max(2, columns // 8)
-    # Of a single row nothing but its ends tells the noise.
+    # Of a single row nothing but its ends shows the noise.
     ends = max(float(np.std(profile[:outer])), float(np.std(profile[-outer:])))
     doubt = max(noise / np.sqrt(rows), ends / np.sqrt(outer))
     if not contrast > _LEAST_CONTRAST * doubt or contrast < 1e-9:
@@ -121,7 +121,7 @@ def row_average(
             with_level_ends(profile=picture[group != g].mean(axis=0), left=left, right=right)
             for g in range(groups)
         ]
-        moduli = np.array([profile_mtf(profile=each, target=target) for each in replicas])
+        moduli = np.array([profile_mtf(profile=replica, target=target) for replica in replicas])
         error = jackknife_error(replicas=moduli)
     return RowAverage(frequency, mtf, error, profile, clipped, left, right, contrast, noise)
 

@@ -59,9 +59,9 @@ def weighted(
     """Weighted sum of values near a base along an axis, as `taps` gives them."""
     total: Vector | None = None
     for index, weight in weights:
-        found = picked(sums, base + index, axis)
-        found *= weight
-        total = found if total is None else np.add(total, found, out=total)
+        term = picked(sums, base + index, axis)
+        term *= weight
+        total = term if total is None else np.add(total, term, out=total)
     assert total is not None
     return total
 

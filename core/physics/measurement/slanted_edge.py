@@ -31,7 +31,7 @@ _GROUPS = 24  # of rows, each left out once for the standard error
 
 @dataclass(frozen=True)
 class SlantedEdge:
-    """What a slanted edge told.
+    """MTF measured from a slanted edge.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def slanted_edge(
     Raises
     ------
     DataError
-        If there is no edge that can be measured; the message says why.
+        If there is no edge that can be measured; the message states why.
 
     Notes
     -----
@@ -104,9 +104,9 @@ def slanted_edge(
     replicas = np.empty((int(group.max()) + 1, len(frequency)), np.complex128)
     for left_out in range(len(replicas)):
         check()
-        kept = group != left_out
-        other = line.without(~kept)
-        part = edge_spread(picture=picture, line=other, bins=bins, rows=kept)
+        chosen_rows = group != left_out
+        other = line.without(~chosen_rows)
+        part = edge_spread(picture=picture, line=other, bins=bins, rows=chosen_rows)
         replicas[left_out] = _transform(part, along_row, waves, target, window)
     error = modulus_error(whole=whole, replicas=replicas)
     return SlantedEdge(frequency, np.abs(whole), error, np.abs(replicas), line, spread)

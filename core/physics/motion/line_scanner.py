@@ -111,7 +111,7 @@ def scale_nodes_mrad(*, intervals_mrad: ArrayLike, count: int) -> Vector:
     Raises
     ------
     ParameterError
-        When an interval is not above zero or no node is asked for.
+        When an interval is not above zero or the number of nodes is not positive.
     """
     if count < 1:
         raise ParameterError("count", count, "1 or more")
@@ -155,8 +155,8 @@ def scale_weights(*, nodes_mrad: ArrayLike, intervals_mrad: ArrayLike) -> Vector
 
 
 def _intervals(intervals_mrad: ArrayLike) -> Vector:
-    found = np.asarray(intervals_mrad, np.float64)
-    if found.size == 0 or not np.all((found > 0.0) & (found < np.inf)):
-        shown = found.min() if found.size else None
+    intervals = np.asarray(intervals_mrad, np.float64)
+    if intervals.size == 0 or not np.all((intervals > 0.0) & (intervals < np.inf)):
+        shown = intervals.min() if intervals.size else None
         raise ParameterError("interval in flight", shown, "finite and above zero", unit="mrad")
-    return found
+    return intervals

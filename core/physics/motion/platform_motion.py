@@ -37,7 +37,7 @@ def blur_mrad(*, velocity_m_per_s: float, time_s: float, range_m: float) -> floa
     Notes
     -----
     Source: Tantalo 1996, eqs. 4.24-4.35. Erratum: the widths 134, 160 and 201 there are
-    cycles/rad, not cycles/mrad: the blur is 1000 times what they say.
+    cycles/rad, not cycles/mrad: the blur is 1000 times what they give.
     """
     velocity = finite("velocity_m_per_s", velocity_m_per_s, unit="m/s")
     path_m = velocity * non_negative("time_s", time_s, unit="s")

@@ -56,7 +56,7 @@ def shares_of_losses(*, losses: Sequence[float]) -> list[float]:
     """
     if math.inf in losses:
         opaque = list(losses).count(math.inf)
-        return [1.0 / opaque if each == math.inf else 0.0 for each in losses]
-    whole = math.fsum(each for each in losses if each > 0.0)
+        return [1.0 / opaque if value == math.inf else 0.0 for value in losses]
+    whole = math.fsum(value for value in losses if value > 0.0)
     whole = whole or -math.fsum(losses)
-    return [each / whole if each else 0.0 for each in losses]
+    return [value / whole if value else 0.0 for value in losses]

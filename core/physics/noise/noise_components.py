@@ -1,4 +1,4 @@
-"""The seven components of three-dimensional noise, and how variances of averages tell them.
+"""The seven components of three-dimensional noise, and how variances of averages give them.
 
 A sequence of frames of a uniform scene, less its mean, is taken as a sum of independent fields that
 vary with time (t), row (v, vertical) and column (h, horizontal), alone or together: N_t + N_v + N_h
@@ -154,7 +154,8 @@ def components_of_moments(
     whole = moments.sample - single - column - row
     rounding = 1e-13 * moments.sample
     single, column, row, whole = (
-        each if abs(each) > rounding else 0.0 for each in (single, column, row, whole)
+        component if abs(component) > rounding else 0.0
+        for component in (single, column, row, whole)
     )
     if temporal:
         return NoiseVariances(tvh=single, tv=row, th=column, t=whole)

@@ -116,14 +116,14 @@ class NoiseCube:
         counts = {"t": frames, "v": rows, "h": columns}
         variances, errors = {}, {}
         for name in COMPONENTS:
-            each = math.prod(count for axis, count in counts.items() if axis not in name)
+            averaged = math.prod(count for axis, count in counts.items() if axis not in name)
             parts = _estimate(name)
-            variances[name] = math.fsum(sign * squares[other] for other, sign in parts) / each
+            variances[name] = math.fsum(sign * squares[other] for other, sign in parts) / averaged
             errors[name] = (
                 math.sqrt(
                     math.fsum(2.0 * squares[other] ** 2 / degrees[other] for other, _ in parts)
                 )
-                / each
+                / averaged
             )
         return MeasuredNoise(
             NoiseVariances(**variances),

@@ -54,7 +54,7 @@ def broadcast(**named: Values) -> tuple[Values, ...]:
     try:
         return tuple(np.broadcast_arrays(*named.values()))
     except ValueError as cause:
-        shapes = ", ".join(str(each.shape) for each in named.values())
+        shapes = ", ".join(str(array.shape) for array in named.values())
         allowed = "shapes that broadcast against one another"
         raise ParameterError(", ".join(named), shapes, allowed) from cause
 

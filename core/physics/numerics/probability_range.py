@@ -54,12 +54,12 @@ def range_for_probability(
 
     def reached(ranges_m: Values) -> int:
         """How many of these ranges, in order, come before the first that is too far."""
-        found = np.broadcast_to(np.asarray(probability_at(ranges_m), np.float64), ranges_m.shape)
-        wrong = np.flatnonzero(~((found >= 0.0) & (found <= 1.0)))
+        values = np.broadcast_to(np.asarray(probability_at(ranges_m), np.float64), ranges_m.shape)
+        wrong = np.flatnonzero(~((values >= 0.0) & (values <= 1.0)))
         if len(wrong):
             where = f"probability_at({ranges_m[wrong[0]]:g})"
-            raise ParameterError(where, float(found[wrong[0]]), "0 to 1")
-        return int(np.argmin(np.append(found >= wanted, False)))
+            raise ParameterError(where, float(values[wrong[0]]), "0 to 1")
+        return int(np.argmin(np.append(values >= wanted, False)))
 
     within = reached(np.array([NEAREST_M, FARTHEST_M]))
     if within != 1:

@@ -1,6 +1,6 @@
 """The lens that a disc and a moved disc have in common: its area, whole and within a band.
 
-Places count across and along the band, from the centre of the disc that rests; the moved one lies
+Places count across and along the band, from the centre of the disc that rests; the moved one is
 at (across, along), neither negative.
 """
 
@@ -20,7 +20,7 @@ class Lens:
     """What a disc of radius `fixed` and one of radius `moved`, a lag away, have in common.
 
     `own` and `other` are half the angles that its two arcs take of their circles, `kite` is the lag
-    times half the common chord, and `meet` tells where the circles cross or touch. Where one disc
+    times half the common chord, and `meet` is true where the circles cross or touch. Where one disc
     lies in the other at all of the lags, `nested`, they are not computed.
     """
 
@@ -211,7 +211,8 @@ def lens_in_band(part: Lens, band: Band, cut: Cut) -> Floats:
 
 def _between_edges(part: Lens, band: Band, points: Bools) -> Floats:
     across, along, low = (
-        np.broadcast_to(each, points.shape)[points] for each in (band.across, band.along, band.low)
+        np.broadcast_to(values, points.shape)[points]
+        for values in (band.across, band.along, band.low)
     )
     turn = np.arctan2(along, across)
     area: Floats = _left_of(part, across, along, turn, band.high)

@@ -94,8 +94,8 @@ def disc_overlap_fraction(*, distance_ratio: ArrayLike) -> Floats:
     slight = (v > _SLIGHT) & (v < 1.0)
     if slight.any():
         fraction[slight] = angle_minus_sine(2.0 * half[slight]) / np.pi
-    found: Floats = fraction.reshape(np.shape(distance_ratio))
-    return found
+    overlap: Floats = fraction.reshape(np.shape(distance_ratio))
+    return overlap
 
 
 _SLIGHT = 0.9  # beyond it the segments' angle and sine cancel

@@ -69,7 +69,7 @@ class Crossing:
         area, cut : ndarray
             Area, and where circles of both annuli cut the parallelogram, so that it is not known.
         """
-        first, second = (np.abs(each) / self.sin for each in across)
+        first, second = (np.abs(values) / self.sin for values in across)
         extent = self.extent
         hidden = math.sqrt(max((self.hole - self.half) * (self.hole + self.half), 0.0)) - extent
         gone = self.radius + extent

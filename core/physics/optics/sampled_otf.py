@@ -137,8 +137,8 @@ def sampled_otf(
     across, along = _Cells.of(x, columns), _Cells.of(y, rows)
     if x.ndim == y.ndim == 2 and x.shape[0] == y.shape[1] == 1:
         lines, near, far = along.lines()
-        found = _framed(correlation, lines)
-        beside = [np.take(found, index[0], axis=1) for index in (across.near, across.far)]
+        rows_framed = _framed(correlation, lines)
+        beside = [np.take(rows_framed, index[0], axis=1) for index in (across.near, across.far)]
 
         def corner(down: int, right: int) -> Array:
             part: Array = beside[right][(far if down else near)[:, 0]]
@@ -189,9 +189,9 @@ def _framed(correlation: Array, lines: Indices) -> Array:
     """Rows of the autocorrelation in their frame of zeros."""
     height, width = correlation.shape
     inside = (lines >= 0) & (lines < height)
-    found = np.zeros((len(lines), width + 2 * FRAME), correlation.dtype)
-    found[inside, FRAME:-FRAME] = correlation[lines[inside]]
-    return found
+    framed = np.zeros((len(lines), width + 2 * FRAME), correlation.dtype)
+    framed[inside, FRAME:-FRAME] = correlation[lines[inside]]
+    return framed
 
 
 def _bilinear(corner: Corner, part_x: NDArray[np.float64], part_y: NDArray[np.float64]) -> Array:

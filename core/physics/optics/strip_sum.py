@@ -86,7 +86,7 @@ def strip_sum_area(
         area -= twice * rings.in_band(Band.at_rest(n, t, square, half))
         near = _where(n < 2.0 * half, area.shape)
         if near is not None:
-            n, t, apart = (_taken(each, near) for each in (n, t, square))
+            n, t, apart = (_taken(coordinate, near) for coordinate in (n, t, square))
             common = Band.common(n, t, apart, half)
             some = rings.chosen(near)
             area[near] += some.in_common(common) if bars else _beyond_hole(some, common, pupil)
@@ -200,7 +200,7 @@ def _beyond_hole(rings: Rings, band: Band, pupil: StripPupil) -> Floats:
 
 
 def _where(wanted: Bools, shape: tuple[int, ...]) -> Index | None:
-    """Rows and columns that hold what is wanted, or its points where that takes both to tell."""
+    """Rows and columns that hold the wanted points, or these alone where they depend on both."""
     if not wanted.any():
         return None
     if wanted.shape == shape:

@@ -30,26 +30,29 @@ def by_tiles(function: Callable[..., Floats], *coordinates: Floats) -> Floats:
     ndarray
         Values, of the shape to which the coordinates broadcast.
     """
-    shape = np.broadcast_shapes(*(each.shape for each in coordinates))
+    shape = np.broadcast_shapes(*(coordinate.shape for coordinate in coordinates))
     if len(shape) == 2:
-        arrays = [each.reshape((1,) * (2 - each.ndim) + each.shape) for each in coordinates]
+        arrays = [
+            coordinate.reshape((1,) * (2 - coordinate.ndim) + coordinate.shape)
+            for coordinate in coordinates
+        ]
     else:
-        arrays = [np.broadcast_to(each, shape).reshape(1, -1) for each in coordinates]
-    values: Floats = np.empty(np.broadcast_shapes(*(each.shape for each in arrays)))
+        arrays = [np.broadcast_to(coordinate, shape).reshape(1, -1) for coordinate in coordinates]
+    values: Floats = np.empty(np.broadcast_shapes(*(array.shape for array in arrays)))
     rows, columns = values.shape
     width = min(columns, max(COLUMNS, POINTS // max(1, rows)))
     height = max(1, POINTS // max(1, width))
     for top in range(0, rows, height):
         for left in range(0, columns, width):
             place = slice(top, top + height), slice(left, left + width)
-            values[place] = function(*(part_of(each, place) for each in arrays))
+            values[place] = function(*(part_of(array, place) for array in arrays))
     return values.reshape(shape)
 
 
 def part_of(values: NDArray[np.float64], place: tuple[slice, slice]) -> NDArray[np.float64]:
     """Rows and columns of an array; of one row or column every one is the same."""
     rows, columns = (
-        each if size > 1 else slice(None) for each, size in zip(place, values.shape, strict=True)
+        lines if size > 1 else slice(None) for lines, size in zip(place, values.shape, strict=True)
     )
     part: Floats = values[rows, columns]
     return part

@@ -104,17 +104,17 @@ def radiance_unit(text: str) -> RadianceUnit | None:
         tokens = None
     if not _speaks_of_radiance(re.findall(r"[A-Za-zµåÅ]+", body)):
         return None
-    found = set()
+    readings = set()
     for chained in (False, True):
         try:
-            found.add(_radiance(_powers(tokens, chained=chained), body) if tokens else None)
+            readings.add(_radiance(_powers(tokens, chained=chained), body) if tokens else None)
         except ValueError:
             continue
-    found.discard(None)
-    if len(found) != 1:
-        why = "can be read in two ways" if found else "is not understood"
+    readings.discard(None)
+    if len(readings) != 1:
+        why = "can be read in two ways" if readings else "is not understood"
         raise DataError(f"the unit {text!r:.80} {why}; understood: {UNDERSTOOD}")
-    return found.pop()
+    return readings.pop()
 
 
 def _body(text: str) -> str:

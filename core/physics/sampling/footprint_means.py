@@ -166,7 +166,7 @@ def _block(
     borders = _borders(laid, columns)
     lines = laid.lines
     step = BLOCK_LINES if np.any(borders.slope) else lines  # part of a leaning column is narrow
-    found = []
+    means = []
     for first in range(0, lines, step):
         few = replace(
             borders, low=borders.low[first : first + step], high=borders.high[first : first + step]
@@ -175,9 +175,9 @@ def _block(
         left, right = few.sides_at(0.5 * (few.high + few.low))
         areas = (few.high - few.low) * (right - left)
         if laid.strips > 1:
-            total, areas = (_joined(each, laid.strips) for each in (total, areas))
-        found.append(total / areas)
-    return np.concatenate(found) if len(found) > 1 else found[0]
+            total, areas = (_joined(sums, laid.strips) for sums in (total, areas))
+        means.append(total / areas)
+    return np.concatenate(means) if len(means) > 1 else means[0]
 
 
 def _integrals(
@@ -205,7 +205,7 @@ def _integrals(
     height, part = _halved(part, kind, float(np.abs(borders.slope).max()))
     y = top + height * np.arange(len(part) + 1.0)[:, np.newaxis]
     x = np.clip(borders.x_at(y), 0.0, wide) - left
-    ends = [(each - top) / height for each in (low, high)]
+    ends = [(side - top) / height for side in (low, high)]
     return height * _between_ends(part, x, ends, kind)
 
 
@@ -238,10 +238,10 @@ def _up_to(end: Vector, sums: Vector, at_top: Vector, more: Vector) -> Vector:
     """Integral from the first row on."""
     row = np.minimum(end.astype(np.intp), len(at_top) - 1)
     t = end - row
-    found = picked(sums, row, 0)
-    found += t * picked(at_top, row, 0)
-    found += 0.5 * t * t * picked(more, row, 0)
-    return found
+    integral = picked(sums, row, 0)
+    integral += t * picked(at_top, row, 0)
+    integral += 0.5 * t * t * picked(more, row, 0)
+    return integral
 
 
 def _joined(strips: Vector, count: int) -> Vector:
@@ -254,12 +254,12 @@ def _within(laid: Footprints, columns: slice) -> NDArray[np.bool_]:
     borders = _borders(laid, columns)
     rows, wide = laid.scene[::-1] if borders.swapped else laid.scene
     slack = 1e-9 * max(rows, wide)
-    found: Any = True
+    inside: Any = True
     for y in (borders.low, borders.high):
-        found = found & (y >= -slack) & (y <= rows + slack)
+        inside = inside & (y >= -slack) & (y <= rows + slack)
         for x in borders.sides_at(y):
-            found = found & (x >= -slack) & (x <= wide + slack)
-    return np.asarray(found.reshape(laid.lines, -1, laid.strips).all(axis=2))
+            inside = inside & (x >= -slack) & (x <= wide + slack)
+    return np.asarray(inside.reshape(laid.lines, -1, laid.strips).all(axis=2))
 
 
 def _cut(field: Array, rows: slice, columns: slice) -> Vector:
@@ -299,8 +299,8 @@ def strips_error(
     for first in sorted({0, (laid.columns - wide) // 2, laid.columns - wide}):
         columns = slice(first, first + wide)
         coarse, fine = (
-            _block(each, columns, scene, float(scene.min()), between_samples)
-            for each in (laid, finer)
+            _block(footprints, columns, scene, float(scene.min()), between_samples)
+            for footprints in (laid, finer)
         )
         most = max(most, float(np.max(np.abs(coarse - fine))))
     return most / span

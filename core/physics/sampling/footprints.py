@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
-SQUARE = 1e-7  # samples that a border leaves the scene's rows by, and nobody sees
+SQUARE = 1e-7  # samples by which a border may leave the scene's rows, too few to matter
 
 
 @dataclass(frozen=True, eq=False)

@@ -191,7 +191,7 @@ def ground_points(*, camera: Camera, u: ArrayLike, v: ArrayLike) -> tuple[Vector
     Parameters
     ----------
     camera : Camera
-        The camera; `check_horizon` tells whether it sees the ground everywhere.
+        The camera; `check_horizon` tests that it sees the ground everywhere.
     u, v : array_like
         Columns and lines, which broadcast.
 

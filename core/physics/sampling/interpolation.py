@@ -82,10 +82,10 @@ def interpolation_mtf(
     Source: Keys 1981, IEEE Trans. ASSP 29, for the cubic weights; Park and Schowengerdt 1982,
     Applied Optics 21, for the mean over the places of samples.
     """
-    found = _mean_response(frequency, interval_mrad, order, old, new)
+    response = _mean_response(frequency, interval_mrad, order, old, new)
     if takes_the_later(order=order, old=old, new=new):
-        return np.asarray(np.abs(found) * _sign(found, old, new), np.float64)
-    return np.asarray(found.real, np.float64)
+        return np.asarray(np.abs(response) * _sign(response, old, new), np.float64)
+    return np.asarray(response.real, np.float64)
 
 
 def interpolation_ptf(
@@ -104,10 +104,10 @@ def interpolation_ptf(
         Radians, between −π and π. Of every second, fourth, … sample it is πf·interval: the picture
         moves by half an old sample to −x, and loses nothing of its contrast.
     """
-    found = _mean_response(frequency, interval_mrad, order, old, new)
+    response = _mean_response(frequency, interval_mrad, order, old, new)
     if takes_the_later(order=order, old=old, new=new):
-        return np.asarray(np.angle(found * _sign(found, old, new)), np.float64)
-    return np.zeros(found.shape)
+        return np.asarray(np.angle(response * _sign(response, old, new)), np.float64)
+    return np.zeros(response.shape)
 
 
 def takes_the_later(*, order: int, old: int, new: int) -> bool:

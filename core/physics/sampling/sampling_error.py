@@ -32,7 +32,7 @@ def error_estimate(
     correlation : ndarray
         Its raw autocorrelation, from `autocorrelation`.
     interpolated : bool
-        Whether fractional lags are asked for.
+        Whether fractional lags are evaluated.
     edge_uncertainty_samples : float
         How far the true edges along rows or columns may lie from the pixel borders: half a sample
         when nothing is known, 0 when the edges are the pixels' own.
