@@ -72,15 +72,15 @@ def _sweep_one(entry: os.DirEntry[str]) -> None:
 
 def _is_dead(pid: int, start: str, folder: Path | None) -> bool | None:
     """Whether a process of this machine has ended; None where that cannot be known."""
-    lives = _lives(pid, start)
+    is_running = _is_running(pid, start)
     # The lock too: machines that are copies of each other may share a drive.
     held = is_held(folder / LOCK) if folder is not None else None
-    if lives or held:
+    if is_running or held:
         return False
-    return None if lives is None and held is None else True
+    return None if is_running is None and held is None else True
 
 
-def _lives(pid: int, start: str) -> bool | None:
+def _is_running(pid: int, start: str) -> bool | None:
     if start != _UNKNOWN:
         return _digest(start_token(pid)) == start
     if os.name != "posix":  # there `os.kill` would end the process

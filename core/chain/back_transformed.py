@@ -79,14 +79,14 @@ class Delivered(Recipe):
 
     @property
     def needs(self) -> tuple[Recipe, ...]:
-        """In place of one picture its spectrum, and what is kept of planar factors."""
+        """The picture's spectrum in its place, and the stored planar factors."""
         product = Product((*self.magnitude.factors, *self._phase_factors()))
         axes: Axes = "mirrored" if self.mirrored else "periodic"
         sources = (self._spectrum,) if self.one_source else self._pictures
         return (*self.bound, *known_planes(product, self.magnitude.grid, axes), *sources)
 
     def first(self, work: Work) -> tuple[Recipe, ...]:
-        """Without the picture where its spectrum is there."""
+        """The same, without the picture where its spectrum is in the store."""
         if self.one_source and work.has(self._spectrum):
             return self.bound
         return (*self.bound, *self._pictures)
@@ -213,7 +213,7 @@ class _Delivery(Linear):
 
     @property
     def gain(self) -> float:
-        """Of a sum of pixels."""
+        """Factor by which a sum of pixels scales a uniform picture."""
         return self._blocks.gain
 
     @property
@@ -222,7 +222,7 @@ class _Delivery(Linear):
         return (self.recipe.factor_x, self.recipe.factor_y) != (1, 1)
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:  # noqa: ARG002
-        """Of the spectrum."""
+        """Rows and columns of the spectrum."""
         return self.recipe.magnitude.grid.shape
 
     def grid_before(self, grid: Grid) -> Grid:

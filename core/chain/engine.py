@@ -295,7 +295,7 @@ class Engine:
 def _unchanged(
     network: Network, name: str, planned: Mapping[str, PlannedNode], earlier: PlannedNode
 ) -> bool:
-    """Whether planning the node again would give the very same."""
+    """Whether planning the node again would give the same result."""
     if earlier.node is not network.nodes[name] or earlier.module is None or earlier.error:
         return False
     if any(isinstance(value, Path) for value in vars(earlier.module).values()):

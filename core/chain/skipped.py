@@ -207,7 +207,7 @@ def _made(planned: PlannedNode) -> dict[str, Any]:
 
 
 def _key(value: Any) -> str:
-    """Key under which an evaluation notes that a port's value was wanted."""
+    """Key under which an evaluation notes that a port's value was requested."""
     if isinstance(value, Pupil):
         return value.samples.key
     if isinstance(value, Transfer) and value.own is not None:

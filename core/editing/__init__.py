@@ -1,1 +1,1 @@
-"""Editing a network: operations with inverses, their history, and what helps a person wire."""
+"""Editing a network: operations with inverses, their history, and help with wiring."""

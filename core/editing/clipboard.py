@@ -124,7 +124,7 @@ def _read(text: str, library: Library) -> Network:
 
 
 def _points(part: Network) -> dict[str, Point]:
-    """Where the nodes lay; where not all have a point, laid out anew."""
+    """Points of the copied nodes; laid out anew where not all have one."""
     points = {name: part.layout[name] for name in part.nodes if name in part.layout}
     if len(points) == len(part.nodes) and all(_near(point) for point in points.values()):
         return points

@@ -118,7 +118,7 @@ class Document:
         return "removed" if current == GONE else "changed"
 
     def save(self, path: Path | None = None, *, over: bool = False) -> None:
-        """Write it to a file, from then on its own.
+        """Write it to a file, which is its own from then on.
 
         Parameters
         ----------

@@ -39,7 +39,7 @@ class History:
 
     @property
     def modified(self) -> bool:
-        """Whether the document stands elsewhere than when it was saved."""
+        """Whether the document differs from its saved state."""
         return self._saved != self._done
 
     @property
@@ -53,7 +53,7 @@ class History:
         return self._done
 
     def mark_saved(self, saved: bool = True) -> None:
-        """The document as it stands is the saved one; or is not, and no step leads to that."""
+        """Record the present state as the saved one, or that no step leads to the saved one."""
         self._saved = self._done if saved else None
         self.end_gesture()
 
@@ -78,7 +78,7 @@ class History:
         return after
 
     def forget(self) -> None:
-        """Take back the step of the gesture that is going on: it has changed nothing in the end."""
+        """Drop the step of the present gesture, which changed nothing in the end."""
         if self._gesture is not None:
             self._steps.pop()
             self._done -= 1

@@ -32,7 +32,7 @@ def refusal(network: Network, library: Library, link: Link) -> str | None:
 
 
 def misfit(network: Network, library: Library, link: Link) -> str | None:
-    """Why the ends of a link do not fit each other; None where they do, be it in a cycle."""
+    """Why the ends of a link do not fit each other; None where they do, even in a cycle."""
     for name in (link.source, link.target):
         if name not in network.nodes:
             return f"there is no node {shown(name)}{close(name, network.nodes)}"

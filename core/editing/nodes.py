@@ -147,7 +147,7 @@ class Move(Operation):
         return Move({name: network.layout.get(name) for name in self.positions}, self.text)
 
     def joined(self, later: Operation) -> Operation | None:
-        """To the later points."""
+        """Both moves as one, to the later points."""
         if not isinstance(later, Move):
             return None
         return Move({**self.positions, **later.positions}, self.label)
@@ -198,7 +198,7 @@ class Rename(Operation):
 
 
 def _back_to(wanted: Mapping[str, Any], present: Mapping[str, Any]) -> list[Operation]:
-    """What sets the network's other fields as they were."""
+    """Operations that set the network's other fields as they were."""
     wanted, present = thaw(wanted), thaw(present)
     return [
         set_network_field(name, wanted.get(name, ABSENT))

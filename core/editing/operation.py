@@ -50,10 +50,10 @@ class Operation(ABC):
 
     @abstractmethod
     def inverse(self, network: Network) -> Operation:
-        """What undoes it, `network` being the one before the change."""
+        """The operation that undoes it; `network` is the one before the change."""
 
     def joined(self, later: Operation) -> Operation | None:  # noqa: ARG002
-        """Both as one of its kind; None where that is not the same."""
+        """Both as one operation of this kind; None where that would differ."""
         return None
 
     def then(self, later: Operation) -> Operation:

@@ -33,7 +33,7 @@ def watched(node: str | None) -> Iterator[None]:
 
 
 def require_finite(values: NDArray[Any]) -> None:
-    """Refuse what a transform has made of numbers too large for it, which it does in silence.
+    """Refuse a transform of numbers too large for it, which raises no error by itself.
 
     Raises
     ------

@@ -46,7 +46,7 @@ class Recipe(ABC):
         return self.inputs
 
     def first(self, work: Evaluation) -> tuple[Recipe, ...]:  # noqa: ARG002  (others look at what is there)
-        """Those it will certainly read, made one after the other before `compute` is called.
+        """Recipes that are certainly read, made one after the other before `compute` is called.
 
         A chain of any length is then made without one step waiting within the next.
         """
@@ -81,11 +81,11 @@ class Recipe(ABC):
         return False
 
     def compute_part(self, work: Evaluation, region: Region) -> Any:
-        """Make a region, to the bit as the whole has it: cut from it, if there is no other way."""
+        """Make a region, bit-identical to the whole; by default cut from it."""
         return region.cut(work.value(self))
 
     def share(self, region: Region, shape: tuple[int, int]) -> float:
-        """Share of the whole picture's work that a region takes: of its samples, if no other."""
+        """Share of the whole picture's work that a region takes; by default of its samples."""
         return region.rows * region.columns / (shape[0] * shape[1])
 
 
@@ -157,7 +157,7 @@ class Step(Recipe):
         return hasattr(self.function, "part")
 
     def compute_part(self, work: Evaluation, region: Region) -> Any:
-        """Let the function's part look after its inputs."""
+        """Call the function's part, which takes what it needs of the inputs."""
         make: Callable[..., Any] = self.function.part  # type: ignore[attr-defined]
         return make(work, region, *self.inputs, **dict(self.parameters))
 
@@ -168,7 +168,7 @@ class Step(Recipe):
         return declared(self)
 
     def share(self, region: Region, shape: tuple[int, int]) -> float:
-        """As it was given to `in_parts`."""
+        """The share given to `in_parts`."""
         share: Share = getattr(self.function, "share", None) or super().share
         return share(region, shape)
 

@@ -80,7 +80,7 @@ class Region:
         return self
 
     def broadcast(self, shape: tuple[int, int]) -> Region:
-        """What an array needs that is broadcast against the picture: an axis of length 1 whole."""
+        """The region of an array broadcast against the picture: an axis of length 1 whole."""
         top, rows = (0, 1) if shape[0] == 1 else (self.top, self.rows)
         left, columns = (0, 1) if shape[1] == 1 else (self.left, self.columns)
         return Region(top, left, rows, columns)

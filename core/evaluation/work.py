@@ -86,7 +86,7 @@ class Work:
         return Held(self._claims, recipes)
 
     def one_by_one(self, recipes: Iterable[Recipe], region: Region | None = None) -> Iterator[Any]:
-        """The values of recipes in turn; of each only what the next one shares is held on to."""
+        """The values of recipes in turn; only what the next one shares is held."""
         opened: list[Held] = []
         before: Recipe | None = None
         try:
@@ -107,7 +107,7 @@ class Work:
         return self.store.holds(recipe.key + self._suffix)
 
     def part(self, recipe: Recipe, region: Region) -> Any:
-        """The samples of a picture in a region; what is no array comes whole.
+        """The samples of a picture in a region; a value that is no array comes whole.
 
         They are cut from the whole where it is known already or has to be made, and the same to
         the bit where they are made alone.

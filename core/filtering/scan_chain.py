@@ -75,7 +75,7 @@ class ScanChain:
         return np.broadcast_to(plane, (len(flight), len(scan)))
 
     def kept_plane(self, work: Work, interval_mrad: float) -> Array:
-        """Symmetric planar factors at one interval in flight, as the store keeps them.
+        """Symmetric planar factors at one interval in flight, as stored.
 
         For mirrored frames (flight, scan), neither frequency negative. For periodic ones flight
         from 0 to Nyquist, and scan in FFT order.

@@ -35,7 +35,7 @@ class Linear:
 
     @property
     def by_chance(self) -> str:
-        """Why the gain is left to chance, in one line; empty where it is not."""
+        """Why the gain is random, in one line; empty where it is not."""
         return ""
 
     @property
@@ -91,7 +91,7 @@ class Filtering(Linear):
         return power.filtered(work, self.factors, self.grid, axes)
 
     def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
-        """Filtered; mirrored at its ends, or repeated."""
+        """The row filtered; mirrored at its ends, or repeated."""
         whole = np.concatenate([row, row[::-1]]) if self.edges == "reflect" else row
         interval = self.grid.interval_x_mrad if axis == "x" else self.grid.interval_y_mrad
         frequency = np.asarray(scipy.fft.rfftfreq(len(whole), interval), np.float64)
@@ -125,12 +125,12 @@ class Blocks(Linear):
 
     @property
     def gain(self) -> float:
-        """Pixels whose sum is taken."""
+        """Number of pixels in a sum, 1 of a mean."""
         return self.factor_x * self.factor_y if self.mode == "sum" else 1.0
 
     @property
     def combines_pixels(self) -> bool:
-        """It does."""
+        """True: these are blocks of pixels."""
         return True
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:
@@ -169,7 +169,7 @@ class Blocks(Linear):
 
 @dataclass(frozen=True)
 class PlaceDependent(Separable, ABC):
-    """A factor of a picture that is blurred otherwise from sample to sample: the mean over all."""
+    """A factor that differs from sample to sample of a picture: the mean over all."""
 
     @abstractmethod
     def mean_over(self, law: Law, frequency: Vector, share: float) -> Vector:

@@ -41,7 +41,7 @@ class Caution:
 
     @property
     def text(self) -> str:
-        """Both in one line, without the node."""
+        """Warning and remedy in one line, without the node."""
         return f"{self.message}: {self.remedy}"
 
     def at(self, node: str, check: str) -> Caution:
@@ -80,7 +80,7 @@ def checked(
         raise
     except ImagechainError as error:
         result = Caution(f"its check {check} was not possible: {error.message}", "mend that first")
-    except Exception as error:  # of whoever wrote the method: the network and the rest are sound
+    except Exception as error:  # a fault of the method alone: network and other checks are sound
         what = " ".join(f"{type(error).__name__}: {error}".split())
         result = Caution(
             f"its check {check} failed ({what:.200})",

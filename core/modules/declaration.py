@@ -73,7 +73,7 @@ class Readout:
 
 @dataclass(frozen=True)
 class WarningCheck:
-    """A method that warns of what does not keep a node from running; `name` is the method's."""
+    """A method that warns, without keeping a node from running; `name` is the method's."""
 
     name: str
     meaning: str

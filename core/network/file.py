@@ -154,7 +154,7 @@ def _lines(value: Any, newline: str, encode: Any) -> str:
 
 
 def _scalar(value: Any, encode: Any) -> str:
-    """As `encode` has it: for a number it sets up all that a document takes, each time anew."""
+    """The same text as `encode` gives, which sets up a whole encoder for every number."""
     plain_number = type(value) is int or (type(value) is float and math.isfinite(value))
     return repr(value) if plain_number else str(encode(value))
 
@@ -182,7 +182,7 @@ def _canonical(declared: Declaration | None, name: str, value: Any) -> Any:
         return value
     try:
         coerced = plain(parameter.coerce(thaw(value)))
-    except ParameterError:  # to be mended by whoever opens it
+    except ParameterError:  # reported when the file is opened
         return value
     return coerced if coerced == thaw(value) else value
 

@@ -1,4 +1,4 @@
-"""JSON as strict as a document that people mail round needs it."""
+"""Strict JSON, for documents that are mailed round and edited by hand."""
 
 from __future__ import annotations
 

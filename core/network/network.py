@@ -161,7 +161,7 @@ class Network(_Frozen):
 
     @property
     def output_nodes(self) -> tuple[str, ...]:
-        """The nodes whose picture is marked as the output, be it by the network's own field."""
+        """The nodes whose picture is marked as the output, also by the network's own field."""
         port = self.extra.get("final")
         named = port.rpartition(".")[0] if isinstance(port, str) else ""
         return self.marked or ((named,) if named in self.nodes else ())

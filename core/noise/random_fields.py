@@ -45,12 +45,12 @@ _PLACE_BITS = (BLOCK - 1).bit_length()  # of a random word, that give a place in
 
 @dataclass(frozen=True)
 class Stream:
-    """An endless supply of independent deviates, named by who draws what under which seed.
+    """An endless supply of independent deviates, named by seed, node and field.
 
     Parameters
     ----------
     seed, node, field
-        The network's seed, who draws, and what.
+        The network's seed, the node that draws, and the field's name.
     frame
         Number of the frame in a sequence; a single picture is frame 0.
     fixed

@@ -74,7 +74,7 @@ def _annular_otf(hole: float, x: Floats, y: Floats) -> Floats:
 def _strip_otf(pupil: StripPupil, x: Floats, y: Floats) -> Floats:
     whole = strip_pupil_area(pupil=pupil)
     if not strips_add_up(pupil=pupil):
-        otf = by_tiles(_untold_otf, x, y)
+        otf = by_tiles(_otf_outside_lens, x, y)
         left = np.isnan(otf)
         x, y = (np.broadcast_to(lag, otf.shape)[left] for lag in (x, y))
         area = strip_overlap_area(pupil=pupil, lag_x=x, lag_y=y)
@@ -89,7 +89,7 @@ def _strip_otf(pupil: StripPupil, x: Floats, y: Floats) -> Floats:
     return otf
 
 
-def _untold_otf(x: Floats, y: Floats) -> Floats:
+def _otf_outside_lens(x: Floats, y: Floats) -> Floats:
     """1 at zero lag, 0 beyond the diameter, NaN between."""
     square = x * x + y * y
     return np.where(square < 4.0, np.where(square == 0.0, 1.0, np.nan), 0.0)
