@@ -1,1 +1,1 @@
-"""Modules that judge and compare."""
+"""Modules that measure and compare."""

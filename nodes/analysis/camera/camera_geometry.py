@@ -20,7 +20,7 @@ from core.physics.sampling.ground_geometry import (
 )
 from nodes.analysis.camera.camera_sampling import (
     covered,
-    geometry_told,
+    geometry_table,
     ground_curve,
     laid_footprints,
     sampled,
@@ -52,7 +52,7 @@ class CameraGeometry(
     samples finer than the detector, and combine pixels behind the detector's MTF.
     Footprints are exact where they lie along the scene's rows or columns, as without yaw; of a
     framing camera with roll or pitch alone to 10⁻⁴ of the scene's range. Else they lie askew and
-    are cut into `strips`, with the error told.
+    are cut into `strips`, with the error estimated.
 
     Source: Tantalo 1996, sections 2 and 5.3, for the Salacain camera.
     """
@@ -106,7 +106,7 @@ class CameraGeometry(
         kind = {"between_samples": self.interpolation}
         picture = Step.of(sampled, *inputs, node=here.node, **kind, **filled)
         table = Step.of(
-            geometry_told,
+            geometry_table,
             image.recipe,
             footprints,
             node=here.node,
@@ -153,10 +153,10 @@ class CameraGeometry(
         past = {side: by for side, by in beyond.items() if by > 1e-9 * (half_x + half_y)}
         if not past:
             return
-        told = ", ".join(f"{by:.4g} m past its {side}" for side, by in past.items())
+        sides = ", ".join(f"{by:.4g} m past its {side}" for side, by in past.items())
         raise DataError(
             f"the scene of {2 * half_x:.5g} × {2 * half_y:.5g} m is too small: the camera sees "
-            f"{told}; take a lower altitude_m, a smaller field, fewer rows, a larger "
+            f"{sides}; take a lower altitude_m, a smaller field, fewer rows, a larger "
             "ground_interval_m, or outside = fill"
         )
 

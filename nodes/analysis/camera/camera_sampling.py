@@ -27,7 +27,7 @@ from core.physics.sampling.ground_geometry import (
 from nodes.analysis.camera.camera_settings import Ground
 
 Array = NDArray[Any]
-FINER = 4  # times as many strips, to tell the error
+FINER = 4  # times as many strips, to estimate the error
 CURVE_POINTS = 129
 
 
@@ -96,11 +96,11 @@ def ground_curve(_: Work, *, camera: Camera) -> CurveData:
     """Ground samples along the middle line, against the view angle."""
     count = min(camera.columns, CURVE_POINTS)
     u = np.linspace(0.5, camera.columns - 0.5, count)
-    samples = [ground_sample(camera=camera, u=float(each), v=0.5 * camera.rows) for each in u]
+    samples = [ground_sample(camera=camera, u=float(column), v=0.5 * camera.rows) for column in u]
     angles = np.degrees(view_angles(camera=camera, u=u))
     series = [
-        Series("across", angles, np.array([each.across_m for each in samples])),
-        Series("along", angles, np.array([each.along_m for each in samples])),
+        Series("across", angles, np.array([sample.across_m for sample in samples])),
+        Series("along", angles, np.array([sample.along_m for sample in samples])),
     ]
     if camera.kind != "framing":
         series.append(Series("line spacing", angles, np.full(count, camera.line_spacing_m)))
@@ -109,7 +109,7 @@ def ground_curve(_: Work, *, camera: Camera) -> CurveData:
 
 
 @ends_lineage
-def geometry_told(
+def geometry_table(
     _: Work,
     scene: Array,
     laid: Footprints,

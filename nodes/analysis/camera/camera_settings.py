@@ -1,4 +1,4 @@
-"""What tells where a camera stands and looks, and how it samples: parameters, and what follows."""
+"""Where a camera stands and looks, and how it samples: parameters, and what follows from them."""
 
 from __future__ import annotations
 

@@ -16,7 +16,13 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.motion.line_scanner import line_intervals_mrad, view_angles_rad
 from core.transfer.product import Product
-from nodes.analysis.camera.mixed_sampling_steps import Scan, by_view_angle, mixed, picture_of, told
+from nodes.analysis.camera.mixed_sampling_steps import (
+    Scan,
+    by_view_angle,
+    difference_table,
+    mixed,
+    picture_of,
+)
 from nodes.analysis.mtf.compare_images import subtracted
 from nodes.input_output.examine_image import figure
 from nodes.shared.context_defaults import given, one_source
@@ -40,7 +46,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     Back Transform takes one interval for the whole frame, as in 1996 (output `whole`). Here each
     column is filtered at its own (`image`). Factors along the scan have one scale, factors in
     flight one in each column, pupils and other planar ones both; all are angles at the sensor, as
-    their modules say, and edges and PTFs are as in Back Transform. What separates is exact. Planar
+    in their modules, and edges and PTFs are as in Back Transform. What separates is exact. Planar
     factors are blended from a few intervals (`nodes`), with an estimate of the error, or summed
     for each (`direct`). A pushbroom or an array samples evenly: no difference. The ground is
     flat, and blur by motion over it is taken as wide in angle as at nadir.
@@ -113,7 +119,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     )
 
     def check(self) -> None:
-        """Refuse two ways to say where nadir is."""
+        """Refuse two ways to give where nadir is."""
         if self.nadir_column is not None and self.look_angle_deg != 0.0:
             raise ParameterError(
                 "nadir_column", self.nadir_column, "empty where look_angle_deg is given"
@@ -128,7 +134,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         chain = self._chain(magnitude, phase)
         angles = self._view_angles(chain)
         intervals = self._intervals(chain, context, angles)
-        found = Step.of(
+        filtered = Step.of(
             mixed,
             source.recipe,
             node=here.node,
@@ -141,7 +147,7 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             nodes=self.nodes,
             tolerance=self.tolerance,
         )
-        picture = Step.of(picture_of, found, node=here.node)
+        picture = Step.of(picture_of, filtered, node=here.node)
         pair = (picture, whole.recipe)
         places = {"scan": self.scan, "view_angles_rad": angles}
         return LineOutputs(
@@ -151,8 +157,8 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
             Curve(Step.of(by_view_angle, *pair, node=here.node, **places)),
             Table(
                 Step.of(
-                    told,
-                    found,
+                    difference_table,
+                    filtered,
                     *pair,
                     node=here.node,
                     unit=source.unit,
@@ -199,10 +205,10 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
         else:
             altitude = self.altitude_m or given("range_m", None, context, unit="m")
             spacing = self._line_spacing_m(context)
-        found = line_intervals_mrad(
+        intervals = line_intervals_mrad(
             line_spacing_m=spacing, altitude_m=altitude, view_angle_rad=angles
         )
-        return tuple(found.tolist())
+        return tuple(intervals.tolist())
 
     def _line_spacing_m(self, context: Context) -> float:
         if self.spacing == "typed":

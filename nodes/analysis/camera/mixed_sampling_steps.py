@@ -48,9 +48,9 @@ def mixed(
 
 
 @ends_lineage
-def picture_of(_: Work, found: Filtered) -> Array:
+def picture_of(_: Work, filtered: Filtered) -> Array:
     """The samples."""
-    return found.picture
+    return filtered.picture
 
 
 @ends_lineage
@@ -73,9 +73,9 @@ def by_view_angle(
 
 
 @ends_lineage
-def told(
+def difference_table(
     _: Work,
-    found: Filtered,
+    filtered: Filtered,
     picture: Array,
     whole: Array,
     *,
@@ -103,9 +103,9 @@ def told(
         ("view_last_deg", float(degrees[-1]), "deg", "view angle of the last"),
         ("interval_nadir_mrad", max(intervals_mrad), "mrad", "in flight, nearest nadir"),
         ("interval_edge_mrad", min(intervals_mrad), "mrad", "in flight, farthest from nadir"),
-        ("scale_nodes", found.nodes, "", "intervals at which planar factors were taken"),
-        ("response_error", found.response_error, "", "of the transfer function, by blending"),
-        ("error_percent", found.picture_error * percent, "%", "estimated error of the blend"),
+        ("scale_nodes", filtered.nodes, "", "intervals at which planar factors were taken"),
+        ("response_error", filtered.response_error, "", "of the transfer function, by blending"),
+        ("error_percent", filtered.picture_error * percent, "%", "estimated error of the blend"),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
 

@@ -80,8 +80,8 @@ def stage_along(work: Work, stage: Stage, part: Part, line: Line, frequency: Vec
     """A stage's MTF, signed, or its PTF in radians, at points of the line."""
     value = np.ones(len(frequency)) if part == "mtf" else np.zeros(len(frequency))
     for factor in stage.factors:
-        each = _factor_along(work, factor, line, frequency)
-        value = value * each if part == "mtf" else value + each
+        values = _factor_along(work, factor, line, frequency)
+        value = value * values if part == "mtf" else value + values
     return value
 
 

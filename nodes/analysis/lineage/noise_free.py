@@ -23,12 +23,12 @@ def noise_free(recipe: Recipe, *, but: Recipe | None = None) -> Recipe:
         Where a gain error as printed scales the whole picture.
     """
 
-    def change(each: Recipe) -> Recipe | None:
-        lineage = lineage_of(each)
+    def change(part: Recipe) -> Recipe | None:
+        lineage = lineage_of(part)
         if lineage is None or lineage.noise is None:
             return None
         picture = made.of(lineage.noise.picture)
-        alone = but is not None and each.key == but.key
+        alone = but is not None and part.key == but.key
         return lineage.noise.on(picture) if alone else lineage.noise.free(picture)
 
     made = Remaking(change)

@@ -120,7 +120,7 @@ class NoiseOf(Recipe):
     @property
     def needs(self) -> tuple[Recipe, ...]:
         """What is looked at on the way to the picture too."""
-        return (self._mean_of, *_asked(self.image.recipe, self.uniform))
+        return (self._mean_of, *_needed(self.image.recipe, self.uniform))
 
     def first(self, work: Work) -> tuple[Recipe, ...]:
         """The picture without noise, and the noises behind the transform it comes from."""
@@ -129,22 +129,27 @@ class NoiseOf(Recipe):
     def compute(self, work: Work) -> ImageNoise:
         """Follow every noise to the picture."""
         known = _Follow(work, self.uniform)
-        found = known.to(self.image.recipe, *self.image.shape)
-        if any(each.pattern for each in found):
-            found = self._with_patterns(work, found)
+        noises = known.to(self.image.recipe, *self.image.shape)
+        if any(noise.pattern for noise in noises):
+            noises = self._with_patterns(work, noises)
         terms = tuple(
-            NoiseTerm(each.node, each.name, each.temporal, _components(each)) for each in found
+            NoiseTerm(noise.node, noise.name, noise.temporal, _components(noise))
+            for noise in noises
         )
         mean = float(np.mean(work.value(self._mean_of), dtype=np.float64))
-        spectrum = spectrum_of([each.power for each in found if each.temporal])
+        spectrum = spectrum_of([noise.power for noise in noises if noise.temporal])
         return ImageNoise(terms, mean, tuple(dict.fromkeys(known.unknown)), spectrum)
 
     def _with_patterns(self, work: Work, noises: list[Noise]) -> list[Noise]:
         """Known patterns as they show in the picture."""
         picture = self.image.recipe
         without = noise_free(picture)
-        alone = [noise_free(picture, but=each.pattern) if each.pattern else None for each in noises]
-        with work.hold([without, *(each for each in alone if each is not None)]) as held:
+        alone = [
+            noise_free(picture, but=noise.pattern) if noise.pattern else None for noise in noises
+        ]
+        with work.hold(
+            [without, *(picture_alone for picture_alone in alone if picture_alone is not None)]
+        ) as held:
             clean = work.value(without)
 
             def seen(noise: Noise, recipe: Recipe | None) -> Noise:
@@ -154,7 +159,7 @@ class NoiseOf(Recipe):
                 held.release([recipe])
                 return replace(noise, power=NoisePower.of_pattern(pattern))
 
-            return [seen(*each) for each in zip(noises, alone, strict=True)]
+            return [seen(*pair) for pair in zip(noises, alone, strict=True)]
 
 
 def _components(noise: Noise) -> NoiseVariances:
@@ -180,8 +185,8 @@ def _behind(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
     return (_DeliveredNoise(last, uniform),) if isinstance(last, Delivered) else ()
 
 
-def _asked(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
-    """What `_Follow.to` asks for."""
+def _needed(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
+    """What `_Follow.to` reads."""
     looked_at = (
         one for _, lineage in _way_up(recipe) if lineage is not None for one in lineage.looks_at
     )
@@ -189,7 +194,7 @@ def _asked(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
 
 
 class _Follow:
-    """Goes up a picture's recipe, and down again with the noises met."""
+    """Walks up a picture's recipe, and down again with the noises on the way."""
 
     def __init__(self, work: Work, uniform: bool = False) -> None:
         self._work = work
@@ -200,16 +205,16 @@ class _Follow:
         """All noises in a picture of this size."""
         noises: list[Noise] = []
         way: list[tuple[Recipe, Lineage, int, int]] = []
-        for each, lineage in _way_up(recipe):
+        for upstream, lineage in _way_up(recipe):
             self._work.check()
-            if isinstance(each, Delivered):
-                behind: _Behind = self._work.value(_DeliveredNoise(each, self._uniform))
+            if isinstance(upstream, Delivered):
+                behind: _Behind = self._work.value(_DeliveredNoise(upstream, self._uniform))
                 self.unknown += behind.unknown
                 noises = list(behind.noises)
             elif lineage is None or lineage.picture is None:
-                noises = self._lost(each)
+                noises = self._lost(upstream)
             else:
-                way.append((each, lineage, rows, columns))
+                way.append((upstream, lineage, rows, columns))
                 rows, columns = lineage.linear.size_before(rows, columns)
         for step, lineage, rows, columns in reversed(way):
             noises = self._changed(lineage.linear, noises)
@@ -229,11 +234,11 @@ class _Follow:
 
     def _changed(self, change: Linear, noises: list[Noise]) -> list[Noise]:
         """The noises behind a linear change."""
-        return [replace(each, power=change.noise(self._work, each.power)) for each in noises]
+        return [replace(noise, power=change.noise(self._work, noise.power)) for noise in noises]
 
     def _lost(self, recipe: Recipe) -> list[Noise]:
-        """Nothing is known to come through; said only where there was noise to be followed."""
-        if any(_is_noisy(each) for each in recipe.inputs):
+        """Nothing is known to come through; reported only where there was noise to be followed."""
+        if any(_is_noisy(source) for source in recipe.inputs):
             self.unknown.append(recipe.node or "a node")
         return []
 
@@ -266,7 +271,7 @@ class _DeliveredNoise(Recipe):
     def needs(self) -> tuple[Recipe, ...]:
         """What is looked at on the way to what is filtered, and what laws are bound to."""
         source = self.recipe.magnitude.image
-        before = () if source is None else _asked(source.recipe, self.uniform)
+        before = () if source is None else _needed(source.recipe, self.uniform)
         return (*self.recipe.bound, *before)
 
     def first(self, work: Work) -> tuple[Recipe, ...]:
@@ -287,10 +292,10 @@ def _is_noisy(recipe: Recipe) -> bool:
     """Whether anything a recipe is made of is drawn at random."""
     seen, waiting = {recipe.key}, [recipe]
     while waiting:
-        each = waiting.pop()
-        if isinstance(each, Step) and any(isinstance(v, Stream) for _, v in each.parameters):
+        current = waiting.pop()
+        if isinstance(current, Step) and any(isinstance(v, Stream) for _, v in current.parameters):
             return True
-        fresh = [one for one in each.inputs if one.key not in seen]
+        fresh = [one for one in current.inputs if one.key not in seen]
         seen.update(one.key for one in fresh)
         waiting += fresh
     return False

@@ -47,8 +47,10 @@ class ImageTransfer:
 
     def part(self, part: str) -> tuple[Stage, ...]:
         """The stages with the factors of their MTF, or of their PTF, alone."""
-        kept = (Stage(s.label, tuple(f for f in s.factors if f.part == part)) for s in self.stages)
-        return tuple(stage for stage in kept if stage.factors)
+        stages = (
+            Stage(s.label, tuple(f for f in s.factors if f.part == part)) for s in self.stages
+        )
+        return tuple(stage for stage in stages if stage.factors)
 
 
 def transfer_of(image: Image) -> ImageTransfer:
@@ -60,7 +62,7 @@ def transfer_of(image: Image) -> ImageTransfer:
     Raises
     ------
     DataError
-        If the picture does not say its sampling interval.
+        If the picture has no sampling interval.
     """
     grid = image.grid()
     factors: list[Factor] = []

@@ -86,15 +86,15 @@ class Acquisition:
 
 
 @ends_lineage
-def acquisition(work: Work, found: Thresholds, *, task: Task) -> Acquisition:
+def acquisition(work: Work, thresholds: Thresholds, *, task: Task) -> Acquisition:
     """Johnson's and the TTP probability, and the ranges at which they are one half."""
 
     def johnson(n50: float, range_m: Any) -> Any:
-        if len(found.both) < 2:
+        if len(thresholds.both) < 2:
             return np.zeros_like(range_m)
         cycles = resolvable_cycles(
-            frequency=found.both_frequency,
-            mrtd_K=found.both,
+            frequency=thresholds.both_frequency,
+            mrtd_K=thresholds.both,
             delta_K=task.delta_K,
             target_size_m=task.size_m,
             range_m=range_m,
@@ -103,8 +103,11 @@ def acquisition(work: Work, found: Thresholds, *, task: Task) -> Acquisition:
         return johnson_probability(cycles=cycles, n50=n50)
 
     limits = [
-        TtpThreshold(found.frequency, _contrast_threshold(found, mrtd, mtf, task))
-        for mrtd, mtf in ((found.horizontal, found.mtf_x), (found.vertical, found.mtf_y))
+        TtpThreshold(thresholds.frequency, _contrast_threshold(thresholds, mrtd, mtf, task))
+        for mrtd, mtf in (
+            (thresholds.horizontal, thresholds.mtf_x),
+            (thresholds.vertical, thresholds.mtf_y),
+        )
     ]
 
     def ttp(range_m: Any) -> Any:
@@ -128,7 +131,9 @@ def acquisition(work: Work, found: Thresholds, *, task: Task) -> Acquisition:
         farthest = 1000.0 * task.range_max_km
     else:
         reach = (johnson_reach(min(task.n50), _LEAST), ttp_half)
-        farthest = max((each for each in reach if each and math.isfinite(each)), default=1000.0)
+        farthest = max(
+            (range_m for range_m in reach if range_m and math.isfinite(range_m)), default=1000.0
+        )
     range_m = farthest * np.arange(1, _POINTS + 1) / _POINTS
     return Acquisition(
         range_m,
@@ -139,10 +144,10 @@ def acquisition(work: Work, found: Thresholds, *, task: Task) -> Acquisition:
     )
 
 
-def _contrast_threshold(found: Thresholds, mrtd: Vector, mtf: Vector, task: Task) -> Vector:
+def _contrast_threshold(thresholds: Thresholds, mrtd: Vector, mtf: Vector, task: Task) -> Vector:
     """Threshold of the eye through the sensor, and of its noise, as the root of their squares."""
     eye = eye_contrast_threshold(
-        frequency_cyc_per_deg=found.frequency * (CYC_PER_DEG / task.magnification),
+        frequency_cyc_per_deg=thresholds.frequency * (CYC_PER_DEG / task.magnification),
         luminance_cd_m2=task.luminance_cd_m2,
         display_deg=task.display_deg,
     )
@@ -153,11 +158,14 @@ def _contrast_threshold(found: Thresholds, mrtd: Vector, mtf: Vector, task: Task
 
 
 @ends_lineage
-def probability_curve(work: Work, found: Acquisition) -> CurveData:
+def probability_curve(work: Work, result: Acquisition) -> CurveData:
     """Probabilities against range."""
-    km = found.range_m / 1000.0
-    series = [Series(task, km, each) for task, each in zip(TASKS, found.johnson, strict=True)]
-    series.append(Series("TTP", km, found.ttp))
+    km = result.range_m / 1000.0
+    series = [
+        Series(task, km, probability)
+        for task, probability in zip(TASKS, result.johnson, strict=True)
+    ]
+    series.append(Series("TTP", km, result.ttp))
     return CurveData("Target acquisition", "range (km)", "probability", tuple(series))
 
 
@@ -165,7 +173,7 @@ def probability_curve(work: Work, found: Acquisition) -> CurveData:
 def merit_table(
     work: Work,
     seen: Sensitivity,
-    found: Thresholds,
+    thresholds: Thresholds,
     reached: Acquisition,
     *,
     grid: Grid,
@@ -187,10 +195,10 @@ def merit_table(
     for share in (0.25, 0.5, 0.75):
         text = f"{share:g} of Nyquist"
         for axis, nyquist, curve in (
-            ("x", grid.nyquist_x, found.horizontal),
-            ("y", grid.nyquist_y, found.vertical),
+            ("x", grid.nyquist_x, thresholds.horizontal),
+            ("y", grid.nyquist_y, thresholds.vertical),
         ):
-            value = at_frequency(found.frequency, curve, share * nyquist)
+            value = at_frequency(thresholds.frequency, curve, share * nyquist)
             name = f"mrtd_{axis}_{round(100 * share)}_percent_nyquist"
             rows.append(TableRow(name, value, "K", f"MRTD along {axis} at {text}"))
     for task, range_m in zip(TASKS, reached.johnson_ranges, strict=True):

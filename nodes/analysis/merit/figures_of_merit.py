@@ -67,7 +67,7 @@ def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
 
 
 class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", group="Analysis"):
-    """Tell SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor behind a picture.
+    """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor behind a picture.
 
     Transfer function and noise are read off the chain that made the picture; nothing is drawn or
     measured, and the mean that SNR and background come from is that of the picture without noise
@@ -76,13 +76,13 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     noise.
 
     MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ left after the eye has averaged over
-    a bar and over time. `ratches_1976` takes the temporal noise alone, and knows no limit by
+    a bar and over time. `ratches_1976` takes the temporal noise alone, and has no limit by
     sampling; `flir92` takes fixed patterns too, which do not fall with time, and ends at Nyquist
     where the sensor samples. Temporal noise is averaged with the spectrum it has in the picture.
     2-D: the root of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the
     mean of its blurred image.
 
-    `scanning` says where the sensor samples: `staring` in both directions, `serial_scan` between
+    `scanning` sets where the sensor samples: `staring` in both directions, `serial_scan` between
     the lines that one detector scans along x, `parallel_scan` between its detectors, which lie
     along x on platform `push` and else along y. All else that sets them apart is in the picture's
     noise: bandwidth_Hz (one detector in place of n is n times as fast, and noisier by √n), and what
@@ -249,12 +249,12 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             band_um=given_band(self.cut_on_um, self.cut_off_um, known),
             background_K=self.background_K,
         )
-        found = Step.of(thresholds, seen, node=node, **sensor)
-        reached = Step.of(acquisition, found, node=node, task=self._task(grid))
+        threshold_step = Step.of(thresholds, seen, node=node, **sensor)
+        reached = Step.of(acquisition, threshold_step, node=node, task=self._task(grid))
         table = Step.of(
             merit_table,
             seen,
-            found,
+            threshold_step,
             reached,
             node=node,
             grid=grid,
@@ -262,7 +262,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             frames=self._frames(),
         )
         return MeritOutputs(
-            Curve(Step.of(mrtd_curve, found, node=node)),
+            Curve(Step.of(mrtd_curve, threshold_step, node=node)),
             Curve(Step.of(mdtd_curve, seen, node=node, **sensor)),
             Curve(Step.of(probability_curve, reached, node=node)),
             Table(table),

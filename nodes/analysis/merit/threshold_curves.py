@@ -134,19 +134,19 @@ def sensitivity(
     slope = float(band_radiance_derivative(temperature_K=background_K, **band))
     if not slope > 0.0:
         raise DataError(f"a background of {background_K:.6g} K emits nothing in the band")
-    found = Sensitivity(mean, background_K, slope, noise, seen.spectrum)
-    if not found.noise_K2.total < _MOST:
+    noise_figures = Sensitivity(mean, background_K, slope, noise, seen.spectrum)
+    if not noise_figures.noise_K2.total < _MOST:
         raise DataError(
             f"a background of {background_K:.6g} K emits next to nothing in the band: the noise is "
             "no difference in temperature"
         )
-    return found
+    return noise_figures
 
 
 @ends_lineage
 def thresholds(
     work: Work,
-    found: Sensitivity,
+    noise_figures: Sensitivity,
     *,
     stages: tuple[Stage, ...],
     grid: Grid,
@@ -157,13 +157,13 @@ def thresholds(
     frequency = np.linspace(0.0, _HIGHEST * max(nyquist_x, nyquist_y), _SAMPLES + 1)[1:]
     mtf_x = _to_first_zero(work, stages, HORIZONTAL, frequency)
     mtf_y = _to_first_zero(work, stages, VERTICAL, frequency)
-    turned = None if found.spectrum is None else found.spectrum.T
+    turned = None if noise_figures.spectrum is None else noise_figures.spectrum.T
     if observer.model == "ratches_1976":
         horizontal, vertical = (
             mrtd_ratches_K(
                 frequency=frequency,
                 mtf=mtf,
-                netd_K=found.netd_K,
+                netd_K=noise_figures.netd_K,
                 snr_threshold=observer.snr_threshold,
                 noise_bandwidth_cyc_per_mrad=across,
                 detector_along_mrad=0.5 / along,
@@ -171,13 +171,13 @@ def thresholds(
                 spectrum=spectrum,
             )
             for mtf, across, along, spectrum in (
-                (mtf_x, nyquist_x, nyquist_y, found.spectrum),
+                (mtf_x, nyquist_x, nyquist_y, noise_figures.spectrum),
                 (mtf_y, nyquist_y, nyquist_x, turned),
             )
         )
     else:
         settings = {"snr_threshold": observer.snr_threshold, "frames": observer.frames}
-        noise = found.noise_K2
+        noise = noise_figures.noise_K2
         horizontal = mrtd_flir92_K(
             frequency=frequency,
             mtf=mtf_x,
@@ -186,7 +186,7 @@ def thresholds(
             along_cyc_per_mrad=nyquist_y,
             direction="horizontal",
             sampled=observer.sampled_x,
-            spectrum=found.spectrum,
+            spectrum=noise_figures.spectrum,
             **settings,
         )
         vertical = mrtd_flir92_K(
@@ -221,19 +221,19 @@ def _to_first_zero(work: Work, stages: tuple[Stage, ...], line: Line, frequency:
     for stage in stages:
         for factor in stage.factors:
             work.check()
-            each = stage_along(work, replace(stage, factors=(factor,)), "mtf", line, frequency)
-            passed &= np.logical_and.accumulate(each > 0.0)
-            total = total * each
+            values = stage_along(work, replace(stage, factors=(factor,)), "mtf", line, frequency)
+            passed &= np.logical_and.accumulate(values > 0.0)
+            total = total * values
     return np.where(passed, total, 0.0)
 
 
 @ends_lineage
-def mrtd_curve(work: Work, found: Thresholds) -> CurveData:
+def mrtd_curve(work: Work, mrtd: Thresholds) -> CurveData:
     """MRTD horizontal, vertical and for both directions, as far as anything is resolved."""
     series = (
-        *_shown("horizontal", found.frequency, found.horizontal),
-        *_shown("vertical", found.frequency, found.vertical),
-        *_shown("2-D", found.both_frequency, found.both),
+        *_shown("horizontal", mrtd.frequency, mrtd.horizontal),
+        *_shown("vertical", mrtd.frequency, mrtd.vertical),
+        *_shown("2-D", mrtd.both_frequency, mrtd.both),
     )
     return CurveData("MRTD", "frequency (cyc/mrad)", "MRTD (K)", series, log_y=True)
 
@@ -247,7 +247,7 @@ def _shown(label: str, x: Vector, y: Vector) -> tuple[Series, ...]:
 @ends_lineage
 def mdtd_curve(
     work: Work,
-    found: Sensitivity,
+    noise_figures: Sensitivity,
     *,
     stages: tuple[Stage, ...],
     grid: Grid,
@@ -264,9 +264,9 @@ def mdtd_curve(
     highest = min(_FINEST * max(grid.nyquist_x, grid.nyquist_y), enough)
     count = int(np.ceil(highest / step))
     frequency = step * np.arange(count + 1, dtype=np.float64)
-    noise = found.noise_K2
+    noise = noise_figures.noise_K2
     if observer.model == "ratches_1976":
-        noise = NoiseVariances(tvh=found.netd_K**2)
+        noise = NoiseVariances(tvh=noise_figures.netd_K**2)
     mdtd = mdtd_K(
         size_mrad=size,
         frequency=frequency,
@@ -279,7 +279,7 @@ def mdtd_curve(
         frames=observer.frames,
         window=observer.window,
         eye_limit_mrad=observer.eye_limit_mrad,
-        spectrum=found.spectrum,
+        spectrum=noise_figures.spectrum,
     )
     series = _shown("square target", size, mdtd)
     return CurveData("MDTD", "target size (mrad)", "MDTD (K)", series, log_y=True, log_x=True)

@@ -34,7 +34,7 @@ class CompareOutputs(NamedTuple):
 
 
 class CompareImages(Module, key="compare_images", title="Compare Images", group="Analysis"):
-    """Tell how far a picture is from a reference of the same size.
+    """Measure how far a picture is from a reference of the same size.
 
     Root mean square, largest and mean difference, and the peak signal to noise ratio, for which
     the peak is the reference's maximum less its minimum. The MTF ratio is the modulus of the
@@ -75,7 +75,9 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
         if self.average == "axes":
             return Step.of(axes_ratio, image.recipe, reference.recipe, node=here.node, **settings)
         transform = mirrored_spectrum if self.edges == "reflect" else periodic_spectrum
-        spectra = [Step.of(transform, each.recipe, node=here.node) for each in (image, reference)]
+        spectra = [
+            Step.of(transform, picture.recipe, node=here.node) for picture in (image, reference)
+        ]
         return Step.of(radial_ratio, *spectra, node=here.node, **settings)
 
     @readout()

@@ -49,16 +49,16 @@ def chain_behind(image: Image) -> dict[str, Any] | None:
     blurred by anything: there is no telling, and a picture straight from a file expects nothing.
     """
     try:
-        found = transfer_of(image)
+        transfer = transfer_of(image)
     except DataError:
         return None
-    is_scene = found.area_means
-    if not is_scene and (found.source.inputs or not found.stages):
+    is_scene = transfer.area_means
+    if not is_scene and (transfer.source.inputs or not transfer.stages):
         return None
     return {
-        "stages": found.part("mtf"),
-        "grid": found.grid,
-        "source_grid": found.source_grid,
+        "stages": transfer.part("mtf"),
+        "grid": transfer.grid,
+        "source_grid": transfer.source_grid,
         "is_scene": is_scene,
     }
 
@@ -66,7 +66,7 @@ def chain_behind(image: Image) -> dict[str, Any] | None:
 @ends_lineage
 def expected(
     work: Work,
-    found: Measured,
+    measured: Measured,
     *,
     stages: tuple[Stage, ...],
     grid: Grid,
@@ -79,7 +79,7 @@ def expected(
     With `differences` as the mean of rows shows it: the derivative of samples one pixel apart
     takes sin(πf)/(πf) of a frequency f. What is folded back from beyond Nyquist does not count.
     """
-    normal = math.radians(found.angle_deg)
+    normal = math.radians(measured.angle_deg)
     # A cycle per pixel along the normal, in cycles/mrad across and along.
     xi_per_pixel = math.cos(normal) / grid.interval_x_mrad
     eta_per_pixel = math.sin(normal) / grid.interval_y_mrad
@@ -97,10 +97,10 @@ def expected(
         return np.abs(total * sinc(frequency)) if differences else np.abs(total)
 
     end = _end(source_grid, abs(xi_per_pixel), abs(eta_per_pixel))
-    frequency = found.frequency[found.frequency <= end]
+    frequency = measured.frequency[measured.frequency <= end]
     here = mtf(frequency)
     fine = np.linspace(0.0, end, _FINE)
-    apart = np.abs(found.mtf[: len(frequency)] - here)
+    apart = np.abs(measured.mtf[: len(frequency)] - here)
     largest = int(np.argmax(apart))
     return Expected(
         frequency,

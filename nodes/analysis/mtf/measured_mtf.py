@@ -122,7 +122,7 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
             "target": self.target,
         }
         if self.method == "slanted_edge":
-            found = Step.of(
+            measured = Step.of(
                 measured_slanted,
                 image.recipe,
                 node=here.node,
@@ -131,7 +131,7 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
                 **settings,
             )
         else:
-            found = Step.of(
+            measured = Step.of(
                 measured_rows,
                 image.recipe,
                 node=here.node,
@@ -141,13 +141,15 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
             )
         shown = {"axis": self.axis}
         behind = chain_behind(image)
-        both = [found]
+        both = [measured]
         if behind is not None:
             differences = self.method == "row_average" and self.target == "edge"
-            both.append(Step.of(expected, found, node=here.node, differences=differences, **behind))
+            both.append(
+                Step.of(expected, measured, node=here.node, differences=differences, **behind)
+            )
         return MeasuredOutputs(
             Curve(Step.of(curve_of, *both, node=here.node, **shown)),
-            Curve(Step.of(spread_of, found, node=here.node, unit=image.unit)),
+            Curve(Step.of(spread_of, measured, node=here.node, unit=image.unit)),
             Table(Step.of(table_of, *both, node=here.node, unit=image.unit, **shown)),
         )
 

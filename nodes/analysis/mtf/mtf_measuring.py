@@ -86,32 +86,32 @@ def measured_slanted(
     frequency = np.linspace(0.0, 1.0, samples)
     # The figures are those of fine steps, however few points the curve has.
     fine = np.linspace(0.0, 1.0, 257)
-    found = slanted_edge(
+    edge = slanted_edge(
         picture=np.ascontiguousarray(region),
         frequency=np.concatenate([frequency, fine]),
         target=target,
         window=window,
         check=work.check,
     )
-    levels = found.spread.levels
-    lines = spread_to_line(spread=found.spread, target=target)
+    levels = edge.spread.levels
+    lines = spread_to_line(spread=edge.spread, target=target)
     height = levels[1] - levels[0] if target == "edge" else float(lines[np.argmax(np.abs(lines))])
-    away = found.spread.away * math.cos(math.radians(found.line.angle_deg))
+    away = edge.spread.away * math.cos(math.radians(edge.line.angle_deg))
     inner = slice(1, -1) if target == "edge" else slice(None)
     return Measured(
         frequency,
-        found.mtf[:samples],
-        found.error[:samples],
-        _per_mrad(intervals, across, found.line.slope),
+        edge.mtf[:samples],
+        edge.error[:samples],
+        _per_mrad(intervals, across, edge.line.slope),
         across,
-        -found.line.angle_deg if across == "horizontal" else 90.0 + found.line.angle_deg,
-        _crossing(fine, found.mtf[samples:], found.replicas[:, samples:], 0.5),
-        _crossing(fine, found.mtf[samples:], found.replicas[:, samples:], 0.1),
-        Figure(float(found.mtf[samples + 128]), float(found.error[samples + 128])),
+        -edge.line.angle_deg if across == "horizontal" else 90.0 + edge.line.angle_deg,
+        _crossing(fine, edge.mtf[samples:], edge.replicas[:, samples:], 0.5),
+        _crossing(fine, edge.mtf[samples:], edge.replicas[:, samples:], 0.1),
+        Figure(float(edge.mtf[samples + 128]), float(edge.error[samples + 128])),
         abs(height) * scale,
-        found.spread.noise * scale,
+        edge.spread.noise * scale,
         away[inner],
-        found.spread.values[inner] * scale,
+        edge.spread.values[inner] * scale,
         lines * scale,
     )
 
@@ -134,27 +134,27 @@ def measured_rows(
     if across == "vertical":
         region = region.T
     work.check()
-    found = row_average(picture=region, target=target, clip_left=clip_left, clip_right=clip_right)
-    spread = np.diff(found.clipped) if target == "edge" else found.clipped
+    average = row_average(picture=region, target=target, clip_left=clip_left, clip_right=clip_right)
+    spread = np.diff(average.clipped) if target == "edge" else average.clipped
     from_sample = np.arange(len(spread), dtype=np.float64) + (0.5 if target == "edge" else 0.0)
-    nyquist = len(found.frequency) - 1
+    nyquist = len(average.frequency) - 1
     at_nyquist = Figure(
-        float(np.interp(0.5, found.frequency, found.mtf)), float(found.error[nyquist])
+        float(np.interp(0.5, average.frequency, average.mtf)), float(average.error[nyquist])
     )
     return Measured(
-        found.frequency,
-        found.mtf,
-        found.error,
+        average.frequency,
+        average.mtf,
+        average.error,
         _per_mrad(intervals, across, 0.0),
         across,
         0.0 if across == "horizontal" else 90.0,
-        Figure(falls_to(frequency=found.frequency, mtf=found.mtf, level=0.5)),
-        Figure(falls_to(frequency=found.frequency, mtf=found.mtf, level=0.1)),
+        Figure(falls_to(frequency=average.frequency, mtf=average.mtf, level=0.5)),
+        Figure(falls_to(frequency=average.frequency, mtf=average.mtf, level=0.1)),
         at_nyquist,
-        found.contrast * scale,
-        found.noise * scale,
+        average.contrast * scale,
+        average.noise * scale,
         from_sample,
-        np.interp(from_sample, np.arange(len(found.clipped)), found.clipped) * scale,
+        np.interp(from_sample, np.arange(len(average.clipped)), average.clipped) * scale,
         spread * scale,
     )
 
@@ -194,8 +194,8 @@ def _per_mrad(intervals: tuple[float, float] | None, across: str, slope: float) 
 
 def _crossing(frequency: Vector, mtf: Vector, replicas: Array, level: float) -> Figure:
     value = falls_to(frequency=frequency, mtf=mtf, level=level)
-    each = [falls_to(frequency=frequency, mtf=one, level=level) for one in replicas]
-    known = [one for one in each if one is not None]
-    if value is None or len(known) < len(each):
+    crossings = [falls_to(frequency=frequency, mtf=one, level=level) for one in replicas]
+    known = [one for one in crossings if one is not None]
+    if value is None or len(known) < len(crossings):
         return Figure(value)
     return Figure(value, float(jackknife_error(replicas=np.array(known))))

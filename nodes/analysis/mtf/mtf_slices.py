@@ -82,7 +82,7 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
                 part=part,
                 grid=transfer.grid,
                 samples=self.samples,
-                each=self.stages,
+                stagewise=self.stages,
             )
         return CurveOutput(Curve(recipe))
 
@@ -128,9 +128,9 @@ def slices(
     part: Part,
     grid: Grid,
     samples: int,
-    each: bool,
+    stagewise: bool,
 ) -> CurveData:
-    """Curves of the stages, if `each`, and of the total."""
+    """Curves of the stages, if `stagewise`, and of the total."""
     series = []
     for line in lines:
         frequency = line.frequencies(grid, samples)
@@ -139,7 +139,7 @@ def slices(
             work.check()
             value = stage_along(work, stage, part, line, frequency)
             total = total * value if part == "mtf" else total + value
-            if each:
+            if stagewise:
                 series.append(Series(_named(stage.label, line, lines), frequency, value))
         series.append(Series(_named(f"Total {part.upper()}", line, lines), frequency, total))
     return _curves(series, part, lines)

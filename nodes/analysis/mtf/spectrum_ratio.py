@@ -39,8 +39,8 @@ def axes_ratio(
     for name, axis, frequency in (("horizontal", 0, across), ("vertical", 1, along)):
         work.check()
         above, below = (
-            _modulus(np.mean(each, axis=axis, dtype=np.float64), mirrored)
-            for each in (image, reference)
+            _modulus(np.mean(picture, axis=axis, dtype=np.float64), mirrored)
+            for picture in (image, reference)
         )
         seen = below > _rounding(reference.dtype) * largest * math.sqrt(len(frequency))
         series.append(Series(name, frequency[seen], above[seen] / below[seen]))
@@ -72,7 +72,7 @@ def radial_ratio(
         ring = np.rint(rho / spacing).astype(np.intp)
         inside = ring < rings
         ring, rho = ring[inside], rho[inside]
-        powers = [_power(each.values[rows]) * weight for each in (image, reference)]
+        powers = [_power(picture.values[rows]) * weight for picture in (image, reference)]
         power_above, power_below = (power[inside] for power in powers)
         above += np.bincount(ring, power_above, rings)
         below += np.bincount(ring, power_below, rings)

@@ -92,7 +92,7 @@ class BlurShares:
     @property
     def mtf(self) -> tuple[float, float]:
         """|MTF| of all stages together, across and along."""
-        x, y = (math.prod((each.mtf[axis] for each in self.shares), start=1.0) for axis in (0, 1))
+        x, y = (math.prod((share.mtf[axis] for share in self.shares), start=1.0) for axis in (0, 1))
         return x, y
 
 
@@ -108,37 +108,37 @@ def noise_shares(work: Work, noise: ImageNoise, *, kind: Kind) -> NoiseShares:
     noise.require_known()
     variances: dict[tuple[str, str], dict[bool, float]] = {}
     for term in noise.terms:
-        found = variances.setdefault((term.node, term.name), {})
-        found[term.temporal] = found.get(term.temporal, 0.0) + max(term.variances.total, 0.0)
+        by_time = variances.setdefault((term.node, term.name), {})
+        by_time[term.temporal] = by_time.get(term.temporal, 0.0) + max(term.variances.total, 0.0)
     whole = {
-        temporal: math.fsum(each.get(temporal, 0.0) for each in variances.values())
+        temporal: math.fsum(by_time.get(temporal, 0.0) for by_time in variances.values())
         for temporal in (True, False)
     }
     counted = [temporal for temporal in (True, False) if kind in ("all", _kind(temporal))]
     total = math.fsum(whole[temporal] for temporal in counted)
-    for found in variances.values():
-        for temporal in [each for each in found if found[each] < _NOTHING * sum(whole.values())]:
-            if len(found) > 1:
-                del found[temporal]
+    for by_time in variances.values():
+        for temporal in [key for key in by_time if by_time[key] < _NOTHING * sum(whole.values())]:
+            if len(by_time) > 1:
+                del by_time[temporal]
 
-    def sigma(found: dict[bool, float], temporal: bool) -> float | None:
-        there = temporal in found and temporal in counted
-        return math.sqrt(found[temporal]) if there else None
+    def sigma(by_time: dict[bool, float], temporal: bool) -> float | None:
+        there = temporal in by_time and temporal in counted
+        return math.sqrt(by_time[temporal]) if there else None
 
-    def share(found: dict[bool, float], temporal: bool) -> float:
-        return found.get(temporal, 0.0) / total if total and temporal in counted else 0.0
+    def share(by_time: dict[bool, float], temporal: bool) -> float:
+        return by_time.get(temporal, 0.0) / total if total and temporal in counted else 0.0
 
     shares = (
         NoiseShare(
             node,
             name,
-            sigma(found, True),
-            sigma(found, False),
-            share(found, True),
-            share(found, False),
+            sigma(by_time, True),
+            sigma(by_time, False),
+            share(by_time, True),
+            share(by_time, False),
         )
-        for (node, name), found in variances.items()
-        if any(temporal in found for temporal in counted)
+        for (node, name), by_time in variances.items()
+        if any(temporal in by_time for temporal in counted)
     )
     return NoiseShares(tuple(shares), math.sqrt(whole[True]), math.sqrt(whole[False]), noise.mean)
 
@@ -153,9 +153,9 @@ def blur_shares(
 ) -> BlurShares:
     """Shares of the stages at a frequency across and one along; those that do nothing left out."""
     moduli = []
-    for line, each in zip(_LINES, frequency, strict=True):
+    for line, cyc_per_mrad in zip(_LINES, frequency, strict=True):
         work.check()
-        place = np.array([each])
+        place = np.array([cyc_per_mrad])
         values = (float(stage_along(work, stage, "mtf", line, place)[0]) for stage in stages)
         moduli.append([_modulus(value) for value in values])
     shared = [shares_of_losses(losses=[loss(mtf=mtf) for mtf in along]) for along in moduli]
@@ -178,9 +178,9 @@ def _node_of(stage: Stage) -> str:
     return next((factor.node for factor in stage.factors if factor.node), stage.label)
 
 
-def unknown_before(found: ImageTransfer) -> str | None:
+def unknown_before(transfer: ImageTransfer) -> str | None:
     """The node whose transfer function is not known, so that nothing before it counts."""
-    source = found.source
-    if found.area_means or not source.inputs:
+    source = transfer.source
+    if transfer.area_means or not source.inputs:
         return None
     return source.node or "a node"

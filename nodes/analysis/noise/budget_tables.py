@@ -24,46 +24,46 @@ def source_words(name: str) -> str:
 
 
 @ends_lineage
-def noise_bars(work: Work, found: NoiseShares, *, kind: Kind, show: Show, unit: str) -> CurveData:
+def noise_bars(work: Work, noise: NoiseShares, *, kind: Kind, show: Show, unit: str) -> CurveData:
     """A bar for each source: its share of the variance, or its deviation."""
     title = "Noise" if kind == "all" else f"{kind.capitalize()} noise"
-    if not found.shares:
+    if not noise.shares:
         return CurveData(f"{title}: none in this picture", "source", "share (%)", ())
-    pairs = [(source_words(each.name).capitalize(), each.node) for each in found.shares]
+    pairs = [(source_words(share.name).capitalize(), share.node) for share in noise.shares]
     names = _distinct(pairs)
     kinds = [
-        k for k in ("temporal", "fixed") if any(getattr(s, k) is not None for s in found.shares)
+        k for k in ("temporal", "fixed") if any(getattr(s, k) is not None for s in noise.shares)
     ]
     if show == "share":
         label = "share of the variance (%)"
         heights = [
-            [100.0 * getattr(each, f"share_{one}") for each in found.shares] for one in kinds
+            [100.0 * getattr(share, f"share_{one}") for share in noise.shares] for one in kinds
         ]
     else:
         label = f"σ ({unit})" if unit else "σ"
         names = (*names, _TOGETHER)
         heights = [
-            [*(getattr(each, one) or 0.0 for each in found.shares), getattr(found, one)]
+            [*(getattr(share, one) or 0.0 for share in noise.shares), getattr(noise, one)]
             for one in kinds
         ]
     return _bars(title, "source", label, names, zip(kinds, heights, strict=True))
 
 
 @ends_lineage
-def blur_bars(work: Work, found: BlurShares, *, show: Show) -> CurveData:
+def blur_bars(work: Work, blur: BlurShares, *, show: Show) -> CurveData:
     """Two bars for each stage, across and along: its share of −ln |MTF|, or that itself."""
-    title = "Blur" if found.before is None else f"Blur behind {found.before}"
-    if not found.shares:
+    title = "Blur" if blur.before is None else f"Blur behind {blur.before}"
+    if not blur.shares:
         return CurveData(f"{title}: none known", "stage", "share (%)", ())
-    names = tuple(each.label for each in found.shares)
+    names = tuple(stage.label for stage in blur.shares)
     if show == "share":
         label = "share of −ln |MTF| (%)"
-        heights = [[100.0 * each.share[axis] for each in found.shares] for axis in (0, 1)]
+        heights = [[100.0 * stage.share[axis] for stage in blur.shares] for axis in (0, 1)]
     else:
         label = "−ln |MTF|"
         names = (*names, _TOGETHER)
-        losses = [[each.losses[axis] for each in found.shares] for axis in (0, 1)]
-        heights = [[*each, math.fsum(each)] for each in losses]
+        losses = [[stage.losses[axis] for stage in blur.shares] for axis in (0, 1)]
+        heights = [[*along, math.fsum(along)] for along in losses]
     return _bars(title, "stage", label, names, zip(("across", "along"), heights, strict=True))
 
 
@@ -75,7 +75,7 @@ def _bars(
     heights: Iterable[tuple[str, list[float]]],
 ) -> CurveData:
     places = np.arange(float(len(names)))
-    series = tuple(Series(name, places, np.array(each)) for name, each in heights)
+    series = tuple(Series(name, places, np.array(column)) for name, column in heights)
     return CurveData(title, what, label, series, bars=names)
 
 
@@ -90,7 +90,7 @@ def budget_table(
     work: Work, noise: NoiseShares, blur: BlurShares, *, kind: Kind, unit: str
 ) -> TableData:
     """Every source and every stage with its share, then all together."""
-    rows = [row for each in noise.shares for row in _source_rows(each, unit)]
+    rows = [row for share in noise.shares for row in _source_rows(share, unit)]
     if not noise.shares:
         what = "noise" if kind == "all" else f"{kind} noise"
         rows.append(TableRow("noise", "none", "", f"there is no {what} in this picture"))
@@ -115,27 +115,27 @@ def _source_rows(share: NoiseShare, unit: str) -> Iterable[TableRow]:
             yield TableRow(f"{name}.{kind}_share", 100.0 * part, "%", "share of the variance")
 
 
-def _blur_rows(found: BlurShares) -> list[TableRow]:
-    nodes = [each.node for each in found.shares]
+def _blur_rows(blur: BlurShares) -> list[TableRow]:
+    nodes = [stage.node for stage in blur.shares]
     rows = []
-    for each in found.shares:
-        name = each.node if nodes.count(each.node) == 1 else f"{each.node}.{_snake(each.label)}"
+    for stage in blur.shares:
+        name = stage.node if nodes.count(stage.node) == 1 else f"{stage.node}.{_snake(stage.label)}"
         for axis, direction in ((0, "x"), (1, "y")):
-            meaning = f"|MTF| of {each.label}"
-            rows.append(TableRow(f"{name}.mtf_{direction}", each.mtf[axis], "", meaning))
-            share = 100.0 * each.share[axis]
+            meaning = f"|MTF| of {stage.label}"
+            rows.append(TableRow(f"{name}.mtf_{direction}", stage.mtf[axis], "", meaning))
+            share = 100.0 * stage.share[axis]
             rows.append(TableRow(f"{name}.share_{direction}", share, "%", "share of −ln |MTF|"))
     if not rows:
         rows.append(TableRow("blur", "none", "", "no transfer function other than 1 is known"))
     for axis, direction, words in ((0, "x", "across"), (1, "y", "along")):
-        rows.append(TableRow(f"mtf_{direction}", found.mtf[axis], "", f"|MTF| of all, {words}"))
+        rows.append(TableRow(f"mtf_{direction}", blur.mtf[axis], "", f"|MTF| of all, {words}"))
     for axis, name in ((0, "xi"), (1, "eta")):
-        rows.append(TableRow(name, found.frequency[axis], "cyc/mrad", "where the MTFs are taken"))
-    if found.before is not None:
+        rows.append(TableRow(name, blur.frequency[axis], "cyc/mrad", "where the MTFs are taken"))
+    if blur.before is not None:
         meaning = "what it does, and what is before it, is not known as transfer functions"
-        rows.append(TableRow("blur_behind", found.before, "", meaning))
+        rows.append(TableRow("blur_behind", blur.before, "", meaning))
     return rows
 
 
 def _snake(label: str) -> str:
-    return "".join(each if each.isalnum() else "_" for each in label.lower())
+    return "".join(character if character.isalnum() else "_" for character in label.lower())

@@ -33,7 +33,7 @@ def _figure(name: str, meaning: str) -> Callable[..., Recipe]:
 
 
 class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
-    """Tell noise apart by what it varies with: time (t), rows (v), columns (h), or several.
+    """Split noise by what it varies with: time (t), rows (v), columns (h), or several.
 
     Predicted: every noise of the chain is followed to this picture, through the transfer functions,
     combined pixels and interpolation behind it. Measured: frames of the picture are simulated, each
@@ -52,7 +52,7 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     panel = (Section("Measurement", ("frames",)),)
 
     def check(self) -> None:
-        """Refuse a single frame, of which nothing temporal can be told."""
+        """Refuse a single frame, of which nothing temporal can be measured."""
         if self.frames == 1:
             raise ParameterError("frames", 1, "0, or 2 and more")
 

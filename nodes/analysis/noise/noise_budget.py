@@ -35,7 +35,7 @@ def _figure(name: str, unit: str, meaning: str) -> Callable[..., Recipe]:
 
 
 class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analysis"):
-    """Tell which source makes how much of the noise, and which stage how much of the blur.
+    """Show how much of the noise each source makes, and how much of the blur each stage.
 
     All is read off the chain that made the picture, and nothing is drawn: each noise is followed
     to the picture through the filters, combined pixels and interpolation behind it. Variances of
@@ -74,11 +74,11 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
             frequency=(self.frequency * grid.nyquist_x, self.frequency * grid.nyquist_y),
             before=unknown_before(passed),
         )
-        told = {"kind": self.noise, "unit": image.unit}
+        noise_kind = {"kind": self.noise, "unit": image.unit}
         return BudgetOutputs(
-            Curve(Step.of(noise_bars, noise, node=node, show=self.show, **told)),
+            Curve(Step.of(noise_bars, noise, node=node, show=self.show, **noise_kind)),
             Curve(Step.of(blur_bars, blur, node=node, show=self.show)),
-            Table(Step.of(budget_table, noise, blur, node=node, **told)),
+            Table(Step.of(budget_table, noise, blur, node=node, **noise_kind)),
         )
 
     sigma = _figure("sigma", "W/m²/sr", "All noise together.")

@@ -116,7 +116,7 @@ def impulse_responses(
         both = scipy.fft.fftfreq(period_y, grid.interval_y_mrad)
         plane = np.asarray(evaluate(work, xi, both), np.complex128)
         if period_y % 2 == 0:
-            # At Nyquist a picture's spectrum cannot tell eta from −eta: the mean of both acts.
+            # At Nyquist a picture's spectrum has eta and −eta in one: the mean of both acts.
             middle = period_y // 2
             other = np.asarray(evaluate(work, xi, -both[middle : middle + 1]))
             plane[middle] = 0.5 * (plane[middle] + other[0])
@@ -153,7 +153,9 @@ def _shortened(taps: Array, whole: float, cut: Cut, allowed: float) -> Kernel:
         reach = min(reach, cut.half_width_px)
     elif cut.truncation == "error":
         reach = int(np.argmax(beyond <= allowed))
-    kept = [np.flatnonzero(np.abs(lag) <= reach) for lag in lags]
-    inside = taps[kept[0][0] : kept[0][-1] + 1, kept[1][0] : kept[1][-1] + 1]
-    before_y, before_x = (-int(lag[k[0]]) for lag, k in zip(lags, kept, strict=True))
+    inside_reach = [np.flatnonzero(np.abs(lag) <= reach) for lag in lags]
+    inside = taps[
+        inside_reach[0][0] : inside_reach[0][-1] + 1, inside_reach[1][0] : inside_reach[1][-1] + 1
+    ]
+    before_y, before_x = (-int(lag[k[0]]) for lag, k in zip(lags, inside_reach, strict=True))
     return Kernel(np.ascontiguousarray(inside), before_y, before_x, float(beyond[reach]), whole)

@@ -93,7 +93,7 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
         return SpatialOutputs(
             back_transform(magnitude, phase).with_recipe(picture),
             Curve(Step.of(response, kernels, node=here.node, grid=magnitude.grid)),
-            Table(Step.of(told, kernels, node=here.node)),
+            Table(Step.of(kernel_table, kernels, node=here.node)),
         )
 
     @readout()
@@ -155,7 +155,7 @@ def _lags(size: int, before: int, interval_mrad: float) -> NDArray[np.float64]:
 
 
 @ends_lineage
-def told(_: Work, kernels: Kernels) -> TableData:
+def kernel_table(_: Work, kernels: Kernels) -> TableData:
     """Sizes of the kernels and what cutting them short costs."""
     planes = [kernel for kernel in kernels.passes if min(kernel.taps.shape) > 1]
     lines = [kernel for kernel in kernels.passes if min(kernel.taps.shape) == 1]
