@@ -1,4 +1,4 @@
-"""Curves as CSV where numbers alone do not tell them: names of bars, and values without end."""
+"""Curves as CSV where numbers alone do not describe them: names of bars, and values without end."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ def refuse_damaged(path: Path) -> None:
     """Raise `FileError` for what a checksum or an end marker of the format gives away.
 
     That is a PNG with a broken chunk, a FITS whose sums do not fit, a JPEG that was cut off: its
-    decoder fills what is missing with grey and says nothing.
+    decoder fills what is missing with grey and reports nothing.
     """
     try:
         with (

@@ -1,4 +1,4 @@
-"""The formats of picture files: suffixes, who reads them, who writes them, and in which types.
+"""The formats of picture files: suffixes, readers, writers and sample types.
 
 A new one is a file with its `read_info`, `read_band` and, where it can be written, a writer, and a
 line in `PICTURES`. Reading and writing, Write Image's choice of formats, the command line's
@@ -38,7 +38,7 @@ class PictureFormat(Format):
         Types of sample that it stores, of `nodes.files.common.stored_samples.SAMPLE_TYPES`, the
         most precise integer last.
     recognizes
-        Whether a file is of this format though its suffix does not say so.
+        Whether a file is of this format though its suffix is another.
     plain
         Whether a file holds samples and no picture that others would show.
     """
@@ -96,21 +96,28 @@ PICTURES: tuple[PictureFormat, ...] = (
     PictureFormat("other", (), "others by their content", *_OIIO, recognizes=_whatever),
 )  # fmt: skip
 # Those that can be written, pictures before plain samples.
-WRITTEN = tuple(sorted((each for each in PICTURES if each.write), key=lambda each: each.plain))
+WRITTEN = tuple(
+    sorted(
+        (picture_format for picture_format in PICTURES if picture_format.write),
+        key=lambda picture_format: picture_format.plain,
+    )
+)
 SAVED: tuple[Format, ...] = (*WRITTEN, CSV)
 
 
 def readable_formats() -> str:
     """What can be read, in words."""
-    *names, last = (each.description for each in PICTURES)
+    *names, last = (picture_format.description for picture_format in PICTURES)
     return f"{', '.join(names)} and {last}"
 
 
 def format_of(path: Path) -> PictureFormat:
     """The format that a file is read in."""
-    return next(each for each in PICTURES if each.claims(path))
+    return next(picture_format for picture_format in PICTURES if picture_format.claims(path))
 
 
 def written_format(path: Path) -> PictureFormat | None:
     """The format in which a picture of this name is written; None for another suffix."""
-    return next((each for each in WRITTEN if each.matches(path)), None)
+    return next(
+        (picture_format for picture_format in WRITTEN if picture_format.matches(path)), None
+    )

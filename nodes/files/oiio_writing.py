@@ -90,7 +90,7 @@ def _spec(stored: NDArray[Any], metadata: Mapping[str, MetadataValue], format_na
 
 
 def _complaint(messages: str) -> str:
-    """First line of the library's messages that tells of a fault."""
+    """First line of the library's messages that reports a fault."""
     lines = (line.strip() for line in messages.splitlines())
     return next((line for line in lines if line and line != _FALSE_ALARM), "")
 

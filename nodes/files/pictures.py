@@ -3,7 +3,7 @@
 Samples are delivered as the numbers the file stores: an 8-bit 200 reads 200.0, never 200/255,
 and colour is not multiplied by alpha. Integers of a packed depth (4, 10, 12 bits) have their own
 range, not the one of the container. FITS samples are scaled by BZERO and BSCALE as the format
-asks, with the row that FITS stores last at the top. A TIFF that counts white as 0 is delivered
+requires, with the row that FITS stores last at the top. A TIFF that counts white as 0 is delivered
 with black as 0. A band is a channel of the first picture in the file.
 """
 
@@ -116,7 +116,7 @@ def _strips(path: Path, picture: Any, band: int) -> Iterator[tuple[slice, Array]
     Raises
     ------
     FileError
-        The library failed, said that it had, or gave other rows than asked for.
+        The library failed, said that it had, or gave other rows than requested.
     """
     spec = picture.spec()
     kind = _channel_type(spec, band)
@@ -142,7 +142,7 @@ def _strips(path: Path, picture: Any, band: int) -> Iterator[tuple[slice, Array]
 
 
 def _unread(path: Path, message: str) -> FileError:
-    """A packing that this build of the library does not know is no damage."""
+    """A packing that this build of the library does not support is no damage."""
     if "support is not configured" in message:
         return FileError(f"{path}: cannot be read: {message}; allowed: none, deflate or LZW")
     return FileError(f"{path}: is damaged: {message}")
@@ -207,7 +207,7 @@ def _info(path: Path, picture: Any) -> PictureInfo:
     refuse_impossible(info, compression=str(attributes.get("compression", "")), bits=bits)
     refuse_oversized(info)
     if kind == "fits":
-        read_fits_header(path)  # refused where it cannot be used, before samples are asked for
+        read_fits_header(path)  # refused where it cannot be used, before samples are read
     return info
 
 
@@ -253,13 +253,13 @@ def _numpy_name(kind: Any) -> str:
 
 def _attributes(spec: Any) -> dict[str, FieldValue]:
     """Return the header's texts and numbers; what is no text in any encoding is left out."""
-    found: dict[str, FieldValue] = {}
+    fields: dict[str, FieldValue] = {}
     for attribute in spec.extra_attribs:
         with contextlib.suppress(UnicodeDecodeError):
             value = attribute.value
             if isinstance(value, str | int | float):
-                found[str(attribute.name)] = value
-    return found
+                fields[str(attribute.name)] = value
+    return fields
 
 
 def _message(geterror: Callable[[], str]) -> str:

@@ -46,7 +46,7 @@ def read_pixels(path: str | os.PathLike[str], band: int = 0) -> Samples:
     numpy.ndarray
         (rows, columns), C order, as the numbers the file stores; float64 when it holds doubles,
         integers of 32 or more bits or text, else float32. Samples may be not finite, as those are
-        that the header says are missing: see `check_finite`.
+        that are missing by the header: see `check_finite`.
 
     Raises
     ------
@@ -81,11 +81,11 @@ def check_finite(array: NDArray[Any], name: str, *, advice: str = "") -> None:
     first: tuple[int, int] | None = None
     for start in range(0, array.shape[0], step):
         wrong = ~np.isfinite(array[start : start + step])
-        found = int(np.count_nonzero(wrong))
-        if found and first is None:
+        bad_samples = int(np.count_nonzero(wrong))
+        if bad_samples and first is None:
             row, column = divmod(int(np.argmax(wrong)), array.shape[1])
             first = (start + row, column)
-        count += found
+        count += bad_samples
     if first is not None:
         many = "1 sample is" if count == 1 else f"{count} samples are"
         raise DataError(

@@ -38,7 +38,7 @@ SVG = Format("svg", (".svg",), "drawing")
 
 def suffixes(*formats: Format) -> tuple[str, ...]:
     """All suffixes of the formats."""
-    return tuple(suffix for each in formats for suffix in each.suffixes)
+    return tuple(suffix for file_format in formats for suffix in file_format.suffixes)
 
 
 def dialog_filter(title: str, *formats: Format) -> str:

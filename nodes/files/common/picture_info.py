@@ -17,7 +17,7 @@ Samples = NDArray[np.floating[Any]]  # float32 or float64, (rows, columns), C or
 class PictureInfo:
     """Size, kind and header of a picture file.
 
-    What the file does not say is None.
+    What the file does not give is None.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Pictures that do not fit: refused by what their header claims, before memory is asked for."""
+"""Pictures that do not fit: refused by what their header claims, before memory is allocated."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def refuse_oversized(info: PictureInfo, *, available_bytes: int | None = None) -
     Raises
     ------
     FileError
-        Says the size, what it needs and what is allowed.
+        Names the size, what it needs and what is allowed.
     """
     memory = usable_bytes() if available_bytes is None else available_bytes
     needed = info.rows * info.columns * delivered_dtype(np.dtype(info.dtype)).itemsize
@@ -56,7 +56,7 @@ def refuse_impossible(info: PictureInfo, *, compression: str, bits: int) -> None
     Raises
     ------
     FileError
-        Says the claim and the file's length.
+        Names the claimed size and the file's length.
     """
     most = _DEFLATE if info.kind == "png" else _MOST_BYTES.get(compression)
     if most is None:

@@ -149,13 +149,13 @@ def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
 
 def _not_applied(layout: EnviLayout) -> tuple[str, ...]:
     """Names of the fields by which the header would scale or shift the samples."""
-    found = []
+    keys = []
     for key, neutral in _SCALING:
         texts = layout.fields.get(key, ())
         texts = [texts] if isinstance(texts, str) else texts
         if any(text and not _is_number(text, neutral) for text in texts):
-            found.append(key)
-    return tuple(found)
+            keys.append(key)
+    return tuple(keys)
 
 
 def _is_number(text: str, number: float) -> bool:

@@ -137,7 +137,7 @@ def _data_of(header: Path) -> Path:
 
 def _fields(header: Path) -> Fields:
     """Fields by key in lower case: a text, or a list of texts where braces stand around it."""
-    found: dict[str, str] = {}
+    fields: dict[str, str] = {}
     key, value, opened = "", "", False
     for line in _text_of(header).lstrip().splitlines():
         if line.startswith(";"):
@@ -150,14 +150,14 @@ def _fields(header: Path) -> Fields:
                 continue
             key, value = " ".join(name.lower().split()), value.strip()
         opened = value.startswith("{") and not value.endswith("}")
-        if not opened and found.setdefault(key, value) != value:
+        if not opened and fields.setdefault(key, value) != value:
             raise FileError(
-                f"{header}: {key} stands twice, as {found[key]:.60} and as {value:.60}; "
+                f"{header}: {key} stands twice, as {fields[key]:.60} and as {value:.60}; "
                 "allowed: once"
             )
     if opened:
         raise FileError(f"{header}: the brace opened after {key!r} is never closed")
-    return {key: _parsed(key, value) for key, value in found.items()}
+    return {key: _parsed(key, value) for key, value in fields.items()}
 
 
 def _text_of(header: Path) -> str:
@@ -264,27 +264,27 @@ def _interleave(fields: Fields, header: Path) -> str:
 
 
 def _check_size(layout: EnviLayout) -> None:
-    found = layout.data.stat().st_size
+    size_bytes = layout.data.stat().st_size
     size = layout.dtype.itemsize
     terms = (layout.rows, layout.columns, layout.bands, size)
     expected = layout.offset_bytes + math.prod(terms)
-    if found == expected:
+    if size_bytes == expected:
         return
-    difference = found - expected
+    difference = size_bytes - expected
     verdict = f"{-difference} missing" if difference < 0 else f"{difference} too many"
-    fits = _what_would_fit(layout, found)
+    fits = _what_would_fit(layout, size_bytes)
     hint = f"; it would fit with {' or '.join(fits)}" if fits else ""
     cause = "; the file is truncated or a term is wrong" if difference < 0 else ""
     raise FileError(
-        f"{layout.data}: holds {found} bytes, but {layout.header.name} says header offset "
+        f"{layout.data}: holds {size_bytes} bytes, but {layout.header.name} says header offset "
         f"{layout.offset_bytes} + lines {layout.rows} × samples {layout.columns} × bands "
         f"{layout.bands} × {size} bytes = {expected} ({verdict}){cause}{hint}"
     )
 
 
-def _what_would_fit(layout: EnviLayout, found: int) -> list[str]:
+def _what_would_fit(layout: EnviLayout, size_bytes: int) -> list[str]:
     """Each single term of the header that, changed, makes the size right."""
-    samples = found - layout.offset_bytes
+    samples = size_bytes - layout.offset_bytes
     size = layout.dtype.itemsize
     per_item = layout.rows * layout.columns * layout.bands
     fits = []
@@ -298,6 +298,6 @@ def _what_would_fit(layout: EnviLayout, found: int) -> list[str]:
             fits.append(f"{key} = {samples // others}")
     if samples > 0 and samples % per_item == 0 and samples // per_item in (1, 2, 4, 8):
         fits.append(f"a data type of {samples // per_item} bytes")
-    if found >= per_item * size:
-        fits.append(f"header offset = {found - per_item * size}")
+    if size_bytes >= per_item * size:
+        fits.append(f"header offset = {size_bytes - per_item * size}")
     return fits

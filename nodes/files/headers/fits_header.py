@@ -24,7 +24,7 @@ _BLOCKS_SUMMED = 4096
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EDed][-+]?\d+)?")
 _TEXT = re.compile(r"'((?:[^']|'')*)'")
 
-# Those that say what the samples are.
+# Those that define what the samples are.
 _NUMBERS = ("BITPIX", "NAXIS", "NAXIS1", "NAXIS2", "NAXIS3", "BSCALE", "BZERO", "BLANK")
 _USED = (*_NUMBERS, "DATASUM")
 _START, _EXTENSION = b"SIMPLE  =", b"XTENSION"
@@ -33,7 +33,7 @@ _BITPIX = ("8", "16", "32", "-32", "-64")
 
 @dataclass(frozen=True)
 class FitsHeader:
-    """The first header of a file and what it says of stored numbers.
+    """The first header of a file and how it scales stored numbers.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ def read_fits_header(path: Path) -> FitsHeader:
     Raises
     ------
     FileError
-        The header has no end, says two things of its samples, or what is no number.
+        The header has no end, contradicts itself on its samples, or has a value that is no number.
     """
     cards: dict[str, str] = {}
     try:
@@ -150,7 +150,7 @@ def _add(cards: dict[str, str], card: str, path: Path) -> None:
     key = card[:8].rstrip()
     if card[8:10] != "= " or not key:
         if key in _USED:
-            # By the standard it has no value; whoever wrote it meant one, and samples hang on it.
+            # By the standard it has no value; its writer meant one, and samples depend on it.
             raise FileError(
                 f"{path}: {key} has no value, as {card[8:].strip():.40} does not begin with an "
                 "equal sign and a blank; allowed: these in columns 9 and 10, then the value"
@@ -175,16 +175,16 @@ def check_sums(header: FitsHeader) -> None:
     FileError
         The file is damaged.
     """
-    told = header.cards.get("DATASUM", "")
+    stated = header.cards.get("DATASUM", "")
     whole = bool(header.cards.get("CHECKSUM"))
-    if not told and not whole:
+    if not stated and not whole:
         return
     size = _data_bytes(header)
     data = _ones_sum(header, header.length, size)
-    if told and (not re.fullmatch(r"\d{1,10}", told) or int(told) != data):
+    if stated and (not re.fullmatch(r"\d{1,10}", stated) or int(stated) != data):
         raise FileError(
             f"{header.path}: this FITS file is damaged: its samples sum up to {data}, "
-            f"but DATASUM = {told:.20}"
+            f"but DATASUM = {stated:.20}"
         )
     if whole and _folded(data + _ones_sum(header, 0, header.length)) not in (0, 0xFFFFFFFF):
         raise FileError(f"{header.path}: this FITS file is damaged: CHECKSUM does not fit")

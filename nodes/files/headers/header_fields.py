@@ -88,12 +88,12 @@ def header_fields(
         One of the header's own keys has a value that is no length or no angle.
     """
     own = {_normal(key): _texts(value) for key, value in fields.items()}
-    told = _told(description)
+    described = _in_description(description)
     return HeaderFields(
-        unit=_unit(own) or _unit(told),
-        focal_length_mm=_focal_length(own, where) or _leniently(_focal_length, told),
-        fov_x_deg=_fov_x(own, where) or _leniently(_fov_x, told),
-        fov_y_deg=_fov_y(own, where) or _leniently(_fov_y, told),
+        unit=_unit(own) or _unit(described),
+        focal_length_mm=_focal_length(own, where) or _leniently(_focal_length, described),
+        fov_x_deg=_fov_x(own, where) or _leniently(_fov_x, described),
+        fov_y_deg=_fov_y(own, where) or _leniently(_fov_y, described),
     )
 
 
@@ -110,7 +110,7 @@ def _texts(value: FieldValue) -> list[str]:
     return [str(item).strip() for item in value]
 
 
-def _told(description: str) -> dict[str, list[str]]:
+def _in_description(description: str) -> dict[str, list[str]]:
     pairs = re.findall(r"([^=:\n;,]+)[=:]([^\n;,]+)", description)
     return {_normal(key): [value.strip()] for key, value in pairs}
 
@@ -136,10 +136,10 @@ def _fov_y(fields: _Texts, where: str) -> float | None:
     return _angle(own or _first(fields, _BOTH_FOV_KEYS, _ANGLES_DEG, where, 1), where)
 
 
-def _leniently(read: Callable[[_Texts, str], float | None], told: _Texts) -> float | None:
+def _leniently(read: Callable[[_Texts, str], float | None], described: _Texts) -> float | None:
     """Read from prose, where a pair that is no quantity is no fault of the file."""
     try:
-        return read(told, "description")
+        return read(described, "description")
     except FileError:
         return None
 

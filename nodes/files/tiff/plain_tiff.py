@@ -54,7 +54,7 @@ def read_plain_tiff(info: PictureInfo, band: int) -> Samples | None:
             return None
         size = layout.rows, layout.columns, layout.channels
         if size != (info.rows, info.columns, info.bands):
-            raise FileError(f"{path}: this TIFF file is damaged: it says two things of its size")
+            raise FileError(f"{path}: this TIFF file is damaged: it gives two sizes")
         kind = np.dtype(layout.numpy_kind)
         stored_kind = np.dtype(layout.order + layout.numpy_kind)
         channel = np.full((layout.rows, layout.columns), np.nan, delivered_dtype(kind))

@@ -1,6 +1,6 @@
 """Strips and tiles packed by deflate, each of which ends in a checksum.
 
-The decoders do not wait for it: a flipped bit gave other samples, or memory that nobody wrote to.
+The decoders do not wait for it: a flipped bit gave other samples, or memory never written to.
 Source: Deutsch, RFC 1950 (1996), Adler-32.
 """
 
@@ -69,7 +69,7 @@ def _unpack(content: mmap.mmap, block: Block, path: Path, parts: list[bytes] | N
     where = f"{path}: this TIFF file is damaged: strip or tile {block.number}"
     if block.place + block.size > len(content):
         raise FileError(f"{where} lies beyond the end of the file")
-    # Bounded, so that a few damaged bytes cannot ask for all memory.
+    # Bounded, so that a few damaged bytes cannot use up all memory.
     most = max(block.lengths, default=None)
     stream, length = zlib.decompressobj(), 0
     packed = content[block.place : block.place + block.size]

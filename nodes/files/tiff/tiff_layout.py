@@ -77,7 +77,7 @@ def refuse_predictor(path: Path) -> None:
 
     TIFF 6.0 defines the predictor for LZW, and the library undoes it for that, deflate, LZMA and
     Zstandard; where the tag stands with PackBits or without compression it is passed over. Other
-    programs write and read differences there, and nothing in the file says which it is.
+    programs write and read differences there, and nothing in the file shows which it is.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def read_tiff_layout(content: mmap.mmap, path: Path) -> TiffLayout:
     Raises
     ------
     FileError
-        It is damaged, or says too little.
+        It is damaged, or incomplete.
     """
     try:
         return _layout(byte_order(content), read_tags(content))
