@@ -40,9 +40,9 @@ class ExamineOutputs(NamedTuple):
 class ExamineImage(
     Module, key="examine_image", title="Examine Image", group="Input and output", sink=True
 ):
-    """Tell minimum, maximum, mean, standard deviation, histogram and single samples.
+    """Report minimum, maximum, mean, standard deviation, histogram and single samples.
 
-    For radiance in a known band the apparent temperature is told too: that of the blackbody with
+    For radiance in a known band the apparent temperature is given too: that of the blackbody with
     the same band radiance. Figures and probe are of the samples themselves (spectra in the order
     of the FFT), the histogram of what is displayed; the centred spectrum of a picture is the
     logarithm of its modulus.
@@ -52,10 +52,10 @@ class ExamineImage(
 
     display: Annotated[Display, Param("how the samples are shown")] = "linear"
     probe_x: Annotated[
-        int | None, Param("column of the sample to tell, from 0", low=0, zero_is_empty=False)
+        int | None, Param("column of the sample to report, from 0", low=0, zero_is_empty=False)
     ] = None
     probe_y: Annotated[
-        int | None, Param("row of the sample to tell, from 0", low=0, zero_is_empty=False)
+        int | None, Param("row of the sample to report, from 0", low=0, zero_is_empty=False)
     ] = None
     bins: Annotated[int, Param("bins of the histogram", low=1, high=65536)] = 256
 
@@ -114,7 +114,7 @@ class ExamineImage(
             return None
         unit = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
         return Caution(
-            f"no apparent temperatures are told of a picture {unit}",
+            f"no apparent temperatures are given for a picture {unit}",
             "convert it to W/m²/sr by scale and unit on Read Image",
         )
 
@@ -163,11 +163,11 @@ def figures(
     probe_y: int | None,
 ) -> TableData:
     """Statistics and probe as a table, with apparent temperatures where `band_um` is known."""
-    found = statistics(samples, for_each=work.for_each)
-    values = {"minimum": found.minimum, "maximum": found.maximum, "mean": found.mean}
+    measured = statistics(samples, for_each=work.for_each)
+    values = {"minimum": measured.minimum, "maximum": measured.maximum, "mean": measured.mean}
     meanings = {"minimum": "least sample", "maximum": "greatest sample", "mean": "mean"}
     rows = [TableRow(name, value, unit, meanings[name]) for name, value in values.items()]
-    rows.append(TableRow("sigma", found.sigma, unit, "standard deviation"))
+    rows.append(TableRow("sigma", measured.sigma, unit, "standard deviation"))
     if probe_x is not None and probe_y is not None:
         for name, index, size in (
             ("probe_x", probe_x, samples.shape[1]),
@@ -188,12 +188,12 @@ def figures(
 def apparent_temperature(radiance: float, band_um: Band) -> float | None:
     """Brightness temperature, K; None for what no temperature radiates, such as noise below 0."""
     try:
-        found = brightness_temperature(
+        kelvin = brightness_temperature(
             radiance=radiance, cut_on_um=band_um[0], cut_off_um=band_um[1]
         )
     except DataError:
         return None
-    return float(found)
+    return float(kelvin)
 
 
 @ends_lineage

@@ -32,33 +32,33 @@ def radiance_caution(
 
     They cannot where their mean is above what any surface of the Earth gives in the band, sunlight
     included (`brightest_surface_radiance`). Where the band is not known, that is the radiance of
-    all wavelengths, and kelvin may lie below it: then they look like temperatures where nobody has
-    stated a unit, and mean ± 2 σ (three quarters of the samples at least, after Chebyshev) lie
+    all wavelengths, and kelvin may lie below it: then they look like temperatures where no unit
+    is stated, and mean ± 2 σ (three quarters of the samples at least, after Chebyshev) lie
     between the coldest and the hottest land surface ever seen.
     """
-    found = statistics(samples, for_each=work.for_each)
+    stats = statistics(samples, for_each=work.for_each)
     limit = brightest_surface_radiance(band_um=band_um)
-    kelvin = _like_kelvin(found)
-    if found.mean > limit:
+    kelvin = _like_kelvin(stats)
+    if stats.mean > limit:
         where = (
             "at all wavelengths" if band_um is None else f"in {band_um[0]:g} to {band_um[1]:g} µm"
         )
         looks = "; they look like temperatures in kelvin" if kelvin else ""
         return Caution(
-            f"the samples' mean, {found.mean:.4g} W/m²/sr, is more than the {limit:.3g} that a "
+            f"the samples' mean, {stats.mean:.4g} W/m²/sr, is more than the {limit:.3g} that a "
             f"surface on Earth can give {where}{looks}",
             f"{_REMEDY}; it is well of flames, lamps, engines and the Sun",
         )
     if band_um is None and kelvin and not unit_stated:
-        least = coldest_for_radiance(radiance=found.mean)
+        least = coldest_for_radiance(radiance=stats.mean)
         return Caution(
-            f"the samples, {found.mean:.4g} ± {found.sigma:.2g}, look like temperatures in kelvin "
+            f"the samples, {stats.mean:.4g} ± {stats.sigma:.2g}, look like temperatures in kelvin "
             f"and are read as W/m²/sr, which not even all wavelengths give below {least:.0f} K",
             f"{_REMEDY}; cut_on_um and cut_off_um, if it is radiance",
         )
     return None
 
 
-def _like_kelvin(found: Statistics) -> bool:
-    low, high = found.mean - 2 * found.sigma, found.mean + 2 * found.sigma
+def _like_kelvin(stats: Statistics) -> bool:
+    low, high = stats.mean - 2 * stats.sigma, stats.mean + 2 * stats.sigma
     return low >= COLDEST_SURFACE_K and high <= HOTTEST_SURFACE_K

@@ -30,13 +30,13 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
 
     Samples are the numbers the file stores times `scale`. Where an ENVI header gives wavelengths,
     its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for every other
-    file these two say which band the samples are of. Radiance comes out in W/m²/sr, one spectral
+    file these two give the band of the samples. Radiance comes out in W/m²/sr, one spectral
     band in W/m²/sr/µm: where the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
     `scale` is 1, from that one, else from `unit`. K, DN and the like stay what they are; photons
     are not turned into watts; a unit of radiance not understood is refused. Of a colour picture
-    one channel is read, the first unless `band` says another. An empty field of view is taken from
+    one channel is read, the first unless `band` names another. An empty field of view is taken from
     the header. FITS pictures come with their first row at the bottom. Samples that are no numbers,
-    or the file's value for no data, are refused unless `missing` says what stands for them.
+    or the file's value for no data, are refused unless `missing` sets what stands for them.
     """
 
     path: Annotated[
@@ -155,7 +155,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
 
     @warning
     def one_channel(self, outputs: ImageOutput, given: frozenset[str]) -> Caution | None:
-        """A colour picture, of which one channel is read that nobody has chosen."""
+        """A colour picture, of which one channel is read without a choice."""
         channels = outputs.image.header.channels
         if len(channels) < 2 or "band" in given:
             return None
@@ -184,7 +184,7 @@ def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
 
 
 def _band_um(info: PictureInfo, band: int) -> tuple[float, float] | None:
-    """Where the header says how wide the band is, its two ends."""
+    """The two ends of the band, where the header gives its width."""
     if info.wavelengths_um is None or info.fwhm_um is None:
         return None
     centre, half = info.wavelengths_um[band], info.fwhm_um[band] / 2

@@ -28,7 +28,7 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
     Parameters
     ----------
     info
-        What the file says.
+        What is known of the file.
     typed
         The `unit` parameter; empty or `DEFAULT_UNIT` leaves the choice to the file.
     scale
@@ -41,7 +41,7 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
     FileError
         The file's unit is not understood, or is of photons and none is typed.
     ParameterError
-        The typed unit is not understood, or says another kind of quantity than the file.
+        The typed unit is not understood, or is of another kind of quantity than the file's.
     """
     own = _typed(typed)
     chosen = bool(typed) and own != RadianceUnit(1.0)
@@ -55,16 +55,16 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
         raise FileError(f"{info.path}: {error.message}; or give unit or scale") from error
     if stored is None:
         return _of_typed(info, typed, own, integrated) if chosen else SampleUnit(info.unit, 1.0)
-    told = stored.integrated if integrated else stored
-    if not chosen and told.photons:
+    file_unit = stored.integrated if integrated else stored
+    if not chosen and file_unit.photons:
         raise FileError(
             f"{info.path}: its samples are in {info.unit}, and the energy of a photon depends on "
-            f"its wavelength; give unit = {told.name} to keep photons, or scale for watts"
+            f"its wavelength; give unit = {file_unit.name} to keep photons, or scale for watts"
         )
-    if chosen and (own is None or own.name != told.name):
+    if chosen and (own is None or own.name != file_unit.name):
         allowed = f"a unit of the same kind as {info.unit}, in which the file is; or give scale"
         raise ParameterError("unit", typed, allowed)
-    return SampleUnit(told.name, told.factor)
+    return SampleUnit(file_unit.name, file_unit.factor)
 
 
 def _typed(text: str) -> RadianceUnit | None:
@@ -83,7 +83,7 @@ def _of_typed(
         return SampleUnit(own.name, own.factor)
     if own.spectral != "µm":
         raise ParameterError("unit", typed, "per µm or nm, where bands are integrated over µm")
-    # The sum over the bands took the samples per µm, or as the file says.
+    # The sum over the bands took the samples per µm, or as the file gives it.
     stored = radiance_unit(info.unit) if info.unit else None
     taken = stored.per_um if stored is not None else 1.0
     return SampleUnit(RadianceUnit(1.0, own.photons).name, own.factor / taken)

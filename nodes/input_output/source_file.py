@@ -23,7 +23,7 @@ from nodes.files.read import check_finite, read_info, read_pixels
 
 Stamp = tuple[str, int, int]
 Missing = Literal["refuse", "mean", "zero"]
-"""What to do with samples that are NaN, infinite, or missing by what the header says."""
+"""What to do with samples that are NaN, infinite, or missing by the header."""
 _BLOCK_SAMPLES = 1 << 20
 _ADVICE = (
     "samples of the value that the header gives for no data count as NaN; missing = mean or zero "
@@ -33,7 +33,7 @@ _ADVICE = (
 
 @dataclass(frozen=True)
 class Source:
-    """A picture file with what its header says and the state its files were found in."""
+    """A picture file with what its header gives and the state its files were found in."""
 
     file: Path
     info: PictureInfo
@@ -55,7 +55,7 @@ def picture_source(path: Path | None, here: NodeContext) -> Source:
     # Not resolved: an ENVI header lies beside the link, not beside what the link points to.
     file = readable_file((here.folder / path).absolute())
     header = header_beside(file)
-    stamps = tuple(_stamp(each) for each in (file, header) if each is not None)
+    stamps = tuple(_stamp(one) for one in (file, header) if one is not None)
     info = _described(file, stamps)
     if info.path != file:
         stamps += (_stamp(info.path),)
@@ -166,7 +166,7 @@ def _scaled(work: Work, samples: NDArray[Any], scale: float, file: Path) -> NDAr
 
 @lru_cache(maxsize=256)
 def _described(file: Path, stamps: tuple[Stamp, ...]) -> PictureInfo:
-    """Description of the file in the state the stamps tell, so that planning again costs less."""
+    """Description of the file in the state of these stamps, so that planning again costs less."""
     return read_info(file)
 
 

@@ -108,7 +108,7 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
         )
 
     def _recipe(self, here: NodeContext) -> Step:
-        """How it is drawn: what temperatures do not move is a step of its own, and kept."""
+        """How it is drawn: what does not depend on temperatures is a step of its own."""
         values = self.values()
         size = {name: values[name] for name in ("kind", "width", "height")}
         sources = {name: values[name] for name in SOURCES}

@@ -44,7 +44,11 @@ class WriteImage(
         None
     )
     format: Annotated[
-        str, Param("format of the file", choices=(_BY_SUFFIX, *(each.name for each in WRITTEN)))
+        str,
+        Param(
+            "format of the file",
+            choices=(_BY_SUFFIX, *(picture_format.name for picture_format in WRITTEN)),
+        ),
     ] = _BY_SUFFIX
     dtype: Annotated[Dtype, Param("type of the stored samples")] = "automatic"
     range_low: Annotated[
@@ -79,7 +83,7 @@ class WriteImage(
         Raises
         ------
         ParameterError
-            No path, a suffix of no known format, or of another one than asked for.
+            No path, a suffix of no known format, or of another one than chosen.
         """
         if self.path is None:
             allowed = "a file name, relative to the network file's folder"
@@ -91,7 +95,7 @@ class WriteImage(
                 raise ParameterError("path", self.path.as_posix(), allowed)
             return path
         if known is None:
-            wanted = next(each for each in WRITTEN if each.name == self.format)
+            wanted = next(candidate for candidate in WRITTEN if candidate.name == self.format)
             return path.with_name(path.name + wanted.suffixes[0])
         if known.name != self.format:
             raise ParameterError("format", self.format, f"by_suffix, or that of {self.path.name}")
@@ -106,7 +110,7 @@ class WriteImage(
         dtype = self._stored(_dtypes(target), samples)
         low, high = self._range(samples) if dtype.startswith("uint") else (None, None)
         writer = partial(
-            write_picture, array=samples, dtype=dtype, low=low, high=high, metadata=_told(image)
+            write_picture, array=samples, dtype=dtype, low=low, high=high, metadata=_metadata(image)
         )
         return [(target, writer)]
 
@@ -133,18 +137,18 @@ def _dtypes(path: Path) -> tuple[str, ...]:
     return kind.dtypes if kind is not None else ()
 
 
-def _told(image: Image) -> dict[str, MetadataValue]:
+def _metadata(image: Image) -> dict[str, MetadataValue]:
     """What Read Image finds again in the file."""
-    told: dict[str, MetadataValue] = {}
+    fields: dict[str, MetadataValue] = {}
     if image.unit:
-        told["unit"] = image.unit
+        fields["unit"] = image.unit
     for name, interval, samples in (
         ("fov_x_deg", image.interval_x_mrad, image.columns),
         ("fov_y_deg", image.interval_y_mrad, image.rows),
     ):
         fov_deg = None if interval is None else math.degrees(interval * samples / 1000)
         if fov_deg is not None and fov_deg < 180:
-            told[name] = fov_deg
+            fields[name] = fov_deg
     if image.header.focal_length_mm is not None:
-        told["focal_length_mm"] = image.header.focal_length_mm
-    return told
+        fields["focal_length_mm"] = image.header.focal_length_mm
+    return fields

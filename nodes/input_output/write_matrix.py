@@ -88,17 +88,17 @@ def curve_columns(curves: CurveData) -> dict[str, NDArray[np.float64]]:
     """
     series = curves.series
     columns: dict[str, NDArray[np.float64]] = {}
-    if series and all(np.array_equal(each.x, series[0].x) for each in series):
+    if series and all(np.array_equal(curve.x, series[0].x) for curve in series):
         columns[_name(curves.x_label, columns)] = series[0].x
-        for each in series:
-            columns[_name(each.label or curves.y_label, columns)] = each.y
+        for curve in series:
+            columns[_name(curve.label or curves.y_label, columns)] = curve.y
         return columns
-    if series and len({len(each.x) for each in series}) == 1:
-        for each in series:
-            columns[_name(f"{each.label}: {curves.x_label}", columns)] = each.x
-            columns[_name(each.label, columns)] = each.y
+    if series and len({len(curve.x) for curve in series}) == 1:
+        for curve in series:
+            columns[_name(f"{curve.label}: {curves.x_label}", columns)] = curve.x
+            columns[_name(curve.label, columns)] = curve.y
         return columns
-    numbers = [np.full(len(each.x), float(n)) for n, each in enumerate(series, 1)]
+    numbers = [np.full(len(curve.x), float(n)) for n, curve in enumerate(series, 1)]
     columns["curve"] = np.concatenate([*numbers, np.empty(0)])
     columns[_name(curves.x_label, columns)] = np.concatenate([*(s.x for s in series), np.empty(0)])
     columns[_name(curves.y_label, columns)] = np.concatenate([*(s.y for s in series), np.empty(0)])

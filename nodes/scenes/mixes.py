@@ -36,14 +36,14 @@ class Texture:
     name : str
         Stands for its strength, like a surface's for its radiance.
     amplitude : Mix
-        Strength that is asked for.
+        Strength as given, before it is limited.
     reach : float
         Largest value of the texture at strength 1.
     limit : float
         The texture stays within this share of the least radiance among `surfaces`, so that no
         radiance falls below 0.
     surfaces : tuple of str
-        What it lies on.
+        The surface that it is on.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Texture:
 
     def strength(self, radiances: Radiances) -> float:
         """What the texture is multiplied with."""
-        asked = radiance_of(self.amplitude, radiances)
+        given = radiance_of(self.amplitude, radiances)
         allowed = self.limit * min(radiances[name] for name in self.surfaces)
-        reach = abs(asked) * self.reach
-        return asked * allowed / reach if reach > allowed else asked
+        reach = abs(given) * self.reach
+        return given * allowed / reach if reach > allowed else given

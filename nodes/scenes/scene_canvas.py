@@ -3,7 +3,7 @@
 `add` sums products of profiles, which keeps the area mean exact however fine the detail;
 `paint_*` covers what is below, exact as long as that is uniform within the sample.
 
-Strokes say where which surface is, not how bright it is: that is given when it is rendered.
+Strokes give where which surface is, not how bright it is: that is given when it is rendered.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ class Drawing:
         self._strokes.append(Stroke(top, low, frozenset(mix), bind, adds=True))
 
     def add_texture(self, texture: Texture, *terms: Term) -> None:
-        """Add a pattern whose strength the radiances tell."""
+        """Add a pattern whose strength follows from the radiances."""
         self.textures += (texture,)
         self.add({texture.name: 1.0}, *terms)
 

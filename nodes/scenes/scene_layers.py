@@ -101,7 +101,7 @@ def layers_of(drawing: Drawing, *, width: int, height: int, dtype: npt.DTypeLike
     strokes = drawing.bound(cell_edges(count=width))
     step = min(max(1, BLOCK_SAMPLES // (tall * wide * across)), down)
     sheet = _Sheet(step, across, (tall, wide))
-    found: list[Tiles] = []
+    tiles: list[Tiles] = []
     # In turn: most strokes are small, and threads would wait for each other's Python.
     for first in range(0, down, step):
         last = min(first + step, down)
@@ -118,8 +118,8 @@ def layers_of(drawing: Drawing, *, width: int, height: int, dtype: npt.DTypeLike
                 for name, part in mix.items():
                     sheet.add(name, place, part, share)
         sheet.add(drawing.background, (slice(0, stop - start), slice(0, width)), 1.0, clear)
-        found += sheet.taken(first, last - first, drawing.names, dtype)
-    return Layers((height, width), (tall, wide), drawing.names, drawing.textures, tuple(found))
+        tiles += sheet.taken(first, last - first, drawing.names, dtype)
+    return Layers((height, width), (tall, wide), drawing.names, drawing.textures, tuple(tiles))
 
 
 class _Sheet:

@@ -44,7 +44,7 @@ def mottle(
 
     The waves run from `coarse` to `fine` cycles per frame, weaker when finer, and `stretch`
     times finer in y (ground seen at a grazing angle). A plane wave is a sum of two products,
-    so that its mean over each sample is exact. However strong the contrast asked for, the waves
+    so that its mean over each sample is exact. However strong the given contrast, the waves
     together stay within ± `limit` of the least of `surfaces`.
     """
     left, top, right, low = box

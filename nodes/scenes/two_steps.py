@@ -33,7 +33,7 @@ GEOMETRY: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "siemens_star": ("frequency",),
     }
 )
-"""Scenes drawn in two steps, and what beside the size tells where their surfaces are."""
+"""Scenes drawn in two steps, and the parameters beside the size that place their surfaces."""
 
 Shares = Layers | npt.NDArray[np.floating]
 """Of every surface, or of the signal against the background."""
@@ -73,14 +73,19 @@ def draw_shares(
     ParameterError
         If a parameter is out of range.
     """
-    kept = check_frame(kind, width, height, dtype)
+    frame_dtype = check_frame(kind, width, height, dtype)
     if kind in ("dormitory", "airfield"):
         drawing = dormitory() if kind == "dormitory" else airfield()
-        return layers_of(drawing, width=width, height=height, dtype=kept)
+        return layers_of(drawing, width=width, height=height, dtype=frame_dtype)
     draw: Callable[..., targets.Picture] = targets.slanted_edge
     if kind == "siemens_star":
         draw = targets.siemens_star
-    size: dict[str, Any] = {"width": width, "height": height, "dtype": kept, "for_each": for_each}
+    size: dict[str, Any] = {
+        "width": width,
+        "height": height,
+        "dtype": frame_dtype,
+        "for_each": for_each,
+    }
     return draw(**size, background=0.0, signal=1.0, **geometry)
 
 
