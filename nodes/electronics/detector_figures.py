@@ -1,4 +1,4 @@
-"""Figures of a detector and its amplifier, from the mean of what they see."""
+"""Figures of a detector and its amplifier, from the mean of their input."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class Detector:
-    """What the figures need to know; the cone of a cold shield is matched to the optics."""
+    """What the figures are computed from; the cone of a cold shield is matched to the optics."""
 
     cut_on_um: float
     cut_off_um: float
@@ -102,7 +102,7 @@ def detector_figures(work: Work, seen: Statistics, *, detector: Detector) -> Det
 def figures(
     work: Work,
     seen: Statistics,
-    found: DetectorFigures,
+    computed: DetectorFigures,
     *,
     detector: Detector,
     amplifier_snr: float | None,
@@ -117,16 +117,16 @@ def figures(
     rms_over_mean = hypot(1.0, variability_percent / 100.0)
     sigma = amplifier_sigma(seen, snr=amplifier_snr, reference=snr_reference)
     # NETD is noise over dL/dT: the detector's own gives the slope without Planck's integral.
-    netd_amplifier = found.netd_K * sigma / found.ner
-    netd_detector = found.netd_K * rms_over_mean
-    noise = float(np.hypot(found.ner * rms_over_mean, sigma))
+    netd_amplifier = computed.netd_K * sigma / computed.ner
+    netd_detector = computed.netd_K * rms_over_mean
+    noise = float(np.hypot(computed.ner * rms_over_mean, sigma))
     rows = (
-        ("background_K", found.background_K, "K", "background that weights D* and gives dL/dT"),
+        ("background_K", computed.background_K, "K", "background that weights D* and gives dL/dT"),
         ("bandwidth_Hz", detector.bandwidth_Hz, "Hz", "noise bandwidth"),
-        ("g_number", found.g_number, "1/sr", "optical throughput"),
-        ("d_star", found.d_star, "cm √Hz/W", "specific detectivity of the band"),
-        ("nep_W", found.nep_W, "W", "noise equivalent power of a detector of mean noise"),
-        ("ner", found.ner, "W/m²/sr", "noise equivalent radiance of a detector of mean noise"),
+        ("g_number", computed.g_number, "1/sr", "optical throughput"),
+        ("d_star", computed.d_star, "cm √Hz/W", "specific detectivity of the band"),
+        ("nep_W", computed.nep_W, "W", "noise equivalent power of a detector of mean noise"),
+        ("ner", computed.ner, "W/m²/sr", "noise equivalent radiance of a detector of mean noise"),
         ("amplifier_noise", sigma, "W/m²/sr", "rms noise of the amplifier"),
         ("netd_detector_K", netd_detector, "K", "NETD of the detectors, rms of all"),
         ("netd_amplifier_K", netd_amplifier, "K", "NETD of the amplifier"),
@@ -155,7 +155,7 @@ def amplifier_sigma(seen: Statistics, *, snr: float | None, reference: str) -> f
 def _band_d_star(detector: Detector, background_K: float) -> float:
     if detector.material == "manual":
         raise ParameterError("d_star", None, "the material `manual` needs it", unit="cm √Hz/W")
-    found = band_d_star(
+    d_star = band_d_star(
         material=find_material(
             region=detector.region, material=detector.material, cut_off_um=detector.cut_off_um
         ),
@@ -164,10 +164,10 @@ def _band_d_star(detector: Detector, background_K: float) -> float:
         background_K=background_K,
         half_angle_deg=cold_shield_half_angle_deg(f_number=detector.f_number),
     )
-    if found <= 0:
+    if d_star <= 0:
         raise ParameterError(
             "material",
             detector.material,
             f"it does not respond between {detector.cut_on_um:g} and {detector.cut_off_um:g} µm",
         )
-    return float(found)
+    return float(d_star)

@@ -179,12 +179,12 @@ def value_range(
 def _rounding(
     at: AtStep, picture: Recipe, limits: Recipe | tuple[float, float], *, bits: int
 ) -> list[Noise]:
-    """Rounding errors: what temporal noise stirs changes with it, the rest stays."""
+    """Rounding errors: temporal as far as temporal noise changes them, else fixed."""
     low, high = at.work.value(limits) if isinstance(limits, Recipe) else limits
     if not high > low:
         return []
     width = (high - low) / (2.0**bits - 1.0)
-    stirring = sum(each.power.moments().sample for each in at.before if each.temporal)
+    stirring = sum(noise.power.moments().sample for noise in at.before if noise.temporal)
     if stirring < (STILL * width) ** 2:
         return [at.known("quantization")]
     temporal, fixed = rounding_variances(step=width, noise_variance=stirring)
@@ -225,7 +225,7 @@ class ScaledByChance(Linear):
 
     @property
     def by_chance(self) -> str:
-        """The setting it is due to."""
+        """The setting that makes it random."""
         return "gain_model literal: the gain error as printed scales the picture"
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
@@ -255,16 +255,16 @@ def _read_out_noises(
     """Errors of gain and bias, constant along the direction of collection, and detector noise."""
     mean = at.work.value(seen).mean
     gain, bias = gain_percent / 100.0, bias_percent / 100.0
-    found = []
+    noises = []
     if gain and model != "literal":
         seen_by_each = model == "per_pixel" and not at.uniform
         weight = at.work.value(picture) if seen_by_each else None
         power = _pattern_power(at, gain_pattern, gain, mean, weight)
-        found.append(at.coloured("gain", power, temporal=False))
+        noises.append(at.coloured("gain", power, temporal=False))
     if bias and model != "literal":
         power = _pattern_power(at, bias_pattern, bias, mean, None)
-        found.append(at.coloured("bias", power, temporal=False))
-    return [*found, *_detector(at, figures, variability_percent)]
+        noises.append(at.coloured("bias", power, temporal=False))
+    return [*noises, *_detector(at, figures, variability_percent)]
 
 
 def _pattern_power(
@@ -287,7 +287,7 @@ def _pattern_power(
 
 
 def _shape_of(pattern: Recipe) -> tuple[int, int]:
-    """Of the unit deviates, as `NoisePlan` plans them: one for each detector."""
+    """Shape of the unit deviates, as `NoisePlan` plans them: one for each detector."""
     assert isinstance(pattern, Step)
     if pattern.inputs:  # in double
         return _shape_of(*pattern.inputs)

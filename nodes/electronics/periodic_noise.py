@@ -34,7 +34,7 @@ class NoiseOutputs(NamedTuple):
 class PeriodicNoise(
     Module, key="periodic_noise", title="Periodic Noise", group="Electronics & Noise"
 ):
-    """Add a sinusoid, such as pick-up from a supply, modulated in amplitude if asked.
+    """Add a sinusoid, such as pick-up from a supply, optionally modulated in amplitude.
 
     amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ) with x and y from the
     first sample on. What lies beyond the Nyquist frequency shows as its alias, as it would.

@@ -123,9 +123,9 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
             raise ParameterError("path", None, "the shape `file` needs the image of a pupil")
         path = here.folder / self.path
         info = read_info(path)
-        found = path.stat()
+        state = path.stat()
         samples = Step.of(
-            _loaded, node=here.node, path=path, stamp=(found.st_size, found.st_mtime_ns)
+            _loaded, node=here.node, path=path, stamp=(state.st_size, state.st_mtime_ns)
         )
         return self._pupil(samples, info.rows, info.columns, None, self.radius)
 

@@ -134,12 +134,12 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
         if context.f_number is None or context.focal_length_mm is None or pupil.shape is None:
             return None
         diameter_mm = 20 * pupil.shape.radius * self.size_x_cm / pupil.columns
-        focal_length_mm, told = context.focal_length_mm, context.f_number
-        if not diameter_mm or alike(focal_length_mm / diameter_mm, told, near=F_NUMBER_NEAR):
+        focal_length_mm, f_number = context.focal_length_mm, context.f_number
+        if not diameter_mm or alike(focal_length_mm / diameter_mm, f_number, near=F_NUMBER_NEAR):
             return None
         return Caution(
             f"the pupil is {diameter_mm:.4g} mm wide, which at {focal_length_mm:.4g} mm is F/"
-            f"{focal_length_mm / diameter_mm:.3g}, and Init & Trans says F/{told:.3g}",
+            f"{focal_length_mm / diameter_mm:.3g}, and Init & Trans has F/{f_number:.3g}",
             "make size_x_cm and the pupil's radius agree with f_number and focal_length_mm",
         )
 

@@ -185,8 +185,8 @@ def _moments(work: Work, noise: Array) -> Statistics:
 
 @ends_lineage
 def _moment(work: Work, moments: Statistics, *, which: str) -> float:
-    found: float = getattr(moments, which)
-    return found
+    moment: float = getattr(moments, which)
+    return moment
 
 
 @ends_lineage

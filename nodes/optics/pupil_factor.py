@@ -210,25 +210,25 @@ def _complex_samples(
 def _correlations(
     work: Work, samples: Array, *, ratios: tuple[float, ...], **wavefront: Any
 ) -> tuple[Array, ...]:
-    found = []
+    autocorrelations = []
     for ratio in ratios:
         work.check()
         pupil = _complex_samples(samples, ratio, **wavefront)
-        found.append(autocorrelation(pupil, workers=work.policy.workers))
-    return tuple(found)
+        autocorrelations.append(autocorrelation(pupil, workers=work.policy.workers))
+    return tuple(autocorrelations)
 
 
 @ends_lineage
 def _raw(
     work: Work,
-    found: tuple[Array, ...],
+    autocorrelations: tuple[Array, ...],
     *,
     interval_x: float,
     interval_y: float,
     part: str,
     real: bool,
 ) -> SampledTransfer:
-    otf = np.fft.ifftshift(found[len(found) // 2])
+    otf = np.fft.ifftshift(autocorrelations[len(autocorrelations) // 2])
     if part == "ptf":
         values = np.zeros(otf.shape) if real else np.angle(otf)
     else:

@@ -1,4 +1,4 @@
-"""A parameter of the module, else what Init & Trans or the image says, else an error."""
+"""A parameter of the module, else the value of Init & Trans or the image, else an error."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def given(name: str, own: float | None, context: Context, *, unit: str) -> float
 
 
 def of_context(name: str, context: Context, *, unit: str) -> float:
-    """What Init & Trans says, for a module without a parameter of its own for it.
+    """The value of Init & Trans, for a module without a parameter of its own for it.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def _no_band(name: str) -> ParameterError:
 
 
 def with_interval(image: Image, context: Context) -> Image:
-    """The image with its sampling interval: of the field of view where it does not say."""
+    """The image with its sampling interval: of the field of view where it has none."""
     if image.interval_x_mrad is not None and image.interval_y_mrad is not None:
         return image
     grid = context.grid

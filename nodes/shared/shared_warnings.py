@@ -1,4 +1,4 @@
-"""What modules warn of: values that two places tell differently, and units that do not fit."""
+"""What modules warn of: values that two places give differently, and units that do not fit."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def band_caution(
     Parameters
     ----------
     picture : (float, float) or None
-        Band of the picture, µm; None where it does not say.
+        Band of the picture, µm; None where it is unknown.
     cut_on_um, cut_off_um : float or None
         The module's own band; an empty end is the picture's.
     """
@@ -101,7 +101,7 @@ def apart_caution(
     near: float = NEAR,
     remedy: str = "",
 ) -> Caution | None:
-    """A value that two places tell differently; none where one of them is empty or 0.
+    """A value that two places give differently; none where one of them is empty or 0.
 
     Parameters
     ----------
@@ -132,9 +132,9 @@ def alike(one: float, other: float, *, near: float = NEAR) -> bool:
     return abs(one - other) <= near * max(abs(one), abs(other))
 
 
-def first(*found: Caution | None) -> Caution | None:
-    """The first that there is."""
-    return next((each for each in found if each is not None), None)
+def first(*cautions: Caution | None) -> Caution | None:
+    """The first one that is not None."""
+    return next((caution for caution in cautions if caution is not None), None)
 
 
 def _band(band: Band) -> str:

@@ -25,7 +25,7 @@ class InitOutputs(NamedTuple):
 
 
 class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform"):
-    """Take the image to magnitude and phase, and tell every other module the sensor's geometry.
+    """Take the image to magnitude and phase, and give every other module the sensor's geometry.
 
     An empty field of view, focal length or band is taken from the image's own header.
     Source: Tantalo 1996, section 4.1.
@@ -128,7 +128,7 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
 
     @warning
     def focal_length(self, image: Image) -> Caution | None:
-        """A focal length that is not the one the picture's file tells."""
+        """A focal length that is not the one in the picture's file."""
         return apart_caution(
             "focal_length_mm",
             self.focal_length_mm,
