@@ -157,6 +157,8 @@ def test_nothing_left_of_the_target():
         ({"size_mrad": [0.0]}, "size_mrad"),
         ({"size_mrad": [101.0]}, "half of one over the step"),
         ({"frequency": FREQUENCY + 1}, "from 0 in equal steps"),
+        ({"frequency": -FREQUENCY}, r"frequency\[1\] = -"),
+        ({"frequency": FREQUENCY[:1]}, "one row of at least 2 numbers"),
         ({"frequency": FREQUENCY**2}, "from 0 in equal steps"),
         ({"mtf_y": gaussian(1)[1:]}, "mtf_y"),
         ({"frames": 0}, "frames"),

@@ -132,6 +132,14 @@ def test_spectral_radiance(wavelength, temperature):
     assert relative_error(spectral_radiance(wavelength, temperature), truth) <= 1e-12
 
 
+def test_the_longest_wavelength_is_allowed_and_nothing_beyond():
+    """At 1e30 µm the law is that of Rayleigh and Jeans, 2ckT/λ⁴, a µm."""
+    truth = 2 * C * K * 300 / mpf(10) ** (4 * 24) / 10**6
+    assert relative_error(spectral_radiance(1e30, 300.0), truth) <= 1e-12
+    with pytest.raises(ParameterError, match="wavelength_um"):
+        spectral_radiance(np.nextafter(1e30, np.inf), 300.0)
+
+
 def test_spectral_radiance_broadcasts_and_integrates_to_the_band():
     nodes, weights = np.polynomial.legendre.leggauss(40)
     values = spectral_radiance(10 + 2 * nodes[:, None], np.array([285.0, 303.0]))
