@@ -134,6 +134,20 @@ def test_crossings_are_counted():
     assert crossings(followers, column, height) == 2  # b-x crosses both of a's
 
 
+@pytest.mark.parametrize("wires", [1, 2, 3, 5, 6, 7, 11, 16])
+def test_crossings_are_those_of_all_pairs(wires):
+    """Every number of wires, not only those that halve evenly: each pair looked at."""
+    random = Random(wires)
+    left = [random.uniform(-9, 9) for _ in range(wires)]
+    right = [random.uniform(-9, 9) for _ in range(wires)]
+    followers = {f"l{k}": [f"r{k}"] for k in range(wires)} | {f"r{k}": [] for k in range(wires)}
+    column = {name: int(name.startswith("r")) for name in followers}
+    height = {f"{side}{k}": y for side, ys in (("l", left), ("r", right)) for k, y in enumerate(ys)}
+    pairs = itertools.combinations(zip(left, right, strict=True), 2)
+    crossed = sum((one[0] < other[0]) != (one[1] < other[1]) for one, other in pairs)
+    assert crossings(followers, column, height) == crossed
+
+
 def test_wires_are_uncrossed():
     followers = {"a": ["z"], "b": ["y"], "c": ["x"], "x": [], "y": [], "z": []}
     column = {"a": 0, "b": 0, "c": 0, "x": 1, "y": 1, "z": 1}

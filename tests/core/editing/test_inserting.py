@@ -123,6 +123,14 @@ def test_a_module_of_one_picture_input(inframetrics, library):
     )
 
 
+def test_a_module_whose_output_has_another_name_than_its_input(kodak, library):
+    wire = "electronics.image → frame_grabber.image"
+    new, gone = dropped(kodak, library, "compare_images", wire)
+    assert "electronics.image → compare_images.image" in new
+    assert "compare_images.difference → frame_grabber.image" in new
+    assert gone == {wire}
+
+
 @pytest.mark.parametrize(
     ("module", "wire"),
     [

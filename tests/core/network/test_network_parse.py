@@ -173,6 +173,13 @@ def test_an_old_name_beside_the_new_one_stays_to_be_reported(document, small_lib
     assert network.nodes["scene"].params["columns"] == 3
 
 
+def test_an_unknown_output_is_not_taken_for_the_name_of_the_input(document, small_library):
+    """`scene` has renamed ports and an output of the input's name; none of them is `sketch`."""
+    document["links"][0] = ["scene.sketch", "init.image"]
+    network = parse_network(json.dumps(document), library=small_library)
+    assert Link("scene", "sketch", "init", "image") in network.links
+
+
 def test_a_key_still_in_use_is_not_replaced(document, small_library):
     class Other(Module, key="other", title="Other", group="Test", replaces=("scene_maker",)):
         """Claims a key that is in use."""

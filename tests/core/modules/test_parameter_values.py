@@ -1,0 +1,44 @@
+"""Values a parameter refuses: one line with its name, the value, its unit and what is allowed."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import pytest
+
+from core.errors import ParameterError
+from core.modules.declaration import Module, declaration
+from core.modules.parameters import Param
+
+
+class Lens(Module, key="lens_of_test", title="Lens", group="Test"):
+    """Parameters of several kinds, each with a unit."""
+
+    length_mm: Annotated[float, Param("length", unit="mm", low=0, above=True)] = 1.0
+    range_m: Annotated[float | None, Param("range", unit="m", low=2, high=9, below=True)] = None
+    count: Annotated[int, Param("count", unit="px", low=1, high=8)] = 1
+    places: Annotated[tuple[float, ...], Param("places", unit="mrad")] = ()
+    open: Annotated[bool, Param("open", unit="-")] = True
+    side: Annotated[Literal["left", "right"], Param("side", unit="side")] = "left"
+
+    def run(self) -> None:
+        raise NotImplementedError
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "line"),
+    [
+        ("length_mm", 0, "length_mm = 0 mm is not allowed: a number above 0"),
+        ("length_mm", "x", "length_mm = 'x' mm is not allowed: a number above 0"),
+        ("range_m", 9, "range_m = 9 m is not allowed: a number from 2 below 9 or empty"),
+        ("count", 1.5, "count = 1.5 px is not allowed: a whole number from 1 to 8"),
+        ("count", 9, "count = 9 px is not allowed: a whole number from 1 to 8"),
+        ("places", 1, "places = 1 mrad is not allowed: a list of numbers"),
+        ("open", 1, "open = 1 - is not allowed: true or false"),
+        ("side", "top", "side = 'top' side is not allowed: one of left, right"),
+    ],
+)
+def test_a_refusal_names_value_unit_and_what_is_allowed(name, value, line):
+    with pytest.raises(ParameterError) as caught:
+        declaration(Lens).parameter(name).coerce(value)
+    assert str(caught.value) == line
