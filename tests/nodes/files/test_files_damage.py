@@ -16,7 +16,7 @@ import pytest
 from core.errors import FileError
 from core.memory import usable_bytes
 from nodes.files.common.picture_info import PictureInfo
-from nodes.files.common.size_limits import refuse_oversized
+from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
 from nodes.files.headers.fits_header import read_fits_header
 from nodes.files.read import read_info, read_pixels
 
@@ -353,6 +353,31 @@ def test_the_budget_counts_delivered_samples():
     message = "1000 × 500 samples need 0.002 GB; allowed on this machine: 0.002 GB"
     with pytest.raises(FileError, match=message):
         refuse_oversized(info, available_bytes=3_999_999)
+
+
+@pytest.mark.parametrize(
+    ("kind", "compression", "bits", "shape"),
+    [
+        ("tiff", "none", 16, (10, 10, 3)),  # 600 bytes are 600
+        ("tiff", "packbits", 8, (128, 100, 3)),  # 64 times as many
+        ("tiff", "zip", 16, (258, 400, 3)),  # 1032 times as many
+        ("tiff", "lzw", 8, (1024, 800, 2)),  # 4096 for 12 bits
+        ("png", "", 1, (1290, 1280, 3)),  # deflate, whatever the header says
+    ],
+)
+def test_all_that_a_file_can_unpack_to_is_let_through(tmp_path, kind, compression, bits, shape):
+    """Bytes, not bits: to the last row; one more is refused."""
+    path = tmp_path / "a.bin"
+    path.write_bytes(bytes(600))
+    rows, columns, bands = shape
+    empty = dict.fromkeys(
+        ("unit", "wavelengths_um", "fwhm_um", "focal_length_mm", "fov_x_deg", "fov_y_deg")
+    )
+    known = {"path": path, "columns": columns, "bands": bands, "dtype": "uint8", "kind": kind}
+    refuse_impossible(PictureInfo(rows=rows, **known, **empty), compression=compression, bits=bits)
+    more = PictureInfo(rows=rows + 1, **known, **empty)
+    with pytest.raises(FileError, match="cannot come from a file of 600 bytes"):
+        refuse_impossible(more, compression=compression, bits=bits)
 
 
 def test_pictures_damaged_at_random(tmp_path):

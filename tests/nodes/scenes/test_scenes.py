@@ -128,6 +128,14 @@ def test_dormitory_surfaces_emit_and_mirror_the_sky():
     assert np.median(picture) == pytest.approx(band_radiance(8, 12, 303), rel=0.1)
 
 
+def test_the_drive_is_mottled_as_ground_seen_at_a_grazing_angle():
+    """Foreshortened: finer along y than along x, on a part of it that holds nothing else."""
+    picture = scene("dormitory", 2048, 2048)
+    part = picture[int(0.803 * 2048) : int(0.843 * 2048), int(0.40 * 2048) : int(0.48 * 2048)]
+    steps = [float(np.std(np.diff(part, axis=axis))) for axis in (0, 1)]
+    assert steps[0] > steps[1] > 0
+
+
 def test_point_is_one_sample():
     picture = scene("point", 6, 5)
     rows, columns = np.nonzero(picture != picture[0, 0])
