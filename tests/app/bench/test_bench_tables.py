@@ -8,6 +8,7 @@ import pytest
 from app.bench.measuring.bench_settings import Settings
 from app.bench.measuring.bench_tables import Chart, Table, figure_text, verdict
 from app.bench.measuring.timing import paired
+from app.bench.pages import charts
 from app.bench.pages.chart_labels import Label, place_labels
 from app.bench.pages.chart_looks import drawing
 from app.bench.pages.charts import chart_png
@@ -126,6 +127,27 @@ def test_picture_of_what_was_measured(chart):
     # Told the same way twice, and not the same without its title.
     assert chart_png(table(**chart)) == drawn
     assert chart_png(table(**chart), titled=False) != drawn
+
+
+def test_a_name_has_the_colour_of_its_points(monkeypatch):
+    noted = []
+
+    def placed(axis, labels, *others):
+        noted.append((axis, labels))
+        place_labels(axis, labels, *others)
+
+    monkeypatch.setattr(charts, "place_labels", placed)
+    rows = [
+        {"choice": str(k), "t0": 1.0 + k, "error": 10.0**-k, "kind": "aabbc"[k]} for k in range(5)
+    ]
+    assert chart_png(table(rows, group="kind")) is not None
+    ((axis, labels),) = noted
+    colours = {tuple(line.get_xdata()): line.get_color() for line in axis.get_lines()}
+    names = {label.text: label.colour for label in labels if label.bold}
+    assert names == {
+        "a": colours[1.0, 2.0], "b": colours[3.0, 4.0], "c": colours[(5.0,)],
+    }  # fmt: skip
+    assert len(set(names.values())) == 3
 
 
 def test_no_picture_of_nothing():

@@ -4,11 +4,13 @@ import base64
 import json
 import os
 import re
+from contextlib import contextmanager
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from app.report.drawing import picture_drawing
 from app.report.drawing.curves import panel
 from app.report.drawing.picture_drawing import figure, histogram, pictures_png
 from app.report.drawing.printed_numbers import number
@@ -226,6 +228,24 @@ def test_a_single_other_picture_is_as_small_as_those_beside_it():
 
     assert width(1, 3) == pytest.approx(width(3, 2) / 3, abs=1)
     assert width(1, 1) == pytest.approx(width(2, 2) / 2, abs=1)
+
+
+def test_a_noise_picture_stands_under_its_name_and_beside_its_histogram(monkeypatch):
+    drawings = []
+
+    @contextmanager
+    def noted(*size):
+        with figure(*size) as (drawn, out):
+            drawings.append(drawn)
+            yield drawn, out
+
+    monkeypatch.setattr(picture_drawing, "figure", noted)
+    image = Image(None, 8, 8, unit="W/m²/sr")
+    samples = np.random.default_rng(2).normal(size=(8, 8))
+    picture_drawing.noise_png([("photons.noise", image, samples), ("late.noise", image, samples)])
+    (drawn,) = drawings
+    titles = [axis.get_title("left") for axis in drawn.axes if axis.images]
+    assert titles == ["photons.noise", "late.noise"]
 
 
 def test_a_total_over_its_only_stage_lets_it_through():
