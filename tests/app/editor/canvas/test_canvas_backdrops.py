@@ -1,7 +1,10 @@
 """Backdrops stand behind nodes, take them along, and are resized and titled in their place."""
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QImage, QPainter
+from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
 from canvas_networks import chain_and_free_blur
 from core.editing.backdrops import around, backdrops_of
@@ -74,6 +77,29 @@ def test_a_title_is_edited_in_its_place(grounded, canvas, hand):
     assert not canvas.title_editor.isVisible()
     assert backdrops_of(grounded.network)[0].title == "Source"
     assert canvas.content.backdrops[0].title == "Source"
+
+
+@pytest.mark.parametrize("zoom", [0.2, 0.4, 2.0])
+def test_a_title_is_drawn_where_it_is_dragged_by(grounded, canvas, zoom):
+    """Far away it stands above the ground, in letters that can still be read."""
+    (item,) = canvas.content.backdrops
+    drawn = {}
+    for title in ("Front end", ""):
+        item.title = title
+        image = QImage(900, 400, QImage.Format.Format_ARGB32)
+        image.fill(Qt.GlobalColor.white)
+        painter = QPainter(image)
+        painter.translate(20, 200)
+        painter.scale(zoom, zoom)
+        item.paint(painter, QStyleOptionGraphicsItem())
+        painter.end()
+        flat = np.frombuffer(image.constBits(), np.uint32).reshape(400, 900)
+        drawn[title] = flat.copy()
+    rows = np.flatnonzero((drawn["Front end"] != drawn[""]).any(axis=1)) - 200
+    head = item.head(zoom).translated(-item.pos())
+    assert zoom * head.top() <= rows.min() <= rows.max() <= zoom * head.bottom()
+    assert bool(rows.max() < 0) is (zoom < 0.5)
+    assert np.ptp(rows) >= 6
 
 
 def test_escape_leaves_the_title(grounded, canvas, hand):

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import shiboken6
-from PySide6.QtGui import QFont
+from PySide6.QtCore import QRectF
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QImage, QPainter
 from PySide6.QtWidgets import QApplication, QWidget
 
 from app.editor.evaluation.queries import Answer
@@ -113,6 +114,27 @@ def test_it_is_derived_from_what_a_module_declares():
     assert of("pupil", "mtf") is ExitPupilIllustration
     with pytest.raises(KeyError, match="starlight"):
         of("starlight")
+
+
+@pytest.mark.parametrize(
+    ("pixels_per_mrad", "length"), [(40.0, 1.0), (8.0, 5.0), (0.5, 100.0), (900.0, 0.05)]
+)
+def test_the_ruler_of_the_samples_is_to_scale(bench, pixels_per_mrad, length):
+    """From 0.2 of the sketch's width, in steps of 1, 2 and 5: marks at both of its ends."""
+    widget = bench.show(network_of("init_trans", INIT), evaluated=False)
+    box = QRectF(10, 10, 200, 40)
+    image = QImage(320, 100, QImage.Format.Format_ARGB32)
+    image.fill(QColor(widget.theme.text).darker())
+    painter = QPainter(image)
+    widget._ruler(painter, box, pixels_per_mrad)
+    line = QFontMetricsF(painter.font()).height()
+    painter.end()
+    above = int(box.bottom() + line * 0.7 - 2)  # of the line itself
+    row = [image.pixel(x, above) for x in range(320)]
+    marked = [x for x in range(320) if row[x] != row[0]]
+    start, end = marked[0], next(x for x in marked if x > marked[0] + 3)
+    assert start == pytest.approx(box.left(), abs=1.5)
+    assert end - start == pytest.approx(length * pixels_per_mrad, abs=1.5)
 
 
 @pytest.mark.parametrize("key", ILLUSTRATED)

@@ -105,6 +105,13 @@ def test_a_table_says_how_to_copy_it_and_lets_the_focus_go_on(bench, viewer):
     assert not viewer.table.hasFocus()
 
 
+def test_a_table_of_short_words_fills_the_width(bench, viewer):
+    viewer.look_at("budget.table")
+    bench.settle()
+    viewer.table.show_table(TableData((TableRow("a", 1.0, "K", "brief"),)))
+    assert viewer.table.horizontalHeader().length() == viewer.table.viewport().width() > 300
+
+
 def test_long_meanings_are_broken_and_not_cut(bench, viewer):
     viewer.look_at("budget.table")
     bench.settle()
