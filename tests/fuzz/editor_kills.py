@@ -234,6 +234,8 @@ def _owed(entries: list[Entry]) -> list[set[str]]:
     if not states or not states[-1][1]["modified"]:
         return []
     last = max([*saved, -1])
+    if last > states[-1][0] and _kinds(entries[states[-1][0] :], "saved"):
+        return []  # nothing is unsaved since the last state was saved
     if kept is None and begun:
         kept = entries[begun[-1]]["state"]
     if entries[-1]["kind"] == "ends":  # told to end it keeps everything
