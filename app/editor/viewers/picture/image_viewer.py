@@ -7,7 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtWidgets import QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtCore import QPoint
+from PySide6.QtGui import QAction, QImage
+from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
@@ -16,8 +18,9 @@ from app.editor.viewers.neighbours import neighbours
 from app.editor.viewers.network_ports import ports_by_node
 from app.editor.viewers.picture.picture_bar import PictureBar
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
+from app.editor.viewers.picture.picture_context_menu import open_context_menu
 from app.editor.viewers.picture.picture_probe import PictureProbe
-from app.editor.viewers.picture.picture_saving import save_picture
+from app.editor.viewers.picture.picture_saving import save_picture, shown_png
 from app.editor.viewers.picture.region_tool import RegionTool
 from app.editor.viewers.picture.zoom_links import ZoomLinks
 from app.editor.viewers.pixels.colour_maps import NAMES, colour_table
@@ -44,6 +47,11 @@ class ImageViewer(Viewer):
         As for `Viewer`.
     number : int
         Of this viewer among those of the window.
+
+    Attributes
+    ----------
+    window_actions : tuple of QAction
+        Actions of the window that its menu offers, too.
     """
 
     def __init__(
@@ -56,6 +64,7 @@ class ImageViewer(Viewer):
     ) -> None:
         super().__init__(session, evaluator, theme, f"image_viewer.{number}", parent)
         self.number = number
+        self.window_actions: tuple[QAction, ...] = ()
         self.choices = Choices()
         self.picture: Picture | None = None
         self._lost: Choices | None = None
@@ -103,6 +112,14 @@ class ImageViewer(Viewer):
             raise UsageError("the viewer shows no picture")
         save_picture(self.picture, path, colour_table(self._colours), self.canvas.split)
 
+    def copy(self) -> None:
+        """Copy the picture as it looks to the clipboard."""
+        if self.picture is not None:
+            table = colour_table(self._colours)
+            QApplication.clipboard().setImage(
+                QImage.fromData(shown_png(self.picture, table, self.canvas.split))
+            )
+
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
@@ -116,6 +133,7 @@ class ImageViewer(Viewer):
         return {
             **(self._lost or self.choices).plain(),
             "colours": self._colours,
+            "shape": self.bar.display.shape.isChecked(),
             "histogram": self.bar.display.histogram.isChecked(),
             "profile": self.bar.display.profile.isChecked(),
             "line": list(self.canvas.profile.ends),
@@ -130,6 +148,7 @@ class ImageViewer(Viewer):
         colours = state.get("colours")
         if colours in NAMES:
             self._set_colours(str(colours))
+        self.bar.display.shape.setChecked(state.get("shape", True) is True)
         self.bar.display.histogram.setChecked(state.get("histogram", True) is True)
         self.bar.display.profile.setChecked(state.get("profile", False) is True)
         if (ends := numbers_of(state.get("line"), 4)) is not None:
@@ -210,12 +229,14 @@ class ImageViewer(Viewer):
         bar.display.mapping.chosen.connect(self._choose_mapping)
         bar.display.levels.chosen.connect(self._choose_levels)
         bar.display.colours.chosen.connect(self._set_colours)
+        bar.display.shape.toggled.connect(canvas.show_true_shape)
         bar.display.histogram.toggled.connect(canvas.show_histogram)
         bar.display.profile.toggled.connect(self._toggle_profile)
         bar.compare.mode.chosen.connect(self._choose_mode)
         bar.compare.other_chosen.connect(self._choose_other)
         bar.compare.linked.connect(self._choose_link)
         self.region.picture_wanted.connect(self._show_for_region)
+        canvas.menu_wanted.connect(self._open_menu)
         canvas.zoomed.connect(self.links.apply_zoom)
         canvas.levels.dragged.connect(self._drag_levels)
 
@@ -286,6 +307,15 @@ class ImageViewer(Viewer):
         elif self._full is not None and self._full[0] == about:
             return replace(picture, facts=laid_over(picture.facts, self._full[1]))
         return picture
+
+    def _open_menu(self, point: QPoint) -> None:
+        own = (
+            ("&Fit", "F", self.fit),
+            ("&One Sample, One Dot", "1", self.one_to_one),
+            ("&Copy Picture", "", self.copy),
+        )
+        self._fill_menus()
+        open_context_menu(self, point, bar=self.bar, own=own, window_actions=self.window_actions)
 
     def _fill_menus(self) -> None:
         compare = self.bar.compare

@@ -42,8 +42,12 @@ class PictureBar(QWidget):
         self.display = DisplayMenu(shown.menu())
         self.compare = CompareMenu(compared.menu())
         self.display.histogram.setChecked(True)
+        self.display.shape.setChecked(True)
         compared.menu().aboutToShow.connect(self.opening)
-        self.fit = tool_button(f"{owner}.fit", "Fit", "Show all of the picture (0)", self)
+        self.menus = (shown.menu(), compared.menu())
+        for menu, title in zip(self.menus, ("&Display", "&Compare"), strict=True):
+            menu.setTitle(title)
+        self.fit = tool_button(f"{owner}.fit", "Fit", "Show all of the picture (F or 0)", self)
         self.dots = tool_button(f"{owner}.dots", "1:1", "Show each sample as one dot (1)", self)
         self.region = toggle_button(
             f"{owner}.region", "⬚", "Draw the region of the selected module (R)", self

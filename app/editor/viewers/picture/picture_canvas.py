@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QContextMenuEvent, QKeyEvent
 from PySide6.QtWidgets import QWidget
 
 from app.editor.theme import Theme
@@ -37,11 +39,14 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         An arrow key moves the probe.
     zoomed
         The person sees another part of the picture.
+    menu_wanted(point)
+        A right click, or the key for menus, at a point of the screen.
     """
 
     pointed = Signal(object)
     stepped = Signal(int, int)
     zoomed = Signal()
+    menu_wanted = Signal(QPoint)
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -71,9 +76,11 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._wanted: Zoom | None = None
         self._colours = "grey"
         self._moving = False
+        self._true_shape = True
         self.wipe.sigPositionChanged.connect(self._wiped)
         self.view.sigRangeChangedManually.connect(self._seen_otherwise)
         self.scene().sigMouseMoved.connect(self._mouse_moved)
+        self.scene().sigMouseClicked.connect(self._clicked)
         self.set_theme(theme)
         self.clear_picture()
 
@@ -92,7 +99,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     def show_picture(self, picture: Picture) -> None:
         """Show a picture; the part that is seen stays, unless its axes are others."""
         place = extent(picture.facts)
-        moved = place != self._place
+        shape = self._picture.facts.pixel_shape if self._picture is not None else None
+        moved = place != self._place or picture.facts.pixel_shape != shape
         if moved:
             self._wanted = self._zoom_for(picture)
         self._picture, self._place = picture, place
@@ -125,6 +133,14 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     def show_histogram(self, shown: bool) -> None:
         """Show the histogram or not."""
         self.levels.setVisible(shown)
+
+    def show_true_shape(self, on: bool) -> None:
+        """Show samples as wide and high as they are in angle, or as squares."""
+        if on != self._true_shape:
+            self._true_shape = on
+            if self._picture is not None:
+                self._wanted = self.zoom
+                self._place_elsewhere(self._picture)
 
     def make_faint(self) -> None:
         """Show that the picture is not that of the network as it stands."""
@@ -194,8 +210,16 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         super().leaveEvent(event)
         self.pointed.emit(None)
 
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Open the menu for the key; a right click may also be the beginning of a drag."""
+        if event.reason() is QContextMenuEvent.Reason.Keyboard:
+            self.menu_wanted.emit(self.mapToGlobal(self.rect().center()))
+            event.accept()
+        else:
+            super().contextMenuEvent(event)
+
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Move the probe by the arrows; zoom by plus, minus, 0 (all) and 1 (dot by dot)."""
+        """Move the probe by the arrows; zoom by plus, minus, 0 or F (all) and 1 (dot by dot)."""
         key = Qt.Key(event.key())
         step = _STEPS.get(key)
         if step is not None:
@@ -207,8 +231,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         elif key == Qt.Key.Key_Minus:
             self.zoom_by(0.8)
             self.zoomed.emit()
-        elif key in (Qt.Key.Key_0, Qt.Key.Key_1):
-            (self.fit if key == Qt.Key.Key_0 else self.one_to_one)()
+        elif key in (Qt.Key.Key_0, Qt.Key.Key_F, Qt.Key.Key_1):
+            (self.one_to_one if key == Qt.Key.Key_1 else self.fit)()
             self.zoomed.emit()
         else:
             super().keyPressEvent(event)
@@ -219,7 +243,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         facts = picture.facts
         self.plot.setLabel("bottom", facts.across.title)
         self.plot.setLabel("left", facts.along.title)
-        self.view.setAspectLocked(True, facts.along.step / facts.across.step)
+        shape = facts.pixel_shape if self._true_shape else 1.0
+        self.view.setAspectLocked(True, shape * facts.along.step / facts.across.step)
         self._put_wipe()
         self.set_zoom(self._wanted)
 
@@ -268,7 +293,22 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     def _seen_otherwise(self) -> None:
         self.fitted = False
+        self._keep_in_sight()
         self.zoomed.emit()
+
+    def _keep_in_sight(self) -> None:
+        """Let the middle of what is seen lie on the picture, wherever it is dragged to."""
+        place, middle = self._place, self.view.viewRect().center()
+        if place.isEmpty():
+            return
+        x = min(max(middle.x(), place.left()), place.right())
+        y = min(max(middle.y(), place.top()), place.bottom())
+        if (x, y) != (middle.x(), middle.y()):
+            self.view.translateBy(x=x - middle.x(), y=y - middle.y())
+
+    def _clicked(self, event: Any) -> None:
+        if event.button() is Qt.MouseButton.RightButton and not event.isAccepted():
+            self.menu_wanted.emit(event.screenPos().toPoint())
 
     def _mouse_moved(self, point: QPointF) -> None:
         if self._picture is None or not self.view.sceneBoundingRect().contains(point):

@@ -67,6 +67,7 @@ class DisplayMenu(QObject):
         menu.addSeparator()
         colours = menu.addMenu("&Colours")
         self.colours = Radio(colours, NAMES)
+        self.shape = self._toggle(menu, "shape", "&True Shape of Pixels")
         self.histogram = self._toggle(menu, "histogram", "&Histogram")
         self.profile = self._toggle(menu, "profile", "Line &Profile")
 

@@ -40,7 +40,7 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
     if picture.reduced > 1:
         raise UsageError("the picture is a preview still: wait until it is shown at full size")
     if PNG.matches(path):
-        write_bytes(path, _png(wiped(picture, split), table))
+        write_bytes(path, shown_png(picture, table, split))
         return
     samples: Any = picture.samples
     if picture.facts.kind == "plane":
@@ -48,6 +48,11 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
     spatial = isinstance(picture.value, Image) and picture.facts.kind == "picture"
     metadata = metadata_of(picture.value, samples.shape) if spatial else {}
     save_array(path, np.asarray(samples), metadata)
+
+
+def shown_png(picture: Picture, table: Table, split: float = 0.5) -> bytes:
+    """Encode what is shown, in its colours and levels, both sides of a wipe."""
+    return _png(wiped(picture, split), table)
 
 
 def wiped(picture: Picture, split: float) -> Levels:

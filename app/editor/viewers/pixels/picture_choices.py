@@ -14,6 +14,7 @@ from core.network.network import Network
 SCALES: tuple[Scale, ...] = get_args(Scale)
 MODES: tuple[Mode, ...] = get_args(Mode)
 AUTOMATIC: tuple[Automatic, ...] = get_args(Automatic)
+AUTOMATIC_LEVELS: Automatic = "percentiles"  # a few hot samples leave the rest its contrast
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Choices:
     other: str | None = None
     mode: Mode = "alone"
     mapping: Scale = "linear"
-    levels: Levels = "extremes"
+    levels: Levels = AUTOMATIC_LEVELS
 
     @property
     def query(self) -> PictureQuery | None:
@@ -41,7 +42,7 @@ class Choices:
         meant_for = ("port", "other", "mode", "mapping")
         otherwise = any(getattr(self, name) != getattr(changed, name) for name in meant_for)
         if otherwise and "levels" not in changes and not isinstance(changed.levels, str):
-            return replace(changed, levels="extremes")
+            return replace(changed, levels=AUTOMATIC_LEVELS)
         return changed
 
     @property
@@ -76,7 +77,7 @@ class Choices:
             other if isinstance(other, str) else None,
             mode if mode in MODES else "alone",
             mapping if mapping in SCALES else "linear",
-            levels if levels in AUTOMATIC else _manual(levels) or "extremes",
+            levels if levels in AUTOMATIC else _manual(levels) or AUTOMATIC_LEVELS,
         )
 
 

@@ -13,6 +13,7 @@ from core.transfer.grid import Grid
 PICTURES = ("image", "magnitude", "phase", "transfer", "pupil")
 Band = tuple[float, float]
 Kind = Literal["picture", "plane", "pupil"]
+_LONGEST = 8.0  # a pixel more oblong than that is drawn square
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,8 @@ class Facts:
         Where the columns and rows lie.
     band_um : (float, float) or None
         Cut-on and cut-off wavelength.
+    pixel_shape : float
+        Width of a sample over its height, in angle; 1 where that is not known.
     """
 
     kind: Kind
@@ -72,6 +75,7 @@ class Facts:
     across: Axis
     along: Axis
     band_um: Band | None = None
+    pixel_shape: float = 1.0
 
     @property
     def title(self) -> str:
@@ -120,7 +124,7 @@ def laid_over(preview: Facts, full: Facts) -> Facts:
         for count, axis, whole in ways
         for step in (axis.step * whole / count,)
     )
-    return replace(preview, across=across, along=along)
+    return replace(preview, across=across, along=along, pixel_shape=full.pixel_shape)
 
 
 def picture_facts(image: Image, reduced: int = 1) -> Facts:
@@ -135,7 +139,16 @@ def picture_facts(image: Image, reduced: int = 1) -> Facts:
         Axis(first, reduced, "column"),
         Axis(first, reduced, "row"),
         image.band_um,
+        _pixel_shape(image),
     )
+
+
+def _pixel_shape(image: Image) -> float:
+    """Width over height; 1 beyond what could still be looked at as a picture."""
+    if not (image.interval_x_mrad and image.interval_y_mrad):
+        return 1.0
+    shape = image.interval_x_mrad / image.interval_y_mrad
+    return shape if 1 / _LONGEST <= shape <= _LONGEST else 1.0
 
 
 def spectrum_facts(image: Image) -> Facts:

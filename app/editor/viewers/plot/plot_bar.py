@@ -64,7 +64,7 @@ class PlotBar(QWidget):
         for name, text in PARTS.items():
             self.parts.addItem(text, name)
         self.log = toggle_button(f"{owner}.log", "Log", "Logarithmic ordinate", self)
-        self.fit = tool_button(f"{owner}.fit", "Fit", "Show all of the curves (0)", self)
+        self.fit = tool_button(f"{owner}.fit", "Fit", "Show all of the curves (F or 0)", self)
         self._of_chain = (self._x, self._y, self.angle, self.parts)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(2, 2, 2, 0)

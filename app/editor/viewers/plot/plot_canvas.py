@@ -93,7 +93,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._read_nothing()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Read along the curve with left and right, another curve with up and down; 0 frames."""
+        """Read along the curve with left and right, another with up and down; F or 0 frames."""
         key = Qt.Key(event.key())
         sideways = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1}.get(key)
         upwards = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}.get(key)
@@ -102,7 +102,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             self._step(sideways * far, 0)
         elif upwards is not None:
             self._step(0, upwards)
-        elif key == Qt.Key.Key_0:
+        elif key in (Qt.Key.Key_0, Qt.Key.Key_F):
             self.frame()
         else:
             super().keyPressEvent(event)

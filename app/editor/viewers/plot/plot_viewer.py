@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QHBoxLayout, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QStackedWidget, QVBoxLayout, QWidget
 
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
@@ -32,7 +32,9 @@ from core.network.network import Network
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
 
-_LIST_SHARE = 0.36  # of the width, at most, for the legend
+_LIST_SHARE = 0.36  # of the width, at most, for the legend; of the height where it lies below
+_ANY = 16_777_215  # Qt's largest size: no limit
+_NARROW = 75  # characters; a narrower viewer has its legend below the plot
 
 
 class PlotViewer(Viewer):
@@ -192,7 +194,7 @@ class PlotViewer(Viewer):
         self.table.setObjectName(f"{self.owner}.table")
         self.status = StatusLine(self.owner, "What is plotted", "Value at the cursor", self)
         self._curves = QWidget(self)
-        beside = QHBoxLayout(self._curves)
+        self._beside = beside = QHBoxLayout(self._curves)
         beside.setContentsMargins(0, 0, 0, 0)
         beside.setSpacing(2)
         beside.addWidget(self.canvas, 1)
@@ -228,7 +230,20 @@ class PlotViewer(Viewer):
         self._fit_list()
 
     def _fit_list(self) -> None:
-        self.list.setFixedWidth(min(self.list.sizeHint().width(), int(_LIST_SHARE * self.width())))
+        narrow = self.width() < _NARROW * self.fontMetrics().averageCharWidth()
+        ways = QBoxLayout.Direction
+        self._beside.setDirection(ways.TopToBottom if narrow else ways.LeftToRight)
+        if narrow:
+            rows = self.list.count() * max(self.list.sizeHintForRow(0), 1)
+            height = rows + 2 * self.list.frameWidth()
+            self.list.setMinimumWidth(0)
+            self.list.setMaximumWidth(_ANY)
+            self.list.setFixedHeight(min(height, int(_LIST_SHARE * self.height())))
+        else:
+            self.list.setMinimumHeight(0)
+            self.list.setMaximumHeight(_ANY)
+            width = self.list.sizeHint().width()
+            self.list.setFixedWidth(min(width, int(_LIST_SHARE * self.width())))
 
     def _choose_port(self, port: str) -> None:
         self.look_at(port or None)

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QImage
@@ -53,7 +54,9 @@ def test_without_an_evaluator_nothing_is_shown(qtbot, session):
 def test_shows_the_samples_of_the_wire(bench, viewer):
     truth = bench.value(FINAL)
     assert (viewer.picture.samples == truth).all()
-    low, high = float(truth.min()), float(truth.max())
+    low, high = viewer.picture.levels
+    # The quantiles are of a histogram of fine steps.
+    assert (low, high) == pytest.approx(np.quantile(truth, (0.005, 0.995)), rel=0.01)
     assert (viewer.canvas.first.image == grey_levels(truth, low, high)).all()
     rows, columns = truth.shape
     assert f"{columns} × {rows}" in shown(viewer)

@@ -92,6 +92,6 @@ def test_choices_from_nonsense_are_the_usual_ones(state):
 
 def test_manual_levels_hold_for_one_picture_only():
     chosen = Choices("a.image", levels=(1.0, 2.0))
-    assert chosen.with_(port="b.image").levels == "extremes"
+    assert chosen.with_(port="b.image").levels == "percentiles"
     assert chosen.with_(mapping="log", levels="percentiles").levels == "percentiles"
     assert chosen.with_(levels=(1.0, 3.0)).levels == (1.0, 3.0)
