@@ -86,7 +86,12 @@ def edit_words(parser: argparse.ArgumentParser) -> None:
         default="window",
         help="window (default), canvas, panel, curves, or the first viewer's picture within --size",
     )
-    add("--size", action=Once, metavar="WxH", help="of the window (default: 1600x900)")
+    add(
+        "--size",
+        action=Once,
+        metavar="WxH",
+        help="of the window (default: as the screen has room; of a screenshot 1600x900)",
+    )
     add("--look", action=Once, choices=("dark", "light"), help="colours (default: as last time)")
 
 

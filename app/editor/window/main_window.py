@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QPointF, QSize, Qt, QTimer
+from PySide6.QtCore import QPointF, Qt, QTimer
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
@@ -22,8 +22,11 @@ from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.focus import go_to_next
 from app.editor.window.actions.help import Help
 from app.editor.window.actions.menu_actions import Actions
-from app.editor.window.docks.dock_places import Curtain, add_dock, arrange
+from app.editor.window.docks.dock_places import Curtain, add_dock
+from app.editor.window.docks.full_screen import FullScreen
+from app.editor.window.docks.layouts import Docks
 from app.editor.window.docks.viewer_docks import ViewerDocks
+from app.editor.window.docks.window_layout import WindowLayout, first_size
 from app.editor.window.documents.drops import Drops
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.first_look import first_look
@@ -63,7 +66,7 @@ class MainWindow(QMainWindow):
         self.theme: Theme = THEMES[settings.look]
         self.evaluator = Evaluator(self.session, parent=self)
         self._remembered = remembered
-        self._ended = self._docks_arranged = False
+        self._ended = self._docks_remembered = self._docks_sized = False
         self._first_look_due = False
         self._build(library)
         self.files = Files(self.session, settings, self)
@@ -71,8 +74,14 @@ class MainWindow(QMainWindow):
         self.help = Help(self.session, self.viewers, lambda: self.actions_by_name, self)
         self.share_question = ShareQuestion(self.session, self)
         self.drops = Drops(self.session, self.files, self.canvas, self)
+        self.layout_in_use = WindowLayout(self, self._docks)
+        self.full_screen = FullScreen(self.viewers, self)
         self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
         self.curtain = Curtain(self)
+        self.viewers.set_picture_actions(
+            self.actions_by_name["full_screen"], self.actions_by_name["export"]
+        )
+        self.layout_in_use.place()
         self.menus = self.actions_by_name.fill(self.menuBar())
         self._add_dock_toggles()
         self.canvas.set_menus(
@@ -92,9 +101,9 @@ class MainWindow(QMainWindow):
         self.recovery = Recovery(recovery, self.autosaver, self)
         self._connect()
         self.set_theme(self.theme)
-        self.resize(QSize(1600, 900))
+        self.resize(first_size(self.screen().availableSize()))
         if remembered:
-            self._docks_arranged = settings.restore_window(self)
+            self._docks_remembered = settings.restore_window(self)
         self.show_welcome()
         self._follow_state()
 
@@ -125,10 +134,9 @@ class MainWindow(QMainWindow):
         """Show the network."""
         self.pages.setCurrentWidget(self._work_page)
         self.curtain.open()
-        if not self._docks_arranged:
-            self._docks_arranged = True
-            viewer, plot = self.viewers.docks[1], self.viewers.plot_dock
-            arrange(self, (self.library_dock, self.panel_dock), (viewer, plot))
+        if not self._docks_sized:
+            self._docks_sized = True
+            (self.layout_in_use.keep if self._docks_remembered else self.layout_in_use.begin)()
         self.canvas.setFocus()
 
     def go_to_part(self, step: int) -> None:
@@ -202,6 +210,16 @@ class MainWindow(QMainWindow):
         self.library_dock = add_dock(self, "Library", "dock.library", self.library_view, _LEFT)
         self.panel_dock = add_dock(self, "Control panels", "dock.panels", self.panels, _RIGHT)
         self.viewers = ViewerDocks(self.session, self.evaluator, self.theme, self)
+
+    def _docks(self) -> Docks:
+        viewers = self.viewers
+        return Docks(
+            self.library_dock,
+            self.panel_dock,
+            viewers.plot_dock,
+            viewers.tradeoff_dock,
+            tuple(viewers.docks.values()),
+        )
 
     def _add_dock_toggles(self) -> None:  # whatever is closed can be shown again
         self.menus["&View"].addSeparator()

@@ -100,6 +100,23 @@ ACTIONS: tuple[ActionSpec, ...] = (
         ("Ctrl+T",),
         checkable=True,
     ),
+    ActionSpec(
+        "full_screen",
+        "&View",
+        "F&ull Screen",
+        "Show the viewer used last over the whole screen; again or Esc: back",
+        ("F11",),
+    ),
+    ActionSpec(
+        "picture_below", "&View", "Picture &Below", "Layout: the chain as a band above the picture"
+    ),
+    ActionSpec(
+        "picture_beside", "&View", "Picture Be&side", "Layout: the picture left, all else right"
+    ),
+    ActionSpec(
+        "canvas_first", "&View", "&Canvas First", "Layout: a large canvas, small viewers below"
+    ),
+    ActionSpec("reset_layout", "&View", "&Reset Layout", "Put every part where it was at first"),
     ActionSpec("next_part", "&View", "&Next Part", "Go to the next part of the window", ("F6",)),
     ActionSpec("previous_part", "&View", "&Previous Part", "Go to the part before", ("Shift+F6",)),
     ActionSpec("light", "&View", "Li&ght Colours", "Light or dark", (), checkable=True),
@@ -141,6 +158,7 @@ def starts_a_group(spec: ActionSpec) -> bool:
         "view_1",
         "zoom_in",
         "trade_off",
+        "picture_below",
         "next_part",
         "light",
     )

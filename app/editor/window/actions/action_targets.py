@@ -13,7 +13,10 @@ from app.editor.session import Session
 from app.editor.window.actions.action_specs import VIEWERS
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.help import Help
+from app.editor.window.docks.full_screen import FullScreen
+from app.editor.window.docks.layouts import DEFAULT
 from app.editor.window.docks.viewer_docks import ViewerDocks
+from app.editor.window.docks.window_layout import WindowLayout
 from app.editor.window.documents.files import Files
 
 Target = Callable[[], object]
@@ -30,6 +33,8 @@ class Window(Protocol):
     panels: PanelArea
     viewers: ViewerDocks
     evaluator: Evaluator
+    layout_in_use: WindowLayout
+    full_screen: FullScreen
 
     def show_welcome(self) -> None:
         """Show the first page."""
@@ -77,6 +82,11 @@ def targets(window: Window) -> dict[str, Target]:
         "zoom_in": partial(canvas.zoom_by, 1.25),
         "zoom_out": partial(canvas.zoom_by, 0.8),
         "trade_off": window.viewers.toggle_trade_off,
+        "full_screen": window.full_screen.toggle,
+        "picture_below": partial(window.layout_in_use.choose, "picture_below"),
+        "picture_beside": partial(window.layout_in_use.choose, "picture_beside"),
+        "canvas_first": partial(window.layout_in_use.choose, "canvas_first"),
+        "reset_layout": partial(window.layout_in_use.choose, DEFAULT),
         "next_part": partial(window.go_to_part, 1),
         "previous_part": partial(window.go_to_part, -1),
         "light": window.toggle_light,

@@ -17,19 +17,6 @@ def add_dock(
     return dock
 
 
-def arrange(
-    window: QMainWindow,
-    sides: tuple[QDockWidget, QDockWidget],
-    below: tuple[QDockWidget, QDockWidget],
-) -> None:
-    """Sizes where none are remembered: of the docks left and right, of two below the canvas."""
-    unit, line = window.fontMetrics().averageCharWidth(), window.fontMetrics().height()
-    across, along = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
-    window.resizeDocks(sides, [30 * unit, 52 * unit], across)
-    window.resizeDocks(below, [24 * line, 24 * line], along)
-    window.resizeDocks(below, [62 * unit, 75 * unit], across)
-
-
 class Curtain(QObject):
     """Hides the docks while the first page is shown."""
 

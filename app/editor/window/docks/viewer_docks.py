@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QWidget
 from shiboken6 import isValid
 
@@ -38,16 +39,21 @@ class ViewerDocks(QObject):
         self._evaluator = evaluator
         self._theme = theme
         self._window = window
+        self.picture_actions: tuple[QAction, ...] = ()
         self.images: dict[int, ImageViewer] = {}
         self.docks: dict[int, QDockWidget] = {}
         self.plot = PlotViewer(session, evaluator, theme)
         self.plot_dock = self._dock("Curves", "dock.curves", self.plot)
         self._viewer(1)
-        window.splitDockWidget(self.docks[1], self.plot_dock, Qt.Orientation.Horizontal)
         self.tradeoff = TradeOffView(session, evaluator, theme)
         self.tradeoff_dock = self._dock("Trade-off", "dock.tradeoff", self.tradeoff)
-        window.tabifyDockWidget(self.plot_dock, self.tradeoff_dock)
         self.tradeoff_dock.hide()
+
+    def set_picture_actions(self, *actions: QAction) -> None:
+        """Offer these actions of the window in the menus of pictures."""
+        self.picture_actions = actions
+        for viewer in self.images.values():
+            viewer.window_actions = actions
 
     def look_at(self, number: int, port: str) -> None:
         """Show what is on ``node.port`` in an image viewer, and bring that to the front."""
@@ -132,6 +138,7 @@ class ViewerDocks(QObject):
         viewer = self.images.get(number)
         if viewer is None:
             viewer = ImageViewer(self._session, self._evaluator, self._theme, number)
+            viewer.window_actions = self.picture_actions
             dock = self._dock(f"Viewer {number}", f"dock.viewer_{number}", viewer)
             if self.docks:
                 self._window.tabifyDockWidget(list(self.docks.values())[-1], dock)

@@ -1,0 +1,119 @@
+"""Named layouts: where the docks stand, and what share of the window each has.
+
+The picture comes first: by default its viewer has at least two fifths of the window, at any size,
+with the chain as a band above it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QStyle
+
+LayoutName = Literal["picture_below", "picture_beside", "canvas_first"]
+DEFAULT: LayoutName = "picture_below"
+PICTURE_SHARE = 0.42  # of the window's area, for the picture with its axes; 0.4 is promised
+_Area, _Across, _Along = Qt.DockWidgetArea, Qt.Orientation.Horizontal, Qt.Orientation.Vertical
+
+
+@dataclass(frozen=True)
+class Docks:
+    """The docks of the window, by what they hold.
+
+    Parameters
+    ----------
+    library, panels, curves, tradeoff : QDockWidget
+        One of each.
+    viewers : sequence of QDockWidget
+        Those of pictures, by number.
+    """
+
+    library: QDockWidget
+    panels: QDockWidget
+    curves: QDockWidget
+    tradeoff: QDockWidget
+    viewers: Sequence[QDockWidget]
+
+    @property
+    def all(self) -> tuple[QDockWidget, ...]:
+        """Every dock."""
+        return (self.library, self.panels, *self.viewers, self.curves, self.tradeoff)
+
+
+def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
+    """Put every dock where the layout has it; which are open stays, but those it is made of."""
+    was_open = [dock for dock in (*docks.viewers[1:], docks.tradeoff) if not dock.isHidden()]
+    for dock in docks.all:
+        dock.setFloating(False)
+        window.removeDockWidget(dock)
+    first = docks.viewers[0]
+    if layout == "picture_beside":
+        _corners(window, left=_Area.LeftDockWidgetArea, right=_Area.BottomDockWidgetArea)
+        window.addDockWidget(_Area.LeftDockWidgetArea, first)
+        window.addDockWidget(_Area.RightDockWidgetArea, docks.library)
+        window.addDockWidget(_Area.BottomDockWidgetArea, docks.curves)
+        window.splitDockWidget(docks.curves, docks.panels, _Across)
+    else:
+        _corners(window, left=_Area.BottomDockWidgetArea, right=_Area.RightDockWidgetArea)
+        window.addDockWidget(_Area.LeftDockWidgetArea, docks.library)
+        window.addDockWidget(_Area.RightDockWidgetArea, docks.panels)
+        window.addDockWidget(_Area.BottomDockWidgetArea, first)
+        way = (first, docks.curves, _Across)
+        if layout == "picture_below":
+            way = (docks.panels, docks.curves, _Along)
+        window.splitDockWidget(*way)
+    window.tabifyDockWidget(docks.curves, docks.tradeoff)
+    for before, dock in zip(docks.viewers, docks.viewers[1:], strict=False):
+        window.tabifyDockWidget(before, dock)
+    for dock in (docks.library, docks.panels, first, docks.curves, *was_open):
+        dock.show()
+    first.raise_()
+    docks.curves.raise_()
+
+
+def size(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
+    """Give each dock the layout's share of the window as large as it is now."""
+    unit, line = window.fontMetrics().averageCharWidth(), window.fontMetrics().height()
+    width, height = window.width(), window.height()
+    viewer = docks.viewers[0]
+    picture = PICTURE_SHARE * width * height
+    bars = _height_of_bars(viewer)
+    room = height - window.menuBar().height() - window.statusBar().height()
+    if layout == "picture_beside":
+        tall = room - bars
+        window.resizeDocks([viewer, docks.library], [round(picture / tall), 22 * unit], _Across)
+        below = round(0.52 * room)
+        window.resizeDocks([docks.curves, docks.panels], [below, below], _Along)
+        left = width - round(picture / tall)
+        window.resizeDocks([docks.curves, docks.panels], [round(0.5 * left)] * 2, _Across)
+        return
+    side = round(min(max(45 * unit, 0.235 * width), 90 * unit))
+    if layout == "canvas_first":
+        window.resizeDocks([docks.library, docks.panels], [26 * unit, 52 * unit], _Across)
+        window.resizeDocks([viewer, docks.curves], [24 * line] * 2, _Along)
+        window.resizeDocks([viewer, docks.curves], [62 * unit, 75 * unit], _Across)
+        return
+    tall = round(picture / (width - side)) + bars
+    window.resizeDocks([docks.library, docks.panels], [26 * unit, side], _Across)
+    window.resizeDocks([viewer], [max(tall, round(0.62 * room))], _Along)
+    shares = [round(0.55 * room), round(0.45 * room)]
+    window.resizeDocks([docks.panels, docks.curves], shares, _Along)
+
+
+def _corners(window: QMainWindow, *, left: Qt.DockWidgetArea, right: Qt.DockWidgetArea) -> None:
+    window.setCorner(Qt.Corner.BottomLeftCorner, left)
+    window.setCorner(Qt.Corner.TopLeftCorner, _Area.LeftDockWidgetArea)
+    window.setCorner(Qt.Corner.BottomRightCorner, right)
+    window.setCorner(Qt.Corner.TopRightCorner, _Area.RightDockWidgetArea)
+
+
+def _height_of_bars(viewer: QDockWidget) -> int:
+    """What a viewer's dock has above and below its picture: title, controls, status, tabs."""
+    content = viewer.widget()
+    bars = [content.bar.sizeHint().height(), content.status.sizeHint().height()]  # type: ignore[attr-defined]
+    title: int = viewer.style().pixelMetric(QStyle.PixelMetric.PM_TitleBarHeight, None, viewer)
+    tabs = 2 * viewer.fontMetrics().height()
+    return int(sum(bars) + title + tabs)

@@ -1,0 +1,292 @@
+"""The picture has the most room: by default, in windows of any size, and by one key all of it."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, QPointF, QSize, Qt
+from PySide6.QtGui import QContextMenuEvent, QImage
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMenu
+
+from app.editor.window.docks import window_layout
+from app.editor.window.docks.full_screen import FullScreenPage
+
+SIZES = [(1366, 768), (1600, 900), (1920, 1080), (2560, 1440), (3840, 2160)]
+SHARE = 0.4
+
+
+@pytest.fixture
+def opened(window, idle):
+    """The window with the network of the thesis' sensor."""
+    window.files.open_now("kodak_kir310")
+    idle(window)
+    return window
+
+
+def canvas(window, number=1):
+    return window.viewers.images[number].canvas
+
+
+def share(window):
+    """What the picture with its axes has of the window."""
+    shown = canvas(window)
+    return shown.width() * shown.height() / (window.width() * window.height())
+
+
+def drawn(window, number=1):
+    """Width and height of the picture itself on the screen, as it is drawn."""
+    view = canvas(window, number).view
+    corners = view.mapViewToScene(QPointF(0, 0)), view.mapViewToScene(QPointF(1, 1))
+    across, down = (abs(b - a) for a, b in zip(*(p.toTuple() for p in corners), strict=True))
+    facts = window.viewers.images[number].picture.facts
+    return across * facts.columns, down * facts.rows
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_the_picture_has_two_fifths_of_the_window(opened, idle, size):
+    opened.resize(*size)
+    idle(opened)
+    assert (opened.width(), opened.height()) == size
+    assert share(opened) >= SHARE
+    for part in (opened.canvas, opened.panels, opened.library_view, opened.viewers.plot):
+        assert part.isVisible()
+        assert part.height() >= 0.12 * opened.height()
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_it_has_them_from_the_start(make_window, idle, size):
+    window = make_window()
+    window.resize(*size)
+    window.files.open_now("first_steps")
+    idle(window)
+    assert share(window) >= SHARE
+
+
+def test_there_and_back_it_has_the_size_it_had(opened, idle):
+    before = canvas(opened).size()
+    for size in [(1000, 700), (2560, 1440), (1600, 900)]:
+        opened.resize(*size)
+        idle(opened)
+    assert abs(canvas(opened).width() - before.width()) <= 2
+    assert abs(canvas(opened).height() - before.height()) <= 2
+
+
+def drag_separator(window, dx):
+    """Drag the line left of the panels as a person does."""
+    start = QPoint(window.panel_dock.x() - 3, window.panel_dock.y() + 200)
+    left = Qt.MouseButton.LeftButton
+    QTest.mousePress(window, left, Qt.KeyboardModifier.NoModifier, start)
+    for step in (4, dx // 2, dx):
+        QTest.mouseMove(window, start + QPoint(step, 0))
+        QTest.qWait(30)
+    QTest.mouseRelease(window, left, Qt.KeyboardModifier.NoModifier, start + QPoint(dx, 0))
+
+
+def test_what_is_dragged_keeps_its_share_when_the_window_grows(opened, idle):
+    before = opened.panel_dock.width()
+    drag_separator(opened, -120)
+    idle(opened)
+    wide = opened.panel_dock.width()
+    assert wide == pytest.approx(before + 120, abs=8)
+    opened.resize(2400, 1350)
+    idle(opened)
+    assert opened.panel_dock.width() == pytest.approx(1.5 * wide, abs=3)
+
+
+@pytest.mark.parametrize("name", ["picture_beside", "canvas_first", "picture_below"])
+def test_each_named_layout_can_be_chosen_and_left(opened, idle, name):
+    opened.actions_by_name[name].trigger()
+    idle(opened)
+    for part in (opened.canvas, opened.panels, opened.library_view, opened.viewers.plot):
+        assert part.isVisible()
+    assert (share(opened) >= SHARE) == (name != "canvas_first")
+    opened.actions_by_name["reset_layout"].trigger()
+    idle(opened)
+    assert share(opened) >= SHARE
+    assert canvas(opened).mapTo(opened, QPoint()).y() > opened.canvas.mapTo(opened, QPoint()).y()
+
+
+def test_beside_the_chain_a_square_picture_is_larger(opened, idle):
+    below = drawn(opened)
+    opened.actions_by_name["picture_beside"].trigger()
+    idle(opened)
+    assert drawn(opened)[1] > 1.15 * below[1]
+
+
+def test_reset_brings_back_what_was_closed_and_floats(opened, idle):
+    opened.panel_dock.close()
+    opened.viewers.docks[1].setFloating(True)
+    opened.library_dock.close()
+    opened.actions_by_name["reset_layout"].trigger()
+    idle(opened)
+    assert opened.panel_dock.isVisible()
+    assert opened.library_dock.isVisible()
+    assert not opened.viewers.docks[1].isFloating()
+    assert share(opened) >= SHARE
+
+
+def test_a_window_made_anew_is_as_it_was_left(opened, make_window, idle):
+    opened.actions_by_name["picture_beside"].trigger()
+    idle(opened)
+    places = [dock.geometry() for dock in (opened.panel_dock, opened.viewers.docks[1])]
+    opened.close()
+    again = make_window()
+    again.files.open_now("kodak_kir310")
+    idle(again)
+    now = [dock.geometry() for dock in (again.panel_dock, again.viewers.docks[1])]
+    for before, after in zip(places, now, strict=True):
+        for a, b in zip(before.getRect(), after.getRect(), strict=True):
+            assert abs(a - b) <= 4
+
+
+@pytest.mark.parametrize("size", [(1366, 728), (1600, 900), (2560, 1400), (3840, 2100), (800, 600)])
+def test_a_first_window_lies_within_its_screen_and_uses_a_large_one(size):
+    first = window_layout.first_size(QSize(*size))
+    assert first.width() < size[0]
+    assert first.height() < size[1]
+    assert first.width() * first.height() >= 0.55 * size[0] * size[1]
+
+
+# --- over the whole screen ---------------------------------------------------------------------
+
+
+def page_of(window):
+    return window.findChild(FullScreenPage)
+
+
+@pytest.mark.parametrize("way_back", [Qt.Key.Key_F11, Qt.Key.Key_Escape])
+def test_a_key_shows_the_viewer_over_the_whole_screen_and_back(opened, qtbot, idle, way_back):
+    viewer = opened.viewers.images[1]
+    viewer.canvas.setFocus()
+    before = viewer.canvas.size()
+    QTest.keyClick(opened, Qt.Key.Key_F11)
+    idle(opened)
+    page = page_of(opened)
+    assert page.isFullScreen()
+    assert page.isAncestorOf(viewer)
+    assert viewer.isVisible()
+    page.activateWindow()
+    QTest.keyClick(page, way_back)
+    qtbot.waitUntil(lambda: not viewer.window().isFullScreen())
+    idle(opened)
+    assert viewer.window() is opened
+    assert opened.viewers.docks[1].widget() is viewer
+    assert viewer.canvas.size() == before
+
+
+def test_the_curves_go_over_the_whole_screen_where_they_were_used_last(opened, idle):
+    opened.viewers.plot.canvas.setFocus()
+    QTest.keyClick(opened, Qt.Key.Key_F11)
+    idle(opened)
+    assert page_of(opened).isAncestorOf(opened.viewers.plot)
+
+
+def test_closing_the_full_screen_puts_the_viewer_back(opened, idle):
+    opened.actions_by_name["full_screen"].trigger()
+    idle(opened)
+    page_of(opened).close()
+    idle(opened)
+    assert opened.viewers.images[1].window() is opened
+
+
+def test_the_window_ends_while_a_viewer_is_over_the_whole_screen(opened, idle):
+    opened.actions_by_name["full_screen"].trigger()
+    idle(opened)
+    assert opened.close()
+    assert not page_of(opened) or not page_of(opened).isVisible()
+
+
+# --- the picture in its viewer -----------------------------------------------------------------
+
+
+def test_f_over_the_picture_shows_all_of_it(opened, idle):
+    shown = canvas(opened)
+    shown.setFocus()
+    shown.zoom_by(6)
+    assert shown.zoom is not None
+    QTest.keyClick(shown, Qt.Key.Key_F)
+    idle(opened)
+    assert shown.zoom is None
+    assert shown.view.viewRect().contains(0, 0)
+
+
+def test_it_cannot_be_dragged_out_of_sight(opened, idle):
+    shown = canvas(opened)
+    view = shown.viewport()
+    middle = view.rect().center()
+    for _ in range(4):
+        QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=middle)
+        for x in range(0, 400, 50):
+            QTest.mouseMove(view, middle + QPoint(x, x // 3))
+            QTest.qWait(10)
+        QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=middle + QPoint(400, 133))
+    idle(opened)
+    facts = opened.viewers.images[1].picture.facts
+    seen = shown.view.viewRect().center()
+    assert -0.5 - 1e-6 <= seen.x() <= facts.columns - 0.5 + 1e-6
+    assert -0.5 - 1e-6 <= seen.y() <= facts.rows - 0.5 + 1e-6
+    assert not shown.fitted
+
+
+def test_pixels_have_their_shape(window, idle):
+    """486 rows are read off a square picture of 512: its pixels are higher than wide."""
+    window.files.open_now("kodak_kir310")
+    idle(window)
+    facts = window.viewers.images[1].picture.facts
+    image = window.evaluator.plan.output(window.viewers.images[1].choices.port)
+    across, down = drawn(window)
+    angle_across = facts.columns * image.interval_x_mrad
+    angle_down = facts.rows * image.interval_y_mrad
+    assert across / down == pytest.approx(angle_across / angle_down, rel=1e-3)
+    window.viewers.images[1].bar.display.shape.trigger()
+    idle(window)
+    across, down = drawn(window)
+    assert across / down == pytest.approx(facts.columns / facts.rows, rel=1e-3)
+
+
+def test_black_and_white_are_quantiles(opened):
+    viewer = opened.viewers.images[1]
+    low, high = np.quantile(viewer.picture.samples, (0.005, 0.995))
+    span = high - low
+    assert viewer.picture.levels == pytest.approx((low, high), abs=0.02 * span)
+
+
+def opened_menu(qtbot):
+    qtbot.waitUntil(lambda: isinstance(QApplication.activePopupWidget(), QMenu))
+    return QApplication.activePopupWidget()
+
+
+def test_a_right_click_opens_the_menu_of_the_picture(opened, qtbot, idle):
+    shown = canvas(opened)
+    QTest.mouseClick(shown.viewport(), Qt.MouseButton.RightButton, pos=shown.rect().center())
+    menu = opened_menu(qtbot)
+    texts = [action.text().replace("&", "").partition("\t")[0] for action in menu.actions()]
+    assert [text for text in texts if text] == [
+        *("Fit", "One Sample, One Dot", "Copy Picture", "Display", "Compare"),
+        *("Full Screen", "Export…"),
+    ]
+    copied = next(action for action in menu.actions() if "Copy" in action.text())
+    copied.trigger()
+    menu.close()
+    image = QApplication.clipboard().image().convertToFormat(QImage.Format.Format_Grayscale8)
+    grey = opened.viewers.images[1].picture.grey
+    assert (image.width(), image.height()) == (grey.shape[1], grey.shape[0])
+    assert image.pixelColor(100, 37).red() == grey[37, 100]
+
+
+def test_the_key_for_menus_opens_it_too(opened, qtbot):
+    shown = canvas(opened)
+    middle = shown.rect().center()
+    reason = QContextMenuEvent.Reason.Keyboard
+    QApplication.sendEvent(shown, QContextMenuEvent(reason, middle, shown.mapToGlobal(middle)))
+    menu = opened_menu(qtbot)
+    assert menu.objectName() == "picture_menu"
+    menu.close()
+
+
+def test_a_narrow_plot_has_its_legend_below(opened, idle):
+    plot = opened.viewers.plot
+    assert plot.list.geometry().top() > plot.canvas.geometry().center().y()
+    assert plot.canvas.width() > 0.9 * plot.width()
+    opened.actions_by_name["canvas_first"].trigger()
+    idle(opened)
+    assert plot.list.geometry().left() > plot.canvas.geometry().center().x()
