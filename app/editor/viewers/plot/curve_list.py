@@ -33,7 +33,7 @@ class CurveList(QListWidget):
         self.setAccessibleName("Curves that are shown")
         width = self.fontMetrics().averageCharWidth()
         self.setIconSize(QSize(3 * width, self.fontMetrics().height()))
-        self.setTextElideMode(Qt.TextElideMode.ElideRight)
+        self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setItemDelegate(OutlinedItems(self))
         self.itemChanged.connect(self._item_changed)
@@ -53,7 +53,10 @@ class CurveList(QListWidget):
         pen: Callable[[str], QPen],
         note: str = "",
     ) -> None:
-        """Show these entries, ticked where they are among `shown`; a note stands above them."""
+        """Show these entries, products first, ticked where they are among `shown`.
+
+        A note stands above them.
+        """
         ticked = set(shown)
         self.blockSignals(True)
         row = self.currentRow()
@@ -63,7 +66,7 @@ class CurveList(QListWidget):
             heading.setToolTip(tip(note))
             heading.setFlags(Qt.ItemFlag.ItemIsEnabled)
             self.addItem(heading)
-        for entry in entries:
+        for entry in sorted(entries, key=lambda entry: not entry.total):
             item = QListWidgetItem(self._icon(pen(entry.name)), entry.title)
             item.setData(_NAME, entry.name)
             item.setToolTip(entry.title)
