@@ -51,6 +51,7 @@ class SaveDialog(QFileDialog):
         box.setDefaultButton(cancel)
         box.setEscapeButton(cancel)
         replace.clicked.connect(lambda: self._agree(file))
+        box.finished.connect(self._forget_question)  # before it is deleted
         box.finished.connect(box.deleteLater)
         self._question = box
         box.setModal(False)
@@ -60,6 +61,9 @@ class SaveDialog(QFileDialog):
     def _agree(self, file: str) -> None:
         self._agreed = file
         self.accept()
+
+    def _forget_question(self) -> None:
+        self._question = None
 
     def _drop_question(self) -> None:
         box, self._question = self._question, None

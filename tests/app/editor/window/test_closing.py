@@ -1,8 +1,16 @@
 """Closing the window: it ends, or it asks and stays as alive as before."""
 
 import pytest
+from PySide6.QtCore import QCoreApplication, QEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMessageBox, QPushButton
+from PySide6.QtWidgets import (
+    QApplication,
+    QDialog,
+    QFileDialog,
+    QLineEdit,
+    QMessageBox,
+    QPushButton,
+)
 
 from app.editor.recovery.recovery_files import recoverable
 from core.editing.fields import set_parameter
@@ -262,7 +270,9 @@ def test_the_question_to_replace_a_file_is_not_in_the_way(
 def test_a_file_is_replaced_only_once_that_is_agreed(window, replacing, qtbot):
     add(window, "test_scene")
     dialog, box, other = replacing()
+    give_focus(box.findChild(QPushButton, "cancel"))
     QTest.keyClick(box, KEY.Key_Escape)
+    assert not box.isVisible()
     assert dialog.isVisible()
     assert other.read_text() == "mine"
     dialog.accept()  # asks anew
@@ -270,6 +280,26 @@ def test_a_file_is_replaced_only_once_that_is_agreed(window, replacing, qtbot):
     box.findChild(QPushButton, "replace").click()
     assert not dialog.isVisible()
     assert "test_scene" in other.read_text()
+
+
+@pytest.mark.parametrize("way", ["another name", "cancel"])
+def test_a_file_that_is_not_replaced_leaves_a_dialog_that_works(window, replacing, way):
+    add(window, "test_scene")
+    dialog, box, other = replacing()
+    give_focus(box.findChild(QPushButton, "cancel"))
+    QTest.keyClick(box, KEY.Key_Escape)
+    assert not box.isVisible()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)  # as Qt's loop does
+    edit = dialog.findChild(QLineEdit, "fileNameEdit")
+    give_focus(edit)
+    if way == "another name":
+        edit.setText(str(other.with_name("new.json")))
+        QTest.keyClick(edit, KEY.Key_Return)
+        assert "test_scene" in other.with_name("new.json").read_text()
+    else:
+        QTest.keyClick(edit, KEY.Key_Escape)
+    assert not dialog.isVisible()
+    assert other.read_text() == "mine"
 
 
 def test_an_export_asks_before_it_replaces_a_file_too(window, replacing, qtbot):
