@@ -17,6 +17,7 @@ from app.editor.recovery.autosaving import Autosaver
 from app.editor.session import Session
 from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.figures.figures_strip import FiguresStrip
+from app.editor.widgets.second_click import SecondClick
 from app.editor.window.actions.action_targets import targets
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.focus import go_to_next
@@ -68,6 +69,7 @@ class MainWindow(QMainWindow):
         self._remembered = remembered
         self._ended = self._docks_remembered = self._docks_sized = False
         self._first_look_due = False
+        self._second_click = SecondClick(self)
         self._build(library)
         self.files = Files(self.session, settings, self)
         self.edits = EditCommands(self.session, self.canvas, self)
@@ -132,6 +134,8 @@ class MainWindow(QMainWindow):
 
     def show_canvas(self) -> None:
         """Show the network."""
+        if self.pages.currentWidget() is self.welcome:
+            self._second_click.drop()
         self.pages.setCurrentWidget(self._work_page)
         self.curtain.open()
         if not self._docks_sized:
@@ -332,4 +336,3 @@ class MainWindow(QMainWindow):
 
     def _discard(self, work: object) -> None:
         self.recovery.discard(work)
-        self.show_welcome()

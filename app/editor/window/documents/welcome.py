@@ -164,6 +164,9 @@ class WelcomePage(QScrollArea):
             button.setAccessibleName(f"{text} {name} of {when}")
             button.clicked.connect(partial(signal.emit, work))
             layout.addWidget(button)
+        # It stays where it is: a second click must not throw away the work that moves up.
+        button.clicked.connect(lambda: row.setDisabled(True))
+        button.clicked.connect(lambda: about.setText(f"{name}, {when}: discarded"))
         return row
 
 
