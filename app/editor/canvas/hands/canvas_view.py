@@ -24,6 +24,7 @@ from PySide6.QtWidgets import QGraphicsView, QWidget
 
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.nodegraphqt import NodeViewer
+from app.editor.widgets.copied_drop import accept_copy
 
 SMALLEST_ZOOM, LARGEST_ZOOM = 0.1, 4.0  # of the natural zoom
 _GRID = 24.0
@@ -314,7 +315,7 @@ class GraphView(NodeViewer):
     def dragMoveEvent(self, event: QDragMoveEvent) -> None:
         """Take what the handler takes."""
         if self.handler is not None and self.handler.drag_over(event):
-            event.acceptProposedAction()
+            accept_copy(event)
         else:
             event.ignore()
 
@@ -327,6 +328,6 @@ class GraphView(NodeViewer):
     def dropEvent(self, event: QDropEvent) -> None:
         """Give it to the handler."""
         if self.handler is not None and self.handler.drop(event):
-            event.acceptProposedAction()
+            accept_copy(event)
         else:
             event.ignore()

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.session import Session
+from app.editor.widgets.copied_drop import accept_copy
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.opening import is_network_file
 from core.editing.fields import set_parameter
@@ -38,7 +39,7 @@ class Drops(QObject):
             return False
         paths = dropped_files(event.mimeData())
         if paths:
-            event.acceptProposedAction()
+            accept_copy(event)
             if event.type() == QEvent.Type.Drop:
                 self.files(paths, self._canvas.cursor_point())
         return bool(paths)

@@ -7,14 +7,15 @@ import sys
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
 
 from app.editor.recovery.recovery_files import recoverable
 from app.run.shipped import shipped_networks
 from child_process import finished
-from window_hands import CTRL, KEY, SHIFT, WindowHands, add, answer, give_focus
+from window_hands import CTRL, KEY, SHIFT, WindowHands, add, answer, drag_event, give_focus
 
 _BUTTON = QMessageBox.StandardButton
 
@@ -162,9 +163,24 @@ def test_a_file_dropped_in_a_type_in_does_not_become_its_text(window, hand, file
     assert field.text() == ""
 
 
-def test_what_is_no_file_is_not_taken(window, hand):
-    from PySide6.QtCore import QMimeData
+@pytest.mark.parametrize("part", ["canvas", "window"])
+def test_a_file_is_not_taken_from_where_it_lies(window, hand, files, part):
+    """A file manager proposes a move within a disk, as Shift does, and deletes what was moved."""
+    widget = window.canvas.view.viewport() if part == "canvas" else window
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(files / "scene.npy"))])
+    copy, move = Qt.DropAction.CopyAction, Qt.DropAction.MoveAction
+    left, shift = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier
+    for kind in (QDragEnterEvent, QDragMoveEvent, QDropEvent):
+        event = drag_event(kind, QPoint(50, 50), copy | move, data, left, shift)
+        assert event.proposedAction() == move
+        QApplication.sendEvent(widget, event)
+        assert event.isAccepted()
+        assert event.dropAction() == copy
+    assert [node.module for node in window.session.network.nodes.values()] == ["read_image"]
 
+
+def test_what_is_no_file_is_not_taken(window, hand):
     data = QMimeData()
     data.setText("just words")
     assert not hand.drop(window.welcome.viewport(), QPoint(5, 5), data)
