@@ -148,6 +148,10 @@ class Canvas(QWidget):
         """Open the list of wires the selected nodes could have, or lose."""
         self.adding.connect_selected()
 
+    def finish_typing(self) -> None:
+        """Take what was typed and not taken yet, as before saving."""
+        self.title_editor.finish()
+
     def selected_link(self) -> Link | None:
         """The link of the selected wire."""
         return self.marks.link

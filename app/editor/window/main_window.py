@@ -157,6 +157,11 @@ class MainWindow(QMainWindow):
             self._end()
             event.accept()
 
+    def finish_typing(self) -> None:
+        """Take what was typed and not taken yet, wherever that is."""
+        self.canvas.finish_typing()
+        self.panels.finish_typing()
+
     def stop(self) -> ImagechainError | None:
         """Close because the process has to end: unsaved work stays to be recovered.
 
@@ -164,7 +169,7 @@ class MainWindow(QMainWindow):
         """
         if self._ended:  # it may be called again before the process has ended
             return None
-        self.panels.finish_typing()
+        self.finish_typing()
         problem = self.autosaver.keep()
         self.close_for_good()
         return problem
@@ -245,7 +250,7 @@ class MainWindow(QMainWindow):
         session.state_changed.connect(self._follow_state)
         session.selection_changed.connect(self._follow_selection)
         self.files.opened.connect(self.show_canvas)
-        self.files.about_to_save.connect(self.panels.finish_typing)
+        self.files.about_to_save.connect(self.finish_typing)
         self.autosaver.failed.connect(self._warn)
         evaluator.badges_changed.connect(self._badges_changed)
         evaluator.busy_changed.connect(self.status.show_busy)

@@ -49,6 +49,11 @@ class TitleEditor(QLineEdit):
         self.raise_()
         self.setFocus(Qt.FocusReason.PopupFocusReason)
 
+    def finish(self) -> None:
+        """Take what has been typed so far, as before saving."""
+        if self._index is not None:
+            self._take()
+
     def dismiss(self) -> None:
         """Stop without taking anything."""
         self._index = None

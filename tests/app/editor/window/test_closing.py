@@ -1,5 +1,7 @@
 """Closing the window: it ends, or it asks and stays as alive as before."""
 
+import json
+
 import pytest
 from PySide6.QtCore import QCoreApplication, QEvent
 from PySide6.QtTest import QTest
@@ -132,6 +134,41 @@ def test_what_is_being_typed_counts_as_work(window, hand, qtbot, idle):
     type_sigma(window, name, "0.75")
     assert not window.close()
     assert len(questions(window)) == 1
+
+
+def test_a_title_that_is_being_typed_counts_as_work(titling, qtbot, tmp_path):
+    assert not titling.close()
+    assert len(questions(titling)) == 1
+    answer(qtbot, titling, _BUTTON.Save)
+    qtbot.waitUntil(lambda: not titling.isVisible())
+    assert title_in(tmp_path / "mine.json") == "Front"
+
+
+def test_a_title_that_is_being_typed_is_saved(titling, hand, tmp_path):
+    QTest.keyClick(titling.canvas.title_editor, KEY.Key_S, CTRL)
+    assert title_in(tmp_path / "mine.json") == "Front"
+    assert not titling.isWindowModified()
+
+
+@pytest.fixture
+def titling(window, hand, tmp_path):
+    """A saved network of one backdrop, whose title is typed and not entered yet."""
+    window.session.select([add(window, "test_scene")])
+    window.edits.backdrop()
+    window.session.save(tmp_path / "mine.json")
+    hand.key(KEY.Key_Up, CTRL)  # from the node to the backdrop's title
+    hand.key(KEY.Key_Return)
+    title = window.canvas.title_editor
+    assert title.isVisible()
+    give_focus(title)
+    title.selectAll()
+    QTest.keyClicks(title, "Front")
+    return window
+
+
+def title_in(path):
+    (ground,) = json.loads(path.read_text())["backdrops"]
+    return ground["title"]
 
 
 def type_sigma(window, name, text):
@@ -344,6 +381,12 @@ def test_told_to_end_it_keeps_what_is_being_typed(window, hand, idle, tmp_path):
     window.stop()
     (left,) = (tmp_path / "recovery").glob("*.recovery")
     assert b"0.75" in left.read_bytes()
+
+
+def test_told_to_end_it_keeps_a_title_that_is_being_typed(titling, tmp_path):
+    titling.stop()
+    (left,) = (tmp_path / "recovery").glob("*.recovery")
+    assert b"Front" in left.read_bytes()
 
 
 def test_told_to_end_it_says_what_could_not_be_kept(make_window, tmp_path):
