@@ -67,12 +67,15 @@ class Evaluator(QObject):
         A `Busy` while a pass takes long, None when it has ended.
     pass_done(done)
         A `PassDone`.
+    behind_changed(behind)
+        Whether something is shown as it was before the last changes, since `cancel`.
     """
 
     answered = Signal(object)
     badges_changed = Signal(object)
     busy_changed = Signal(object)
     pass_done = Signal(object)
+    behind_changed = Signal(bool)
 
     def __init__(
         self,
@@ -108,6 +111,7 @@ class Evaluator(QObject):
         self._badges: Mapping[str, Badge] = {}
         self._shown_badges: dict[str, Badge] = {}
         self._busy: Busy | None = None
+        self._behind = False
         self._closed = False
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._post)
@@ -257,7 +261,9 @@ class Evaluator(QObject):
             self._plan = news.plan
         if news.badges is not None:
             self._badges = news.badges
-        self._finished = max(self._finished, news.finished)
+        if news.finished > self._finished:
+            self._finished = news.finished
+            self._set_behind(news.unanswered)
         for answer in news.answers:
             self._pass_on(answer)
         if self.idle:
@@ -293,6 +299,11 @@ class Evaluator(QObject):
         if busy != self._busy:
             self._busy = busy
             self.busy_changed.emit(busy)
+
+    def _set_behind(self, behind: bool) -> None:
+        if behind != self._behind:
+            self._behind = behind
+            self.behind_changed.emit(behind)
 
     def _emit_badges(self) -> None:
         shown = dict(self._badges)

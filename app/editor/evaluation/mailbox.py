@@ -131,6 +131,7 @@ class News:
     answers: tuple[Answer, ...] = ()
     done: tuple[PassDone, ...] = ()
     finished: int = 0
+    unanswered: bool = False
 
 
 class Outbox:
@@ -185,10 +186,10 @@ class Outbox:
             self._set(done=(*self._news.done, done))
         self._notify()
 
-    def finished(self, generation: int) -> None:
-        """Deliver that nothing is left to do up to that generation."""
+    def finished(self, generation: int, *, unanswered: bool) -> None:
+        """Deliver that nothing is left to do up to that generation; the rest is given up."""
         with self._lock:
-            self._set(finished=generation)
+            self._set(finished=generation, unanswered=unanswered)
         self._notify()
 
     def take(self) -> News:
@@ -198,7 +199,7 @@ class Outbox:
             news, answers = self._news, tuple(self._answers.values())
             self._news = News(news.document)
             self._answers.clear()
-        return News(news.document, news.plan, news.badges, answers, news.done, news.finished)
+        return replace(news, answers=answers)
 
     def _set(self, **changes: Any) -> None:
         self._news = replace(self._news, **changes)

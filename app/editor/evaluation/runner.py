@@ -92,7 +92,7 @@ class Runner:
             self._send_badges()
             self._settle(snapshot)
             self._answer_waiting(snapshot)
-            self._outbox.finished(snapshot.generation)
+            self._finish(snapshot)
 
     def _task(self, snapshot: Snapshot, plan: Plan) -> Task:
         """The pass over full pictures, and the preview before it if there is to be one."""
@@ -141,7 +141,10 @@ class Runner:
             if self._sent.is_due(request, key := ("no answer", str(error))):
                 self._send(Due(request, key), snapshot, error=error)
         self._outbox.done(PassDone(snapshot.generation, time.perf_counter() - start))
-        self._outbox.finished(snapshot.generation)
+        self._finish(snapshot)
+
+    def _finish(self, snapshot: Snapshot) -> None:
+        self._outbox.finished(snapshot.generation, unanswered=self._sent.has_given_up)
 
     def _preview(self, task: Task) -> bool:
         """Answer from pictures of reduced size first if the full ones take long.

@@ -60,6 +60,11 @@ class SentAnswers:
         """Note an answer."""
         self._sent[request] = sent
 
+    @property
+    def has_given_up(self) -> bool:
+        """Whether something that is wanted is left unanswered."""
+        return bool(self._given_up)
+
     def give_up(self, requests: Collection[Request]) -> None:
         """Leave these unanswered until there is an edit."""
         self._given_up.update(requests)

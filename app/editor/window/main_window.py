@@ -254,6 +254,7 @@ class MainWindow(QMainWindow):
         self.autosaver.failed.connect(self._warn)
         evaluator.badges_changed.connect(self._badges_changed)
         evaluator.busy_changed.connect(self.status.show_busy)
+        evaluator.behind_changed.connect(self.status.show_behind)
         evaluator.pass_done.connect(self._pass_done)
         self.status.cancel_wanted.connect(evaluator.cancel)
         self.library_view.chosen.connect(self.drops.add_module)

@@ -42,7 +42,10 @@ class StatusBar(QStatusBar):
         self._cancel.setToolTip("Stop the computation (Esc)")
         self._cancel.clicked.connect(self.cancel_wanted)
         self.addWidget(self._error, 1)
-        for widget in (self._where, self._progress, self._cancel):
+        self._behind = QLabel("stopped: shows what it had before; Ctrl+Enter computes it", self)
+        self._behind.setObjectName("status.behind")
+        self._behind.hide()
+        for widget in (self._behind, self._where, self._progress, self._cancel):
             self.addPermanentWidget(widget)
         self.show_busy(None)
         self.set_theme(theme)
@@ -82,7 +85,12 @@ class StatusBar(QStatusBar):
             self._progress.setRange(0, max(busy.wanted, 1))
             self._progress.setValue(busy.done)
 
+    def show_behind(self, behind: bool) -> None:
+        """Say that what is shown is older than the network, or stop saying so."""
+        self._behind.setVisible(behind)
+
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self._theme = theme
         self._error.setStyleSheet(f"color: {theme.error};")
+        self._behind.setStyleSheet(f"color: {theme.badges['stale']};")

@@ -225,6 +225,28 @@ def test_cancelling_stops_the_pass_until_the_next_edit(evaluator, answers, small
     assert not done[-1].cancelled
 
 
+def test_what_was_stopped_is_said_to_be_behind_until_it_is_computed(
+    evaluator, small, settled, qtbot
+):
+    gate, changes = Gate(), []
+    evaluator.behind_changed.connect(changes.append)
+    evaluator.ask("viewer", [FINAL])
+    settled()
+    assert changes == []
+    evaluator.ask("panel", [Asking(gate)])
+    qtbot.waitUntil(gate.entered.is_set)
+    evaluator.cancel()
+    settled()
+    assert changes == [True]
+    evaluator.ask("other", [Samples("back.image")])
+    settled()
+    assert changes == [True], "what was stopped is still behind"
+    gate.opened.set()
+    evaluator.generate()
+    settled()
+    assert changes == [True, False]
+
+
 def test_generating_takes_up_what_was_cancelled(evaluator, answers, small, settled, qtbot):
     gate = Gate()
     evaluator.ask("panel", [Asking(gate)])

@@ -15,6 +15,7 @@ from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
 from core.editing.fields import set_parameter
 from core.evaluation.policy import Policy
+from editor_queries import Asking, Gate
 from window_hands import CTRL, KEY, WindowHands, add, give_focus
 
 NONE = Qt.KeyboardModifier.NoModifier
@@ -264,6 +265,23 @@ def test_a_value_out_of_range_is_marked_refused_and_explained(window, hand, qtbo
     hand.key(KEY.Key_Escape)
     assert not edit.marked
     assert edit.text() == "0.02"
+
+
+def test_what_escape_left_uncomputed_is_said_until_it_is_computed(window, hand, idle, qtbot):
+    """What is shown then is of the network before the last change, and looks as if it were not."""
+    said, gate = window.findChild(QWidget, "status.behind"), Gate()
+    assert not said.isVisible()
+    window.evaluator.ask("test", [Asking(gate)])
+    qtbot.waitUntil(gate.entered.is_set)
+    hand.focus()
+    hand.key(KEY.Key_Escape)
+    qtbot.waitUntil(said.isVisible)
+    window.session.message.emit("note", "saved")
+    assert said.isVisible()
+    gate.opened.set()
+    hand.key(KEY.Key_Return, CTRL)
+    idle(window)
+    assert not said.isVisible()
 
 
 def test_pinned_panels_are_kept_in_the_file_and_there_again(window, hand, idle, tmp_path):
