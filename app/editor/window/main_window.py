@@ -126,6 +126,13 @@ class MainWindow(QMainWindow):
         self.settings.look = look
         self.set_theme(THEMES[look])
 
+    def open_first(self, text: str) -> None:
+        """Open a network in place of the first page, and say what is offered there."""
+        if self.files.open_now(text) and (left := self.recovery.unsaved_work()):
+            names = dict.fromkeys(each.original.name if each.original else "" for each in left)
+            of = ", ".join(name or "a network never saved" for name in names)
+            self._warn(f"unsaved work was left behind, of {of}: see File > Welcome Page")
+
     def show_welcome(self) -> None:
         """Show the first page."""
         self.welcome.show_lists(self.settings.recent, self.recovery.unsaved_work())

@@ -57,7 +57,7 @@ def start(options: Options, stop_requested: threading.Event) -> None:
     if options.window_size is not None:
         window.resize(*options.window_size)
     if options.network:
-        window.files.open_now(options.network)
+        window.open_first(options.network)
     sys.excepthook = _Reporter(window)
     app.commitDataRequest.connect(lambda _manager: window.autosaver.write())
     ending = _Ending(window, stop_requested)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QLabel, QProgressBar, QPushButton, QStatusBar, QWidget
 
 from app.editor.theme import Theme
@@ -59,14 +60,21 @@ class StatusBar(QStatusBar):
         """Show a "note" or an "error"."""
         if kind == "error":
             self.clearMessage()
-            width = max(self.width() - self.fontMetrics().averageCharWidth() * 40, 200)
-            elided = self.fontMetrics().elidedText(text, _ELIDE, width)
-            self._error.setText(elided)
             self._error.setToolTip(text)
+            self._elide_error()
             self._error.show()
         else:
             self.forget_error()
             self.showMessage(text, NOTE_MS)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Show as much of the error as there is room for."""
+        super().resizeEvent(event)
+        self._elide_error()
+
+    def _elide_error(self) -> None:
+        width = max(self.width() - self.fontMetrics().averageCharWidth() * 40, 200)
+        self._error.setText(self.fontMetrics().elidedText(self.error, _ELIDE, width))
 
     def forget_error(self) -> None:
         """Clear the error."""

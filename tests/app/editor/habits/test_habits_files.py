@@ -12,9 +12,10 @@ from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox, QPushButton
 
-from app.editor.recovery.recovery_files import recoverable
+from app.editor.recovery.recovery_files import Autosave, recoverable
 from app.run.shipped import shipped_networks
 from child_process import finished
+from core.editing.document import Document
 from window_hands import CTRL, KEY, SHIFT, WindowHands, add, answer, drag_event, give_focus
 
 _BUTTON = QMessageBox.StandardButton
@@ -280,25 +281,45 @@ def test_another_process_sees_only_what_the_dead_have_left(window, hand, qtbot, 
     assert list(folder.glob("*.recovery")), "it was left alone"
 
 
-def test_recovered_work_is_offered_opened_and_modified(make_window, qtbot, tmp_path):
-    from app.editor.recovery.recovery_files import Autosave
-    from core.editing.document import Document
-
+@pytest.fixture
+def left_behind(make_window, tmp_path):
+    """The recovery file of a process that is no more."""
     window = make_window()
     add(window, "test_scene")
     library = window.session.library
     document = Document(window.session.network, library=library, saved=False)
-    kept = Autosave(document, tmp_path / "recovery")
-    kept.write_if_changed()
-    kept._lock.let_go()  # its process is dead
-    text = json.loads(kept.path.read_text())
-    kept.path.write_text(json.dumps({**text, "pid": 2**22 + 1, "started": "another boot:1"}))
+    autosave = Autosave(document, tmp_path / "recovery")
+    autosave.write_if_changed()
+    autosave._lock.let_go()  # its process is dead
+    text = json.loads(autosave.path.read_text())
+    autosave.path.write_text(json.dumps({**text, "pid": 2**22 + 1, "started": "another boot:1"}))
+    return autosave.path
+
+
+def test_recovered_work_is_offered_opened_and_modified(left_behind, make_window, qtbot):
     again = make_window()
     button = again.findChild(QPushButton, "welcome.recover")
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
     assert list(again.session.network.nodes) == ["test_scene"]
     assert again.isWindowModified()
-    qtbot.waitUntil(lambda: not kept.path.exists())
+    qtbot.waitUntil(lambda: not left_behind.exists())
+
+
+def test_left_work_is_said_where_a_network_is_opened_at_the_start(left_behind, make_window, qtbot):
+    again = make_window()
+    again.resize(500, 400)
+    again.open_first("first_steps")
+    assert "unsaved work was left behind" in again.status.error
+    assert "never saved" in again.status.error
+    again.resize(1600, 900)
+    qtbot.waitUntil(lambda: again.status._error.text() == again.status.error)
+    assert left_behind.exists()
+
+
+def test_nothing_is_said_where_nothing_was_left(make_window):
+    window = make_window()
+    window.open_first("first_steps")
+    assert window.status.error == ""
 
 
 # --- the layout --------------------------------------------------------------------------------
