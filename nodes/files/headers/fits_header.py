@@ -2,7 +2,8 @@
 
 Source: FITS Working Group of the IAU, Definition of the Flexible Image Transport System 4.0 (2018),
 sections 4.1.2 (value indicator: an equal sign and a blank), 4.2 (values; D as the sign of an
-exponent), 4.4.1 (BITPIX, NAXIS), 4.4.2.5 (BSCALE, BZERO, BLANK) and appendix J (DATASUM, CHECKSUM).
+exponent), 4.4.1 (SIMPLE, BITPIX, NAXIS), 4.4.2.5 (BSCALE, BZERO, BLANK) and appendix J (DATASUM,
+CHECKSUM).
 """
 
 from __future__ import annotations
@@ -25,8 +26,10 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EDed][-+]?\d+)?")
 _TEXT = re.compile(r"'((?:[^']|'')*)'")
 
 # Those that define what the samples are.
-_NUMBERS = ("BITPIX", "NAXIS", "NAXIS1", "NAXIS2", "NAXIS3", "BSCALE", "BZERO", "BLANK")
-_USED = (*_NUMBERS, "DATASUM")
+_MOST_AXES = 4
+_AXES = tuple(f"NAXIS{number}" for number in range(1, _MOST_AXES + 1))
+_NUMBERS = ("BITPIX", "NAXIS", *_AXES, "BSCALE", "BZERO", "BLANK")
+_USED = (*_NUMBERS, "SIMPLE", "DATASUM")
 _START, _EXTENSION = b"SIMPLE  =", b"XTENSION"
 _BITPIX = ("8", "16", "32", "-32", "-64")
 
@@ -99,8 +102,8 @@ def refuse_unsupported(path: Path) -> None:
     Raises
     ------
     FileError
-        There is none in it, as where pictures are in extensions; its samples are of another type;
-        or as of `read_fits_header`.
+        There is none in it, as where pictures are in extensions; it departs from the standard; its
+        samples are of another type, or lie along more than three axes; or as of `read_fits_header`.
     """
     try:
         with path.open("rb") as file:
@@ -111,6 +114,13 @@ def refuse_unsupported(path: Path) -> None:
             extension = file.read(len(_EXTENSION)) == _EXTENSION
     except OSError as error:
         raise FileError(f"{path}: {error.strerror or error}") from error
+    simple = header.cards.get("SIMPLE", "")
+    if simple != "T":
+        # Which rule of the standard is not kept is written nowhere: any sample may mean another.
+        raise FileError(
+            f"{path}: SIMPLE = {simple:.40}, so this file does not follow the FITS standard and "
+            "its samples may mean anything; allowed: T"
+        )
     if header.cards.get("NAXIS") == "0":
         where = ", only its extensions hold data" if extension else ""
         remedy = ": save the extension as a file of its own" if extension else ""
@@ -121,6 +131,34 @@ def refuse_unsupported(path: Path) -> None:
     bits = header.cards.get("BITPIX", "")
     if bits not in _BITPIX:
         raise FileError(f"{path}: BITPIX = {bits:.40}; allowed: {', '.join(_BITPIX)}")
+    _check_axes(header)
+
+
+def _check_axes(header: FitsHeader) -> None:
+    """Refuse axes that do not span the planes of one picture.
+
+    The library reads a size up to the first character that is no digit, and clamps a large one.
+    """
+    axes = _whole(header, "NAXIS", 1, _MOST_AXES)
+    sizes = {key: _whole(header, key, 1) for key in _AXES[:axes]}
+    if all(sizes.get(key, 1) > 1 for key in _AXES[2:]):
+        shape = ", ".join(f"{key} = {size}" for key, size in sizes.items())
+        raise FileError(
+            f"{header.path}: {shape}: this FITS file holds a cube of cubes; allowed: "
+            f"{' or '.join(_AXES[2:])} = 1, so that a band is a plane along the other"
+        )
+
+
+def _whole(header: FitsHeader, key: str, low: int, high: int | None = None) -> int:
+    text = header.cards.get(key)
+    if text is None:
+        raise FileError(f"{header.path}: this FITS header is damaged: {key} is missing")
+    if not re.fullmatch(r"\+?\d{1,20}", text) or int(text) < low or int(text) > (high or math.inf):
+        upper = "" if high is None else f" to {high}"
+        raise FileError(
+            f"{header.path}: {key} = {text:.40}; allowed: a whole number from {low}{upper}"
+        )
+    return int(text)
 
 
 def _header(path: Path, cards: dict[str, str], length: int) -> FitsHeader:

@@ -240,6 +240,36 @@ EXTENSION = fits([("XTENSION", "'IMAGE   '"), *CARDS[1:]], STORED.tobytes())
             fits([("SIMPLE", "T"), ("BITPIX", 64), *CARDS[2:]], STORED.astype(">i8").tobytes()),
             "BITPIX = 64; allowed: 8, 16, 32, -32, -64",
         ),
+        (
+            fits([("SIMPLE", "F"), *CARDS[1:]], STORED.tobytes()),
+            "SIMPLE = F, so this file does not follow the FITS standard and its samples may mean "
+            "anything; allowed: T",
+        ),
+        (
+            fits([*CARDS[:2], ("NAXIS", 2), ("NAXIS1", "3.9"), CARDS[4]], STORED.tobytes()),
+            "NAXIS1 = 3.9; allowed: a whole number from 1",
+        ),
+        (
+            fits([*CARDS[:3], ("NAXIS1", 0), CARDS[4]], STORED.tobytes()),
+            "NAXIS1 = 0; allowed: a whole number from 1",
+        ),
+        (fits(CARDS[:4], STORED.tobytes()), "this FITS header is damaged: NAXIS2 is missing"),
+        (
+            fits([*CARDS[:2], ("NAXIS", 5), *CARDS[3:]], STORED.tobytes()),
+            "NAXIS = 5; allowed: a whole number from 1 to 4",
+        ),
+        (
+            fits([*CARDS[:2], ("NAXIS", 4), *CARDS[3:], ("NAXIS3", 2), ("NAXIS4", 3)], bytes(72)),
+            "NAXIS1 = 3, NAXIS2 = 2, NAXIS3 = 2, NAXIS4 = 3: this FITS file holds a cube of cubes; "
+            "allowed: NAXIS3 or NAXIS4 = 1",
+        ),
+        (
+            fits(
+                [*CARDS[:2], ("NAXIS", 4), *CARDS[3:], ("NAXIS3", 1), ("NAXIS4", 2), ("NAXIS4", 1)],
+                bytes(24),
+            ),
+            "NAXIS4 stands twice, as 2 and as 1; allowed: once",
+        ),
     ],
 )
 def test_fits_without_a_picture_that_can_be_read(tmp_path, content, words):
@@ -247,6 +277,18 @@ def test_fits_without_a_picture_that_can_be_read(tmp_path, content, words):
     for read in (read_info, read_pixels):
         with pytest.raises(FileError, match=re.escape(words)):
             read(tmp_path / "a.fits")
+
+
+@pytest.mark.parametrize("depths", [(3,), (3, 1), (1, 3)])
+def test_the_planes_of_a_fits_cube_are_its_bands(tmp_path, depths):
+    """Along the third axis or along the fourth, as cubes with a Stokes axis have it."""
+    cube = np.arange(18, dtype=">i2").reshape(3, 2, 3)
+    axes = [("NAXIS", 2 + len(depths)), *CARDS[3:]]
+    axes += [(f"NAXIS{number}", size) for number, size in enumerate(depths, 3)]
+    (tmp_path / "a.fits").write_bytes(fits([*CARDS[:2], *axes], cube.tobytes()))
+    assert read_info(tmp_path / "a.fits").bands == 3
+    for band in range(3):
+        assert np.array_equal(read_pixels(tmp_path / "a.fits", band), cube[band, ::-1])
 
 
 def test_a_picture_before_extensions_is_read(tmp_path):
