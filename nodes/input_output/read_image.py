@@ -113,6 +113,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
                     channels=info.channels,
                     not_applied=info.not_applied,
                     unit_named=bool(info.unit),
+                    bands=1 if spectral else info.bands,
                 ),
             )
         )
@@ -163,6 +164,17 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         return Caution(
             f"colour picture: channel {read} of {', '.join(channels)} is read",
             f"band chooses another one, 0 to {len(channels) - 1}",
+        )
+
+    @warning
+    def one_band(self, outputs: ImageOutput, given: frozenset[str]) -> Caution | None:
+        """A cube of bands, planes or frames, of which one is read that nobody has chosen."""
+        header = outputs.image.header
+        if header.bands < 2 or header.channels or "band" in given:
+            return None
+        return Caution(
+            f"the file holds {header.bands} bands: band {self.band} is read",
+            f"band chooses another one, 0 to {header.bands - 1}",
         )
 
     @readout("samples")

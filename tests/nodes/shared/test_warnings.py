@@ -122,6 +122,7 @@ CASES = {
 }
 BY_HAND = {  # need what only a file tells
     ("read_image", "numbers_without_unit"),
+    ("read_image", "one_band"),
     ("read_image", "one_channel"),
     ("read_image", "radiance"),
     ("read_image", "as_stored"),
@@ -224,6 +225,7 @@ KELVIN = frame(290.0, 8.0)
 LWIR = {"cut_on_um": 8.0, "cut_off_um": 14.0}
 MWIR = {"cut_on_um": 3.0, "cut_off_um": 5.0}
 VISIBLE = {"cut_on_um": 0.4, "cut_off_um": 0.7}
+BANDS = {"cut_on_um": 0.6, "cut_off_um": 3.4}
 
 
 class TestRadianceOfFiles:
@@ -310,6 +312,23 @@ class TestFiles:
         write_picture(tmp_path / "a.png", np.zeros((4, 4, 3)), dtype="uint8")
         found = [each.check for each in checks(tmp_path, path="a.png", unit="DN", **params)]
         assert ("one_channel" in found) is not bool(params)
+
+    @pytest.mark.parametrize(
+        ("params", "warned"),
+        [({}, True), ({"band": 0}, False), ({"band": 2}, False), (BANDS, False)],
+    )
+    def test_one_band_of_a_cube(self, tmp_path, params, warned):
+        """Unless it was chosen, or the bands are integrated."""
+        np.zeros((3, 4, 4), np.float32).tofile(tmp_path / "a.img")
+        header = "ENVI\nsamples = 4\nlines = 4\nbands = 3\ndata type = 4\ninterleave = bsq\n"
+        header += "byte order = 0\nwavelength units = um\n"
+        header += "wavelength = {1, 2, 3}\nfwhm = {1, 1, 1}\n"
+        (tmp_path / "a.hdr").write_text(header)
+        found = {each.check: each for each in checks(tmp_path, path="a.img", unit="DN", **params)}
+        assert ("one_band" in found) is warned
+        if warned:
+            assert found["one_band"].message == "the file holds 3 bands: band 0 is read"
+            assert found["one_band"].remedy == "band chooses another one, 0 to 2"
 
     def test_gains_of_the_header_that_are_not_applied(self):
         outputs = ImageOutput(image(Header(not_applied=("data gain values",))))
