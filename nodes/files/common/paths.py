@@ -36,6 +36,17 @@ def readable_file(path: str | os.PathLike[str]) -> Path:
     return Path(text)
 
 
+def is_file(path: Path) -> bool:
+    """Whether a regular file is there; nothing is under a name that the system does not take.
+
+    Of such a name, one letter too long say, `Path.is_file` raises.
+    """
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def _status(text: str) -> os.stat_result:
     try:
         return Path(text).stat()

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from core.errors import FileError
-from nodes.files.common.paths import first_bytes, readable_file
+from nodes.files.common.paths import first_bytes, is_file, readable_file
 
 REAL_TYPES: Mapping[str, str] = {
     "1": "u1",
@@ -65,7 +65,7 @@ def header_beside(data: Path) -> Path | None:
     """Return the ENVI header of a data file: ``x.img.hdr`` before ``x.hdr``, or None."""
     for suffix in (".hdr", ".HDR"):
         for candidate in (data.with_name(data.name + suffix), data.with_suffix(suffix)):
-            if candidate != data and candidate.is_file() and is_envi_header(candidate):
+            if candidate != data and is_file(candidate) and is_envi_header(candidate):
                 return candidate
     return None
 
@@ -130,7 +130,7 @@ def _data_of(header: Path) -> Path:
         names.insert(0, stem.name)
     for name in names:
         candidate = header.with_name(name)
-        if candidate.is_file():
+        if is_file(candidate):
             return readable_file(candidate)
     raise FileError(f"{header}: the data file of this header is missing; expected {names[0]}")
 

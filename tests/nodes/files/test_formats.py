@@ -27,6 +27,13 @@ PLACES = {
 }
 
 
+def test_the_longest_name_a_file_can_have(tmp_path):
+    """It has no room for the suffix of an ENVI header, which is looked for beside it."""
+    write_picture(tmp_path / "a.png", WHOLE, dtype="uint8")
+    longest = (tmp_path / "a.png").rename(tmp_path / ("a" * 255))
+    np.testing.assert_array_equal(read_pixels(longest), WHOLE)
+
+
 @pytest.mark.parametrize(
     ("suffix", "dtype"),
     [(suffix, dtype) for each in WRITTEN for suffix in each.suffixes for dtype in each.dtypes],
