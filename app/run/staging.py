@@ -292,11 +292,13 @@ def _owned_above(folder: Path) -> Iterator[Path]:
 
 
 def _make_folders(folder: Path, undo: list[Callable[[], object]]) -> None:
-    if folder.exists():
-        return
-    _make_folders(folder.parent, undo)
-    folder.mkdir()
-    undo.append(folder.rmdir)
+    missing = []  # no recursion: a path may have two thousand of them
+    while not folder.exists():
+        missing.append(folder)
+        folder = folder.parent
+    for each in reversed(missing):
+        each.mkdir()
+        undo.append(each.rmdir)
 
 
 def _put(staged: _Staged, undo: list[Callable[[], object]]) -> None:

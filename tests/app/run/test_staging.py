@@ -28,6 +28,20 @@ def test_nothing_before_commit_and_all_after(tmp_path):
     assert (tmp_path / "out/deep/b.txt").read_text() == "b"
 
 
+def test_folders_to_be_made_deeper_than_calls_go(tmp_path):
+    target = tmp_path.joinpath(*"a" * 1500, "a.txt")
+    try:
+        with Staging(target.parent) as staging:
+            staging.write(target, lambda file: file.write_text("new"))
+            staging.commit()
+        assert target.read_text() == "new"
+    finally:
+        target.unlink(missing_ok=True)
+        for folder in target.parents[:1500]:  # pytest's own clearing goes as deep as calls do
+            if folder.exists():
+                folder.rmdir()
+
+
 def test_without_commit_nothing_stays(tmp_path):
     (tmp_path / "a.txt").write_text("old")
     with Staging(tmp_path) as staging:
