@@ -66,6 +66,9 @@ def _failed(error: Exception, *, written: bool) -> int:
     if isinstance(error, MemoryError):
         what = "the files are written" if written else "nothing was written"
         return _fail(f"not enough memory; {what}", 1)
+    if isinstance(error, OSError) and error.filename is not None:
+        what = "; the files are written" if written else "; nothing was written"
+        return _fail(f"cannot use {error.filename}: {error.strerror or error}{what}", 2)
     if isinstance(error, OSError):
         discard(sys.stdout)
         what = "; the files are written" if written else ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import threading
 import time
 from collections.abc import Callable, Iterable
@@ -166,7 +167,7 @@ def _claim_guarded(
     if refused:
         raise NetworkProblems(refused) from refused[0]
     for path in own:
-        staging.claim(path, rules.check_own if path.is_symlink() else None)
+        staging.claim(path, rules.check_own if os.path.islink(path) else None)  # noqa: PTH114
     for node, path in sinks.items():
         try:
             staging.claim(path, partial(rules.check, node))

@@ -56,8 +56,15 @@ class WriteRules:
         Raises
         ------
         FileError
-            Naming node, file, and what lifts the rule.
+            Naming node, file, and what lifts the rule; or why the file cannot be looked at.
         """
+        try:
+            self._check(node, target)
+        except OSError as error:
+            reason = error.strerror or error
+            raise FileError(f"cannot write {target}: {reason}", node=node or None) from error
+
+    def _check(self, node: str, target: Path) -> None:
         real = Path(os.path.realpath(target))
         # A node may add the suffix of its format to the name that was chosen.
         chosen = {real, real.parent / real.stem} & self.record.chosen
@@ -83,7 +90,7 @@ class WriteRules:
         FileError
             As of `check`.
         """
-        if target.is_symlink():
+        if os.path.islink(target):  # noqa: PTH114, as Path's raises for a name that is too long
             self.check("", target)
 
     def refused(
@@ -164,7 +171,7 @@ def write_rules(options: Options, place: Place, output: Path) -> WriteRules:
         lies in a current folder that has been removed.
     """
     for folder in options.allowed:
-        if not folder.is_dir():
+        if not os.path.isdir(folder):  # noqa: PTH112, as Path's raises for a long name
             raise UsageError(f"{OPTION} {shown(str(folder))}: there is no such folder")
     allowed = tuple(Path(os.path.realpath(folder)) for folder in options.allowed)
     real = real_target(output)

@@ -81,6 +81,14 @@ USAGE = {
         ["run", "net.json", "--output-dir", "a" * 300],
         "cannot write to " + "a" * 300,
     ),
+    "long folder, seen from the root": (
+        ["run", "net.json", "--output-dir", "a/" * 2045],
+        "a/a: File name too long; nothing was written",
+    ),
+    "long folder to allow": (
+        ["run", "net.json", "--allow-writes-to", "a" * 300],
+        "a: there is no such folder",
+    ),
     "output folder twice": (
         ["run", "net.json", "--output-dir", "a", "--output-dir", "a"],
         "--output-dir is given more than once",

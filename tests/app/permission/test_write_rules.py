@@ -367,6 +367,17 @@ def test_an_output_folder_swapped_for_a_link_during_the_run_is_not_followed(
     assert not (tmp_path / "nets/a.tif").exists()
 
 
+@pytest.mark.parametrize("name", ["a" * 300 + ".png", "a" * 300 + "/a.png"])
+def test_a_name_that_no_file_can_have(network, run, refused, name):
+    """The system says so wherever such a file is looked at."""
+    net = network(name)
+    assert refused(net).startswith("imagechain: out: cannot write ")
+    code, listed, line = run("check", net)
+    assert code == 2
+    assert "out: cannot write" in line
+    assert "File name too long" in listed
+
+
 def test_check_lists_what_run_writes(network, run, tmp_path):
     net = network("a.tif")
     before = contents(tmp_path)
