@@ -49,6 +49,14 @@ def printable(text: str) -> str:
     return _BARRED.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
+_LINE_ENDS = str.maketrans({"\t": r"\t", "\n": r"\n", "\r": r"\r"})
+
+
+def in_line(text: str) -> str:
+    """`printable`, with escapes for tabs and line ends too: a line that stays one."""
+    return printable(text).translate(_LINE_ENDS)
+
+
 def close(name: str, known: Iterable[str]) -> str:
     """A suggestion to end an error with, empty when nothing is like `name`."""
     # Comparing is quadratic in the length; no name is that long.

@@ -15,6 +15,7 @@ from app.run.shipped import Place, find_network
 from app.run.staging import Staging, check_folder
 from core.chain.engine import Engine, Plan
 from core.errors import ImagechainError, InputError
+from core.names import in_line
 from core.network.validation import NetworkProblems
 from nodes.library import standard_library
 
@@ -34,7 +35,7 @@ def check(options: Options) -> None:
         plan = planned(Engine(library), network, place.folder)
         written, refused = planned_writes(options, place, plan)
         if refused:
-            print("\n".join(written))
+            print("\n".join(map(in_line, written)))
             raise NetworkProblems(refused)
     except NetworkProblems as faults:
         raise _printed(place, faults.problems) from None
@@ -46,7 +47,7 @@ def check(options: Options) -> None:
     count = _count(len(warnings), "warning") if warnings else ""
     size = f"{_count(len(network.nodes), 'node')}, {_count(len(network.links), 'link')}"
     summary = f"{place.name}: no errors{', ' if count else ''}{count} ({size})"
-    print("\n".join([*warnings, summary, *written]))
+    print("\n".join(map(in_line, [*warnings, summary, *written])))
 
 
 def planned_writes(
@@ -71,7 +72,7 @@ def planned_writes(
 
 def _printed(place: Place, problems: Sequence[ImagechainError]) -> InputError:
     for problem in problems:
-        print(problem)
+        print(in_line(str(problem)))
     return InputError(f"{place.name}: {_count(len(problems), 'error')}, the first: {problems[0]}")
 
 

@@ -39,7 +39,7 @@ from core.evaluation.store import Store
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext
 from core.modules.library_type import Library
-from core.names import close, printable, shown
+from core.names import close, in_line, printable, shown
 from core.network.file import read_network
 from core.network.network import Network
 from core.network.validation import NetworkProblems, check_network
@@ -96,7 +96,7 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
         forgotten = rules.commit(staging)
     _print(evaluation, skipped, folder, options, sinks)
     if forgotten:
-        print(f"not remembered for the next run, which needs {OPTION}: {forgotten}")
+        print(in_line(f"not remembered for the next run, which needs {OPTION}: {forgotten}"))
 
 
 def open_network(place: Place, options: Options, library: Library) -> Network:
@@ -298,18 +298,18 @@ def _print(
     ]
     if left_out:
         budget = evaluation.work.policy.budget
-        print(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}")
+        print(in_line(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}"))
     names = [FINAL, MTF, READOUTS] if evaluation.chain.final is not None else [MTF, READOUTS]
-    print(f"{folder}: {', '.join(names)}")
+    print(in_line(f"{folder}: {', '.join(names)}"))
     if evaluation.chain.final is None:
         output = find_output(evaluation.plan)
-        print(f"no {FINAL}: {how_to_choose(output) or output.missing}")
+        print(in_line(f"no {FINAL}: {how_to_choose(output) or output.missing}"))
     if evaluation.chain.missing and evaluation.chain.grid is not None:
-        print(f"no total in {MTF}: {evaluation.chain.missing}")
+        print(in_line(f"no total in {MTF}: {evaluation.chain.missing}"))
     others = [
         *(save.text for save in options.saves),
         *map(str, options.reports),
         *map(str, sinks.values()),
     ]
     if others:
-        print(f"also {', '.join(others)}")
+        print(in_line(f"also {', '.join(others)}"))

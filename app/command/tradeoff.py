@@ -29,7 +29,7 @@ from core.errors import Cancelled, ParameterError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.work import Work
 from core.modules.library_type import Library
-from core.names import close, printable, shown
+from core.names import close, in_line, printable, shown
 from core.network.network import Network
 from nodes.files.common.file_format import CSV, JSON
 from nodes.files.formats import PNG
@@ -194,6 +194,6 @@ def _print(results: Results, outputs: Sequence[Path]) -> None:
     print(table(results, width))
     reasons = failures(results)
     if reasons:
-        print("\n" + "\n".join(reasons))
+        print("\n" + "\n".join(map(in_line, reasons)))
     if outputs:
-        print(f"\n{', '.join(map(str, outputs))}")
+        print("\n" + in_line(", ".join(map(str, outputs))))

@@ -378,6 +378,21 @@ def test_a_name_that_no_file_can_have(network, run, refused, name):
     assert "File name too long" in listed
 
 
+def test_what_a_name_would_have_a_terminal_do_is_escaped(network, run):
+    r"""ESC and C1 begin commands, U+202E turns what follows, line ends make lines of their own."""
+    net = network("\x1b[2J\x9b1m\u202e\n\r\t.png")
+    wanted = r"\u001b[2J\u009b1m\u202e\n\r\t.png"
+    for command in ("check", "run"):
+        code, out, _ = run(command, net)
+        assert code == 0
+        assert out.splitlines()[-1].endswith(wanted)
+        assert out.replace("\n", "").isprintable()
+    code, out, _ = run("check", network("none\x1b[2J/a.png"))
+    assert code == 2
+    assert r"none\u001b[2J" in out
+    assert out.replace("\n", "").isprintable()
+
+
 def test_check_lists_what_run_writes(network, run, tmp_path):
     net = network("a.tif")
     before = contents(tmp_path)
