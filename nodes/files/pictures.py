@@ -42,6 +42,7 @@ _NUMPY_NAMES = {
     "uint": "uint32",
     "int": "int32",
 }
+_BLANK_BYTES = 16
 Array = NDArray[Any]
 
 _READABLE = {"uint8", "int8", "uint16", "int16", "uint64", "int64", *_NUMPY_NAMES.values()}
@@ -150,6 +151,7 @@ def _unread(path: Path, message: str) -> FileError:
 
 @contextlib.contextmanager
 def _opened(path: Path) -> Iterator[Any]:
+    _refuse_blank(path)
     # Imported when needed: 30 ms that a network without picture files need not pay.
     import OpenImageIO
 
@@ -166,6 +168,23 @@ def _opened(path: Path) -> Iterator[Any]:
             yield picture
         finally:
             picture.close()
+
+
+def _refuse_blank(path: Path) -> None:
+    """Refuse a file that begins with zeros, as one does that was made but never filled.
+
+    Every format begins with something else. The library looks through all of such a file, which
+    takes it more than a minute per 500 MB, and cannot be stopped.
+
+    Raises
+    ------
+    FileError
+        Saying so.
+    """
+    if not any(first_bytes(path, _BLANK_BYTES)):
+        raise FileError(
+            f"{path}: is no picture or was never filled: its first {_BLANK_BYTES} bytes are 0"
+        )
 
 
 def _info(path: Path, picture: Any) -> PictureInfo:

@@ -217,6 +217,16 @@ def test_fits_cards_that_cannot_be_used(tmp_path, cards, words):
             read(path)
 
 
+@pytest.mark.parametrize("suffix", [".png", ".tif", ".exr", ".fits", ".hdr", ""])
+def test_a_file_that_was_never_filled(tmp_path, suffix):
+    """Such as a download leaves; the library would look for two hours through one of 50 GB."""
+    with (tmp_path / f"a{suffix}").open("wb") as file:
+        file.truncate(50 * 10**9)
+    for read in (read_info, read_pixels):
+        with pytest.raises(FileError, match="never filled: its first 16 bytes are 0"):
+            read(tmp_path / f"a{suffix}")
+
+
 def test_fits_comments_are_no_values(tmp_path):
     """A keyword without a value that no sample hangs on, and a commentary that names one."""
     cards = ["OBSERVER=me", "COMMENT BZERO   =32768", "HISTORY BSCALE  = '2'"]
