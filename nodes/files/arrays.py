@@ -17,7 +17,7 @@ from core.errors import DataError, FileError, ParameterError
 from nodes.files.common.file_format import CSV
 from nodes.files.common.paths import checked_band, first_bytes, readable_file
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples, delivered_dtype
-from nodes.files.common.size_limits import refuse_oversized
+from nodes.files.common.size_limits import refuse_oversized, refuse_oversized_text
 
 # numpy evaluates the header as a Python literal, and lets pass whatever that raises.
 _HEADER_FAULTS = (
@@ -27,6 +27,7 @@ _HEADER_FAULTS = (
     SyntaxError,
     TypeError,
     OverflowError,
+    FloatingPointError,  # of numpy's own products of sizes, where a run lets none overflow
     RecursionError,
     tokenize.TokenError,
 )
@@ -268,6 +269,7 @@ def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -
 
 def _text(path: Path) -> str:
     try:
+        refuse_oversized_text(path)
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise FileError(f"{path}: is not a text of numbers") from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
@@ -38,6 +39,25 @@ def refuse_oversized(info: PictureInfo, *, available_bytes: int | None = None) -
         raise FileError(
             f"{info.path}: {info.rows} × {info.columns} samples need {_gb(needed)}; allowed on "
             f"this machine: {_gb(_SHARE * memory)}, half of the memory this process may use"
+        )
+
+
+def refuse_oversized_text(path: Path) -> None:
+    """Refuse a text that takes more than half of the memory the process may use.
+
+    It is held twice, whole and in lines, before a number of it is read.
+
+    Raises
+    ------
+    FileError
+        Says its length, what it needs and what is allowed.
+    """
+    memory, length = usable_bytes(), path.stat().st_size
+    if memory and 2 * length > _SHARE * memory:
+        raise FileError(
+            f"{path}: a text of {_gb(length)} needs {_gb(2 * length)}; allowed on this machine: "
+            f"{_gb(_SHARE * memory)}, half of the memory this process may use; store so many "
+            "samples as .npy"
         )
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from child_process import run_program
 from core.errors import DataError, FileError, ParameterError
+from core.memory import usable_bytes
 from nodes.files import arrays
 from nodes.files.read import check_finite, read_info, read_pixels
 
@@ -78,6 +79,11 @@ def test_damaged_npy(tmp_path):
     path.write_bytes(whole.replace(b"'descr': '<f8'", b"'descr': [[[[[["))
     with pytest.raises(FileError, match="damaged"):
         read_pixels(path)
+    huge = b"(%d, %d), }" % (2**33, 2**33)
+    path.write_bytes(whole.replace(b"(30, 40), }".ljust(len(huge)), huge))
+    assert path.stat().st_size == len(whole)
+    with np.errstate(all="raise"), pytest.raises(FileError, match="damaged"):  # as in a run
+        read_pixels(path)
     path.write_bytes(b"pickle" * 50)
     with pytest.raises(FileError, match=r"is not a \.npy file"):
         read_pixels(path)
@@ -133,6 +139,16 @@ def test_text_that_is_no_matrix(tmp_path, content, message):
     (tmp_path / "m.txt").write_bytes(content)
     with pytest.raises(FileError, match=message):
         read_pixels(tmp_path / "m.txt")
+
+
+def test_a_text_beyond_the_memory_is_refused_before_it_is_read(tmp_path):
+    path = tmp_path / "a.csv"
+    with path.open("wb") as file:
+        file.write(b"1,2\n")
+        file.truncate(usable_bytes())  # without blocks on the disk
+    for read in (read_info, read_pixels):
+        with pytest.raises(FileError, match=r"a text of .* GB needs .* GB; allowed on this mach"):
+            read(path)
 
 
 def test_curves(tmp_path):
