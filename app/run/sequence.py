@@ -12,6 +12,7 @@ from core.chain.wires import Image
 from core.errors import FileError
 from core.evaluation.region import Region
 from core.evaluation.work import Work
+from nodes.files.arrays import write_npy_header
 from nodes.files.read import check_finite
 
 MOST_FRAMES = 1_000_000
@@ -28,16 +29,15 @@ def save_frames(
         From computing, or if the file cannot be written.
     """
     rows, columns = (region.rows, region.columns) if region else image.shape
+    recipes = (at_frame(image.recipe, number) for number in range(frames))
     try:
-        file = np.lib.format.open_memmap(
-            path, mode="w+", dtype=work.policy.dtype, shape=(frames, rows, columns)
-        )
-        recipes = (at_frame(image.recipe, number) for number in range(frames))
-        for number, made in enumerate(work.one_by_one(recipes, region)):
-            work.check()
-            frame = real_array(made, work)
-            check_finite(frame, port)
-            file[number] = frame
-        file.flush()
+        # Not mapped into memory: a disk that is full then ends the process (SIGBUS).
+        with path.open("wb") as file:
+            write_npy_header(file, (frames, rows, columns), work.policy.dtype)
+            for made in work.one_by_one(recipes, region):
+                work.check()
+                frame = real_array(made, work)
+                check_finite(frame, port)
+                file.write(np.ascontiguousarray(frame).data)
     except OSError as error:
-        raise FileError(f"cannot write {path.name}: {error.strerror or error}") from error
+        raise FileError(f"cannot write {path}: {error.strerror or error}") from error

@@ -7,7 +7,7 @@ import os
 import tokenize
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -90,7 +90,16 @@ def write_npy(path: str | os.PathLike[str], array: ArrayLike) -> None:
     # ascontiguousarray would make a single number 1-D.
     samples = np.asarray(samples, order="C")
     with atomic_file(path) as temporary, temporary.open("wb") as file:
-        np.lib.format.write_array(file, samples, allow_pickle=False)
+        write_npy_header(file, samples.shape, samples.dtype)
+        # Not by numpy's own writer, whose error does not say why the system refused.
+        file.write(samples.data)
+
+
+def write_npy_header(file: BinaryIO, shape: tuple[int, ...], dtype: np.dtype[Any]) -> None:
+    """Begin a ``.npy`` file whose samples, of this type and in C order, follow."""
+    descr = np.lib.format.dtype_to_descr(dtype)
+    fields = {"descr": descr, "fortran_order": False, "shape": shape}
+    np.lib.format.write_array_header_1_0(file, fields)
 
 
 def write_npy_picture(

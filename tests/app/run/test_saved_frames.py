@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import shlex
+import shutil
+import sys
+
 import numpy as np
 import pytest
+
+from child_process import ROOT, finished
 
 
 @pytest.fixture
@@ -49,6 +56,32 @@ def test_a_region_of_frames_is_cut_from_them(imagechain, noisy, tmp_path):
     whole, part = np.load(tmp_path / "f.npy"), np.load(tmp_path / "part.npy")
     assert np.array_equal(part, whole[:, 2:9, 5:])
     assert (tmp_path / "t.csv").exists()
+
+
+_OWN_MOUNTS = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c"]
+
+
+@pytest.mark.parametrize("frames", ["--frames=200", "--seed=1"])
+def test_a_disk_that_is_full(frames, noisy, tmp_path):
+    """2.5 times what it holds in all, or a single file too many, written as the frames come."""
+    (tmp_path / "full").mkdir()
+    mount = "mount -t tmpfs -o size={} tmpfs full"
+    tried = shutil.which("unshare") and finished(
+        [*_OWN_MOUNTS, mount.format("1m")], folder=tmp_path
+    )
+    if not tried or tried.returncode:
+        pytest.skip("no file system of a given size can be made here")
+    size, port = ("150k", "electronics.image") if "200" in frames else ("4k", "init.magnitude")
+    command = [sys.executable, "-m", "app.command.cli", "run", str(noisy), frames]
+    command += ["--save", f"{port}=full/f.npy"]
+    line = f"{mount.format(size)} && {{ {shlex.join(command)}; "
+    line += 'code=$?; ls -A full; exit "$code"; }'
+    done = finished(
+        [*_OWN_MOUNTS, line], folder=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}
+    )
+    assert (done.returncode, done.stdout) == (2, ""), done
+    node = port.partition(".")[0]
+    assert done.stderr == f"imagechain: {node}: cannot write full/f.npy: No space left on device\n"
 
 
 @pytest.mark.parametrize(
