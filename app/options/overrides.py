@@ -48,7 +48,9 @@ def with_final(network: Network, port: str, *, library: Library) -> Network:
     UsageError
         If there is no such port, or it has no picture.
     """
-    name, _, output = port.rpartition(".")
+    name, dot, output = port.rpartition(".")
+    if not dot:
+        raise UsageError(f"--final {shown(port)}: write NODE.PORT")
     node = network.nodes.get(name)
     if node is None:
         known = close(name, network.nodes) or listed(network.nodes)

@@ -57,6 +57,7 @@ USAGE = {
         "two outputs",
     ),
     "save over the network": (["run", "net.json", "--report", "net.json"], "input of this run"),
+    "final without a port": (["run", "net.json", "--final", "back"], "--final back: write NODE.P"),
     "report suffix": (["run", "net.json", "--report", "a.pdf"], "'a.pdf'"),
     "output folder is a file": (["run", "net.json", "--output-dir", "net.json"], "not a folder"),
     "output below a file": (["run", "net.json", "--output-dir", "net.json/x"], "not a folder"),
