@@ -9,7 +9,7 @@ from typing import Any
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Image
 from core.errors import NetworkError
-from core.names import shown
+from core.names import shown, thaw
 from core.network.network import Network, marked_twice
 
 ANALYSIS = "Analysis"  # the group whose modules compare and measure: their pictures are no output
@@ -66,7 +66,7 @@ def find_output(plan: Plan) -> Output:
     named = plan.network.extra.get("final")
     if named is not None:
         if not isinstance(named, str) or not _is_image(plan, named):
-            raise NetworkError(f"final = {named!r:.80} is not allowed: NODE.PORT of an image")
+            raise NetworkError(f"final = {thaw(named)!r:.80} is not allowed: NODE.PORT of an image")
         return Output(named)
     ends = _ends(plan)
     return Output(ends[0]) if len(ends) == 1 else Output(None, tuple(ends))

@@ -23,6 +23,7 @@ NETWORKS = {
     "format": (lambda n: n.update(format="other"), "format"),
     "newer": (lambda n: n.update(version=99), "newer"),
     "final": (lambda n: n.update(final="nothing.image"), "final"),
+    "final of parts": (lambda n: n.update(final={"a": [1]}), "final = {'a': [1]} is not"),
 }
 
 
