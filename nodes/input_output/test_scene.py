@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.wires import Header, Image
-from core.errors import ParameterError
+from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
@@ -16,6 +16,7 @@ from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
+from nodes.files.common.size_limits import oversized
 from nodes.scenes import draw_scene, draw_shares, in_two_steps, with_radiance
 from nodes.scenes.two_steps import GEOMETRY, Shares
 from nodes.shared.module_ports import ImageOutput
@@ -127,13 +128,21 @@ def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
 @source_step(area_means=True)
 def drawn(work: Work, **values: Any) -> NDArray[np.floating]:
     """The scene's samples in the evaluation's precision."""
+    _refuse_oversized(work, **values)
     return draw_scene(dtype=work.policy.dtype, for_each=work.for_each, **values)
 
 
 @ends_lineage
 def shares_drawn(work: Work, **values: Any) -> Shares:
     """Where the scene's surfaces are seen."""
+    _refuse_oversized(work, **values)
     return draw_shares(dtype=work.policy.dtype, for_each=work.for_each, **values)
+
+
+def _refuse_oversized(work: Work, *, width: int, height: int, **_others: Any) -> None:
+    """Refuse a scene that the machine has no room for, as a picture file of its size is."""
+    if reason := oversized(height, width, np.dtype(work.policy.dtype)):
+        raise DataError(f"height × width: {reason}")
 
 
 @source_step(area_means=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -33,13 +34,23 @@ def refuse_oversized(info: PictureInfo, *, available_bytes: int | None = None) -
     FileError
         Names the size, what it needs and what is allowed.
     """
+    dtype = delivered_dtype(np.dtype(info.dtype))
+    if reason := oversized(info.rows, info.columns, dtype, available_bytes=available_bytes):
+        raise FileError(f"{info.path}: {reason}")
+
+
+def oversized(
+    rows: int, columns: int, dtype: np.dtype[Any], *, available_bytes: int | None = None
+) -> str:
+    """Why a picture does not fit, with what it needs and what is allowed; empty where it does."""
     memory = usable_bytes() if available_bytes is None else available_bytes
-    needed = info.rows * info.columns * delivered_dtype(np.dtype(info.dtype)).itemsize
-    if memory and needed > _SHARE * memory:
-        raise FileError(
-            f"{info.path}: {info.rows} × {info.columns} samples need {_gb(needed)}; allowed on "
-            f"this machine: {_gb(_SHARE * memory)}, half of the memory this process may use"
-        )
+    needed = rows * columns * dtype.itemsize
+    if not memory or needed <= _SHARE * memory:
+        return ""
+    return (
+        f"{rows} × {columns} samples need {_gb(needed)}; allowed on this machine: "
+        f"{_gb(_SHARE * memory)}, half of the memory this process may use"
+    )
 
 
 def refuse_oversized_text(path: Path) -> None:

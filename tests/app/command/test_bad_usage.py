@@ -10,6 +10,7 @@ import pytest
 
 from app.command.cli import main
 from child_process import ROOT, finished
+from core.memory import usable_bytes
 
 USAGE = {
     "unknown command": (["evaluate", "net.json"], "evaluate"),
@@ -108,6 +109,15 @@ USAGE = {
 @pytest.fixture(autouse=True)
 def _network(write, small):
     write(small)
+
+
+@pytest.mark.skipif(usable_bytes() > 68.7e9, reason="34.4 GB of samples fit this machine")
+@pytest.mark.parametrize("kind", ["dormitory", "uniform"])
+def test_a_scene_that_does_not_fit(kind, fails):
+    """2³² samples of 8 bytes; refused before they are asked for."""
+    large = [f"--set=scene.{name}=65536" for name in ("width", "height")]
+    line = fails("run", "net.json", f"--set=scene.kind={kind}", *large, "--precision", "double")
+    assert "scene: height × width: 65536 × 65536 samples need 34.4 GB; allowed on this" in line
 
 
 @pytest.mark.parametrize(("words", "told"), USAGE.values(), ids=USAGE.keys())
