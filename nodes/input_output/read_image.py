@@ -34,9 +34,10 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     band in W/m²/sr/µm: where the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
     `scale` is 1, from that one, else from `unit`. K, DN and the like stay what they are; photons
     are not turned into watts; a unit of radiance not understood is refused. Of a colour picture
-    one channel is read, the first unless `band` names another. An empty field of view is taken from
-    the header. FITS pictures come with their first row at the bottom. Samples that are no numbers,
-    or the file's value for no data, are refused unless `missing` sets what stands for them.
+    one channel is read, of a cube one band or plane, the first unless `band` names another. An
+    empty field of view is taken from the header. FITS pictures come with their first row at the
+    bottom. Samples that are no numbers, or the file's value for no data, are refused unless
+    `missing` sets what stands for them.
     """
 
     path: Annotated[
