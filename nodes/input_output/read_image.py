@@ -152,7 +152,8 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
             radiance_caution,
             image.recipe,
             band_um=band if band is None or band[0] < band[1] else None,
-            unit_stated=image.header.unit_named or not given.isdisjoint(("unit", "scale")),
+            # A scale of 1 that is written out says no more about the unit than one left out.
+            unit_stated=image.header.unit_named or "unit" in given or self.scale != 1.0,
         )
 
     @warning

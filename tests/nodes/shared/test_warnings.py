@@ -233,12 +233,13 @@ class TestRadianceOfFiles:
 
     @pytest.mark.parametrize("name", ["a.npy", "a.tif"])
     @pytest.mark.parametrize("dtype", ["float", "double"])
-    def test_kelvin_without_a_band_looks_like_kelvin(self, tmp_path, name, dtype):
+    @pytest.mark.parametrize("written", [{}, {"scale": 1.0}])
+    def test_kelvin_without_a_band_looks_like_kelvin(self, tmp_path, name, dtype, written):
         if name == "a.npy":
             np.save(tmp_path / name, KELVIN.astype({"float": np.float32}.get(dtype, np.float64)))
         else:
             write_picture(tmp_path / name, KELVIN, dtype=dtype)
-        (caution,) = checks(tmp_path, path=name)
+        (caution,) = checks(tmp_path, path=name, **written)
         assert (caution.node, caution.check) == ("read", "radiance")
         # (π 290 / 5.670374e-8)^¼ = 356.0
         assert caution.message == (
@@ -264,6 +265,7 @@ class TestRadianceOfFiles:
         ("samples", "params"),
         [
             (KELVIN, {"unit": "K"}),
+            (KELVIN, {"scale": 2.0}),
             (KELVIN, {"unit": "W/m²/sr"}),  # somebody has said so, of a band nobody names
             (frame(55.0, 2.0), {}),
             (frame(55.0, 2.0), LWIR),  # 300 K
