@@ -34,10 +34,11 @@ from nodes.electronics.detector_figures import (
     figures,
     statistics,
 )
+from nodes.input_output.radiance_check import radiance_caution
 from nodes.shared.context_defaults import given_band, of_context, with_interval
 from nodes.shared.factor_helpers import separable
 from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
-from nodes.shared.shared_warnings import apart_caution, band_caution, unit_caution
+from nodes.shared.shared_warnings import apart_caution, band_caution, is_radiance, unit_caution
 
 _MATERIALS = tuple(
     (region, (*(material.name for material in materials), MANUAL))
@@ -262,6 +263,17 @@ class ElectronicsNoise(
     def unit(self, image: Image) -> Caution | None:
         """A picture that is no radiance."""
         return unit_caution(image.unit, meant="NER, NETD and D*")
+
+    @warning
+    def radiance(self, image: Image) -> Step | None:
+        """Samples that cannot be radiance of the band given here, of a picture without a band."""
+        low, high = self.cut_on_um, self.cut_off_um
+        # A picture with a band of its own has been held against that one by Read Image.
+        if image.band_um is not None or not low or not high or low >= high:
+            return None
+        if not is_radiance(image.unit):
+            return None
+        return Step.of(radiance_caution, image.recipe, band_um=(low, high), unit_stated=True)
 
     @warning
     def scan(self, context: Context) -> Caution | None:

@@ -126,6 +126,7 @@ BY_HAND = {  # need what only a file tells
     ("read_image", "one_channel"),
     ("read_image", "radiance"),
     ("read_image", "as_stored"),
+    ("electronics_noise", "radiance"),
     ("init_trans", "focal_length"),
 }
 
@@ -284,6 +285,63 @@ class TestRadianceOfFiles:
         np.save(tmp_path / "a.npy", KELVIN.astype(np.int16))
         found = [each.check for each in checks(tmp_path, path="a.npy")]
         assert found == ["numbers_without_unit"]
+
+
+class TestRadianceOfElectronics:
+    """A picture without a band, whose samples the electronics take for radiance of their own."""
+
+    def cautions(self, folder, samples, *, unit="W/m²/sr", band=(8.0, 12.0), **read):
+        np.save(folder / "a.npy", samples)
+        source = {"path": "a.npy", "unit": unit, "fov_x_deg": 1.0, "fov_y_deg": 1.0, **read}
+        own = {"cut_on_um": band[0], "cut_off_um": band[1], "bandwidth_Hz": 1e4, "region": "LWIR"}
+        nodes = {
+            "read": {"module": "read_image", "params": source},
+            "init": {"module": "init_trans", "params": INIT},
+            "electronics": {"module": "electronics_noise", "params": own},
+        }
+        links = [
+            ["read.image", "init.image"],
+            ["read.image", "electronics.image"],
+            ["init.context", "electronics.context"],
+        ]
+        document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links}
+        engine = Engine(LIBRARY)
+        plan = engine.plan(parse_network(json.dumps(document), library=LIBRARY), folder=folder)
+        assert plan.errors() == []
+        return engine.warnings(plan, engine.work(Policy()))
+
+    def test_kelvin_is_more_than_the_band_gives(self, tmp_path):
+        """The unit is typed, so that Read Image has nothing to say; the band is typed here."""
+        (caution,) = self.cautions(tmp_path, KELVIN)
+        assert (caution.node, caution.check) == ("electronics", "radiance")
+        limit = planck(8.0, 12.0, 353.95) + (6.957e8 / 1.495978707e11) ** 2 * planck(8, 12, 5772.0)
+        assert caution.message == (
+            f"the samples' mean, 290 W/m²/sr, is more than the {limit:.3g} that a surface on Earth "
+            "can give in 8 to 12 µm; they look like temperatures in kelvin"
+        )
+
+    @pytest.mark.parametrize("kelvin", [250.0, 300.0, 340.0])
+    def test_radiance_of_a_surface_is_silent(self, tmp_path, kelvin):
+        mean = planck(8.0, 12.0, kelvin)
+        assert self.cautions(tmp_path, frame(mean, 0.05 * mean)) == []
+
+    def test_a_band_of_the_picture_is_warned_of_once(self, tmp_path):
+        (caution,) = self.cautions(tmp_path, KELVIN, cut_on_um=8.0, cut_off_um=12.0)
+        assert caution.node == "read"
+
+    def test_another_unit_is_warned_of_once(self, tmp_path):
+        (caution,) = self.cautions(tmp_path, KELVIN, unit="K")
+        assert (caution.node, caution.check) == ("electronics", "unit")
+
+
+def planck(cut_on_um, cut_off_um, kelvin):
+    """Band radiance by the midpoint rule, from Planck's law as written."""
+    h, c, k = 6.62607015e-34, 299792458.0, 1.380649e-23
+    edges = np.linspace(cut_on_um, cut_off_um, 20001) * 1e-6
+    wave = (edges[1:] + edges[:-1]) / 2
+    return np.sum(2 * h * c**2 / wave**5 / np.expm1(h * c / (wave * k * kelvin))) * (
+        edges[1] - edges[0]
+    )
 
 
 def image(header):
