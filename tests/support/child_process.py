@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PATIENCE_S = 300.0
+PATIENCE_S = 900.0
 """When a wait is given up: far beyond what a busy machine takes, so that no verdict hangs on it."""
 
 _TO_STOP = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
