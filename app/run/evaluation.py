@@ -157,11 +157,11 @@ def needed_later(plan: Plan, ports: Iterable[str], *, report: bool) -> list[Reci
     values = [plan.output(port) for port in ports]
     if (final := find_output(plan).port) is not None:
         values.append(plan.output(final))
-    for planned in plan.nodes.values():
-        if hasattr(planned.module, "target") and not planned.node.disabled:
-            values += planned.inputs.values()
+    for node in plan.nodes.values():
+        if hasattr(node.module, "target") and not node.node.disabled:
+            values += node.inputs.values()
         shown = Transfer | Image | Curve | Table if report else Transfer
-        values += [value for value in planned.outputs.values() if isinstance(value, shown)]
+        values += [value for value in node.outputs.values() if isinstance(value, shown)]
     recipes = [recipe for value in values for recipe in asked_for(value)]
     if report and final is not None:
         from nodes.analysis.lineage import NoiseOf

@@ -241,13 +241,13 @@ def at_nyquist(chain: Chain, work: Work) -> dict[str, float]:
     return figures
 
 
-def mtf_csv(responses: Responses) -> str:
+def mtf_csv(sampled: Responses) -> str:
     """One line for each frequency; the shorter axis of an oblong frame leaves cells empty."""
     columns: list[tuple[str, Vector]] = [
-        ("xi_cyc_per_mrad", responses.xi),
-        ("eta_cyc_per_mrad", responses.eta),
+        ("xi_cyc_per_mrad", sampled.xi),
+        ("eta_cyc_per_mrad", sampled.eta),
     ]
-    for stage in (*responses.stages, *responses.beside, *responses.products):
+    for stage in (*sampled.stages, *sampled.beside, *sampled.products):
         columns += [
             (f"{stage.name}.mtf_x", stage.x.mtf),
             (f"{stage.name}.ptf_x_rad", stage.x.ptf),

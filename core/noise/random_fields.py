@@ -97,7 +97,7 @@ def normal_field(
     dtype
         float64 (ziggurat) or float32 (Box-Muller on 32-bit uniforms, three times as fast, no
         deviate beyond 6.77).
-    each
+    for_each
         Calls a function on every block, in any order and from any thread: `Work.for_each`.
 
     Returns
@@ -166,7 +166,7 @@ def poisson_field(
     ----------
     mean
         float32 or float64 of any shape, 0 or above.
-    stream, each
+    stream, for_each
         As in `normal_field`.
     in_place
         The counts take the place of the means, whose array must be contiguous.

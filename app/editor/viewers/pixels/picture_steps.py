@@ -71,7 +71,7 @@ def spread(work: Work, samples: Array, *, name: str) -> Spread:
 
 
 @ends_lineage
-def inner_range(work: Work, samples: Array, spread: Spread) -> Range:
+def inner_range(work: Work, samples: Array, whole: Spread) -> Range:
     """From the 0.5 % to the 99.5 % quantile; the extremes where these are equal."""
-    low, high = quantiles(samples, spread, INNER, for_each=work.for_each)
-    return (low, high) if high > low else (spread.low, spread.high)
+    low, high = quantiles(samples, whole, INNER, for_each=work.for_each)
+    return (low, high) if high > low else (whole.low, whole.high)
