@@ -64,7 +64,7 @@ class Recipe(ABC):
     def key(self) -> str:
         """Content key; fields declared with ``compare=False`` do not enter it."""
         for recipe in _without_key(self):
-            recipe.key  # noqa: B018  (kept by each: no key is then made within another)
+            recipe.key  # noqa: B018  (stored in the recipe: no key is then made within another)
         return content_key(type(self).__qualname__, *self._content())
 
     @abstractmethod

@@ -145,7 +145,7 @@ class Work:
 
         def one(item: Any) -> None:
             self.check()
-            with watched(None):  # the state of numpy's errors is one of its thread
+            with watched(None):  # numpy keeps the state of its errors by thread
                 function(item)
 
         self._workers.for_each(one, items, self.policy.workers)

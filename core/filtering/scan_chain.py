@@ -74,7 +74,7 @@ class ScanChain:
         assert plane is not None, "called only where there are planar factors"
         return np.broadcast_to(plane, (len(flight), len(scan)))
 
-    def kept_plane(self, work: Work, interval_mrad: float) -> Array:
+    def stored_plane(self, work: Work, interval_mrad: float) -> Array:
         """Symmetric planar factors at one interval in flight, as stored.
 
         For mirrored frames (flight, scan), neither frequency negative. For periodic ones flight

@@ -67,7 +67,7 @@ class ScanLines(ABC):
         if not self.planar:
             return (self.values,)
         if self.symmetric:
-            return (self.values * self.chain.kept_plane(self.work, interval_mrad),)
+            return (self.values * self.chain.stored_plane(self.work, interval_mrad),)
         return self.evaluated(interval_mrad, slice(0, len(self.flight)))
 
     def evaluated(self, interval_mrad: float, rows: slice) -> Parts:

@@ -35,7 +35,7 @@ class Planes:
         self._parts: list[tuple[Planar, Quarter, Precomputed]] = []
         for factor in product.planar:
             quarter = Quarter.of(self.xi, self.eta, factor.cutoff)
-            known = EVALUATED
+            known = NOTHING_PRECOMPUTED
             if _is_precomputed(grid, axes):
                 known = work.value(Known(factor, grid, axes, node=factor.node))
             self._parts.append((factor, quarter, known))
@@ -85,7 +85,7 @@ class Precomputed:
         return None if self.plane is None else np.asarray(self.plane[lines])
 
 
-EVALUATED = Precomputed()
+NOTHING_PRECOMPUTED = Precomputed()
 
 
 @dataclass(frozen=True, eq=False)

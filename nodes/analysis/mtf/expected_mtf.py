@@ -46,7 +46,8 @@ def chain_behind(image: Image) -> dict[str, Any] | None:
     """What `expected` needs of a picture; None where not all of its way from the source is known.
 
     A test scene's samples are means over their area, which blurs too. The scene in a file may be
-    blurred by anything: there is no telling, and a picture straight from a file expects nothing.
+    blurred by anything: its own MTF is unknown, and of a picture straight from a file no MTF is
+    expected.
     """
     try:
         transfer = transfer_of(image)

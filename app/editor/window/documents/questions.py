@@ -63,7 +63,7 @@ def save_changes(parent: QWidget, network: str) -> Question:
 def changed_file(parent: QWidget, file: str, done: str) -> Question:
     """What is to become of a file that was changed or removed by another program."""
     box = Question(parent, "changed_file", "Save over it?")
-    box.setText(f"{file} has been {done} by somebody else since it was opened or saved here.")
+    box.setText(f"{file} has been {done} by another program since it was opened or saved here.")
     box.offer("save_as", "Save &As…", _ROLE.AcceptRole)
     if done == "removed":
         box.setInformativeText("Overwrite makes it anew.")

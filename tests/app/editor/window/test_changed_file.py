@@ -52,7 +52,7 @@ def test_the_second_to_save_is_asked_and_nothing_is_written_yet(two, file):
     before = file.read_bytes()
     other.files.save()
     box = question(other)
-    assert "mine.json has been changed by somebody else" in box.text()
+    assert "mine.json has been changed by another program" in box.text()
     texts = {button.text().replace("&", "") for button in box.findChildren(QPushButton)}
     assert texts == {"Reload", "Overwrite", "Save As…", "Cancel"}
     assert file.read_bytes() == before
