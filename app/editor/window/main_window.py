@@ -77,7 +77,7 @@ class MainWindow(QMainWindow):
         self.share_question = ShareQuestion(self.session, self)
         self.drops = Drops(self.session, self.files, self.canvas, self)
         self.layout_in_use = WindowLayout(self, self._docks)
-        self.full_screen = FullScreen(self.viewers, self)
+        self.full_screen = FullScreen(self.viewers, self.session, self)
         self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
         self.curtain = Curtain(self)
         self.viewers.set_picture_actions(
@@ -191,13 +191,13 @@ class MainWindow(QMainWindow):
         if self._ended:
             return
         self._ended = True
+        self.full_screen.close()
         self.curtain.open()
         if self._remembered:
             self.settings.remember_window(self)
+        # Dialogs, docks that float: the process goes on while one is shown.
         for other in self.findChildren(QWidget):
-            if (
-                other.isWindow()
-            ):  # dialogs, docks that float: the process goes on while one is shown
+            if other.isWindow():
                 other.hide()
         self.evaluator.close()
         self.autosaver.close()
@@ -235,6 +235,7 @@ class MainWindow(QMainWindow):
             viewers.plot_dock,
             viewers.tradeoff_dock,
             tuple(viewers.docks.values()),
+            viewers.images[1],
         )
 
     def _add_dock_toggles(self) -> None:  # whatever is closed can be shown again

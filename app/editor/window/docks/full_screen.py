@@ -5,7 +5,9 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import QApplication, QDockWidget, QVBoxLayout, QWidget
+from shiboken6 import isValid
 
+from app.editor.session import Session
 from app.editor.window.docks.viewer_docks import ViewerDocks
 
 _BACK = ("F11", "Esc")
@@ -18,51 +20,72 @@ class FullScreen(QObject):
     ----------
     viewers : ViewerDocks
         The viewers with their docks.
+    session : Session
+        Takes the message where no viewer is open.
     window : QWidget
         The window they belong to.
     """
 
-    def __init__(self, viewers: ViewerDocks, window: QWidget) -> None:
+    def __init__(self, viewers: ViewerDocks, session: Session, window: QWidget) -> None:
         super().__init__(window)
         self._viewers = viewers
+        self._session = session
         self._window = window
-        self._used: QDockWidget | None = None
+        self._used: tuple[QDockWidget, QWidget] | None = None
         self.page: FullScreenPage | None = None
-        app = QApplication.instance()
-        if isinstance(app, QApplication):
-            app.focusChanged.connect(self._focus_changed)
+        self._app = QApplication.instance()
+        if isinstance(self._app, QApplication):
+            self._app.focusChanged.connect(self._focus_changed)
 
     def toggle(self) -> None:
         """Show the viewer that was used last over the whole screen, or put it back."""
         if self.page is not None:
             self.leave()
             return
-        dock = self._last_used()
-        if dock.widget() is None:
+        used = self._last_used()
+        if used is None:
+            self._session.message.emit("note", "no viewer is open to show over the whole screen")
             return
+        dock, focus = used
         self.page = FullScreenPage(dock, self._window)
         self.page.left.connect(self.leave)
         self.page.setGeometry(self._window.screen().geometry())
         self.page.showFullScreen()
         self.page.activateWindow()
+        focus.setFocus(Qt.FocusReason.OtherFocusReason)
 
     def leave(self) -> None:
-        """Put the viewer back into its dock."""
+        """Put the viewer back into its dock, with the focus where it was in it."""
         page, self.page = self.page, None
         if page is not None:
+            focus = page.focusWidget()
             page.give_back()
             self._window.activateWindow()
+            if focus is not None:
+                focus.setFocus(Qt.FocusReason.OtherFocusReason)
 
-    def _last_used(self) -> QDockWidget:
-        """The dock of the viewer that had the focus last; the first one's where none has."""
-        used = self._used
-        return used if used is not None and used.isVisible() else self._viewers.docks[1]
+    def close(self) -> None:
+        """Put the viewer back, and follow the focus no more: the window closes."""
+        self.leave()
+        if isinstance(self._app, QApplication):
+            self._app.focusChanged.disconnect(self._focus_changed)
+
+    def _last_used(self) -> tuple[QDockWidget, QWidget] | None:
+        """The open viewer that had the focus last, else the first; its dock and what had it."""
+        viewers = self._viewers
+        candidates: list[tuple[QDockWidget, QWidget]] = [
+            *((dock, viewers.images[number].canvas) for number, dock in viewers.docks.items()),
+            (viewers.plot_dock, viewers.plot.canvas),
+        ]
+        if self._used is not None and isValid(self._used[1]):  # type: ignore[no-untyped-call]
+            candidates.insert(0, self._used)
+        return next((one for one in candidates if one[0].isVisible()), None)
 
     def _focus_changed(self, _before: object, now: QWidget | None) -> None:
         viewers = self._viewers
         for dock in (*viewers.docks.values(), viewers.plot_dock, viewers.tradeoff_dock):
             if now is not None and dock.isAncestorOf(now):
-                self._used = dock
+                self._used = dock, now
 
 
 class FullScreenPage(QWidget):
@@ -97,6 +120,6 @@ class FullScreenPage(QWidget):
         self.deleteLater()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Closed by the window manager: back to the dock."""
-        event.ignore()
+        """Closed by the window manager, or with all windows: back to the dock."""
         self.left.emit()
+        event.accept()

@@ -13,6 +13,8 @@ from typing import Literal
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QStyle
 
+from app.editor.viewers.picture.image_viewer import ImageViewer
+
 LayoutName = Literal["picture_below", "picture_beside", "canvas_first"]
 DEFAULT: LayoutName = "picture_below"
 PICTURE_SHARE = 0.42  # of the window's area, for the picture with its axes; 0.4 is promised
@@ -29,6 +31,8 @@ class Docks:
         One of each.
     viewers : sequence of QDockWidget
         Those of pictures, by number.
+    picture : ImageViewer
+        The first picture's viewer; not in its dock while it is over the whole screen.
     """
 
     library: QDockWidget
@@ -36,6 +40,7 @@ class Docks:
     curves: QDockWidget
     tradeoff: QDockWidget
     viewers: Sequence[QDockWidget]
+    picture: ImageViewer
 
     @property
     def all(self) -> tuple[QDockWidget, ...]:
@@ -44,7 +49,10 @@ class Docks:
 
 
 def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
-    """Put every dock where the layout has it; which are open stays, but those it is made of."""
+    """Put every dock where the layout has it, and open the library, panels, picture and curves.
+
+    Which of the other docks are open stays.
+    """
     was_open = [dock for dock in (*docks.viewers[1:], docks.tradeoff) if not dock.isHidden()]
     for dock in docks.all:
         dock.setFloating(False)
@@ -80,10 +88,10 @@ def size(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
     width, height = window.width(), window.height()
     viewer = docks.viewers[0]
     picture = PICTURE_SHARE * width * height
-    bars = _height_of_bars(viewer)
+    bars = _height_of_bars(viewer, docks.picture)
     room = height - window.menuBar().height() - window.statusBar().height()
     if layout == "picture_beside":
-        tall = room - bars
+        tall = max(1, room - bars)
         window.resizeDocks([viewer, docks.library], [round(picture / tall), 22 * unit], _Across)
         below = round(0.52 * room)
         window.resizeDocks([docks.curves, docks.panels], [below, below], _Along)
@@ -110,10 +118,9 @@ def _corners(window: QMainWindow, *, left: Qt.DockWidgetArea, right: Qt.DockWidg
     window.setCorner(Qt.Corner.TopRightCorner, _Area.RightDockWidgetArea)
 
 
-def _height_of_bars(viewer: QDockWidget) -> int:
+def _height_of_bars(dock: QDockWidget, viewer: ImageViewer) -> int:
     """What a viewer's dock has above and below its picture: title, controls, status, tabs."""
-    content = viewer.widget()
-    bars = [content.bar.sizeHint().height(), content.status.sizeHint().height()]  # type: ignore[attr-defined]
-    title: int = viewer.style().pixelMetric(QStyle.PixelMetric.PM_TitleBarHeight, None, viewer)
-    tabs = 2 * viewer.fontMetrics().height()
-    return int(sum(bars) + title + tabs)
+    bars = viewer.bar.sizeHint().height() + viewer.status.sizeHint().height()
+    title: int = dock.style().pixelMetric(QStyle.PixelMetric.PM_TitleBarHeight, None, dock)
+    tabs = 2 * dock.fontMetrics().height()
+    return bars + title + tabs

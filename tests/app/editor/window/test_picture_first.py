@@ -188,6 +188,44 @@ def test_closing_the_full_screen_puts_the_viewer_back(opened, idle):
     assert opened.viewers.images[1].window() is opened
 
 
+def test_all_windows_close_at_the_end_of_the_desktop_with_one_over_the_whole_screen(opened, idle):
+    """Qt stops closing, and the desktop's end with it, at the first window that refuses."""
+    opened.actions_by_name["full_screen"].trigger()
+    idle(opened)
+    assert page_of(opened).close()
+
+
+def test_the_keyboard_stays_with_the_viewer_over_the_whole_screen_and_back(opened, qtbot, idle):
+    shown = canvas(opened)
+    shown.setFocus()
+    opened.actions_by_name["full_screen"].trigger()
+    qtbot.waitUntil(lambda: QApplication.focusWidget() is shown)
+    shown.zoom_by(6)
+    QTest.keyClick(page_of(opened).windowHandle(), Qt.Key.Key_F)
+    assert shown.zoom is None
+    QTest.keyClick(page_of(opened).windowHandle(), Qt.Key.Key_Escape)
+    qtbot.waitUntil(lambda: QApplication.focusWidget() is shown)
+    assert shown.window() is opened
+
+
+def test_the_window_is_resized_while_its_picture_is_over_the_whole_screen(opened, idle):
+    opened.actions_by_name["full_screen"].trigger()
+    idle(opened)
+    opened.resize(1400, 900)
+    idle(opened)
+    opened.actions_by_name["full_screen"].trigger()
+    idle(opened)
+    assert share(opened) >= SHARE
+
+
+def test_there_is_no_viewer_to_show_over_the_first_page(make_window, idle, qtbot):
+    window = make_window()
+    with qtbot.waitSignal(window.session.message) as message:
+        window.actions_by_name["full_screen"].trigger()
+    assert message.args == ["note", "no viewer is open to show over the whole screen"]
+    assert page_of(window) is None
+
+
 def test_the_window_ends_while_a_viewer_is_over_the_whole_screen(opened, idle):
     opened.actions_by_name["full_screen"].trigger()
     idle(opened)
