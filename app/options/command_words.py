@@ -90,7 +90,7 @@ def edit_words(parser: argparse.ArgumentParser) -> None:
         "--size",
         action=Once,
         metavar="WxH",
-        help="of the window (default: as the screen has room; of a screenshot 1600x900)",
+        help="of the window (default: as last time, at first by the screen; screenshot: 1600x900)",
     )
     add("--look", action=Once, choices=("dark", "light"), help="colours (default: as last time)")
 

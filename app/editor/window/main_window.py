@@ -25,7 +25,7 @@ from app.editor.window.actions.help import Help
 from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.docks.dock_places import Curtain, add_dock
 from app.editor.window.docks.full_screen import FullScreen
-from app.editor.window.docks.layouts import Docks
+from app.editor.window.docks.layouts import Docks, LayoutName
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.docks.window_layout import WindowLayout, first_size
 from app.editor.window.documents.drops import Drops
@@ -149,6 +149,16 @@ class MainWindow(QMainWindow):
             self._docks_sized = True
             (self.layout_in_use.keep if self._docks_remembered else self.layout_in_use.begin)()
         self.canvas.setFocus()
+
+    def choose_layout(self, name: LayoutName) -> None:
+        """Place the docks by a named layout; beside the first page they stay hidden until later."""
+        covered = self.pages.currentWidget() is self.welcome
+        self.full_screen.leave()
+        self.curtain.open()
+        self.layout_in_use.choose(name)
+        if covered:
+            self.curtain.close()
+            self._docks_remembered = self._docks_sized = False
 
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""

@@ -14,9 +14,8 @@ from app.editor.window.actions.action_specs import VIEWERS
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.help import Help
 from app.editor.window.docks.full_screen import FullScreen
-from app.editor.window.docks.layouts import DEFAULT
+from app.editor.window.docks.layouts import DEFAULT, LayoutName
 from app.editor.window.docks.viewer_docks import ViewerDocks
-from app.editor.window.docks.window_layout import WindowLayout
 from app.editor.window.documents.files import Files
 
 Target = Callable[[], object]
@@ -33,7 +32,6 @@ class Window(Protocol):
     panels: PanelArea
     viewers: ViewerDocks
     evaluator: Evaluator
-    layout_in_use: WindowLayout
     full_screen: FullScreen
 
     def show_welcome(self) -> None:
@@ -44,6 +42,9 @@ class Window(Protocol):
 
     def go_to_part(self, step: int) -> None:
         """Move the focus to the next part of the window, or the one before."""
+
+    def choose_layout(self, name: LayoutName) -> None:
+        """Place the docks by a named layout."""
 
     def toggle_light(self) -> None:
         """Change between dark and light."""
@@ -83,10 +84,10 @@ def targets(window: Window) -> dict[str, Target]:
         "zoom_out": partial(canvas.zoom_by, 0.8),
         "trade_off": window.viewers.toggle_trade_off,
         "full_screen": window.full_screen.toggle,
-        "picture_below": partial(window.layout_in_use.choose, "picture_below"),
-        "picture_beside": partial(window.layout_in_use.choose, "picture_beside"),
-        "canvas_first": partial(window.layout_in_use.choose, "canvas_first"),
-        "reset_layout": partial(window.layout_in_use.choose, DEFAULT),
+        "picture_below": partial(window.choose_layout, "picture_below"),
+        "picture_beside": partial(window.choose_layout, "picture_beside"),
+        "canvas_first": partial(window.choose_layout, "canvas_first"),
+        "reset_layout": partial(window.choose_layout, DEFAULT),
         "next_part": partial(window.go_to_part, 1),
         "previous_part": partial(window.go_to_part, -1),
         "light": window.toggle_light,
@@ -98,10 +99,10 @@ def targets(window: Window) -> dict[str, Target]:
     }
     for number in VIEWERS:
         by_name[f"view_{number}"] = partial(_view, window, number)
-    return {name: partial(_without_words, target) for name, target in by_name.items()}
+    return {name: partial(_without_argument, target) for name, target in by_name.items()}
 
 
-def _without_words(target: Callable[..., object], *_: object) -> None:
+def _without_argument(target: Callable[..., object], *_: object) -> None:
     """Call it without the action's argument, whether it is checked."""
     target()
 

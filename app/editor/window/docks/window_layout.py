@@ -9,19 +9,19 @@ from PySide6.QtWidgets import QDockWidget, QMainWindow
 
 from app.editor.window.docks.layouts import DEFAULT, Docks, LayoutName, place, size
 
-LIKED = QSize(1600, 900)  # of a window that is opened for the first time, where there is room
-_OF_ROOM = 0.85  # of a screen larger than that
-_OF_SCREEN = 0.92  # the rest is the window's frame and the desktop's bars
+_PREFERRED = QSize(1600, 900)  # of a first window, where the screen has room for it
+_SHARE_OF_SCREEN = 0.92  # at most; the rest is the window's frame and the desktop's bars
+_SHARE_OF_ROOM = 0.85  # of that, on a large screen
 
 
 def first_size(available: QSize) -> QSize:
     """The size of a window where none is remembered: within the screen, larger on a large one."""
-    room = available * _OF_SCREEN
-    return LIKED.expandedTo(room * _OF_ROOM).boundedTo(room)
+    room = available * _SHARE_OF_SCREEN
+    return _PREFERRED.expandedTo(room * _SHARE_OF_ROOM).boundedTo(room)
 
 
 class WindowLayout(QObject):
-    """Places the docks by a named layout, and sizes them as the window is resized.
+    """Places the docks by a named layout, and sizes them when the window is resized.
 
     Parameters
     ----------
@@ -57,16 +57,18 @@ class WindowLayout(QObject):
         self._size()
 
     def keep(self) -> None:
-        """Keep the sizes as they are, as shares of the window: they are remembered or dragged."""
+        """Keep the sizes of the docks, remembered or dragged, as shares of the window."""
         self._shown = True
         window = self._window
-        self._shares = {
+        shares = {
             dock: (dock.width() / window.width(), dock.height() / window.height())
             for dock in self._docks().all
             if dock.isVisible()
             and not dock.isFloating()
             and window.rect().intersects(dock.geometry())  # Qt has those behind another outside
         }
+        if shares:  # none is shown beside the first page, where a click ends here, too
+            self._shares = shares
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """See the window resized, and the end of a drag at the line between two docks."""

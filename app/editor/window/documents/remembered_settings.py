@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QMainWindow
 from app.editor.theme import THEMES, Look
 
 MOST_RECENT = 12
-_DOCKS = 2  # of what is remembered of the docks; an earlier one is left for the layout of today
+_DOCKS_VERSION = 2  # of the docks' stored places; of an earlier one the default layout is taken
 
 
 class Settings:
@@ -55,7 +55,7 @@ class Settings:
     def remember_window(self, window: QMainWindow) -> None:
         """Store size, place and docks of a window, in the file at once."""
         self._stored.setValue("geometry", window.saveGeometry())
-        self._stored.setValue("docks", window.saveState(_DOCKS))
+        self._stored.setValue("docks", window.saveState(_DOCKS_VERSION))
         self._stored.sync()
 
     def restore_window(self, window: QMainWindow) -> bool:
@@ -63,7 +63,7 @@ class Settings:
         geometry, docks = self._bytes("geometry"), self._bytes("docks")
         if geometry is not None:
             window.restoreGeometry(geometry)
-        return docks is not None and window.restoreState(docks, _DOCKS)
+        return docks is not None and window.restoreState(docks, _DOCKS_VERSION)
 
     def _bytes(self, name: str) -> QByteArray | None:
         stored = self._stored.value(name)

@@ -138,6 +138,31 @@ def test_a_window_made_anew_is_as_it_was_left(opened, make_window, idle):
             assert abs(a - b) <= 4
 
 
+def test_a_layout_chosen_beside_the_first_page_is_that_of_the_network(make_window, idle):
+    window = make_window()
+    window.actions_by_name["picture_beside"].trigger()
+    idle(window)
+    assert window.welcome.isVisible()
+    assert not window.panels.isVisible()
+    window.files.open_now("kodak_kir310")
+    idle(window)
+    assert share(window) >= SHARE
+    assert canvas(window).mapTo(window, QPoint()).x() < window.canvas.mapTo(window, QPoint()).x()
+
+
+def test_a_click_on_the_first_page_does_not_undo_what_was_dragged(opened, idle):
+    drag_separator(opened, -120)
+    idle(opened)
+    wide = opened.panel_dock.width()
+    opened.show_welcome()
+    idle(opened)
+    QTest.mouseClick(opened.welcome, Qt.MouseButton.LeftButton, pos=QPoint(4, 4))
+    opened.show_canvas()
+    opened.resize(2400, 1350)
+    idle(opened)
+    assert opened.panel_dock.width() == pytest.approx(1.5 * wide, abs=3)
+
+
 @pytest.mark.parametrize("size", [(1366, 728), (1600, 900), (2560, 1400), (3840, 2100), (800, 600)])
 def test_a_first_window_lies_within_its_screen_and_uses_a_large_one(size):
     first = window_layout.first_size(QSize(*size))
