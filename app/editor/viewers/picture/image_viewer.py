@@ -96,7 +96,7 @@ class ImageViewer(Viewer):
         self.links.apply_zoom()
 
     def one_to_one(self) -> None:
-        """Show each sample as one dot of the screen."""
+        """Show each sample one dot of the screen wide."""
         self.canvas.one_to_one()
         self.links.apply_zoom()
 

@@ -48,7 +48,7 @@ class PictureBar(QWidget):
         for menu, title in zip(self.menus, ("&Display", "&Compare"), strict=True):
             menu.setTitle(title)
         self.fit = tool_button(f"{owner}.fit", "Fit", "Show all of the picture (F or 0)", self)
-        self.dots = tool_button(f"{owner}.dots", "1:1", "Show each sample as one dot (1)", self)
+        self.dots = tool_button(f"{owner}.dots", "1:1", "Show each sample one dot wide (1)", self)
         self.region = toggle_button(
             f"{owner}.region", "⬚", "Draw the region of the selected module (R)", self
         )

@@ -164,7 +164,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._see(self._place)
 
     def one_to_one(self) -> None:
-        """Show each sample as one dot of the screen, around the middle of what is seen."""
+        """Show each sample one dot of the screen wide, around the middle of what is seen."""
         if self._picture is None:
             return
         dots = self.view.width() * self.devicePixelRatioF()
@@ -206,7 +206,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         )
 
     def leaveEvent(self, event: QEvent) -> None:
-        """The cursor is on no picture."""
+        """Emit that the cursor is on no picture."""
         super().leaveEvent(event)
         self.pointed.emit(None)
 

@@ -26,7 +26,7 @@ def open_context_menu(
     bar: Bar,
     own: Iterable[tuple[str, str, Callable[[], None]]],
     window_actions: Iterable[QAction],
-) -> QMenu:
+) -> None:
     """Open the menu at a point of the screen.
 
     Parameters
@@ -38,7 +38,7 @@ def open_context_menu(
     bar : Bar
         Its menus become submenus.
     own : iterable of (str, str, callable)
-        Text, keys that do the same, and what is done.
+        Text, the key that does the same or "", and what is done.
     window_actions : iterable of QAction
         Actions of the window that concern what is shown.
     """
@@ -47,7 +47,7 @@ def open_context_menu(
     menu.aboutToHide.connect(menu.deleteLater)
     for text, keys, done in own:
         action = menu.addAction(f"{text}\t{keys}" if keys else text)
-        action.triggered.connect(partial(_without_words, done))
+        action.triggered.connect(partial(_without_argument, done))
     menu.addSeparator()
     for inner in bar.menus:
         menu.addMenu(inner)
@@ -55,9 +55,8 @@ def open_context_menu(
     for action in window_actions:
         menu.addAction(action)
     menu.popup(point)
-    return menu
 
 
-def _without_words(done: Callable[[], None], *_: object) -> None:
+def _without_argument(done: Callable[[], None], *_: object) -> None:
     """Call it without the action's argument, whether it is checked."""
     done()

@@ -13,7 +13,7 @@ from core.transfer.grid import Grid
 PICTURES = ("image", "magnitude", "phase", "transfer", "pupil")
 Band = tuple[float, float]
 Kind = Literal["picture", "plane", "pupil"]
-_LONGEST = 8.0  # a pixel more oblong than that is drawn square
+_MOST_OBLONG = 8.0  # longer over shorter side; a pixel beyond is drawn square
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Facts:
     band_um : (float, float) or None
         Cut-on and cut-off wavelength.
     pixel_shape : float
-        Width of a sample over its height, in angle; 1 where that is not known.
+        Width of a sample over its height, in angle; 1 where that is not known or beyond 8.
     """
 
     kind: Kind
@@ -144,11 +144,11 @@ def picture_facts(image: Image, reduced: int = 1) -> Facts:
 
 
 def _pixel_shape(image: Image) -> float:
-    """Width over height; 1 beyond what could still be looked at as a picture."""
+    """Width over height; 1 where the picture would be drawn too thin to be looked at."""
     if not (image.interval_x_mrad and image.interval_y_mrad):
         return 1.0
     shape = image.interval_x_mrad / image.interval_y_mrad
-    return shape if 1 / _LONGEST <= shape <= _LONGEST else 1.0
+    return shape if 1 / _MOST_OBLONG <= shape <= _MOST_OBLONG else 1.0
 
 
 def spectrum_facts(image: Image) -> Facts:

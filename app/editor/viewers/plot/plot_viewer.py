@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
 
 _LIST_SHARE = 0.36  # of the width, at most, for the legend; of the height where it lies below
-_ANY = 16_777_215  # Qt's largest size: no limit
+_NO_LIMIT = 16_777_215  # of a size: Qt's largest
 _NARROW = 75  # characters; a narrower viewer has its legend below the plot
 
 
@@ -237,11 +237,11 @@ class PlotViewer(Viewer):
             rows = self.list.count() * max(self.list.sizeHintForRow(0), 1)
             height = rows + 2 * self.list.frameWidth()
             self.list.setMinimumWidth(0)
-            self.list.setMaximumWidth(_ANY)
+            self.list.setMaximumWidth(_NO_LIMIT)
             self.list.setFixedHeight(min(height, int(_LIST_SHARE * self.height())))
         else:
             self.list.setMinimumHeight(0)
-            self.list.setMaximumHeight(_ANY)
+            self.list.setMaximumHeight(_NO_LIMIT)
             width = self.list.sizeHint().width()
             self.list.setFixedWidth(min(width, int(_LIST_SHARE * self.width())))
 
