@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from itertools import groupby
+from textwrap import indent
 from typing import Any
 
 from app.run.readout_tables import columns
@@ -36,7 +37,7 @@ def modules(*, as_json: bool, key: str = "") -> None:
     for group, members in groupby(declared, key=lambda entry: entry.group):
         print(f"{group}\n{'=' * len(group)}\n")
         for entry in members:
-            print(module_text(entry), end="\n\n")
+            print(module_text(entry, whole=bool(key)), end="\n\n")
 
 
 def described_module(declared: Declaration) -> dict[str, Any]:
@@ -82,9 +83,10 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
     return described
 
 
-def module_text(declared: Declaration) -> str:
-    """A declaration as a few lines of text."""
-    lines = [f"{declared.key} · {declared.title}", f"  {declared.summary}"]
+def module_text(declared: Declaration, *, whole: bool = False) -> str:
+    """A declaration as a few lines; `whole` with all of its text, the formulas' sources in it."""
+    about = declared.text if whole else declared.summary
+    lines = [f"{declared.key} · {declared.title}", indent(about, "  ")]
     ways = [_ports(declared.inputs), _ports(declared.outputs)]
     lines.append(f"  ports: {' → '.join(ways).strip()}")
     rows = [

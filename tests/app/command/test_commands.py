@@ -236,3 +236,12 @@ def test_grey_levels_of_the_smallest_and_the_largest_numbers(unit):
     share = (steps - steps[0]) / (steps[-1] - steps[0])
     assert np.abs(levels[0] - 255 * share).max() <= 0.5 + 1e-9
     assert (levels[0, 0], levels[0, -1]) == (0, 255)
+
+
+def test_one_module_comes_with_its_formula_and_source(capsys):
+    assert main(["modules", "jitter_mtf"]) == 0
+    text = capsys.readouterr().out
+    assert "exp(−2π²σ²(xi² + eta²))" in text
+    assert "Source: Tantalo 1996, eq. 4.36" in text
+    assert main(["modules"]) == 0
+    assert "eq. 4.36" not in capsys.readouterr().out
