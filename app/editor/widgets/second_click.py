@@ -16,16 +16,16 @@ class SecondClick(QObject):
         self._timer.timeout.connect(self._end)
 
     def drop(self) -> None:
-        """The next one, if it comes as soon as a double-click takes."""
+        """The next one, if it comes as soon as a double-click takes and with no first press."""
         app = QApplication.instance()
         if isinstance(app, QApplication):
             app.installEventFilter(self)
             self._timer.start(app.doubleClickInterval())
 
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
-        """Hold back that one event."""
+        """Hold back that one event; a press before it begins a double-click of its own."""
         second = event.type() == QEvent.Type.MouseButtonDblClick
-        if second:
+        if second or event.type() == QEvent.Type.MouseButtonPress:
             self._end()
         return second
 

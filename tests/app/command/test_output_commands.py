@@ -68,7 +68,7 @@ def test_final_goes_before_a_mark_in_the_file(two, write, imagechain, tmp_path):
         ("noisy.imag", "noisy has no picture imag; did you mean image?"),
         ("init.context", "init has no picture context; its pictures: none"),
         ("nosy.image", "there is no node nosy; did you mean noisy?"),
-        ("noisy", "there is no node"),
+        ("noisy", "write NODE.PORT"),
     ],
 )
 def test_a_wrong_final_is_one_line(two, fails, port, told):

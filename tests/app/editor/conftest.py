@@ -94,7 +94,8 @@ def make_window(qtbot, library, settings, tmp_path):
         chosen = {"library": library, "settings": settings, "recovery": tmp_path / "recovery"}
         window = MainWindow(**{**chosen, **choices})
         made.append(window)
-        window.resize(1600, 900)  # larger than the screen that offscreen drawing has
+        if not chosen["settings"].path.exists():  # else it has the size that is remembered
+            window.resize(1600, 900)  # larger than the screen that offscreen drawing has
         window.show()
         qtbot.waitExposed(window)
         return window
