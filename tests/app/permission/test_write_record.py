@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from pathlib import Path
 
 import pytest
 
 from app.permission import write_rules
-from app.permission.write_record import WriteRecord, read_record, remember_chosen
+from app.permission.state_folder import state_folder
+from app.permission.write_record import WriteRecord, read_record, remember_chosen, write_record
+from app.run.shipped import find_network
 from app.run.staging import Staging
 from core.atomic import write_text
 from core.errors import FileError
@@ -99,3 +103,29 @@ def test_what_changes_while_it_computes_is_seen(tmp_path):
     assert CHANGED in disturbed(lambda: target.write_text("my own work"))
     assert target.read_text() == "my own work"
     assert not list((tmp_path / "elsewhere").iterdir())
+
+
+@pytest.mark.parametrize(
+    ("platform", "environment", "place"),
+    [
+        ("linux", {"HOME": "/h"}, "/h/.local/state/imagechain"),
+        ("linux", {"HOME": "/h", "XDG_STATE_HOME": "/s"}, "/s/imagechain"),
+        ("linux", {"HOME": "/h", "XDG_STATE_HOME": "s"}, "/h/.local/state/imagechain"),
+        ("darwin", {"HOME": "/h"}, "/h/Library/Application Support/imagechain"),
+        ("win32", {"LOCALAPPDATA": "/l"}, "/l/imagechain"),
+        ("win32", {}, None),
+        ("linux", {"HOME": "h"}, None),
+        ("linux", {}, None),
+    ],
+)
+def test_where_records_lie(platform, environment, place):
+    found = state_folder(environment, platform)
+    assert (found and found.as_posix()) == place
+
+
+def test_a_record_comes_back_as_it_was(tmp_path):
+    place = find_network("first_steps")
+    odd = Path(os.fsdecode(b"/odd\xff name"))
+    kept = WriteRecord(place.path.resolve(), {odd: ((3, "a"), (4, "b"))}, frozenset([odd]))
+    write_record(kept)
+    assert read_record(place.path) == kept

@@ -13,9 +13,7 @@ from app.command import run as app_run
 from app.command.cli import main
 from app.options.command_options import parse
 from app.permission import write_rules
-from app.permission.state_folder import state_folder
-from app.permission.write_record import WriteRecord, read_record, remember_chosen, write_record
-from app.run.shipped import find_network
+from app.permission.write_record import WriteRecord, remember_chosen
 from core.errors import FileError
 from nodes.files.read import read_pixels
 
@@ -410,36 +408,10 @@ def test_a_folder_to_allow_must_be_there(words, network, refused):
     assert "--allow-writes-to" in refused(network("a.tif"), "--allow-writes-to", *words)
 
 
-@pytest.mark.parametrize(
-    ("platform", "environment", "place"),
-    [
-        ("linux", {"HOME": "/h"}, "/h/.local/state/imagechain"),
-        ("linux", {"HOME": "/h", "XDG_STATE_HOME": "/s"}, "/s/imagechain"),
-        ("linux", {"HOME": "/h", "XDG_STATE_HOME": "s"}, "/h/.local/state/imagechain"),
-        ("darwin", {"HOME": "/h"}, "/h/Library/Application Support/imagechain"),
-        ("win32", {"LOCALAPPDATA": "/l"}, "/l/imagechain"),
-        ("win32", {}, None),
-        ("linux", {"HOME": "h"}, None),
-        ("linux", {}, None),
-    ],
-)
-def test_where_records_lie(platform, environment, place):
-    found = state_folder(environment, platform)
-    assert (found and found.as_posix()) == place
-
-
 def test_the_options_are_those_of_run_and_check():
     for command in ("run", "check"):
         found = parse([command, "x", "--allow-writes-to", "a", "--allow-writes-to", "b"])
         assert found.allowed == (Path("a"), Path("b"))
-
-
-def test_a_record_comes_back_as_it_was(tmp_path):
-    place = find_network("first_steps")
-    odd = Path(os.fsdecode(b"/odd\xff name"))
-    kept = WriteRecord(place.path.resolve(), {odd: ((3, "a"), (4, "b"))}, frozenset([odd]))
-    write_record(kept)
-    assert read_record(place.path) == kept
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/fd"), reason="a system without /dev/fd")  # noqa: PTH110

@@ -16,7 +16,7 @@ from nodes.files.write import write_picture
 from nodes.input_output.read_image import ReadImage
 from nodes.library import standard_library
 from nodes.shared.module_ports import ImageOutput
-from nodes.shared.shared_warnings import band_caution, is_radiance, unit_caution, wavelength_caution
+from nodes.shared.shared_warnings import band_caution
 from nodes.transform.init_trans import InitTrans
 
 LIBRARY = standard_library()
@@ -406,52 +406,6 @@ class TestFiles:
         assert init.focal_length(image(Header(focal_length_mm=100.0))) is None
         assert init.focal_length(image(Header())) is None
         assert InitTrans.build({}).focal_length(image(Header(focal_length_mm=50.0))) is None
-
-
-@pytest.mark.parametrize(
-    ("own", "silent"),
-    [
-        ((8.0, 12.0), True),
-        ((8.1, 12.0), True),  # 97.5 % of both
-        ((8.0, 10.0), False),
-        ((3.0, 5.0), False),
-        ((12.0, 14.0), False),
-        ((7.0, 14.0), False),
-        ((None, None), True),
-        ((None, 12.0), True),
-        ((9.0, None), False),
-    ],
-)
-def test_bands_that_are_alike_enough(own, silent):
-    assert (band_caution((8.0, 12.0), *own) is None) == silent
-    assert band_caution(None, *own) is None
-
-
-def test_a_share_of_the_bands_is_told():
-    assert "share 50 % of their width" in band_caution((8.0, 12.0), 8.0, 10.0).message
-
-
-@pytest.mark.parametrize(
-    "unit", ["W/m²/sr", "W m-2 sr-1", "W·m⁻²·sr⁻¹", "W/sr/m²", "W/(m^2*sr)", " W/m2/sr "]
-)
-def test_what_is_radiance_however_it_is_worded(unit):
-    assert is_radiance(unit)
-    assert unit_caution(unit, meant="NETD") is None
-
-
-@pytest.mark.parametrize(
-    "unit",
-    ["K", "DN", "counts", "", "reflectance", "W/m²/sr/µm", "W", "mW/m2/sr", "W/m2/sr/furlong"],
-)
-def test_what_is_no_radiance(unit):
-    assert not is_radiance(unit)
-    assert unit_caution(unit, meant="NETD") is not None
-
-
-@pytest.mark.parametrize(("wavelength", "silent"), [(8.0, True), (12.0, True), (7.0, False)])
-def test_the_ends_of_a_band_belong_to_it(wavelength, silent):
-    found = wavelength_caution((8.0, 12.0), wavelength, name="wavelength_um")
-    assert (found is None) == silent
 
 
 @pytest.mark.parametrize("numbers", [(5e-324, 1.7e308), (1.7e308, 5e-324), (1.7e308, 1.7e308)])
