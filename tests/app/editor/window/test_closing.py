@@ -304,12 +304,17 @@ def test_the_question_to_replace_a_file_is_not_in_the_way(
     assert other.read_text() == "mine"
 
 
-def test_a_file_is_replaced_only_once_that_is_agreed(window, replacing, qtbot):
-    add(window, "test_scene")
-    dialog, box, other = replacing()
+def keep_the_file(box):
+    """Press Escape at the question to replace it, where a person does."""
     give_focus(box.findChild(QPushButton, "cancel"))
     QTest.keyClick(box, KEY.Key_Escape)
     assert not box.isVisible()
+
+
+def test_a_file_is_replaced_only_once_that_is_agreed(window, replacing, qtbot):
+    add(window, "test_scene")
+    dialog, box, other = replacing()
+    keep_the_file(box)
     assert dialog.isVisible()
     assert other.read_text() == "mine"
     dialog.accept()  # asks anew
@@ -323,9 +328,7 @@ def test_a_file_is_replaced_only_once_that_is_agreed(window, replacing, qtbot):
 def test_a_file_that_is_not_replaced_leaves_a_dialog_that_works(window, replacing, way):
     add(window, "test_scene")
     dialog, box, other = replacing()
-    give_focus(box.findChild(QPushButton, "cancel"))
-    QTest.keyClick(box, KEY.Key_Escape)
-    assert not box.isVisible()
+    keep_the_file(box)
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)  # as Qt's loop does
     edit = dialog.findChild(QLineEdit, "fileNameEdit")
     give_focus(edit)
