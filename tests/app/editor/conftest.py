@@ -1,10 +1,16 @@
-"""The editor's tests draw offscreen, unless they start a display of their own."""
+"""The editor's tests draw offscreen, unless they start a display of their own.
+
+Offscreen, Qt has a screen of 800×800, to which it cuts a window that is remembered; the tests have
+one of 1920×1080.
+"""
 
 import os
+from pathlib import Path
 
 import pytest
 
-os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+_SCREEN = Path(__file__).parents[2] / "support" / "screen.json"
+os.environ.setdefault("QT_QPA_PLATFORM", f"offscreen:configfile={_SCREEN}")
 os.environ.setdefault("QT_PREFERRED_BINDING", "PySide6")
 
 from PySide6.QtCore import QCoreApplication, QEvent
@@ -95,7 +101,7 @@ def make_window(qtbot, library, settings, tmp_path):
         window = MainWindow(**{**chosen, **choices})
         made.append(window)
         if not chosen["settings"].path.exists():  # else it has the size that is remembered
-            window.resize(1600, 900)  # larger than the screen that offscreen drawing has
+            window.resize(1600, 900)
         window.show()
         qtbot.waitExposed(window)
         return window
