@@ -13,6 +13,7 @@ from child_process import PATIENCE_S
 
 PAUSE = 0.012  # between two movements: a quick hand
 STEPS = 6
+STILL = 6  # looks at a widget that find it in its place
 
 
 class Hands:
@@ -81,6 +82,17 @@ def wait_until(condition, what, seconds=PATIENCE_S):
     while not condition():
         assert time.monotonic() < end, f"waited {seconds:g} s in vain: {what}"
         process_events(0.01)
+
+
+def wait_still(widget, seconds=PATIENCE_S):
+    """Wait until a widget stays where it is: a panel just opened is laid out in several steps."""
+    end = time.monotonic() + seconds
+    place, since = None, 0
+    while since < STILL:
+        assert time.monotonic() < end, f"{widget.objectName()} has moved for {seconds:g} s"
+        process_events(0.02)
+        now = widget.mapToGlobal(QPoint(0, 0)), widget.size()
+        place, since = now, since + 1 if now == place else 0
 
 
 def centre(widget):

@@ -4,7 +4,7 @@ from PySide6.QtCore import QPoint
 from PySide6.QtWidgets import QAbstractButton, QComboBox, QLineEdit, QWidget
 
 from core.modules.declaration import declaration
-from hands import centre, wait_until
+from hands import centre, wait_still, wait_until
 
 
 class ValuesByHand:
@@ -21,9 +21,12 @@ class ValuesByHand:
         self.screenshot("4_values")
 
     def set_value(self, node, name, value):
+        # Badges that change while all is computed anew may move what stands below them.
+        wait_until(lambda: self.window.evaluator.idle, "all is computed")
         field = self.find(QWidget, f"field.{name}", self.window.panels)
         self.turn_to_page_of(field)
         self.bring_into_view(field)
+        wait_still(field)
         kind = declaration(self.library[node.module]).parameter(name).kind
         if kind == "choice":
             self.choose(field, name, value)
@@ -67,6 +70,7 @@ class ValuesByHand:
 
     def bring_into_view(self, widget):
         """Turn the wheel until the widget can be seen."""
+        wait_still(widget)
         area = self.window.panels
         for _ in range(60):
             top = widget.mapTo(area.viewport(), QPoint(0, 0)).y()
