@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
-from core.editing.layout.arrange import arranged
+from core.editing.layout.arrange import Sizes, arranged
+from core.editing.layout.room import free_places
 from core.editing.links import check_new_wires
 from core.editing.nodes import Add, Placed, Point, fresh_name
 from core.editing.operation import Operation, named
@@ -20,9 +22,6 @@ from core.network.parsing import FORMAT, parse_network
 NODES_FORMAT = "imagechain-nodes"
 SOURCE = "the clipboard"
 
-_STEP = 30.0  # aside of nodes already there
-_MOST_STEPS = 200
-_NEAR = 10.0
 _FARTHEST = 1e6  # a point beyond is none that a canvas could show
 
 
@@ -45,7 +44,11 @@ def copied(network: Network, names: Iterable[str], library: Library) -> str:
 
 
 def pasted(
-    text: str, network: Network, library: Library, at: Point | None = None
+    text: str,
+    network: Network,
+    library: Library,
+    at: Point | None = None,
+    sizes: Sizes = MappingProxyType({}),
 ) -> tuple[tuple[str, ...], Operation]:
     """What puts copied nodes in, under names that are free; and those names.
 
@@ -58,8 +61,10 @@ def pasted(
     network, library
         Where it is to be pasted.
     at : (x, y), optional
-        The middle of where they are to lie; where they lay when they were copied for None. They
-        never lie exactly on others.
+        The middle of where they are to lie; where they lay when they were copied for None. Where
+        there is no room they lie as near as there is.
+    sizes : mapping
+        Width and height of the network's nodes, in units of the canvas.
 
     Raises
     ------
@@ -70,15 +75,16 @@ def pasted(
     points = _points(part)
     if at is not None:
         points = _centred(points, at)
-    return _adding(network, part, points, "Paste")
+    return _adding(network, part, points, "Paste", {}, sizes)
 
 
 def duplicated(
     network: Network,
     names: Iterable[str],
     library: Library,  # noqa: ARG001 - same arguments as `copied` and `pasted`
+    sizes: Sizes = MappingProxyType({}),
 ) -> tuple[tuple[str, ...], Operation]:
-    """What puts a copy of nodes beside them, fed by the same wires; and the copies' names.
+    """What puts a copy of nodes on free ground near them, fed by the same wires; and its names.
 
     Raises
     ------
@@ -92,7 +98,7 @@ def duplicated(
         for link in network.links
         if link.target in part.nodes and link.source not in part.nodes
     ]
-    return _adding(network, part, points, "Duplicate", feeding)
+    return _adding(network, part, points, "Duplicate", sizes, sizes, feeding)
 
 
 def _part(network: Network, names: Iterable[str]) -> Network:
@@ -143,29 +149,16 @@ def _centred(points: Mapping[str, Point], at: Point) -> dict[str, Point]:
     return {name: (px + x, py + y) for name, (px, py) in points.items()}
 
 
-def _aside(network: Network, points: Mapping[str, Point]) -> dict[str, Point]:
-    """The points, moved together until none is on one that is taken."""
-    taken = {_cell(point) for point in network.layout.values()}
-    moved = dict(points)
-    for _ in range(_MOST_STEPS):
-        if not any(_cell(point) in taken for point in moved.values()):
-            break
-        moved = {name: (x + _STEP, y + _STEP) for name, (x, y) in moved.items()}
-    return moved
-
-
-def _cell(point: Point) -> tuple[int, int]:
-    return round(point[0] / _NEAR), round(point[1] / _NEAR)
-
-
 def _adding(
     network: Network,
     part: Network,
     points: Mapping[str, Point],
     verb: str,
+    sizes: Sizes,
+    sizes_there: Sizes,
     feeding: Iterable[Link] = (),
 ) -> tuple[tuple[str, ...], Operation]:
-    points = _aside(network, points)
+    points = free_places(points, sizes, network, sizes_there)
     taken = set(network.nodes)
     fresh: dict[str, str] = {}
     for name in part.nodes:

@@ -10,13 +10,16 @@ from typing import Any
 from core.editing import backdrops
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import set_network_field, set_node_field, set_parameter
-from core.editing.fitting import fitting, inserted, new_node, refusal, wired_to
 from core.editing.layout.arrange import arranged
+from core.editing.layout.room import made_way
 from core.editing.links import Rewire
 from core.editing.moved_folder import rebased
 from core.editing.nodes import Add, Move, Placed, Remove, Rename
 from core.editing.operation import ABSENT, Operation, Together, together
 from core.editing.output_mark import SetOutput
+from core.editing.wiring.continuing import continued
+from core.editing.wiring.fitting import fitting, inserted, new_node, refusal, wired_to
+from core.editing.wiring.healing import deleted, dissolved
 from core.modules.declaration import declaration
 from core.network.file import format_network
 from core.network.network import Library, Link, Network, Node
@@ -136,6 +139,27 @@ def _add_first(e: Editor) -> Operation | None:
 
 def _remove(e: Editor) -> Operation | None:
     return Remove(tuple(e.some())) if e.network.nodes else None
+
+
+def _healed(e: Editor) -> Operation | None:
+    take_out = e.random.choice([deleted, dissolved])
+    return take_out(e.network, e.library, e.some()) if e.network.nodes else None
+
+
+def _continued(e: Editor) -> Operation | None:
+    name, key = e.name(), e.random.choice(list(e.library))
+    onward = continued(e.network, e.library, name, key, e.point()) if name else None
+    return onward[1] if onward else None
+
+
+def _made_way(e: Editor) -> Operation | None:
+    names = [name for name in e.network.nodes if name in e.network.layout]
+    if not names:
+        return None
+    name = e.random.choice(names)
+    at = e.network.layout[name]
+    places = made_way(e.network, {}, name, at, e.network.followers[name])
+    return Move(dict(places)) if places else None
 
 
 def _move(e: Editor) -> Operation | None:
@@ -293,7 +317,8 @@ def _several(e: Editor) -> Operation | None:
 
 
 MAKERS: tuple[Maker, ...] = (
-    _add, _add_first, _remove, _move, _rename, _connect, _disconnect, _redraw, _wired, _inserted,
+    _add, _add_first, _remove, _healed, _continued, _made_way,
+    _move, _rename, _connect, _disconnect, _redraw, _wired, _inserted,
     _parameter, _switch, _output, _node_extra, _network_field, _extra_field, _backdrop, _paste,
     _duplicate, _arrange, _picture, _rebase, _several,
 )  # fmt: skip

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 
 from canvas_hands import CanvasHands
 from child_process import PATIENCE_S
-from core.editing.fitting import new_node
+from core.editing.wiring.fitting import new_node
 
 KEY = Qt.Key
 CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier

@@ -25,7 +25,6 @@ from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.faces import Side
 from app.editor.canvas.items.geometry import HEAD_MIDDLE
 from app.editor.canvas.items.marks import Marks
-from app.editor.canvas.items.points import free_point
 from app.editor.canvas.items.wire_item import LiveWire
 from app.editor.canvas.places import pixel_of_port, pixel_of_wire
 from app.editor.session import Session
@@ -131,10 +130,14 @@ class Canvas(QWidget):
         return self.content.sizes()
 
     def cursor_point(self) -> tuple[float, float]:
-        """The point of the scene under the mouse, or in the middle; beside a node's own point."""
+        """The point of the scene under the mouse, or in the middle, in whole units."""
         pos = self.mouse.pos
         point = self.view.visible_rect().center() if pos is None else self.view.scene_point(pos)
-        return free_point(self._session.network, (point.x(), point.y()))
+        return float(round(point.x())), float(round(point.y()))
+
+    def add_module(self, key: str) -> None:
+        """Add a node at the cursor; with a node selected, wired on to that one."""
+        self.adding.add(key, self.cursor_point())
 
     def open_search(self) -> None:
         """Open the list of modules to add one at the cursor."""

@@ -9,8 +9,10 @@ from pathlib import Path
 
 import pytest
 
-_SCREEN = Path(__file__).parents[2] / "support" / "screen.json"
-os.environ.setdefault("QT_QPA_PLATFORM", f"offscreen:configfile={_SCREEN}")
+os.environ.setdefault(
+    "QT_QPA_PLATFORM",
+    f"offscreen:configfile={Path(__file__).parents[2] / 'support' / 'screen.json'}",
+)
 os.environ.setdefault("QT_PREFERRED_BINDING", "PySide6")
 
 from PySide6.QtCore import QCoreApplication, QEvent

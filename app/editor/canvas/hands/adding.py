@@ -9,18 +9,18 @@ from typing import Any
 from PySide6.QtCore import QObject, QPoint, QPointF
 
 from app.editor.canvas.hands.choice_popup import Choice, ChoicePopup
+from app.editor.canvas.hands.new_nodes import added, free_place
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.hands.wire_choices import possible_links
 from app.editor.canvas.items.faces import face_of
 from app.editor.canvas.items.geometry import geometry_of
 from app.editor.canvas.items.node_item import NodePort
-from app.editor.canvas.items.points import free_point
 from app.editor.library.module_search import found_by
 from app.editor.theme import Theme
-from core.editing.fitting import Candidate, End, Side, fitting, new_node, wired_to
 from core.editing.links import Rewire
 from core.editing.nodes import Point
 from core.editing.operation import Operation, together
+from core.editing.wiring.fitting import Candidate, End, Side, fitting, wired_to
 from core.errors import ImagechainError
 from core.modules.declaration import declaration
 from core.network.network import Link, Node
@@ -50,7 +50,7 @@ class Adding(QObject):
     def search(self, at: Point) -> None:
         """List every module; the chosen one is added at a point of the scene."""
         library = self._surface.session.library
-        choices = [self._module_choice(key, partial(self._add, key, at)) for key in library]
+        choices = [self._module_choice(key, partial(self.add, key, at)) for key in library]
         pixel = self._surface.view.pixel(QPointF(*at))
         self._popup.open_at(pixel, "Add a module", choices)
 
@@ -134,12 +134,13 @@ class Adding(QObject):
             tip=known.summary,
         )
 
-    def _add(self, key: str, at: Point) -> None:
+    def add(self, key: str, at: Point) -> None:
+        """Add a node at a point of the scene; with a node selected, wired on to that one."""
         session = self._surface.session
-        point = free_point(session.network, at)
-        name, operation = new_node(session.network, session.library, key, point)
+        name, operation = added(self._surface, key, at)
         if session.do(operation):
             session.select([name])
+            self._surface.view.make_visible(self._surface.content.nodes[name].frame())
 
     def _wire_to(self, end: End, candidate: Candidate, point: QPointF, loose: Link | None) -> None:
         session = self._surface.session
@@ -161,7 +162,7 @@ class Adding(QObject):
         geometry = geometry_of(face_of(node, known, ()), self._surface.content.style)
         side: Side = "input" if drawn_from == "output" else "output"
         at = point - geometry.ports[side, candidate.port]
-        return float(round(at.x())), float(round(at.y()))
+        return free_place(self._surface, candidate.module, (at.x(), at.y()))
 
     def _do(self, operation: Operation) -> None:
         self._surface.session.do(operation)

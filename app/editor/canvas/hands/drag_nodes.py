@@ -8,6 +8,7 @@ from PySide6.QtCore import QPoint, QPointF, QRectF, QSizeF
 
 from app.editor.canvas.hands.gestures import Gesture
 from app.editor.canvas.hands.insertion import insertion_at
+from app.editor.canvas.hands.new_nodes import with_way_made
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.backdrop_item import SMALLEST, BackdropItem
 from app.editor.canvas.items.wire_item import WireItem
@@ -70,6 +71,8 @@ class DragNodes(Gesture):
             operation = moved_together(session.network, self._backdrop, frame, places)
         if self._inserting is not None:
             operation = Together((operation, self._inserting), self._inserting.text)
+            (name,) = self._from
+            operation = with_way_made(self.surface, operation, name)
         session.do(operation)
 
     def click(self) -> None:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from PySide6.QtCore import QPointF
 
+from app.editor.canvas.hands.new_nodes import free_place, size_of, with_way_made
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.hits import wires_near
 from app.editor.canvas.items.wire_item import WireItem
-from core.editing.fitting import inserted, new_node
 from core.editing.operation import Operation, together
+from core.editing.wiring.fitting import inserted, new_node
 
 _REACH_PX = 12.0
 
@@ -29,12 +30,19 @@ def insertion_at(surface: Surface, name: str, point: QPointF) -> tuple[WireItem,
 
 
 def added_at(surface: Surface, module: str, point: QPointF) -> tuple[str, Operation]:
-    """A new node of a module, in the wire at the point if there is one that it fits into."""
+    """A new node of a module, in the wire at the point if there is one that it fits into.
+
+    Its neighbours there make way for it; elsewhere it stands on free ground.
+    """
     session = surface.session
     at = (float(round(point.x())), float(round(point.y())))
     name, adding = new_node(session.network, session.library, module, at)
     insertion = _new_insertion(surface, name, adding, point)
-    return name, together((adding, insertion[1]), adding.text) if insertion else adding
+    if insertion is None:
+        free = free_place(surface, module, at)
+        return new_node(session.network, session.library, module, free)
+    inserting = together((adding, insertion[1]), adding.text)
+    return name, with_way_made(surface, inserting, name, size_of(surface, module))
 
 
 def wire_for_new(surface: Surface, module: str, point: QPointF) -> WireItem | None:

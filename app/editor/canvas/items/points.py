@@ -7,7 +7,6 @@ from core.network.graph import topological
 from core.network.network import Network
 
 COLUMN, ROW = 240.0, 160.0
-_ASIDE = 24.0
 
 
 def points_of(network: Network) -> dict[str, Point]:
@@ -24,15 +23,6 @@ def points_of(network: Network) -> dict[str, Point]:
         row = rows[depth] = rows.get(depth, -1) + 1
         points[name] = (depth * COLUMN, top + row * ROW)
     return points
-
-
-def free_point(network: Network, at: Point) -> Point:
-    """The point in whole units, or one beside it where a node stands there already."""
-    taken = set(network.layout.values())
-    point = (float(round(at[0])), float(round(at[1])))
-    while point in taken:
-        point = (point[0] + _ASIDE, point[1] + _ASIDE)
-    return point
 
 
 def _depths(network: Network) -> dict[str, int]:

@@ -62,14 +62,21 @@ ACTIONS: tuple[ActionSpec, ...] = (
     ActionSpec("quit", "&File", "&Quit", "Close the window", ("Ctrl+Q",), "application"),
     ActionSpec("undo", "&Edit", "&Undo", "Undo the last step", ("Ctrl+Z",)),
     ActionSpec("redo", "&Edit", "&Redo", "Do again what was undone", ("Ctrl+Shift+Z", "Ctrl+Y")),
-    _edit("cut", "Cu&t", "Take the selected nodes to the clipboard", "Ctrl+X"),
+    _edit(
+        "cut",
+        "Cu&t",
+        "Take the selected nodes out to the clipboard, and lead wires past them",
+        "Ctrl+X",
+    ),
     _edit("copy", "&Copy", "Copy the selected nodes as JSON", "Ctrl+C"),
     _edit("paste", "&Paste", "Put the clipboard's nodes at the mouse", "Ctrl+V", selection=False),
-    _edit("duplicate", "D&uplicate", "Copy the selected nodes beside themselves", "Ctrl+D"),
+    _edit(
+        "duplicate", "D&uplicate", "Copy the selected nodes to free ground beside them", "Ctrl+D"
+    ),
     _edit(
         "delete",
         "&Delete",
-        "Delete the selected nodes or wire",
+        "Delete the selected nodes or wire; where there is one way through, it is led past",
         "Del",
         "Backspace",
         selection=False,

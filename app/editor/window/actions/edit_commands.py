@@ -12,9 +12,10 @@ from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import set_node_field
 from core.editing.layout.arrange import arranged
 from core.editing.links import Rewire
-from core.editing.nodes import Move, Remove
+from core.editing.nodes import Move
 from core.editing.operation import Operation, together
 from core.editing.output_mark import output_toggled
+from core.editing.wiring.healing import deleted, dissolved
 from core.errors import ImagechainError
 
 
@@ -34,10 +35,11 @@ class EditCommands(QObject):
             QGuiApplication.clipboard().setText(text)
 
     def cut(self) -> None:
-        """Copy and delete the selected nodes."""
-        if self._session.selection:
+        """Copy the selected nodes and take them out; what they passed on is led past them."""
+        session = self._session
+        if session.selection:
             self.copy()
-            self._session.do(Remove(self._session.selection, label="Cut"))
+            session.do(dissolved(session.network, session.library, session.selection, "Cut"))
 
     def paste(self) -> None:
         """Put the clipboard's nodes at the mouse."""
@@ -45,7 +47,11 @@ class EditCommands(QObject):
         text = QGuiApplication.clipboard().text()
         try:
             names, operation = pasted(
-                text, session.network, library=session.library, at=self._canvas.cursor_point()
+                text,
+                session.network,
+                library=session.library,
+                at=self._canvas.cursor_point(),
+                sizes=self._canvas.sizes(),
             )
         except ImagechainError as error:
             session.message.emit("error", f"nothing was pasted: {error}")
@@ -54,22 +60,28 @@ class EditCommands(QObject):
             session.select(names)
 
     def duplicate(self) -> None:
-        """Copy the selected nodes beside themselves, fed by the same wires."""
+        """Copy the selected nodes on free ground near them, fed by the same wires."""
         session = self._session
         if session.selection:
             names, operation = duplicated(
-                session.network, session.selection, library=session.library
+                session.network,
+                session.selection,
+                library=session.library,
+                sizes=self._canvas.sizes(),
             )
             if session.do(operation):
                 session.select(names)
 
     def delete(self) -> None:
-        """Delete the selected nodes, else the selected wire or backdrop."""
-        link = self._canvas.selected_link()
-        if self._session.selection:
-            self._session.do(Remove(self._session.selection))
+        """Delete the selected nodes, else the selected wire or backdrop.
+
+        Where there is one way through the nodes, the wire is led past them.
+        """
+        session, link = self._session, self._canvas.selected_link()
+        if session.selection:
+            session.do(deleted(session.network, session.library, session.selection))
         elif link is not None:
-            self._session.do(Rewire(remove=(link,)))
+            session.do(Rewire(remove=(link,)))
         else:
             self._canvas.delete_selected_backdrop()
 

@@ -14,8 +14,8 @@ from app.editor.widgets.copied_drop import accept_copy
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.opening import is_network_file
 from core.editing.fields import set_parameter
-from core.editing.fitting import new_node
 from core.editing.operation import Operation, together
+from core.editing.wiring.fitting import new_node
 
 READ_IMAGE = "read_image"
 _DRAGGING = (QEvent.Type.DragEnter, QEvent.Type.DragMove, QEvent.Type.Drop)
@@ -45,12 +45,8 @@ class Drops(QObject):
         return bool(paths)
 
     def add_module(self, key: str) -> None:
-        """Put a module of the library where the mouse was last."""
-        name, operation = new_node(
-            self._session.network, self._session.library, key, self._canvas.cursor_point()
-        )
-        if self._session.do(operation):
-            self._session.select([name])
+        """Put a module of the library where the mouse was last, or behind the selected node."""
+        self._canvas.add_module(key)
 
     def files(self, paths: list[str], point: tuple[float, float]) -> None:
         """Open a network, or read pictures: each becomes a Read Image at the point."""

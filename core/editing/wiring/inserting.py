@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from core.editing.links import Rewire, check_new_wires, declared
 from core.editing.operation import Operation
-from core.editing.partners import MAGNITUDE, PARTNER, PHASE, port_of, side_links, wire_beside
+from core.editing.wiring.partners import MAGNITUDE, PARTNER, PHASE, port_of, side_links, wire_beside
 from core.errors import NetworkError
 from core.modules.declaration import Port
 from core.names import shown

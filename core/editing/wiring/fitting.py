@@ -6,11 +6,11 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
-from core.editing.inserting import inserted
 from core.editing.links import Rewire, check_new_wires, declared, misfit, reached_from, refusal
 from core.editing.nodes import Add, Placed, Point, fresh_name
 from core.editing.operation import Operation, together
-from core.editing.partners import (
+from core.editing.wiring.inserting import inserted
+from core.editing.wiring.partners import (
     MAGNITUDE,
     PARTNER,
     PHASE,

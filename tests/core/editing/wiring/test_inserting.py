@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from core.editing.fields import set_node_field
-from core.editing.fitting import inserted, new_node
 from core.editing.links import Rewire
 from core.editing.nodes import Add, Placed
+from core.editing.wiring.fitting import inserted, new_node
 from core.network.file import format_network
 from core.network.network import Link, Network, Node
 from core.network.validation import problems

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from core.editing.fitting import Candidate, fitting, new_node, wired_to
 from core.editing.links import Rewire
 from core.editing.nodes import Remove
+from core.editing.wiring.fitting import Candidate, fitting, new_node, wired_to
 from core.errors import NetworkError
 from core.modules.declaration import declaration
 from core.network.network import Link, Network, Node

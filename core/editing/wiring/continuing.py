@@ -1,0 +1,80 @@
+"""Adding a node with another one selected: the new one goes on from it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from core.editing.links import declared
+from core.editing.nodes import Point
+from core.editing.operation import Operation, together
+from core.editing.wiring.fitting import Candidate, End, new_node, wired_to
+from core.editing.wiring.inserting import inserted
+from core.errors import NetworkError
+from core.modules.declaration import Port, declaration
+from core.network.network import Library, Network
+
+_BESIDE_THE_CHAIN = ("context", "pupil")  # a module goes on from these only for lack of others
+
+
+def continued(
+    network: Network, library: Library, node: str, module: str, at: Point | None
+) -> tuple[str, Operation] | None:
+    """A new node wired on to another one, and its name; None where the two have no wire in common.
+
+    An output that leads to one node gives its wire: the new node comes between. Else it is a branch
+    of its own. A module that takes nothing from the node, but gives what an empty input of it
+    needs, feeds it.
+
+    Parameters
+    ----------
+    network, library
+        Where it is to be added.
+    node : str
+        The node to go on from.
+    module : str
+        Key of the new node's module.
+    at : (x, y), optional
+        Its point on the canvas.
+
+    Raises
+    ------
+    NetworkError
+        If the library has no such module.
+    """
+    name, adding = new_node(network, library, module, at)
+    known = declared(network, library, node)
+    if known is None:
+        return None
+    grown = adding.apply(network)
+    new = declaration(library[module])
+    for output, entry in _pairs(known.outputs, new.inputs):
+        onward = [link for link in network.links if (link.source, link.output) == (node, output)]
+        between = inserted(grown, library, onward[0], name) if len(onward) == 1 else None
+        if between is not None:
+            return name, together((adding, between), adding.text)
+        end: End = (node, output, "output")
+        try:
+            return wired_to(network, library, end, Candidate(module, entry), at)
+        except NetworkError:
+            continue  # the next pair may do
+    linked = {link.input for link in network.links_into(node)}
+    empty = tuple(port for port in known.inputs if port.required and port.name not in linked)
+    for output, entry in _pairs(new.outputs, empty):
+        end = (node, entry, "input")
+        try:
+            return wired_to(network, library, end, Candidate(module, output), at)
+        except NetworkError:
+            continue
+    return None
+
+
+def _pairs(outputs: tuple[Port, ...], inputs: tuple[Port, ...]) -> Iterator[tuple[str, str]]:
+    """Outputs and the inputs they fit: what every module takes last, needed inputs first."""
+    fitting = [
+        (output.types[0] in _BESIDE_THE_CHAIN, not entry.required, output.name, entry.name)
+        for output in outputs
+        for entry in inputs
+        if set(output.types) & set(entry.types)
+    ]
+    # Sorted by the first two alone: of equal ones the order of the declaration counts.
+    return ((pair[2], pair[3]) for pair in sorted(fitting, key=lambda pair: pair[:2]))
