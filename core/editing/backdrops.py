@@ -15,7 +15,7 @@ from core.network.network import Network
 
 FIELD = "backdrops"
 NODE_SIZE = (180.0, 100.0)  # of a node whose size is not given
-_MARGIN, _HEAD = 24.0, 30.0
+MARGIN, HEAD = 24.0, 30.0  # kept free round the nodes, and for the title
 
 Sizes = Mapping[str, tuple[float, float]]
 
@@ -102,10 +102,10 @@ def around(
         network,
         Backdrop(
             title,
-            left - _MARGIN,
-            top - _MARGIN - _HEAD,
-            right - left + 2 * _MARGIN,
-            bottom - top + 2 * _MARGIN + _HEAD,
+            left - MARGIN,
+            top - MARGIN - HEAD,
+            right - left + 2 * MARGIN,
+            bottom - top + 2 * MARGIN + HEAD,
         ),
     )
 

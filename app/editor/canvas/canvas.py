@@ -129,6 +129,10 @@ class Canvas(QWidget):
         """Width and height of every node, in units of the layout."""
         return self.content.sizes()
 
+    def room(self) -> tuple[float, float]:
+        """Width and height that can be shown at the natural zoom, in units of the layout."""
+        return self.view.natural_room()
+
     def cursor_point(self) -> tuple[float, float]:
         """The point of the scene under the mouse, or in the middle, in whole units."""
         pos = self.mouse.pos

@@ -6,6 +6,7 @@ import math
 from collections.abc import Collection, Mapping
 
 from core.editing.layout.layers import columns_of, components, rows_of
+from core.editing.layout.wrapping import Column, wrapped
 from core.network.network import Network
 
 NODE_SIZE = (180.0, 100.0)  # of a node whose size is not given
@@ -17,7 +18,10 @@ Followers = Mapping[str, tuple[str, ...]]
 
 
 def arranged(
-    network: Network, sizes: Sizes, only: Collection[str] | None = None
+    network: Network,
+    sizes: Sizes,
+    only: Collection[str] | None = None,
+    room: tuple[float, float] | None = None,
 ) -> dict[str, Point | None]:
     """Lay nodes out so that every wire leads to the right and no two nodes overlap.
 
@@ -32,6 +36,8 @@ def arranged(
         Width and height of the nodes, in units of the canvas.
     only : collection of str, optional
         Nodes to lay out among themselves; the others stay. All for None.
+    room : (width, height), optional
+        What the canvas shows. A chain that is longer goes on in the next row, from the left.
 
     Returns
     -------
@@ -43,17 +49,24 @@ def arranged(
         name: tuple(target for target in network.followers[name] if target in chosen)
         for name in chosen
     }
-    parts = components(followers)
+    return _anchored(network, placed(followers, sizes, room))
+
+
+def placed(
+    followers: Followers, sizes: Sizes, room: tuple[float, float] | None = None
+) -> dict[str, Point]:
+    """Points for the nodes of a graph; the first part begins at zero."""
     places: dict[str, Point] = {}
     top = 0.0
+    parts = components(followers)
     for part in parts:
         if len(part) > 1:
-            points = _part({name: followers[name] for name in part}, sizes)
+            points = _part({name: followers[name] for name in part}, sizes, room)
             top = _put(places, points, sizes, top)
     singles = [part[0] for part in parts if len(part) == 1]
     if singles:
         _put(places, _grid(singles, sizes), sizes, top)
-    return _anchored(network, places)
+    return places
 
 
 def _put(places: dict[str, Point], points: Mapping[str, Point], sizes: Sizes, top: float) -> float:
@@ -63,17 +76,20 @@ def _put(places: dict[str, Point], points: Mapping[str, Point], sizes: Sizes, to
     return max(places[name][1] + _size(sizes, name)[1] for name in points) + 2 * ROW_GAP
 
 
-def _part(followers: Followers, sizes: Sizes) -> dict[str, Point]:
+def _part(followers: Followers, sizes: Sizes, room: tuple[float, float] | None) -> dict[str, Point]:
     """The points of nodes that hang together."""
     column = columns_of(followers)
     layers = rows_of(followers, column)
     heights = _heights(followers, column, layers, sizes)
-    points = {}
-    left = 0.0
-    for layer in layers:
-        points.update({name: (left, heights[name]) for name in layer})
-        left += max((_size(sizes, name)[0] for name in layer), default=0.0) + COLUMN_GAP
-    return points
+    columns = [
+        Column(
+            {name: heights[name] for name in layer},
+            max((_size(sizes, name)[0] for name in layer), default=0.0),
+            max((heights[name] + _size(sizes, name)[1] for name in layer), default=0.0),
+        )
+        for layer in layers
+    ]
+    return wrapped(columns, room, COLUMN_GAP, 2 * ROW_GAP)
 
 
 def _heights(

@@ -26,7 +26,7 @@ from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.nodegraphqt import NodeViewer
 from app.editor.widgets.copied_drop import accept_copy
 
-SMALLEST_ZOOM, LARGEST_ZOOM = 0.1, 4.0  # of the natural zoom
+SMALLEST_ZOOM, LARGEST_ZOOM = 0.02, 4.0  # of the natural zoom; 200 nodes in a row are framed
 _GRID = 24.0
 _GRID_LEAST_PX = 14.0
 _MARGIN = 24  # pixels around what is framed
@@ -122,6 +122,12 @@ class GraphView(NodeViewer):
         rect = QRectF(0, 0, size.width() / self._zoom, size.height() / self._zoom)
         rect.moveCenter(self._centre)
         return rect
+
+    def natural_room(self) -> tuple[float, float]:
+        """Width and height of what can be framed at the natural zoom."""
+        size, natural = self.viewport().size(), self.style_of_canvas.natural_zoom
+        wide = max(size.width() - 2 * _MARGIN, 20) / natural
+        return wide, max(size.height() - 2 * _MARGIN, 20) / natural
 
     def scene_point(self, pos: QPoint | QPointF) -> QPointF:
         """The point of the scene under a pixel."""

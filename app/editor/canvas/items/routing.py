@@ -11,6 +11,8 @@ Box = tuple[float, float, float, float]  # left, top, right, bottom
 Spot = tuple[float, float]
 
 _LEAVE = 32.0  # units across in which a wire changes to its lane: less than the gap of columns
+_TURN = 40.0  # units aside in which a wire turns back
+_BELOW = 16.0  # a lane back is this much further below nodes than others are beside them
 _TRIES = 5
 _FAVOUR = 80.0  # for the lane above
 
@@ -22,6 +24,9 @@ def wire_path(start: QPointF, end: QPointF, lane: float | None = None) -> QPaint
         reach = _reach(end.x() - start.x(), abs(end.y() - start.y()))
         path.cubicTo(start + QPointF(reach, 0), end - QPointF(reach, 0), end)
         return path
+    if end.x() < start.x() + 2 * _LEAVE:
+        _go_back(path, start, end, lane)
+        return path
     half = QPointF(_LEAVE / 2, 0)
     up, down = QPointF(start.x() + _LEAVE, lane), QPointF(end.x() - _LEAVE, lane)
     path.cubicTo(start + half, up - half, up)
@@ -30,15 +35,25 @@ def wire_path(start: QPointF, end: QPointF, lane: float | None = None) -> QPaint
     return path
 
 
+def _go_back(path: QPainterPath, start: QPointF, end: QPointF, lane: float) -> None:
+    """Turn round to the lane, go left along it, and turn into the end."""
+    turn = QPointF(_TURN, 0)
+    at_lane, from_lane = QPointF(start.x(), lane), QPointF(end.x(), lane)
+    path.cubicTo(start + turn, at_lane + turn, at_lane)
+    path.lineTo(from_lane)
+    path.cubicTo(from_lane - turn, end - turn, end)
+
+
 def lane_for(start: Spot, end: Spot, boxes: Sequence[Box], beside: float) -> float | None:
     """The height at which a wire gets past the boxes in its way; None if nothing is.
 
     The free height above the boxes, `beside` away from them, or the one below where that is much
-    nearer: so that wires from one port run along one lane.
+    nearer: so that wires from one port run along one lane. A wire that goes back to the left, as to
+    the next row, has its lane between the two rows.
     """
     left, right = start[0] + _LEAVE, end[0] - _LEAVE
     if right - left < _LEAVE:
-        return None
+        return _lane_back(start, end, boxes, beside)
     top, bottom = min(start[1], end[1]), max(start[1], end[1])
     between = [box for box in boxes if box[0] < right and box[2] > left]
     # A cubic with level ends stays near its ends' heights: that of the end met first.
@@ -53,6 +68,23 @@ def lane_for(start: Spot, end: Spot, boxes: Sequence[Box], beside: float) -> flo
     if not lanes:
         return None
     return min(lanes, key=lambda option: _detour(option[0], start, end) - option[1])[0]
+
+
+def _lane_back(start: Spot, end: Spot, boxes: Sequence[Box], beside: float) -> float | None:
+    """The height between two ends where nothing stands: below the row of the one further up.
+
+    There no title of a backdrop is in the way.
+    """
+    left, right = end[0] - _TURN, start[0] + _TURN
+    between = [box for box in boxes if box[0] < right and box[2] > left]
+    if not any(_crosses(box, start, end) for box in between):
+        return None
+    low, high = min(start[1], end[1]) + _LEAVE, max(start[1], end[1])
+    for lane in sorted(box[3] + _BELOW + beside for box in between):
+        free = not any(box[1] - 3 < lane < box[3] + 3 for box in between)
+        if low < lane < high and free:
+            return lane
+    return None
 
 
 def _detour(lane: float, start: Spot, end: Spot) -> float:

@@ -10,6 +10,7 @@ from app.editor.session import Session
 from core.editing.backdrops import around
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import set_node_field
+from core.editing.laying_out import laid_out
 from core.editing.layout.arrange import arranged
 from core.editing.links import Rewire
 from core.editing.nodes import Move
@@ -115,13 +116,14 @@ class EditCommands(QObject):
             session.do(around(session.network, session.selection, self._canvas.sizes()))
 
     def arrange(self) -> None:
-        """Lay out the selected nodes, or all."""
-        session = self._session
-        only = session.selection if len(session.selection) > 1 else None
-        if session.network.nodes:
-            places = arranged(session.network, self._canvas.sizes(), only=only)
+        """Lay out the selected nodes, or all; long chains in rows of the canvas's width."""
+        session, sizes, room = self._session, self._canvas.sizes(), self._canvas.room()
+        if len(session.selection) > 1:
+            places = arranged(session.network, sizes, only=session.selection, room=room)
             session.do(Move(places, "Lay out"))
-            self._canvas.frame_all()
+        elif session.network.nodes:
+            session.do(laid_out(session.network, sizes, room))
+        self._canvas.frame_all()
 
     def frame(self) -> None:
         """Show the selected nodes, or all."""

@@ -291,13 +291,16 @@ def test_the_right_button_opens_the_menu_of_what_is_there(window, hand, chain):
 
 
 def test_the_keyboard_alone_builds_a_chain(window, hand):
-    """Two nodes and the wire between them, without the mouse."""
+    """Two nodes and the wire between them, taken away and drawn again, without the mouse."""
     for typed in ("test scene", "init trans"):
         hand.key(KEY.Key_Tab)
         hand.type(typed)
         hand.key(KEY.Key_Return)
-    hand.key(KEY.Key_C)
-    assert window.canvas.search_is_open()
-    hand.type("test_scene image init_trans")
-    hand.key(KEY.Key_Return)
-    assert Link("test_scene", "image", "init_trans", "image") in window.session.network.links
+    link = Link("test_scene", "image", "init_trans", "image")
+    for typed, there in (("disconnect", False), ("test_scene image init_trans", True)):
+        assert (link in window.session.network.links) != there
+        hand.key(KEY.Key_C)
+        assert window.canvas.search_is_open()
+        hand.type(typed)
+        hand.key(KEY.Key_Return)
+        assert (link in window.session.network.links) == there
