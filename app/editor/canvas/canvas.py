@@ -11,15 +11,12 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.editor.canvas.hands.adding import Adding
-from app.editor.canvas.hands.canvas_view import GraphView
-from app.editor.canvas.hands.choice_popup import ChoicePopup
 from app.editor.canvas.hands.dropping import Dropping
 from app.editor.canvas.hands.handling import Handling
 from app.editor.canvas.hands.keys import Keys
 from app.editor.canvas.hands.menus import Menus
 from app.editor.canvas.hands.mouse import Mouse
 from app.editor.canvas.hands.surface import Hint, Surface
-from app.editor.canvas.hands.title_editor import TitleEditor
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.faces import Side
@@ -27,6 +24,10 @@ from app.editor.canvas.items.geometry import HEAD_MIDDLE
 from app.editor.canvas.items.marks import Marks
 from app.editor.canvas.items.wire_item import LiveWire
 from app.editor.canvas.places import pixel_of_port, pixel_of_wire
+from app.editor.canvas.view.canvas_view import GraphView
+from app.editor.canvas.view.choice_popup import ChoicePopup
+from app.editor.canvas.view.minimap import Minimap
+from app.editor.canvas.view.title_editor import TitleEditor
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.editing.backdrops import backdrops_of, change, remove
@@ -71,6 +72,7 @@ class Canvas(QWidget):
         surface = Surface(session, self.view, self.content, live, Hint(self.view.viewport()))
         self._surface = surface
         self.marks = Marks(self.content)
+        self.minimap = Minimap(self.view, self.content, theme)
         self.popup = ChoicePopup(self.view)
         self.title_editor = TitleEditor(self.view)
         self.adding = Adding(surface, self.popup, self)
@@ -100,6 +102,7 @@ class Canvas(QWidget):
         self.view.set_style(style)
         self.popup.set_theme(theme)
         self.adding.set_theme(theme)
+        self.minimap.set_theme(theme)
         self._surface.hint.set_theme(theme)
 
     def set_badges(self, badges: Any) -> None:
@@ -150,6 +153,14 @@ class Canvas(QWidget):
     def search_is_open(self) -> bool:
         """Whether a list waits for a choice."""
         return self.popup.is_open
+
+    def find_node(self) -> None:
+        """Open the list of the nodes; the chosen one is selected and shown."""
+        self.adding.find_node()
+
+    def edit_last_title(self) -> None:
+        """Open the title of the backdrop that was added last, to be typed."""
+        self._edit_title(len(self.content.backdrops) - 1)
 
     def connect_selected(self) -> None:
         """Open the list of wires the selected nodes could have, or lose."""
@@ -223,6 +234,7 @@ class Canvas(QWidget):
     def _changed(self, *_: object) -> None:
         self._let_go()
         self.content.follow(self._session.network)
+        self.minimap.follow()
 
     def _let_go(self) -> None:
         """What is under way was about a network that is no more."""
@@ -234,6 +246,7 @@ class Canvas(QWidget):
         if names:
             self.marks.choose(None, None)
         self.content.mark_selected(names)
+        self.minimap.follow()
 
     def _search_at(self, pos: QPoint) -> None:
         point = self.view.scene_point(pos)

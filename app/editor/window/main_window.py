@@ -83,6 +83,7 @@ class MainWindow(QMainWindow):
         self.viewers.set_picture_actions(
             self.actions_by_name["full_screen"], self.actions_by_name["export"]
         )
+        self.actions_by_name["minimap"].setChecked(True)
         self.layout_in_use.place()
         self.menus = self.actions_by_name.fill(self.menuBar())
         self._add_dock_toggles()

@@ -8,13 +8,13 @@ from typing import Any
 
 from PySide6.QtCore import QObject, QPoint, QPointF
 
-from app.editor.canvas.hands.choice_popup import Choice, ChoicePopup
 from app.editor.canvas.hands.new_nodes import added, free_place
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.hands.wire_choices import possible_links
 from app.editor.canvas.items.faces import face_of
 from app.editor.canvas.items.geometry import geometry_of
 from app.editor.canvas.items.node_item import NodePort
+from app.editor.canvas.view.choice_popup import Choice, ChoicePopup
 from app.editor.library.module_search import found_by
 from app.editor.theme import Theme
 from core.editing.links import Rewire
@@ -53,6 +53,40 @@ class Adding(QObject):
         choices = [self._module_choice(key, partial(self.add, key, at)) for key in library]
         pixel = self._surface.view.pixel(QPointF(*at))
         self._popup.open_at(pixel, "Add a module", choices)
+
+    def find_node(self) -> None:
+        """List the nodes by their names; the chosen one is selected and shown."""
+        session, view = self._surface.session, self._surface.view
+        choices = []
+        for name, item in self._surface.content.nodes.items():
+            colour = self._theme.groups.get(item.face.group, self._theme.line)
+            module = f"{item.face.title} {session.network.nodes[name].module}"
+            choices.append(
+                Choice(
+                    name,
+                    partial(self._show_node, name),
+                    item.face.title,
+                    module,
+                    item.face.summary,
+                    colour,
+                )
+            )
+        if not choices:
+            session.message.emit("note", "there is no node to find yet")
+            return
+        room = view.viewport().rect()
+        self._popup.open_at(QPoint(room.width() // 3, room.height() // 8), "Find a node", choices)
+
+    def _show_node(self, name: str) -> None:
+        surface = self._surface
+        if name in surface.content.nodes:
+            surface.session.select([name])
+            frame = surface.content.nodes[name].frame()
+            seen = surface.view.visible_rect()
+            if frame.width() < seen.width() and frame.height() < seen.height():
+                surface.view.make_visible(frame)
+            else:
+                surface.view.frame(frame)
 
     def ask_for_wire(self, port: NodePort, loose: Link | None, pos: QPoint) -> None:
         """List the modules that fit a wire from a port that ended on empty ground.

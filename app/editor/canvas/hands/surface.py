@@ -8,10 +8,10 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QLabel, QWidget
 
-from app.editor.canvas.hands.canvas_view import GraphView
 from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.hits import Hit, hit
 from app.editor.canvas.items.wire_item import LiveWire
+from app.editor.canvas.view.canvas_view import GraphView
 from app.editor.session import Session
 from app.editor.theme import Theme
 

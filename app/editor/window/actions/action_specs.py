@@ -48,7 +48,9 @@ def _edit(name: str, text: str, tip: str, *keys: str, selection: bool = True) ->
     return ActionSpec(name, "&Edit", text, tip, keys, "canvas", needs_selection=selection)
 
 
-_SEPARATED = frozenset({"save", "export", "welcome", "quit", "cut", "rename", "add_module"})
+_SEPARATED = frozenset(
+    {"save", "export", "welcome", "quit", "cut", "rename", "add_module", "find_node", "align_left"}
+)
 
 ACTIONS: tuple[ActionSpec, ...] = (
     ActionSpec("new", "&File", "&New", "Begin an empty network", ("Ctrl+N",)),
@@ -92,10 +94,32 @@ ACTIONS: tuple[ActionSpec, ...] = (
     ),
     _edit("add_module", "Add &Module…", "Search a module and add it", "Tab", selection=False),
     _edit("connect", "Conn&ect…", "Wire the selected node by its ports' names", "C"),
-    _edit("backdrop", "Add &Backdrop", "Put a titled backdrop behind the selected nodes", "B"),
+    _edit(
+        "backdrop",
+        "Add &Backdrop",
+        "Put a titled backdrop behind the selected nodes, or at the mouse",
+        "B",
+        selection=False,
+    ),
+    ActionSpec("find_node", "&Edit", "&Find Node…", "Find a node by its name", ("Ctrl+F",)),
+    _edit("align_left", "Align Le&ft", "Left edges of the selected nodes in line", "Alt+Left"),
+    _edit("align_right", "Align Ri&ght", "Right edges of the nodes in line", "Alt+Right"),
+    _edit("align_top", "Align &Top", "Upper edges of the selected nodes in line", "Alt+Up"),
+    _edit("align_bottom", "Align Botto&m", "Lower edges of the nodes in line", "Alt+Down"),
+    _edit("distribute_across", "Distribute Acr&oss", "Equal gaps side by side", "Alt+Shift+H"),
+    _edit("distribute_down", "Distribute Do&wn", "Equal gaps from top to bottom", "Alt+Shift+V"),
     ActionSpec("frame", "&View", "&Frame", "Show the selected nodes, or all", ("F",), "canvas"),
     ActionSpec(
         "arrange", "&View", "&Lay Out", "Arrange the selected nodes, or all", ("L",), "canvas"
+    ),
+    ActionSpec(
+        "minimap",
+        "&View",
+        "&Map",
+        "A map of the network where it is larger than the canvas",
+        ("M",),
+        "canvas",
+        checkable=True,
     ),
     ActionSpec("zoom_in", "&View", "Zoom &In", "Enlarge the canvas", ("Ctrl++", "Ctrl+=")),
     ActionSpec("zoom_out", "&View", "Zoom &Out", "Shrink the canvas", ("Ctrl+-",)),

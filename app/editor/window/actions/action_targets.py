@@ -17,6 +17,7 @@ from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.layouts import DEFAULT, LayoutName
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.files import Files
+from core.editing.layout.align import EDGES, WAYS
 
 Target = Callable[[], object]
 
@@ -78,6 +79,10 @@ def targets(window: Window) -> dict[str, Target]:
         "add_module": canvas.open_search,
         "connect": canvas.connect_selected,
         "backdrop": edits.backdrop,
+        "find_node": canvas.find_node,
+        **{f"align_{edge}": partial(edits.align, edge) for edge in EDGES},
+        **{f"distribute_{way}": partial(edits.distribute, way) for way in WAYS},
+        "minimap": canvas.minimap.toggle,
         "frame": edits.frame,
         "arrange": edits.arrange,
         "zoom_in": partial(canvas.zoom_by, 1.25),

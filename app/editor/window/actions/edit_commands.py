@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QGuiApplication
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.session import Session
-from core.editing.backdrops import around
+from core.editing.backdrops import Backdrop, add, around
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import set_node_field
 from core.editing.laying_out import laid_out
-from core.editing.layout.arrange import arranged
+from core.editing.layout.align import Edge, Way, aligned, distributed
+from core.editing.layout.arrange import Point, arranged
 from core.editing.links import Rewire
 from core.editing.nodes import Move
 from core.editing.operation import Operation, together
 from core.editing.output_mark import output_toggled
 from core.editing.wiring.healing import deleted, dissolved
 from core.errors import ImagechainError
+
+_NEW_BACKDROP = (360.0, 200.0)  # where no node is selected
 
 
 class EditCommands(QObject):
@@ -110,10 +115,15 @@ class EditCommands(QObject):
                 session.message.emit("error", str(error))
 
     def backdrop(self) -> None:
-        """Put a backdrop behind the selected nodes."""
+        """Put a backdrop behind the selected nodes, or at the cursor; its title is typed."""
         session = self._session
         if session.selection:
-            session.do(around(session.network, session.selection, self._canvas.sizes()))
+            operation = around(session.network, session.selection, self._canvas.sizes())
+        else:
+            x, y = self._canvas.cursor_point()
+            operation = add(session.network, Backdrop("Backdrop", x, y, *_NEW_BACKDROP))
+        if session.do(operation):
+            self._canvas.edit_last_title()
 
     def arrange(self) -> None:
         """Lay out the selected nodes, or all; long chains in rows of the canvas's width."""
@@ -124,6 +134,22 @@ class EditCommands(QObject):
         elif session.network.nodes:
             session.do(laid_out(session.network, sizes, room))
         self._canvas.frame_all()
+
+    def align(self, edge: Edge) -> None:
+        """Bring the selected nodes to one line."""
+        self._arranged(aligned, edge, f"Align at the {edge}")
+
+    def distribute(self, way: Way) -> None:
+        """Give the selected nodes equal gaps."""
+        self._arranged(distributed, way, f"Distribute {way}")
+
+    def _arranged(self, places: Callable[..., dict[str, Point]], how: str, label: str) -> None:
+        session = self._session
+        points = places(session.network, session.selection, self._canvas.sizes(), how)
+        if points:
+            session.do(Move(dict(points), label))
+        else:
+            session.message.emit("note", f"{label.lower()}: select two nodes or more")
 
     def frame(self) -> None:
         """Show the selected nodes, or all."""

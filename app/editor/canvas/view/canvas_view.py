@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from PySide6.QtCore import QEvent, QLineF, QPoint, QPointF, QRect, QRectF, Qt
+from PySide6.QtCore import QEvent, QLineF, QPoint, QPointF, QRect, QRectF, Qt, Signal
 from PySide6.QtGui import (
     QContextMenuEvent,
     QDragEnterEvent,
@@ -12,8 +12,10 @@ from PySide6.QtGui import (
     QDragMoveEvent,
     QDropEvent,
     QFocusEvent,
+    QInputDevice,
     QKeyEvent,
     QMouseEvent,
+    QNativeGestureEvent,
     QPainter,
     QPen,
     QResizeEvent,
@@ -31,6 +33,14 @@ _GRID = 24.0
 _GRID_LEAST_PX = 14.0
 _MARGIN = 24  # pixels around what is framed
 _STEP = 1.0015  # of zoom, for each eighth of a degree of the wheel
+_EIGHTHS_A_PIXEL = 2.0  # where a touchpad gives no pixels
+_LEAST_PINCH = 0.2  # one event makes nothing smaller than that
+
+
+def by_fingers(event: QWheelEvent) -> bool:
+    """Whether a touchpad scrolls: it has phases, or its system gives its kind."""
+    touchpad = event.device().type() == QInputDevice.DeviceType.TouchPad
+    return touchpad or event.phase() != Qt.ScrollPhase.NoScrollPhase
 
 
 class Handler(Protocol):
@@ -77,7 +87,14 @@ class GraphView(NodeViewer):
     """Shows a part of the scene. `handler` decides what the mouse and the keys do.
 
     Of its base nothing acts by itself: neither menus nor search, nor its ways with wires.
+
+    Signals
+    -------
+    looked_elsewhere
+        It shows another part of the scene, or at another zoom.
     """
+
+    looked_elsewhere = Signal()
 
     def __init__(self, style: CanvasStyle, parent: QWidget | None = None) -> None:
         self.style_of_canvas = style
@@ -143,6 +160,12 @@ class GraphView(NodeViewer):
         self._centre -= by / self._zoom
         self._show()
 
+    def look_at(self, point: QPointF) -> None:
+        """Show this point of the scene in the middle."""
+        self._framed = None
+        self._centre = QPointF(point)
+        self._show()
+
     def zoom_at(self, factor: float, pos: QPointF | None = None) -> None:
         """Enlarge about a pixel, or the middle."""
         self._framed = None
@@ -194,6 +217,7 @@ class GraphView(NodeViewer):
         # The scene's rectangle is its visible part: there is no range to scroll.
         self.setSceneRect(self.visible_rect())
         self.setTransform(QTransform.fromScale(self._zoom, self._zoom))
+        self.looked_elsewhere.emit()
 
     def _take_out_the_bases(self) -> None:
         for item in (self._cursor_text, self._LIVE_PIPE, self._SLICER_PIPE):
@@ -267,6 +291,15 @@ class GraphView(NodeViewer):
             return True
         return bool(QGraphicsView.event(self, event))
 
+    def viewportEvent(self, event: QEvent) -> bool:
+        """Two fingers that are drawn apart on a touchpad enlarge, as on a map."""
+        pinching = Qt.NativeGestureType.ZoomNativeGesture
+        if isinstance(event, QNativeGestureEvent) and event.gestureType() == pinching:
+            self.zoom_at(max(1.0 + event.value(), _LEAST_PINCH), event.position())
+            event.accept()
+            return True
+        return bool(QGraphicsView.viewportEvent(self, event))
+
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Pass it to the handler."""
         if self.handler is not None:
@@ -294,9 +327,13 @@ class GraphView(NodeViewer):
             self.handler.leave()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom at the pointer."""
-        turned = event.angleDelta().y() or event.angleDelta().x()
-        self.zoom_at(_STEP**turned, event.position())
+        """Zoom at the pointer; two fingers on a touchpad pan, and zoom with Ctrl."""
+        angle = event.angleDelta()
+        if by_fingers(event) and not event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            pixels = event.pixelDelta()
+            self.pan(QPointF(pixels) if not pixels.isNull() else QPointF(angle) / _EIGHTHS_A_PIXEL)
+        else:
+            self.zoom_at(_STEP ** (angle.y() or angle.x()), event.position())
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

@@ -6,8 +6,8 @@ from PySide6.QtCore import QEvent, QObject, QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLineEdit
 
-from app.editor.canvas.hands.canvas_view import GraphView
 from app.editor.canvas.items.backdrop_item import BackdropItem
+from app.editor.canvas.view.canvas_view import GraphView
 
 _NARROWEST = 160
 _ENDS = (Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Enter)

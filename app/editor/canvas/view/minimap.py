@@ -1,0 +1,159 @@
+"""A small map of the whole network in the canvas's corner, to see where one is and go elsewhere."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, QSize, QSizeF, Qt
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen, QWheelEvent
+from PySide6.QtWidgets import QWidget
+
+from app.editor.canvas.items.content import Content
+from app.editor.canvas.view.canvas_view import GraphView
+from app.editor.theme import Theme
+
+_LARGEST = QSize(200, 130)
+_SHARE = 0.28  # of the canvas's width and height, at most
+_INSET = 10
+_PADDING = 6.0
+_LEAST = QSizeF(2, 2)  # of a node on it
+
+
+class Minimap(QWidget):
+    """Shown while a part of the network is outside the view; a click or a drag goes there.
+
+    Parameters
+    ----------
+    view : GraphView
+        The view it stands in and pans.
+    content : Content
+        What is drawn.
+    theme : Theme
+        The colours.
+    """
+
+    def __init__(self, view: GraphView, content: Content, theme: Theme) -> None:
+        super().__init__(view.viewport())
+        self.setObjectName("canvas.minimap")
+        self.setAccessibleName("Map of the network")
+        self.setToolTip("The whole network; press or drag to go there (M)")
+        self.setCursor(Qt.CursorShape.PointingHandCursor)
+        self._view = view
+        self._content = content
+        self._theme = theme
+        self._wanted = True
+        self._shown: tuple[QRectF, QRectF] | None = None
+        self.hide()
+        view.viewport().installEventFilter(self)
+        view.looked_elsewhere.connect(self.follow)
+
+    @property
+    def wanted(self) -> bool:
+        """Whether it is shown where it is of use."""
+        return self._wanted
+
+    def toggle(self) -> None:
+        """Show it where it is of use, or never."""
+        self._wanted = not self._wanted
+        self._shown = None
+        self.follow()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in these colours."""
+        self._theme = theme
+        self.update()
+
+    def follow(self) -> None:
+        """Show what there is now, and which part of it the view shows."""
+        whole, seen = self._content.bounds(), self._view.visible_rect()
+        if (whole, seen) == self._shown and self.isVisible():
+            self.update()  # the nodes may have moved within
+            return
+        self._shown = whole, seen
+        useful = self._wanted and not whole.isEmpty() and not seen.contains(whole)
+        if useful:
+            self._place(whole)
+            self.raise_()
+            self.update()
+        self.setVisible(useful)
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        """Stay in the corner of a view that is resized."""
+        if event.type() == QEvent.Type.Resize:
+            self._shown = None
+            self.follow()
+        return False
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the nodes as blocks of their groups' colours, and a frame round what is shown."""
+        style = self._view.style_of_canvas
+        whole = self._content.bounds()
+        with QPainter(self) as painter:
+            ground = QColor(self._theme.raised)
+            ground.setAlpha(225)
+            painter.fillRect(self.rect(), ground)
+            painter.setPen(QColor(self._theme.line))
+            painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setPen(Qt.PenStyle.NoPen)
+            for backdrop in self._content.backdrops:
+                painter.setBrush(QColor(self._theme.canvas))
+                painter.drawRect(self._mapped(backdrop.frame(), whole))
+            for node in self._content.nodes.values():
+                painter.setBrush(style.accent if node.selected else style.head(node.face.group))
+                painter.drawRect(self._mapped(node.frame(), whole))
+            painter.setPen(QPen(style.accent, 1.5))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            seen = self._mapped(self._view.visible_rect(), whole)
+            painter.drawRect(seen.intersected(QRectF(self.rect()).adjusted(1, 1, -2, -2)))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Go there."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._go(event.position())
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Go on to there."""
+        if event.buttons() & Qt.MouseButton.LeftButton:
+            self._go(event.position())
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """The canvas has the keys again."""
+        event.accept()
+        self._view.setFocus()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """As two presses: nothing is added to the canvas behind."""
+        self._go(event.position())
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Zoom about the middle of what is shown."""
+        turned = event.angleDelta().y() or event.angleDelta().x()
+        self._view.zoom_at(1.0015**turned)
+        event.accept()
+
+    def _go(self, pos: QPointF) -> None:
+        whole = self._content.bounds()
+        scale = self._scale(whole)
+        inner = pos - QPointF(_PADDING, _PADDING)
+        self._view.look_at(whole.topLeft() + inner / scale)
+
+    def _place(self, whole: QRectF) -> None:
+        room = self._view.viewport().size()
+        most = QSize(round(room.width() * _SHARE), round(room.height() * _SHARE))
+        most = most.boundedTo(_LARGEST)
+        across, down = most.width() - 2 * _PADDING, most.height() - 2 * _PADDING
+        scale = max(min(across / whole.width(), down / whole.height()), 1e-6)
+        width = max(round(whole.width() * scale + 2 * _PADDING), 24)
+        height = max(round(whole.height() * scale + 2 * _PADDING), 24)
+        self.setGeometry(
+            room.width() - width - _INSET, room.height() - height - _INSET, width, height
+        )
+
+    def _scale(self, whole: QRectF) -> float:
+        across = (self.width() - 2 * _PADDING) / max(whole.width(), 1.0)
+        down = (self.height() - 2 * _PADDING) / max(whole.height(), 1.0)
+        return max(min(across, down), 1e-9)
+
+    def _mapped(self, rect: QRectF, whole: QRectF) -> QRectF:
+        scale = self._scale(whole)
+        corner = (rect.topLeft() - whole.topLeft()) * scale + QPointF(_PADDING, _PADDING)
+        return QRectF(corner, (rect.size() * scale).expandedTo(_LEAST))

@@ -1,0 +1,86 @@
+"""The map in the corner: there when it is of use, true to the scene, and a way to go elsewhere."""
+
+import pytest
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtTest import QTest
+
+from canvas_networks import long_chain
+from core.editing.document import Document
+from core.editing.nodes import Move
+
+LEFT, PLAIN = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
+
+
+@pytest.fixture
+def chain(session, library, canvas):
+    session.open(Document(long_chain(100), library=library))
+    canvas.frame_all()
+    return session
+
+
+def spot(canvas, point):
+    """The pixel of the map at a point of the scene, from the corners of the whole network."""
+    whole, size = canvas.content.bounds(), canvas.minimap.size()
+    share_x = (point.x() - whole.left()) / whole.width()
+    share_y = (point.y() - whole.top()) / whole.height()
+    inset = 6
+    return QPoint(
+        round(inset + share_x * (size.width() - 2 * inset)),
+        round(inset + share_y * (size.height() - 2 * inset)),
+    )
+
+
+def test_it_is_shown_only_while_something_is_out_of_sight(chain, canvas):
+    assert not canvas.minimap.isVisible()
+    canvas.zoom_by(8.0)
+    assert canvas.minimap.isVisible()
+    corner = canvas.minimap.geometry().bottomRight()
+    assert canvas.view.viewport().rect().contains(corner)
+    canvas.frame_all()
+    assert not canvas.minimap.isVisible()
+
+
+@pytest.mark.parametrize("name", ["scene", "jitter_9", "jitter_97", "jitter_50"])
+def test_a_press_goes_there(chain, canvas, name):
+    canvas.zoom_by(8.0)
+    middle = canvas.content.nodes[name].frame().center()
+    QTest.mouseClick(canvas.minimap, LEFT, PLAIN, spot(canvas, middle))
+    seen = canvas.view.visible_rect()
+    assert seen.contains(middle)
+    whole = canvas.content.bounds()
+    assert abs(seen.center().x() - middle.x()) < whole.width() / canvas.minimap.width() * 2
+    assert canvas.view.hasFocus()
+    assert len(chain.network.nodes) == 100
+
+
+def test_a_drag_pans_and_a_double_click_adds_nothing(chain, canvas):
+    canvas.zoom_by(8.0)
+    start, end = (
+        spot(canvas, canvas.content.nodes[n].frame().center()) for n in ("scene", "jitter_97")
+    )
+    QTest.mousePress(canvas.minimap, LEFT, PLAIN, start)
+    QTest.mouseMove(canvas.minimap, end)
+    QTest.mouseRelease(canvas.minimap, LEFT, PLAIN, end)
+    assert canvas.view.visible_rect().intersects(canvas.content.nodes["jitter_97"].frame())
+    QTest.mouseDClick(canvas.minimap, LEFT, PLAIN, start)
+    assert not canvas.search_is_open()
+
+
+def test_it_follows_the_network_and_can_be_turned_off(chain, canvas):
+    chain.do(Move({"scene": (-5000.0, 0.0)}))
+    assert canvas.minimap.isVisible()
+    canvas.minimap.toggle()
+    assert not canvas.minimap.isVisible()
+    canvas.view.pan(QPointF(50, 50))
+    assert not canvas.minimap.isVisible()
+    canvas.minimap.toggle()
+    assert canvas.minimap.isVisible()
+
+
+def test_the_nodes_are_painted_where_they_are(chain, canvas):
+    canvas.zoom_by(8.0)
+    picture = canvas.minimap.grab().toImage()
+    ground = picture.pixelColor(3, canvas.minimap.height() - 3)
+    for name in ("scene", "jitter_9", "jitter_97"):
+        at = spot(canvas, canvas.content.nodes[name].frame().center())
+        assert picture.pixelColor(at) != ground, name

@@ -1,0 +1,80 @@
+"""Two fingers on a touchpad pan, pinching zooms; a mouse's wheel zooms as ever."""
+
+import pytest
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QInputDevice, QNativeGestureEvent, QPointingDevice, QWheelEvent
+from PySide6.QtWidgets import QApplication
+
+NONE = Qt.MouseButton.NoButton
+PLAIN, CTRL = Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ControlModifier
+
+
+@pytest.fixture
+def touchpad():
+    return QPointingDevice(
+        "touchpad",
+        7,
+        QInputDevice.DeviceType.TouchPad,
+        QPointingDevice.PointerType.Finger,
+        QInputDevice.Capability.Scroll | QInputDevice.Capability.Position,
+        5,
+        3,
+    )
+
+
+def scroll(canvas, pixels, angle, *, keys=PLAIN, phase=Qt.ScrollPhase.ScrollUpdate, device=None):
+    port = canvas.view.viewport()
+    at = QPointF(300, 200)
+    words = [at, QPointF(port.mapToGlobal(at.toPoint())), pixels, angle, NONE, keys, phase, False]
+    if device is not None:
+        words += [Qt.MouseEventSource.MouseEventNotSynthesized, device]
+    QApplication.sendEvent(port, QWheelEvent(*words))
+
+
+def test_two_fingers_pan_by_what_they_move(opened, canvas):
+    opened("kodak_kir310")
+    centre, zoom = canvas.view.visible_rect().center(), canvas.view.zoom
+    scroll(canvas, QPoint(30, -12), QPoint(60, -24))
+    moved = canvas.view.visible_rect().center() - centre
+    assert moved.x() * zoom == pytest.approx(-30)
+    assert moved.y() * zoom == pytest.approx(12)
+    assert canvas.view.zoom == zoom
+
+
+def test_a_touchpad_without_phases_or_pixels_pans_too(opened, canvas, touchpad):
+    opened("kodak_kir310")
+    centre, zoom = canvas.view.visible_rect().center(), canvas.view.zoom
+    scroll(canvas, QPoint(), QPoint(0, 40), phase=Qt.ScrollPhase.NoScrollPhase, device=touchpad)
+    assert canvas.view.zoom == zoom
+    assert canvas.view.visible_rect().center().y() < centre.y()
+
+
+def test_with_ctrl_they_zoom_as_a_wheel_does(opened, canvas):
+    opened("kodak_kir310")
+    zoom = canvas.view.zoom
+    scroll(canvas, QPoint(0, 30), QPoint(0, 120), keys=CTRL)
+    assert canvas.view.zoom > zoom
+
+
+@pytest.mark.parametrize(("value", "larger"), [(0.25, True), (-0.2, False)])
+def test_pinching_zooms_about_the_fingers(opened, canvas, touchpad, value, larger):
+    opened("kodak_kir310")
+    view = canvas.view
+    at = QPointF(250, 180)
+    fixed, zoom = view.scene_point(at), view.zoom
+    event = QNativeGestureEvent(
+        Qt.NativeGestureType.ZoomNativeGesture,
+        touchpad,
+        2,
+        at,
+        at,
+        QPointF(view.viewport().mapToGlobal(at.toPoint())),
+        value,
+        QPointF(),
+    )
+    QApplication.sendEvent(view.viewport(), event)
+    assert view.zoom == pytest.approx(zoom * (1 + value))
+    assert (view.zoom > zoom) == larger
+    after = view.pixel(fixed)
+    assert abs(after.x() - at.x()) <= 1
+    assert abs(after.y() - at.y()) <= 1

@@ -1,0 +1,137 @@
+"""Commands of the canvas by their keys: find, map, align, backdrops with a title typed at once."""
+
+import itertools
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+
+from core.editing.backdrops import backdrops_of
+
+ALT, CTRL, NONE = (
+    Qt.KeyboardModifier.AltModifier,
+    Qt.KeyboardModifier.ControlModifier,
+    Qt.KeyboardModifier.NoModifier,
+)
+SHIFT = Qt.KeyboardModifier.ShiftModifier
+
+
+@pytest.fixture
+def kodak(window, idle):
+    window.files.open_now("kodak_kir310")
+    idle(window)
+    window.activateWindow()
+    window.canvas.setFocus()
+    return window
+
+
+def press(window, key, keys=NONE):
+    QTest.keyClick(QApplication.focusWidget() or window, key, keys)
+
+
+def type_in(window, text):
+    QTest.keyClicks(QApplication.focusWidget() or window, text)
+
+
+def test_a_node_is_found_by_its_name_or_its_module(kodak):
+    kodak.canvas.zoom_by(8.0)
+    for typed, name in (("electr", "electronics"), ("charge eff phase", "charge_phase")):
+        press(kodak, Qt.Key.Key_F, CTRL)
+        assert kodak.canvas.search_is_open()
+        type_in(kodak, typed)
+        press(kodak, Qt.Key.Key_Return)
+        assert kodak.session.selection == (name,)
+        frame = kodak.canvas.content.nodes[name].frame()
+        assert kodak.canvas.view.visible_rect().contains(frame)
+        assert kodak.canvas.view.hasFocus()
+
+
+def test_without_a_node_there_is_nothing_to_find(window):
+    window.files.new()
+    press(window, Qt.Key.Key_F, CTRL)
+    assert not window.canvas.search_is_open()
+    assert "no node" in window.status.currentMessage()
+
+
+def test_a_new_backdrop_takes_what_is_typed_as_its_title(kodak):
+    """Letters typed right after it were commands: "Tested" disabled four nodes."""
+    kodak.session.select(["detector", "charge"])
+    nodes = dict(kodak.session.network.nodes)
+    count = len(backdrops_of(kodak.session.network))
+    press(kodak, Qt.Key.Key_B)
+    type_in(kodak, "Tested")
+    press(kodak, Qt.Key.Key_Return)
+    made = backdrops_of(kodak.session.network)
+    assert len(made) == count + 1
+    assert made[-1].title == "Tested"
+    assert dict(kodak.session.network.nodes) == nodes
+    assert kodak.canvas.view.hasFocus()
+    press(kodak, Qt.Key.Key_D)  # letters are commands again
+    assert kodak.session.network.nodes["detector"].disabled
+
+
+def test_esc_leaves_the_title_and_nothing_selected_puts_one_at_the_mouse(kodak):
+    kodak.session.select([])
+    count = len(backdrops_of(kodak.session.network))
+    press(kodak, Qt.Key.Key_B)
+    type_in(kodak, "x")
+    press(kodak, Qt.Key.Key_Escape)
+    made = backdrops_of(kodak.session.network)
+    assert len(made) == count + 1
+    assert made[-1].title == "Backdrop"
+    assert kodak.canvas.view.hasFocus()
+
+
+@pytest.mark.parametrize(
+    ("key", "edge"),
+    [("Left", "left"), ("Right", "right"), ("Up", "top"), ("Down", "bottom")],
+)
+def test_alt_and_an_arrow_align(kodak, key, edge):
+    names = ["scene", "optics", "electronics"]
+    kodak.session.select(names)
+    press(kodak, getattr(Qt.Key, f"Key_{key}"), ALT)
+    frames = [kodak.canvas.content.nodes[name].frame() for name in names]
+    assert len({getattr(frame, edge)() for frame in frames}) == 1
+    kodak.session.undo()
+    frames = [kodak.canvas.content.nodes[name].frame() for name in names]
+    assert len({frame.left() for frame in frames}) > 1
+
+
+def test_distributed_nodes_have_equal_gaps(kodak):
+    kodak.session.select(["scene", "optics", "electronics", "picture"])
+    press(kodak, Qt.Key.Key_H, ALT | SHIFT)
+    frames = sorted(
+        (kodak.canvas.content.nodes[name].frame() for name in kodak.session.selection),
+        key=lambda frame: frame.left(),
+    )
+    gaps = [b.left() - a.right() for a, b in itertools.pairwise(frames)]
+    assert max(gaps) - min(gaps) < 1e-6
+
+
+def test_one_node_alone_cannot_be_aligned(kodak):
+    kodak.session.select(["scene"])
+    press(kodak, Qt.Key.Key_Left, ALT)
+    assert "select two nodes" in kodak.status.currentMessage()
+
+
+def test_m_turns_the_map_off_and_on(kodak):
+    kodak.canvas.zoom_by(8.0)
+    assert kodak.canvas.minimap.isVisible()
+    for on in (False, True):
+        press(kodak, Qt.Key.Key_M)
+        assert kodak.canvas.minimap.isVisible() == on
+        assert kodak.actions_by_name["minimap"].isChecked() == on
+
+
+def test_l_lays_out_to_the_shape_of_the_canvas(kodak):
+    kodak.session.select([])
+    kodak.actions_by_name["picture_beside"].trigger()
+    QTest.qWait(100)
+    before = kodak.canvas.view.zoom
+    kodak.canvas.setFocus()
+    press(kodak, Qt.Key.Key_L)
+    assert kodak.canvas.view.zoom > 1.3 * before
+    held = kodak.canvas.content.backdrops
+    assert len(held) == 4
+    assert kodak.canvas.view.visible_rect().contains(kodak.canvas.content.bounds())
