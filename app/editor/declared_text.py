@@ -84,6 +84,15 @@ def label_of(name: str) -> str:
     return text[:1].upper() + text[1:] if text[:1].isascii() else text
 
 
+def titled(name: str, module: str) -> str:
+    """A node's name with its module's title, where that is more than the name again."""
+    return name if _plain(name) == _plain(module) else f"{name} · {module}"
+
+
+def _plain(text: str) -> str:
+    return "".join(letter for letter in text.casefold() if letter.isalnum())
+
+
 def choice_text(choice: Any) -> str:
     """A choice in words."""
     if choice is None:

@@ -11,6 +11,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.editor.allowed_shares import Shares
 from app.editor.chosen_outputs import ChosenOutputs
+from app.editor.error_text import error_text
 from core.editing.document import Document
 from core.editing.operation import Operation
 from core.errors import ImagechainError
@@ -100,7 +101,7 @@ class Session(QObject):
         try:
             return self._document.do(operation, gesture)
         except ImagechainError as error:
-            self.message.emit("error", str(error))
+            self.message.emit("error", error_text(error))
             return False
 
     def end_gesture(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
+from app.editor.error_text import error_text
 from app.editor.evaluation.queries import Badge
 from core.chain.engine import Plan, PlannedNode
 from core.chain.skipped import Skip, is_neutral
@@ -63,7 +64,7 @@ def badges(
     for error in met:
         node = error.node
         if node is not None and node in plan.nodes and not _fails(by_node.get(node)):
-            by_node[node] = Badge("error", error.message)
+            by_node[node] = Badge("error", error_text(error, on_node=True))
             for name in _after(plan.network, node):
                 if not _fails(by_node.get(name)):
                     by_node[name] = Badge("incomplete", f"waits for {node}")
@@ -103,7 +104,7 @@ def _of_error(network: Network, library: Library, name: str, error: ImagechainEr
         return Badge("incomplete", f"waits for {error.node}")
     if isinstance(error, UnconnectedError):
         return Badge("incomplete", f"not connected: {_unconnected(network, library, name)}")
-    return Badge("error", error.message)
+    return Badge("error", error_text(error, on_node=True))
 
 
 def _unconnected(network: Network, library: Library, name: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
+from app.editor.error_text import error_text
 from app.editor.evaluation.failures import as_error
 from app.editor.evaluation.mailbox import Request, Snapshot
 from app.editor.evaluation.pace import Pace
@@ -92,7 +93,7 @@ def _due(request: Request, plan: Plan) -> Due:
         return Due(request, request.query.key(plan))
     except Exception as raised:
         error = as_error(raised)
-        return Due(request, ("error", str(error)), error)
+        return Due(request, ("error", error_text(error)), error)
 
 
 def overtaken(task: Task, newest: Snapshot | None, pace: Pace, elapsed: float) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
-from app.editor.declared_text import flowing, tip
+from app.editor.declared_text import flowing, tip, titled
 from app.editor.evaluation.queries import Badge
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.theme import Theme
@@ -88,6 +88,7 @@ class PanelHead(QWidget):
     ) -> None:
         super().__init__(parent)
         self._group = group
+        self._module = title
         self._badge: Badge | None = None
         self._theme = theme
         self.bar = TitleBar(title, self)
@@ -166,6 +167,7 @@ class PanelHead(QWidget):
 
     def follow(self, node: Node) -> None:
         """Show the node's name and toggles; setting them does not count as a click."""
+        self.bar.title.setText(titled(node.id, self._module))
         self.name.show_text(node.id)
         self.show_name_error("")
         self.auto.setChecked(node.auto is not False)

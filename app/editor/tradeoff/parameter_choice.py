@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import Any
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QStandardItem, QStandardItemModel
-from PySide6.QtWidgets import QComboBox, QWidget
+from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtGui import QFocusEvent, QStandardItem, QStandardItemModel
+from PySide6.QtWidgets import QComboBox, QCompleter, QLineEdit, QWidget
 
-from app.editor.declared_text import label_of, tip
+from app.editor.declared_text import label_of, tip, titled
 from app.editor.session import Session
 from app.editor.viewers.network_ports import ports_depend_on
 from core.modules.parameters import Parameter
@@ -36,14 +36,46 @@ class ParameterChoice(QComboBox):
         self._filled: Hashable = None
         self._name = ""
         self._list = QStandardItemModel(self)
+        self._field = QLineEdit(self)
         self.setModel(self._list)
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.setMinimumContentsLength(16)
         self.setMaxVisibleItems(24)
+        self._make_searchable()
         self.activated.connect(self._activated)
         session.changed.connect(self._changed)
         session.opened.connect(self._fill)
         self._fill()
+
+    def _make_searchable(self) -> None:
+        """What is typed lists the parameters in which it occurs, of any node."""
+        self.setLineEdit(self._field)  # which makes it editable
+        self.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
+        completer = QCompleter(self._list, self)
+        self.setCompleter(completer)
+        field = self._field
+        field.setPlaceholderText(_NOTHING)
+        field.setAccessibleName("search a parameter")
+        completer.setFilterMode(Qt.MatchFlag.MatchContains)
+        completer.setCompletionMode(QCompleter.CompletionMode.PopupCompletion)
+        completer.setCaseSensitivity(Qt.CaseSensitivity.CaseInsensitive)
+        completer.setMaxVisibleItems(24)
+        field.editingFinished.connect(self._finish_typing)
+
+    def _finish_typing(self) -> None:
+        """Where what was typed is no parameter, show the chosen one again."""
+        place = self.findText(self._field.text(), Qt.MatchFlag.MatchFixedString)
+        if place < 0 or not self.itemData(place, _NAME):
+            self.setCurrentIndex(max(0, self.findData(self._name, _NAME)))
+            self._field.setText(self.currentText())
+        elif self.itemData(place, _NAME) != self._name:
+            self.setCurrentIndex(place)
+            self._activated(place)
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """All of the text is replaced by what is typed."""
+        super().focusInEvent(event)
+        QTimer.singleShot(0, self._field.selectAll)
 
     def choose(self, node: str, parameter: str) -> None:
         """Show one as chosen, without a signal; empty names: none."""
@@ -84,7 +116,7 @@ class ParameterChoice(QComboBox):
             numbers = [p for p in declared.parameters if p.kind in NUMERIC] if declared else []
             if declared is None or not numbers:
                 continue
-            head = QStandardItem(name if name == declared.title else f"{name} · {declared.title}")
+            head = QStandardItem(titled(name, declared.title))
             head.setFlags(Qt.ItemFlag.NoItemFlags)
             model.appendRow(head)
             for parameter in numbers:
@@ -94,7 +126,8 @@ class ParameterChoice(QComboBox):
 
 
 def _item(node: str, parameter: Parameter) -> QStandardItem:
-    item = QStandardItem(f"{node}.{parameter.name}")
+    unit = f" ({parameter.param.unit})" if parameter.param.unit else ""
+    item = QStandardItem(f"{label_of(parameter.name)} of {node}{unit}")
     item.setData(f"{node}.{parameter.name}", _NAME)
-    item.setToolTip(tip(f"{label_of(parameter.name)}: {parameter.param.text}"))
+    item.setToolTip(tip(f"{parameter.param.text}\nIn network files: {node}.{parameter.name}"))
     return item

@@ -9,6 +9,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QStandardItem, QStandardItemModel
 from PySide6.QtWidgets import QComboBox, QSizePolicy, QWidget
 
+from app.editor.declared_text import titled
 from app.editor.session import Session
 from app.editor.viewers.network_ports import ports_by_node, ports_depend_on
 
@@ -96,8 +97,7 @@ class PortChoice(QComboBox):
         nothing.setData("", _PORT)
         model.appendRow(nothing)
         for group in ports_by_node(network, self._session.library, self._types):
-            title = group.node if group.title == group.node else f"{group.node} · {group.title}"
-            head = QStandardItem(title)
+            head = QStandardItem(titled(group.node, group.title))
             head.setFlags(Qt.ItemFlag.NoItemFlags)
             model.appendRow(head)
             for port in group.ports:

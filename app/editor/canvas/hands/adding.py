@@ -60,12 +60,12 @@ class Adding(QObject):
         choices = []
         for name, item in self._surface.content.nodes.items():
             colour = self._theme.groups.get(item.face.group, self._theme.line)
-            module = f"{item.face.title} {session.network.nodes[name].module}"
+            module = f"{item.face.module} {session.network.nodes[name].module}"
             choices.append(
                 Choice(
                     name,
                     partial(self._show_node, name),
-                    item.face.title,
+                    item.face.module,
                     module,
                     item.face.summary,
                     colour,

@@ -38,8 +38,8 @@ class NodeFace:
     Parameters
     ----------
     id : str
-        The node's id.
-    title : str
+        The node's id: the user's name for it, which is its title.
+    module : str
         The module's title; its key where the module is not known.
     group : str
         The library's group; empty where the module is not known.
@@ -56,7 +56,7 @@ class NodeFace:
     """
 
     id: str
-    title: str
+    module: str
     group: str
     summary: str
     inputs: tuple[PortFace, ...]
@@ -67,15 +67,15 @@ class NodeFace:
 
     @property
     def subtitle(self) -> str:
-        """The id, where it is more than the title again."""
-        return "" if _plain(self.id) == _plain(self.title) else self.id
+        """The module's title, where it is more than the name again."""
+        return "" if _plain(self.id) == _plain(self.module) else self.module
 
     @property
     def tooltip(self) -> str:
         """Text shown at the pointer."""
         state = " (disabled: passes its input through)" if self.disabled else ""
         mark = "\nIts picture is marked as the network's output." if self.output else ""
-        return f"{self.title} · {self.id}{state}\n{self.summary}{mark}"
+        return f"{self.id} · {self.module}{state}\n{self.summary}{mark}"
 
     def port(self, side: Side, name: str) -> PortFace | None:
         """The port of that name."""
@@ -93,7 +93,7 @@ def face_of(
     going = (link.output for link in links if link.source == node.id)
     return NodeFace(
         id=node.id,
-        title=declared.title if declared else node.module,
+        module=declared.title if declared else node.module,
         group=declared.group if declared else "",
         summary=declared.summary if declared else f"The library has no module {node.module}.",
         inputs=inputs + _missing("input", inputs, coming),

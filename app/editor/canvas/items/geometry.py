@@ -38,7 +38,7 @@ class NodeGeometry:
 def geometry_of(face: NodeFace, style: CanvasStyle) -> NodeGeometry:
     """Lay a node out, as narrow as its texts allow."""
     head = HEAD_WITH_ID if face.subtitle else HEAD
-    title = style.width("title", face.title) + 2 * _PADDING + BADGE_ROOM
+    title = style.width("title", face.id) + 2 * _PADDING + BADGE_ROOM
     rows = max(len(face.inputs), len(face.outputs))
     labels = [_row_width(face, row, style) for row in range(rows)]
     width = min(max([NARROWEST, title, *labels]), WIDEST)

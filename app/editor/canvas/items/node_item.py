@@ -193,7 +193,7 @@ def _paint_full(painter: QPainter, item: NodeItem) -> None:
     room = frame.width() - 2 * _LEFT - (BADGE_ROOM if item.badge else 0.0)
     painter.setPen(style.text)
     painter.setFont(style.font("title"))
-    painter.drawText(QPointF(_LEFT, 17), style.elided("title", face.title, room))
+    painter.drawText(QPointF(_LEFT, 17), style.elided("title", face.id, room))
     if face.subtitle:
         painter.setOpacity(painter.opacity() * 0.8)
         painter.setFont(style.font("id"))
@@ -214,7 +214,7 @@ def _paint_overview(painter: QPainter, item: NodeItem, zoom: float) -> None:
     painter.setBrush(style.head(item.face.group))
     painter.drawRoundedRect(frame, _ROUND, _ROUND)
     wanted = round(_READABLE_PX * style.natural_zoom / zoom)
-    title = fitted(item.face.title, frame.width() - 10, frame.height() - 4, wanted, style)
+    title = fitted(item.face.id, frame.width() - 10, frame.height() - 4, wanted, style)
     if title.size * zoom < _LEAST_PX * style.natural_zoom:
         return
     painter.setPen(style.text)

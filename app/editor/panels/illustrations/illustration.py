@@ -10,6 +10,7 @@ from PySide6.QtGui import QColor, QFontInfo, QHideEvent, QPainter, QPaintEvent, 
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from app.editor.declared_text import tip
+from app.editor.error_text import error_text
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
@@ -178,11 +179,11 @@ class Illustration(QWidget):
     def in_short(self, error: ImagechainError) -> str:
         """Why there is no picture, in a line."""
         if error.node is not None and error.node != self.node:
-            return f"waits for {error.node}: {error.message}"
+            return f"waits for {error_text(error)}"
         missing = self.missing_inputs()
         if isinstance(error, UnconnectedError) and missing:
             return f"not connected yet: {', '.join(missing)}"
-        return error.message
+        return error_text(error, on_node=True)
 
     def missing_inputs(self) -> tuple[str, ...]:
         """Inputs that the node needs and that have no wire."""

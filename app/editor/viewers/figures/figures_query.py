@@ -6,6 +6,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from app.editor.error_text import error_text
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.network_ports import HOW_TO_MARK
 from app.run.output import Output, ancestors, find_output
@@ -144,6 +145,6 @@ def _output_of(plan: Plan) -> tuple[str | None, str, tuple[str, ...]]:
     try:
         output = find_output(sound_part(plan))
     except ImagechainError as error:
-        return None, str(error), ()
+        return None, error_text(error), ()
     missing = f"{output.missing}; {HOW_TO_MARK}" if output.choices else output.missing
     return output.port, missing, output.choices

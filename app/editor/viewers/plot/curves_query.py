@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Hashable, Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
@@ -11,6 +10,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from app.editor.error_text import error_text
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.network_ports import HOW_TO_MARK
 from app.run.responses import LineStageResponse, responses_along
@@ -138,11 +138,10 @@ class CurvesQuery(Query):
             ("beside", responses.beside),
             ("total", responses.products),
         )
-        named = Counter(stage.title for _, stages in groups for stage in stages)
         curves = tuple(
             TransferCurve(
                 stage.name,
-                stage.title if named[stage.title] == 1 else f"{stage.title} ({stage.name})",
+                stage.title if kind == "total" else stage.name,
                 kind,
                 stage.response.mtf,
                 stage.response.ptf,
@@ -151,7 +150,7 @@ class CurvesQuery(Query):
             for stage in stages
         )
         marks = _marks(chain, grid, Line.at(self.angle_deg))
-        trouble = _trouble(passing.plan, tuple(str(error) for error in responses.failed))
+        trouble = _trouble(passing.plan, tuple(error_text(error) for error in responses.failed))
         return TransferCurves(
             self.angle_deg, responses.frequency, curves, marks, trouble, _missing(chain)
         )
@@ -226,7 +225,7 @@ def _missing(chain: Chain) -> str:
 
 
 def _trouble(plan: Plan, further: tuple[str, ...]) -> str:
-    texts = [str(error) for error in plan.errors()]
+    texts = [error_text(error) for error in plan.errors()]
     texts += [text for text in further if text not in texts]
     if len(texts) > 1:
         return f"{texts[0]} (and {len(texts) - 1} more)"

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.usefixtures("qtbot")
 def shown(canvas):
     """What the items show, as a document would say it."""
     content = canvas.content
-    nodes = {name: item.face.title for name, item in content.nodes.items()}
+    nodes = {name: item.face.module for name, item in content.nodes.items()}
     places = {name: (item.x(), item.y()) for name, item in content.nodes.items()}
     return nodes, set(content.wires), places
 
@@ -140,7 +140,7 @@ def test_an_unknown_module_shows_its_key_and_the_ports_of_its_links(session, can
     session.open(Document(network, library=library))
     face = canvas.content.nodes["odd"].face
     assert not face.known
-    assert face.title == "module_of_tomorrow"
+    assert face.module == "module_of_tomorrow"
     assert [port.name for port in face.inputs] == ["picture"]
     assert [port.name for port in face.outputs] == ["result"]
     assert set(canvas.content.wires) == set(links)
@@ -162,10 +162,10 @@ def test_nodes_without_a_point_stand_beside_each_other(session, canvas, library)
     assert not session.document.modified
 
 
-def test_the_id_is_shown_where_it_says_more_than_the_title(opened, canvas):
+def test_a_node_has_its_own_name_and_its_module_where_that_says_more(opened, canvas):
     session = opened("kodak_kir310")
     session.do(Add((Placed(Node("jitter_mtf", "jitter_mtf"), (0.0, 900.0)),)))
-    assert canvas.content.nodes["aberration"].face.subtitle == "aberration"
+    assert canvas.content.nodes["aberration"].face.subtitle == "Gaussian MTF"
     assert canvas.content.nodes["jitter_mtf"].face.subtitle == ""
 
 

@@ -90,7 +90,7 @@ def test_an_error_stands_on_its_node_and_the_rest_goes_on(evaluator, open_networ
     assert errors["scene.image"] is None
     badges = evaluator.badges
     assert badges["jitter"].kind == "error"
-    assert "sigma_mrad = -1.0 mrad is not allowed" in badges["jitter"].text
+    assert "σ = -1.0 mrad is not allowed" in badges["jitter"].text
     assert badges["back"] == Badge("incomplete", "waits for jitter")
     assert set(badges) == {"jitter", "back"}
     session.undo()

@@ -15,7 +15,7 @@ from tradeoff_network import mtf
 from window_hands import give_focus
 
 KEY, LEFT = Qt.Key, Qt.MouseButton.LeftButton
-SIGMA = "blur.sigma_x_mrad"
+SIGMA, LISTED = "blur.sigma_x_mrad", "σ x of blur (mrad)"
 MTF = "total.mtf_nyquist_x"
 
 
@@ -46,10 +46,11 @@ def test_a_parameter_is_chosen_by_the_keyboard(opened_window, idle):
     combo = view.bar.parameter
     give_focus(combo)
     assert combo.currentText() == "Choose a parameter"
-    for _ in range(combo.findText(SIGMA)):
-        if combo.currentText() != SIGMA:
+    for _ in range(combo.findText(LISTED)):
+        if combo.currentText() != LISTED:
             QTest.keyClick(combo, KEY.Key_Down)
-    assert combo.currentText() == SIGMA
+    assert combo.currentText() == LISTED
+    assert combo.toolTip() == SIGMA
     idle(window)
     span = view.span
     assert (span.low, span.high) == (0.0, 1.0)  # around the present 0.5
@@ -57,6 +58,32 @@ def test_a_parameter_is_chosen_by_the_keyboard(opened_window, idle):
     x, y = drawn.x, drawn.y
     assert len(x) == span.count
     assert y == pytest.approx([mtf(value) for value in x], rel=1e-12)
+
+
+def test_a_parameter_is_found_by_typing_a_part_of_its_name(opened_window, idle):
+    window = opened_window
+    window.actions_by_name["trade_off"].trigger()
+    view = window.viewers.tradeoff
+    combo = view.bar.parameter
+    give_focus(combo)
+    idle(window)
+    field = combo.lineEdit()
+    QTest.keyClicks(field, "y of blur")
+    listed = combo.completer().completionModel()
+    assert [listed.index(row, 0).data() for row in range(listed.rowCount())] == [
+        "σ y of blur (mrad)"
+    ]
+    QTest.keyClicks(field, " of nothing")
+    QTest.keyClick(field, KEY.Key_Return)
+    assert combo.currentText() == "Choose a parameter"  # what is none is not taken
+    field.selectAll()
+    QTest.keyClicks(field, "Y OF blur")
+    popup = combo.completer().popup()
+    QTest.keyClick(popup, KEY.Key_Down)
+    QTest.keyClick(popup, KEY.Key_Return)
+    idle(window)
+    assert view.bar.parameter.toolTip() == "blur.sigma_y_mrad"
+    assert len(view.points) == view.span.count
 
 
 def test_the_menu_of_a_value_leads_to_it(opened_window, idle, qtbot):
@@ -75,7 +102,7 @@ def test_the_menu_of_a_value_leads_to_it(opened_window, idle, qtbot):
     idle(window)
     view = window.viewers.tradeoff
     assert view.isVisible()
-    assert view.bar.parameter.currentText() == "jitter.sigma_mrad"
+    assert view.bar.parameter.currentText() == "σ of jitter (mrad)"
     assert len(view.points) == view.span.count
 
 

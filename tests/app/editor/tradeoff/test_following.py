@@ -78,7 +78,7 @@ def test_values_that_fail_are_gaps_and_told(opened_window, dock, idle, graph):
 def test_it_follows_renamed_and_removed_nodes(opened_window, dock, idle):
     opened_window.session.do(Rename("blur", "lens"))
     idle(opened_window)
-    assert dock.bar.parameter.currentText() == "lens.sigma_x_mrad"
+    assert dock.bar.parameter.currentText() == "σ x of lens (mrad)"
     assert len(dock.points) == dock.span.count
     opened_window.session.do(Remove(("lens",)))
     idle(opened_window)

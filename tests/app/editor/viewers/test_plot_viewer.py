@@ -133,7 +133,7 @@ def test_both_parts_share_their_abscissa(bench, viewer):
 
 
 def test_the_legend_switches_curves(viewer):
-    row = next(r for r in range(viewer.list.count()) if "Jitter" in viewer.list.item(r).text())
+    row = next(r for r in range(viewer.list.count()) if "jitter" in viewer.list.item(r).text())
     curve = viewer.canvas._curves[0]["jitter"]
     assert curve.isVisible()
     viewer.list.item(row).setCheckState(Qt.CheckState.Unchecked)
@@ -163,7 +163,7 @@ def test_the_cursor_reads_the_nearest_curve(bench, viewer):
     place = box.mapViewToScene(QPointF(x, float(y)))
     canvas.scene().sigMouseMoved.emit(place)
     told = viewer.status.more.text().replace("\N{MINUS SIGN}", "-")
-    assert "Detector MTF" in told
+    assert "detector" in told
     assert "cyc/mrad" in told
     frequency, value = float(told.split()[0]), float(told.split()[-1])
     assert frequency == pytest.approx(x, abs=1e-3)
@@ -175,9 +175,9 @@ def test_the_cursor_reads_the_nearest_curve(bench, viewer):
 def test_keys_read_along_curves(bench, viewer, qtbot):
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_Right)
     first = viewer.status.more.text()
-    assert "Exit Pupil MTF" in first
+    assert "optics" in first
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_Down)
-    assert "Gaussian MTF" in viewer.status.more.text()
+    assert "aberration" in viewer.status.more.text()
     assert viewer.status.more.text().split()[0] == first.split()[0]
 
 
@@ -248,7 +248,7 @@ def test_pictures_of_the_plot_are_written(viewer, tmp_path):
     drawing = QSvgRenderer(str(tmp_path / "plot.svg"))
     assert drawing.isValid()
     text = (tmp_path / "plot.svg").read_text()
-    for word in ("MTF", "cyc/mrad", "Jitter MTF"):
+    for word in ("MTF", "cyc/mrad", "jitter"):
         assert word in text
     colour = DARK.curves[1]
     assert colour in text
@@ -302,9 +302,9 @@ def test_what_stands_beside_is_named_so_and_not_shown_at_first(bench, viewer):
     bench.do(Add((Placed(node),), links))
     (entry,) = [entry for entry in viewer.canvas.drawing.entries if entry.name == "aside"]
     assert not entry.shown
-    assert entry.title == "Jitter MTF (aside) (beside)"
+    assert entry.title == "aside (beside)"
     titles = [entry.title for entry in viewer.canvas.drawing.entries]
-    assert "Jitter MTF (jitter)" in titles
+    assert "jitter" in titles
     assert not viewer.canvas._curves[0]["aside"].isVisible()
 
 
