@@ -15,15 +15,22 @@ _ROWS_IN_STAGE = 2.5
 _Members = Mapping[int, tuple[str, ...]]
 
 
-def laid_out(network: Network, sizes: Sizes, room: tuple[float, float] | None = None) -> Operation:
+def laid_out(
+    network: Network,
+    sizes: Sizes,
+    room: tuple[float, float] | None = None,
+    drawn: Sizes | None = None,
+) -> Operation:
     """Lay all nodes out, those on a backdrop together on it; see `arranged`.
 
-    A backdrop whose nodes cannot be put together, because a wire leaves it and comes back, is put
+    `drawn` are the sizes with what is drawn below the nodes, which is given room as well. A
+    backdrop whose nodes cannot be put together, because a wire leaves it and comes back, is put
     round where its nodes stand then. Empty backdrops stay where they are.
     """
     grounds = backdrops_of(network)
     members = {index: nodes_on(network, index, sizes) for index in range(len(grounds))}
     members = {index: names for index, names in members.items() if names}
+    sizes = sizes if drawn is None else drawn
     order = sorted(members, key=lambda index: -grounds[index].width * grounds[index].height)
     places = _places(network, sizes, tuple(network.nodes), order, members, room)
     x, y = _way_back(network, places)

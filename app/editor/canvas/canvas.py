@@ -24,10 +24,12 @@ from app.editor.canvas.items.geometry import HEAD_MIDDLE
 from app.editor.canvas.items.marks import Marks
 from app.editor.canvas.items.wire_item import LiveWire
 from app.editor.canvas.places import pixel_of_port, pixel_of_wire
+from app.editor.canvas.thumbnails.node_thumbnails import NodeThumbnails
 from app.editor.canvas.view.canvas_view import GraphView
 from app.editor.canvas.view.choice_popup import ChoicePopup
 from app.editor.canvas.view.minimap import Minimap
 from app.editor.canvas.view.title_editor import TitleEditor
+from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.editing.backdrops import backdrops_of, change, remove
@@ -64,6 +66,7 @@ class Canvas(QWidget):
         style = CanvasStyle(theme, self.font())
         self._session = session
         self._theme = theme
+        self.thumbnails: NodeThumbnails | None = None
         self.view = GraphView(style, self)
         self.setFocusProxy(self.view)
         self.content = Content(self.view.scene(), session.library, style)
@@ -99,6 +102,8 @@ class Canvas(QWidget):
         self._theme = theme
         style = CanvasStyle(theme, self.font())
         self.content.set_style(style)
+        if self.thumbnails is not None:
+            self.thumbnails.set_style(style)
         self.view.set_style(style)
         self.popup.set_theme(theme)
         self.adding.set_theme(theme)
@@ -115,9 +120,16 @@ class Canvas(QWidget):
         """
         self.content.set_badges(dict(badges))
 
+    def show_thumbnails(self, evaluator: Evaluator) -> None:
+        """Show what comes out of the nodes below them, as the evaluator has it."""
+        self.thumbnails = NodeThumbnails(self._session, evaluator, self.view.scene(), self.content)
+
     def frame_all(self) -> None:
         """Show the whole network, no larger than natural."""
-        self.view.frame(self.content.bounds())
+        whole = self.content.bounds()
+        if self.thumbnails is not None:
+            whole = whole.united(self.thumbnails.bounds())
+        self.view.frame(whole)
 
     def frame_selection(self) -> None:
         """Show the selected nodes."""
@@ -131,6 +143,14 @@ class Canvas(QWidget):
     def sizes(self) -> dict[str, tuple[float, float]]:
         """Width and height of every node, in units of the layout."""
         return self.content.sizes()
+
+    def sizes_with_thumbnails(self) -> dict[str, tuple[float, float]]:
+        """The sizes with the room of what stands below the nodes."""
+        below = self.thumbnails.heights() if self.thumbnails is not None else {}
+        return {
+            name: (width, height + below.get(name, 0.0))
+            for name, (width, height) in self.sizes().items()
+        }
 
     def room(self) -> tuple[float, float]:
         """Width and height that can be shown at the natural zoom, in units of the layout."""
@@ -153,6 +173,11 @@ class Canvas(QWidget):
     def search_is_open(self) -> bool:
         """Whether a list waits for a choice."""
         return self.popup.is_open
+
+    def toggle_thumbnails(self) -> None:
+        """Show what comes out of the nodes, or not."""
+        if self.thumbnails is not None:
+            self.thumbnails.toggle()
 
     def find_node(self) -> None:
         """Open the list of the nodes; the chosen one is selected and shown."""

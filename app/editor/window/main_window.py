@@ -71,6 +71,7 @@ class MainWindow(QMainWindow):
         self._first_look_due = False
         self._second_click = SecondClick(self)
         self._build(library)
+        self.canvas.show_thumbnails(self.evaluator)
         self.files = Files(self.session, settings, self)
         self.edits = EditCommands(self.session, self.canvas, self)
         self.help = Help(self.session, self.viewers, lambda: self.actions_by_name, self)
@@ -83,7 +84,8 @@ class MainWindow(QMainWindow):
         self.viewers.set_picture_actions(
             self.actions_by_name["full_screen"], self.actions_by_name["export"]
         )
-        self.actions_by_name["minimap"].setChecked(True)
+        for name in ("minimap", "thumbnails"):
+            self.actions_by_name[name].setChecked(True)
         self.layout_in_use.place()
         self.menus = self.actions_by_name.fill(self.menuBar())
         self._add_dock_toggles()

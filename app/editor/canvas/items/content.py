@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from PySide6.QtCore import QPointF, QRectF
@@ -51,6 +51,8 @@ class Content:
         self._at: dict[str, list[WireItem]] = {}
         self._selected: frozenset[str] = frozenset()
         self._marked: frozenset[str] = frozenset()
+        self.on_placed: Callable[[], None] | None = None
+        """Called once nodes stand elsewhere, for what stands beside them."""
 
     def clear(self) -> None:
         """Take everything out."""
@@ -105,6 +107,8 @@ class Content:
             boxes = self.boxes()
             for wire in {wire for name in moved for wire in self.wires_at(name)}:
                 wire.redraw(boxes)
+            if self.on_placed is not None:
+                self.on_placed()
 
     def restore(self) -> None:
         """Put everything back where the network has it, after something was only shown."""

@@ -121,6 +121,15 @@ ACTIONS: tuple[ActionSpec, ...] = (
         "canvas",
         checkable=True,
     ),
+    ActionSpec(
+        "thumbnails",
+        "&View",
+        "T&humbnails",
+        "Small pictures and curves of what comes out of the nodes",
+        ("T",),
+        "canvas",
+        checkable=True,
+    ),
     ActionSpec("zoom_in", "&View", "Zoom &In", "Enlarge the canvas", ("Ctrl++", "Ctrl+=")),
     ActionSpec("zoom_out", "&View", "Zoom &Out", "Shrink the canvas", ("Ctrl+-",)),
     ActionSpec(

@@ -82,6 +82,7 @@ def targets(window: Window) -> dict[str, Target]:
         "find_node": canvas.find_node,
         **{f"align_{edge}": partial(edits.align, edge) for edge in EDGES},
         **{f"distribute_{way}": partial(edits.distribute, way) for way in WAYS},
+        "thumbnails": canvas.toggle_thumbnails,
         "minimap": canvas.minimap.toggle,
         "frame": edits.frame,
         "arrange": edits.arrange,

@@ -127,12 +127,13 @@ class EditCommands(QObject):
 
     def arrange(self) -> None:
         """Lay out the selected nodes, or all; long chains in rows of the canvas's width."""
-        session, sizes, room = self._session, self._canvas.sizes(), self._canvas.room()
+        session, canvas = self._session, self._canvas
+        drawn, room = canvas.sizes_with_thumbnails(), canvas.room()
         if len(session.selection) > 1:
-            places = arranged(session.network, sizes, only=session.selection, room=room)
+            places = arranged(session.network, drawn, only=session.selection, room=room)
             session.do(Move(places, "Lay out"))
         elif session.network.nodes:
-            session.do(laid_out(session.network, sizes, room))
+            session.do(laid_out(session.network, canvas.sizes(), room, drawn))
         self._canvas.frame_all()
 
     def align(self, edge: Edge) -> None:

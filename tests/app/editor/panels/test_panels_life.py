@@ -1,8 +1,7 @@
 """Panels come and go, at any width and in both looks."""
 
-import weakref
-
 import re
+import weakref
 
 import pytest
 import shiboken6

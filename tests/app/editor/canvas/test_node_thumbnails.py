@@ -1,0 +1,120 @@
+"""Thumbnails below the nodes: what comes out, true to it, and gone at a key."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from app.editor.canvas.thumbnails.node_thumbnail_query import SmallCurve, SmallPicture
+from core.editing.fields import set_node_field, set_parameter
+from core.editing.nodes import Move, Remove
+from core.evaluation.policy import Policy
+
+
+@pytest.fixture
+def kodak(window, idle, qtbot):
+    window.files.open_now("kodak_kir310")
+    idle(window)
+    qtbot.waitUntil(lambda: "frame_grabber" in thumbnails(window) and window.evaluator.idle)
+    window.canvas.setFocus()
+    return window
+
+
+def thumbnails(window):
+    return window.canvas.thumbnails.items
+
+
+def full(window, port):
+    """The samples that the viewer gets."""
+    plan, runner = window.evaluator.plan, window.evaluator._runner
+    return np.asarray(runner._engine.value(plan, port, runner._engine.work(Policy())))
+
+
+def test_pictures_and_curves_stand_below_what_gives_them(kodak):
+    items = thumbnails(kodak)
+    pictures = {name for name, item in items.items() if isinstance(item.small, SmallPicture)}
+    curves = {name for name, item in items.items() if isinstance(item.small, SmallCurve)}
+    assert pictures == {
+        "scene",
+        "photons",
+        "pupil",
+        "back",
+        "pixels",
+        "electronics",
+        "frame_grabber",
+    }
+    assert curves == {"optics", "aberration", "detector", "charge", "charge_phase"}
+    for name, item in items.items():
+        node = kodak.canvas.content.nodes[name].frame()
+        assert item.frame().top() >= node.bottom()
+        assert item.frame().left() >= node.left() - 0.5
+        assert item.frame().right() <= node.right() + 0.5
+
+
+def test_a_picture_is_that_of_the_node(kodak):
+    """By block means of its own, and the order of light and dark."""
+    small = thumbnails(kodak)["pixels"].small.grey.astype(float)
+    samples = full(kodak, "pixels.image")
+    rows, columns = small.shape
+    block = samples.shape[0] // rows, samples.shape[1] // columns
+    trimmed = samples[: rows * block[0], : columns * block[1]]
+    means = trimmed.reshape(rows, block[0], columns, block[1]).mean(axis=(1, 3))
+    assert np.corrcoef(means.ravel(), small.ravel())[0, 1] > 0.95
+
+
+def test_a_curve_is_the_nodes_mtf(kodak):
+    """A Gaussian's: its logarithm falls as the square of the frequency."""
+    small = thumbnails(kodak)["aberration"].small
+    expected = np.log(small.values[-1]) * small.places**2
+    np.testing.assert_allclose(np.log(small.values), expected, atol=1e-3)
+    assert 0 < small.values[-1] < 1
+
+
+def test_they_follow_edits_moves_and_removals(kodak, idle, qtbot):
+    before = thumbnails(kodak)["aberration"].small.values[-1]
+    sigma = kodak.session.network.nodes["aberration"].params["sigma_x_mrad"]
+    kodak.session.do(set_parameter("aberration", "sigma_x_mrad", 3 * sigma))
+    qtbot.waitUntil(lambda: thumbnails(kodak)["aberration"].small.values[-1] < before - 1e-3)
+    # A Gaussian three times as wide: its logarithm at Nyquist is nine times as large.
+    after = thumbnails(kodak)["aberration"].small.values[-1]
+    assert np.log(after) == pytest.approx(9 * np.log(before), rel=1e-6)
+    kodak.session.do(Move({"scene": (-700.0, 300.0)}))
+    assert thumbnails(kodak)["scene"].frame().left() >= -700.5
+    assert thumbnails(kodak)["scene"].frame().right() <= -700 + 200.5
+    kodak.session.do(Remove(("slices", "photons")))
+    assert "photons" not in thumbnails(kodak)
+    kodak.session.undo()
+    qtbot.waitUntil(lambda: "photons" in thumbnails(kodak))
+
+
+def test_a_disabled_node_has_none(kodak, idle, qtbot):
+    kodak.session.do(set_node_field("aberration", "disabled", True))
+    qtbot.waitUntil(lambda: "aberration" not in thumbnails(kodak))
+
+
+def test_t_turns_them_off_and_on(kodak, idle, qtbot):
+    QTest.keyClick(kodak.canvas.view, Qt.Key.Key_T)
+    assert thumbnails(kodak) == {}
+    assert not kodak.actions_by_name["thumbnails"].isChecked()
+    idle(kodak)
+    assert thumbnails(kodak) == {}
+    QTest.keyClick(kodak.canvas.view, Qt.Key.Key_T)
+    qtbot.waitUntil(lambda: "scene" in thumbnails(kodak))
+
+
+def test_laying_out_leaves_them_room(kodak, qtbot):
+    kodak.session.select([])
+    QTest.keyClick(kodak.canvas.view, Qt.Key.Key_L)
+    frames = {name: item.frame() for name, item in kodak.canvas.content.nodes.items()}
+    for name, item in thumbnails(kodak).items():
+        for other, frame in frames.items():
+            assert not item.frame().adjusted(1, 1, -1, -1).intersects(frame), (name, other)
+    seen = kodak.canvas.view.visible_rect()
+    assert all(seen.contains(item.frame()) for item in thumbnails(kodak).values())
+
+
+def test_another_network_has_its_own(kodak, idle, qtbot):
+    kodak.files.open_now("first_steps")
+    idle(kodak)
+    names = set(kodak.session.network.nodes)
+    qtbot.waitUntil(lambda: thumbnails(kodak) and set(thumbnails(kodak)) <= names)
