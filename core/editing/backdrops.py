@@ -14,6 +14,7 @@ from core.names import thaw
 from core.network.network import Network
 
 FIELD = "backdrops"
+NOTE = "note"  # of the field `kind`; a program that does not know it shows a backdrop
 NODE_SIZE = (180.0, 100.0)  # of a node whose size is not given
 MARGIN, HEAD = 24.0, 30.0  # kept free round the nodes, and for the title
 
@@ -22,13 +23,19 @@ Sizes = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True)
 class Backdrop:
-    """A ground with a title: its upper left corner and size, in units of the canvas."""
+    """A ground with a title: its upper left corner and size, in units of the canvas.
+
+    A note is one whose title is a text that fills it, and on which nothing stands. `colour` is a
+    name that the editor knows.
+    """
 
     title: str
     x: float
     y: float
     width: float
     height: float
+    note: bool = False
+    colour: str = ""
 
 
 def backdrops_of(network: Network) -> tuple[Backdrop, ...]:
@@ -46,7 +53,7 @@ def add(network: Network, backdrop: Backdrop) -> Operation:
 
 
 def change(network: Network, index: int, backdrop: Backdrop) -> Operation:
-    """Give a backdrop another title, place or size; its other fields in the file stay.
+    """Give a backdrop another title, place, size or colour; what else the file has of it stays.
 
     Raises
     ------
@@ -120,6 +127,8 @@ def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
     """
     _place(network, index)
     ground = backdrops_of(network)[index]
+    if ground.note:
+        return ()
     right, bottom = ground.x + ground.width, ground.y + ground.height
     boxes = {name: _box(network, name, sizes) for name in network.nodes if name in network.layout}
     return tuple(
@@ -161,7 +170,18 @@ def _backdrop(entry: Any) -> Backdrop | None:
     if not isinstance(title, str) or not all(_is_number(number) for number in numbers):
         return None
     x, y, width, height = (float(number) for number in numbers if number is not None)
-    return Backdrop(title, x, y, width, height) if width > 0 and height > 0 else None
+    if not (width > 0 and height > 0):
+        return None
+    colour = entry.get("colour")
+    return Backdrop(
+        title,
+        x,
+        y,
+        width,
+        height,
+        entry.get("kind") == NOTE,
+        colour if isinstance(colour, str) else "",
+    )
 
 
 def _is_number(value: Any) -> bool:
@@ -174,4 +194,10 @@ def _entry(old: Mapping[str, Any], backdrop: Backdrop) -> dict[str, Any]:
         if not _is_number(value) or (name in ("width", "height") and value <= 0):
             raise NetworkError(f"a backdrop cannot have {name} = {value!r:.80}")
     whole = {name: int(v) if v == int(v) else v for name, v in values.items()}
-    return {**old, "title": backdrop.title, **whole}
+    made = {**old, "title": backdrop.title, **whole}
+    for name, value in (("kind", NOTE if backdrop.note else ""), ("colour", backdrop.colour)):
+        if value:
+            made[name] = value
+        elif name == "colour" or made.get(name) == NOTE:  # another kind is another program's
+            made.pop(name, None)
+    return made

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
-from core.editing.backdrops import HEAD, MARGIN, Backdrop, backdrops_of, change, nodes_on
+from core.editing.backdrops import HEAD, MARGIN, backdrops_of, change, nodes_on
 from core.editing.layout.arrange import NODE_SIZE, Point, Sizes, placed
 from core.editing.nodes import Move
 from core.editing.operation import Operation, together
@@ -45,7 +46,7 @@ def laid_out(
         ]
         frames[index] = _round(boxes)
     for index, (left, top, right, bottom) in frames.items():
-        ground = Backdrop(grounds[index].title, left, top, right - left, bottom - top)
+        ground = replace(grounds[index], x=left, y=top, width=right - left, height=bottom - top)
         if ground != grounds[index]:
             steps.append(change(network, index, ground))
             network = steps[-1].apply(network)

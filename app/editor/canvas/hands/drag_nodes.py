@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from PySide6.QtCore import QPoint, QPointF, QRectF, QSizeF
 
@@ -116,7 +117,7 @@ class ResizeBackdrop(Gesture):
     def drop(self, _pos: QPoint, point: QPointF) -> None:
         """Resize it."""
         session = self.surface.session
-        changed = backdrop_at(self._backdrop.title, self._resized(point))
+        changed = backdrop_at(self._backdrop.shown, self._resized(point))
         session.do(change(session.network, self._backdrop.index, changed))
 
     def leave(self) -> None:
@@ -133,16 +134,17 @@ def moved_together(
     network: Network, backdrop: BackdropItem, frame: QRectF, places: Mapping[str, QPointF]
 ) -> Operation:
     """Move a backdrop, and nodes with it."""
-    moved = change(network, backdrop.index, backdrop_at(backdrop.title, frame))
+    moved = change(network, backdrop.index, backdrop_at(backdrop.shown, frame))
     whole = {name: _whole(at) for name, at in places.items()}
     return Together((moved, Move(whole)), f"Move {backdrop.title or 'backdrop'}")
 
 
-def backdrop_at(title: str, frame: QRectF) -> Backdrop:
-    """A backdrop with this frame, in whole units."""
+def backdrop_at(backdrop: Backdrop, frame: QRectF) -> Backdrop:
+    """The backdrop with this frame, in whole units."""
     x, y = _whole(frame.topLeft())
     size = frame.size().expandedTo(SMALLEST)
-    return Backdrop(title, x, y, float(round(size.width())), float(round(size.height())))
+    width, height = float(round(size.width())), float(round(size.height()))
+    return replace(backdrop, x=x, y=y, width=width, height=height)
 
 
 def _whole(point: QPointF) -> tuple[float, float]:

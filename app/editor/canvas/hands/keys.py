@@ -102,7 +102,7 @@ class Keys(QObject):
         gesture = ("backdrop", backdrop.index, resize)
         self._nudging = True
         if resize:
-            changed = backdrop_at(backdrop.title, frame.adjusted(0, 0, by.x(), by.y()))
+            changed = backdrop_at(backdrop.shown, frame.adjusted(0, 0, by.x(), by.y()))
             session.do(change(session.network, backdrop.index, changed), gesture=gesture)
             return
         names = nodes_on(session.network, backdrop.index, content.sizes())

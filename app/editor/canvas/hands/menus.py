@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 
 from PySide6.QtCore import QObject, QPoint, Signal
 from PySide6.QtGui import QAction, QContextMenuEvent
 from PySide6.QtWidgets import QMenu, QWidget
 
 from app.editor.canvas.hands.surface import Surface
+from app.editor.canvas.items.canvas_style import TINTS
+from app.editor.canvas.items.faces import COLOUR
 from app.editor.canvas.items.hits import Hit
 from app.editor.canvas.items.marks import Marks
+from core.editing.backdrops import change
+from core.editing.fields import set_node_field
 from core.editing.links import Rewire
+from core.editing.operation import ABSENT, named, together
 
 
 class Menus(QObject):
@@ -36,15 +43,22 @@ class Menus(QObject):
         self.canvas_menu = _menu("canvas.menu.canvas", parent)
         self.wire_menu = _menu("canvas.menu.wire", parent)
         self.backdrop_menu = _menu("canvas.menu.backdrop", parent)
+        self._colours = _menu("canvas.menu.colours", parent)
+        self._colours.setTitle("Co&lour")
+        for name in ("", *TINTS):
+            action = self._colours.addAction(name.capitalize() or "&As its group")
+            action.triggered.connect(partial(self._colour, name))
         self.wire_menu.addAction("&Disconnect").triggered.connect(self._disconnect)
         self.backdrop_menu.addAction("&Edit Title").triggered.connect(self._edit_title)
         self.backdrop_menu.addAction("&Delete Backdrop").triggered.connect(self.removal_wanted)
+        self.backdrop_menu.addMenu(self._colours)
 
     def fill(self, node_actions: Sequence[QAction], canvas_actions: Sequence[QAction]) -> None:
         """Give the menus of nodes and of empty ground their actions."""
         for menu, actions in ((self.node_menu, node_actions), (self.canvas_menu, canvas_actions)):
             menu.clear()
             menu.addActions(list(actions))
+        self.node_menu.addMenu(self._colours)
 
     def open(self, event: QContextMenuEvent) -> None:
         """Pop up the menu of what is under the pointer or, by the keyboard, what is selected."""
@@ -83,6 +97,17 @@ class Menus(QObject):
         if backdrop is not None:
             return Hit(backdrop=backdrop), view.pixel(backdrop.head(view.zoom).center())
         return Hit(), view.viewport().rect().center()
+
+    def _colour(self, name: str, *_: object) -> None:
+        """Give the selected nodes, or the selected backdrop, that colour."""
+        session, backdrop = self._surface.session, self._marks.backdrop
+        if session.selection:
+            value = name or ABSENT
+            steps = [set_node_field(node, COLOUR, value) for node in session.selection]
+            session.do(together(steps, f"Colour {named(session.selection)}"))
+        elif backdrop is not None:
+            changed = replace(backdrop.shown, colour=name)
+            session.do(change(session.network, backdrop.index, changed))
 
     def _disconnect(self) -> None:
         link = self._marks.link

@@ -1,4 +1,4 @@
-"""A backdrop on the canvas: a titled ground behind nodes that belong together."""
+"""A backdrop on the canvas: a titled ground behind nodes that belong together; or a note."""
 
 from __future__ import annotations
 
@@ -8,27 +8,49 @@ from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.nodegraphqt import AbstractNodeItem
+from core.editing.backdrops import Backdrop
 
 HEAD = 26.0
 HANDLE = 16.0
 SMALLEST = QSizeF(96, 64)
 _READABLE_PX = 11.0
 _HIGHEST = 190.0  # of a title, in units
+_NOTE_TINT = "yellow"
+_TEXT, _INSET = 12, 8.0  # units: a note's letters at least, and the space round them
+_WRAPPED = int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop | Qt.TextFlag.TextWordWrap)
+
+
+def rect_of(backdrop: Backdrop) -> QRectF:
+    """Where it is in the scene."""
+    return QRectF(backdrop.x, backdrop.y, backdrop.width, backdrop.height)
 
 
 class BackdropItem(AbstractNodeItem):
     """A backdrop. `index` is its place in the document's list."""
 
-    def __init__(self, index: int, title: str, rect: QRectF, style: CanvasStyle) -> None:
-        super().__init__(title)
+    def __init__(self, index: int, shown: Backdrop, style: CanvasStyle) -> None:
+        super().__init__(shown.title)
         self.index = index
-        self.title = title
+        self.shown = shown
         self.style = style
         self.setCacheMode(QGraphicsItem.CacheMode.NoCache)
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIsMovable, False)
         self.setZValue(-2)
         self.setToolTip("")
-        self.place(rect)
+        self.place(rect_of(shown))
+
+    @property
+    def title(self) -> str:
+        """Its title; of a note, its text."""
+        return self.shown.title
+
+    def show_backdrop(self, shown: Backdrop) -> None:
+        """Show another state of it."""
+        if shown != self.shown:
+            self.shown = shown
+            self.update()
+        if self.frame() != rect_of(shown):
+            self.place(rect_of(shown))
 
     def place(self, rect: QRectF) -> None:
         """Put it there."""
@@ -42,7 +64,9 @@ class BackdropItem(AbstractNodeItem):
         return QRectF(self.pos(), QSizeF(self._width, self._height))
 
     def head(self, zoom: float) -> QRectF:
-        """Where its title is, to be dragged by."""
+        """Where its title is, to be dragged by; of a note, all of it."""
+        if self.shown.note:
+            return self.frame()
         return self._head(zoom).translated(self.pos())
 
     def handle(self) -> QRectF:
@@ -69,12 +93,17 @@ class BackdropItem(AbstractNodeItem):
         zoom = max(painter.worldTransform().m11(), 1e-3)
         style = self.style
         frame = QRectF(0, 0, self._width, self._height)
-        ground = QColor(style.theme.raised)
-        ground.setAlpha(130)
+        tint = style.tint(self.shown.colour or (_NOTE_TINT if self.shown.note else ""))
+        ground = QColor(style.theme.raised) if tint is None else tint
+        ground.setAlpha(255 if self.shown.note else 130)
         border = style.accent if self.selected else QColor(style.theme.line)
         painter.setPen(QPen(border, max(1.4, (2.0 if self.selected else 1.0) / zoom)))
         painter.setBrush(ground)
         painter.drawRoundedRect(frame, 6, 6)
+        if self.shown.note:
+            self._text(painter, frame.adjusted(_INSET, _INSET, -_INSET, -_INSET), zoom)
+            self._corner(painter, frame)
+            return
         head = self._head(zoom)
         painter.setFont(style.sized(round(head.height() * 0.58), bold=True))
         painter.setPen(style.text)
@@ -83,7 +112,21 @@ class BackdropItem(AbstractNodeItem):
             self.title, Qt.TextElideMode.ElideRight, int(room.width())
         )
         painter.drawText(room, Qt.AlignmentFlag.AlignVCenter, text)
-        painter.setPen(QPen(style.faint, 1.4))
+        self._corner(painter, frame)
+
+    def _text(self, painter: QPainter, area: QRectF, zoom: float) -> None:
+        """The text of a note, in the largest readable letters that fit."""
+        readable = round(_READABLE_PX * self.style.natural_zoom / zoom)
+        painter.setPen(self.style.text)
+        for size in range(max(_TEXT, readable), _TEXT - 1, -1):
+            painter.setFont(self.style.sized(size))
+            if painter.boundingRect(area, _WRAPPED, self.title).height() <= area.height():
+                break
+        painter.drawText(area, _WRAPPED, self.title)
+
+    def _corner(self, painter: QPainter, frame: QRectF) -> None:
+        """The handle that resizes it."""
+        painter.setPen(QPen(self.style.faint, 1.4))
         corner = frame.bottomRight()
         for step in (5.0, 10.0):
             painter.drawLine(corner - QPointF(step, 3), corner - QPointF(3, step))

@@ -7,17 +7,49 @@ large as that of the window.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Literal
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QBrush, QColor, QFont, QFontInfo, QFontMetricsF, QPen
 
-from app.editor.theme import Theme
+from app.editor.theme import Look, Theme
 
 TextRole = Literal["title", "id", "port", "backdrop"]
 
 _PLAIN = 12  # units that the window's font is worth
 _SIZES: dict[TextRole, int] = {"title": 13, "id": 11, "port": 11, "backdrop": 15}
+
+
+# Chosen so that the theme's text is read on them, contrast 4.5 or more; the tests measure it.
+_TINTS: Mapping[Look, Mapping[str, str]] = MappingProxyType(
+    {
+        "dark": MappingProxyType(
+            {
+                "red": "#7a2e35",
+                "orange": "#7a4a1e",
+                "yellow": "#665a17",
+                "green": "#2c6138",
+                "blue": "#28538a",
+                "violet": "#5d3f86",
+                "grey": "#555b63",
+            }
+        ),
+        "light": MappingProxyType(
+            {
+                "red": "#f3c1c3",
+                "orange": "#f5d0a9",
+                "yellow": "#efe3a0",
+                "green": "#c3e5c5",
+                "blue": "#bfd7f5",
+                "violet": "#ddcbf2",
+                "grey": "#d3d6da",
+            }
+        ),
+    }
+)
+TINTS: tuple[str, ...] = tuple(_TINTS["dark"])
 
 
 class CanvasStyle:
@@ -86,6 +118,11 @@ class CanvasStyle:
         """How far beside nodes wires of this type run, so that those of others stay apart."""
         order = list(self._ports)
         return 9.0 + 5.0 * (order.index(types[0]) if types and types[0] in order else len(order))
+
+    def tint(self, name: str) -> QColor | None:
+        """The colour of that name that a person can give; None where there is none."""
+        colour = _TINTS[self.theme.look].get(name)
+        return QColor(colour) if colour is not None else None
 
     def head(self, group: str) -> QColor:
         """Colour of the head of a node of this group."""

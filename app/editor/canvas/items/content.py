@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtWidgets import QGraphicsScene
 
-from app.editor.canvas.items.backdrop_item import BackdropItem
+from app.editor.canvas.items.backdrop_item import BackdropItem, rect_of
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.faces import face_of
 from app.editor.canvas.items.node_item import NodeItem
@@ -16,7 +16,7 @@ from app.editor.canvas.items.points import points_of
 from app.editor.canvas.items.routing import Box
 from app.editor.canvas.items.wire_item import WireItem
 from app.editor.evaluation.queries import Badge
-from core.editing.backdrops import backdrops_of
+from core.editing.backdrops import Backdrop, backdrops_of
 from core.editing.nodes import Point
 from core.modules.declaration import declaration
 from core.network.network import Library, Link, Network, Node
@@ -60,7 +60,7 @@ class Content:
             self._remove_wire(wire)
         for name in list(self.nodes):
             self._remove_node(name)
-        self._follow_backdrops([])
+        self._follow_backdrops(())
         self._extra = None
         self._links = ()
         self._points = {}
@@ -90,9 +90,7 @@ class Content:
             self.route()
         if network.extra is not self._extra:
             self._extra = network.extra
-            self._follow_backdrops(
-                [(backdrop.title, QRectF(*_rect(backdrop))) for backdrop in backdrops_of(network)]
-            )
+            self._follow_backdrops(backdrops_of(network))
 
     def wires_at(self, name: str) -> list[WireItem]:
         """The wires that begin or end at a node."""
@@ -201,21 +199,16 @@ class Content:
                 self._add_wire(link)
         self._links = network.links
 
-    def _follow_backdrops(self, wanted: list[tuple[str, QRectF]]) -> None:
-        self._frames = [rect for _, rect in wanted]
+    def _follow_backdrops(self, wanted: Sequence[Backdrop]) -> None:
+        self._frames = [rect_of(backdrop) for backdrop in wanted]
         while len(self.backdrops) > len(wanted):
             self._scene.removeItem(self.backdrops.pop())
-        for index, (title, rect) in enumerate(wanted):
+        for index, backdrop in enumerate(wanted):
             if index == len(self.backdrops):
-                item = BackdropItem(index, title, rect, self.style)
+                item = BackdropItem(index, backdrop, self.style)
                 self.backdrops.append(item)
                 self._scene.addItem(item)
-            item = self.backdrops[index]
-            if item.title != title:
-                item.title = title
-                item.update()
-            if item.frame() != rect:
-                item.place(rect)
+            self.backdrops[index].show_backdrop(backdrop)
 
     def _add_wire(self, link: Link) -> None:
         source, target = self.nodes[link.source], self.nodes[link.target]
@@ -255,7 +248,3 @@ def links_at(network: Network) -> dict[str, list[Link]]:
         for name in {link.source, link.target}:
             links.setdefault(name, []).append(link)
     return links
-
-
-def _rect(backdrop: Any) -> tuple[float, float, float, float]:
-    return backdrop.x, backdrop.y, backdrop.width, backdrop.height

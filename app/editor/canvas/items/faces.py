@@ -9,6 +9,7 @@ from typing import Literal
 from core.modules.declaration import Declaration, Port
 from core.network.network import Link, Node
 
+COLOUR = "colour"  # field of a node in the file
 Side = Literal["input", "output"]
 
 
@@ -53,6 +54,8 @@ class NodeFace:
         Whether the node only passes its input through.
     output : bool
         Whether its picture is marked as what the network delivers.
+    colour : str
+        Name of the colour that the user gave it; empty for that of its group.
     """
 
     id: str
@@ -64,6 +67,7 @@ class NodeFace:
     known: bool = True
     disabled: bool = False
     output: bool = False
+    colour: str = ""
 
     @property
     def subtitle(self) -> str:
@@ -101,7 +105,14 @@ def face_of(
         known=declared is not None,
         disabled=node.disabled,
         output=output,
+        colour=colour_of(node),
     )
+
+
+def colour_of(node: Node) -> str:
+    """Name of the colour that the user gave a node."""
+    colour = node.extra.get(COLOUR)
+    return colour if isinstance(colour, str) else ""
 
 
 def _faces(side: Side, ports: Iterable[Port]) -> tuple[PortFace, ...]:

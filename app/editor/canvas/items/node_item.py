@@ -137,7 +137,8 @@ class NodeItem(AbstractNodeItem):
     def take_face(self, face: NodeFace) -> bool:
         """Show another face, if it has the same texts and ports; whether it has."""
         shown = self.face
-        if replace(face, disabled=shown.disabled, output=shown.output) != shown:
+        same = {name: getattr(shown, name) for name in ("disabled", "output", "colour")}
+        if replace(face, **same) != shown:
             return False
         if face != self.face:
             self.face = face
@@ -182,13 +183,18 @@ def paint_node(painter: QPainter, item: NodeItem) -> None:
     painter.setOpacity(1.0)
 
 
+def head_colour(item: NodeItem) -> QColor:
+    """The colour the user gave the node, else that of its group."""
+    return item.style.tint(item.face.colour) or item.style.head(item.face.group)
+
+
 def _paint_full(painter: QPainter, item: NodeItem) -> None:
     style, face, geometry = item.style, item.face, item.geometry
     frame = geometry.frame
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(style.node)
     painter.drawRoundedRect(frame, _ROUND, _ROUND)
-    painter.setBrush(style.head(face.group))
+    painter.setBrush(head_colour(item))
     painter.drawPath(_head(frame.width(), geometry.head))
     room = frame.width() - 2 * _LEFT - (BADGE_ROOM if item.badge else 0.0)
     painter.setPen(style.text)
@@ -211,7 +217,7 @@ def _paint_full(painter: QPainter, item: NodeItem) -> None:
 def _paint_overview(painter: QPainter, item: NodeItem, zoom: float) -> None:
     style, frame = item.style, item.geometry.frame
     painter.setPen(Qt.PenStyle.NoPen)
-    painter.setBrush(style.head(item.face.group))
+    painter.setBrush(head_colour(item))
     painter.drawRoundedRect(frame, _ROUND, _ROUND)
     wanted = round(_READABLE_PX * style.natural_zoom / zoom)
     title = fitted(item.face.id, frame.width() - 10, frame.height() - 4, wanted, style)

@@ -7,6 +7,7 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen, QWhe
 from PySide6.QtWidgets import QWidget
 
 from app.editor.canvas.items.content import Content
+from app.editor.canvas.items.node_item import head_colour
 from app.editor.canvas.view.canvas_view import GraphView
 from app.editor.theme import Theme
 
@@ -98,7 +99,7 @@ class Minimap(QWidget):
                 painter.setBrush(QColor(self._theme.canvas))
                 painter.drawRect(self._mapped(backdrop.frame(), whole))
             for node in self._content.nodes.values():
-                painter.setBrush(style.accent if node.selected else style.head(node.face.group))
+                painter.setBrush(style.accent if node.selected else head_colour(node))
                 painter.drawRect(self._mapped(node.frame(), whole))
             painter.setPen(QPen(style.accent, 1.5))
             painter.setBrush(Qt.BrushStyle.NoBrush)

@@ -40,9 +40,12 @@ class TitleEditor(QLineEdit):
         corner = self._view.pixel(head.topLeft())
         far = self._view.pixel(QPointF(head.right(), head.bottom()))
         width = max(far.x() - corner.x(), _NARROWEST)
-        height = max(far.y() - corner.y(), self.sizeHint().height())
+        line = self.sizeHint().height()
+        height = line if backdrop.shown.note else max(far.y() - corner.y(), line)
         self.setGeometry(QRect(corner.x(), corner.y(), width, height))
         self._index = backdrop.index
+        about = "Text of the note" if backdrop.shown.note else "Title of the backdrop"
+        self.setAccessibleName(about)
         self.setText(backdrop.title)
         self.selectAll()
         self.show()

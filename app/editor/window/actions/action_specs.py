@@ -101,6 +101,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
         "B",
         selection=False,
     ),
+    _edit("note", "Add No&te", "Put a note at the mouse", "N", selection=False),
     ActionSpec("find_node", "&Edit", "&Find Node…", "Find a node by its name", ("Ctrl+F",)),
     _edit("align_left", "Align Le&ft", "Left edges of the selected nodes in line", "Alt+Left"),
     _edit("align_right", "Align Ri&ght", "Right edges of the nodes in line", "Alt+Right"),

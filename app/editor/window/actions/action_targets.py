@@ -79,6 +79,7 @@ def targets(window: Window) -> dict[str, Target]:
         "add_module": canvas.open_search,
         "connect": canvas.connect_selected,
         "backdrop": edits.backdrop,
+        "note": edits.note,
         "find_node": canvas.find_node,
         **{f"align_{edge}": partial(edits.align, edge) for edge in EDGES},
         **{f"distribute_{way}": partial(edits.distribute, way) for way in WAYS},

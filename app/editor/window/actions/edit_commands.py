@@ -23,6 +23,7 @@ from core.editing.wiring.healing import deleted, dissolved
 from core.errors import ImagechainError
 
 _NEW_BACKDROP = (360.0, 200.0)  # where no node is selected
+_NEW_NOTE = (220.0, 90.0)
 
 
 class EditCommands(QObject):
@@ -123,6 +124,13 @@ class EditCommands(QObject):
             x, y = self._canvas.cursor_point()
             operation = add(session.network, Backdrop("Backdrop", x, y, *_NEW_BACKDROP))
         if session.do(operation):
+            self._canvas.edit_last_title()
+
+    def note(self) -> None:
+        """Put a note at the cursor; its text is typed."""
+        x, y = self._canvas.cursor_point()
+        operation = add(self._session.network, Backdrop("Note", x, y, *_NEW_NOTE, note=True))
+        if self._session.do(operation):
             self._canvas.edit_last_title()
 
     def arrange(self) -> None:

@@ -1,5 +1,7 @@
 """Backdrops stand behind nodes, take them along, and are resized and titled in their place."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
@@ -85,7 +87,7 @@ def test_a_title_is_drawn_where_it_is_dragged_by(grounded, canvas, zoom):
     (item,) = canvas.content.backdrops
     drawn = {}
     for title in ("Front end", ""):
-        item.title = title
+        item.show_backdrop(replace(item.shown, title=title))
         image = QImage(900, 400, QImage.Format.Format_ARGB32)
         image.fill(Qt.GlobalColor.white)
         painter = QPainter(image)

@@ -139,7 +139,8 @@ def test_menus_pop_up_for_what_is_under_the_pointer(opened, canvas, hand):
     canvas.set_menus([rename], [paste])
     hand.ask_for_menu(hand.head("blur"))
     assert canvas.menus.node_menu.isVisible()
-    assert canvas.menus.node_menu.actions() == [rename]
+    assert canvas.menus.node_menu.actions()[:-1] == [rename]
+    assert canvas.menus.node_menu.actions()[-1].text() == "Co&lour"
     assert session.selection == ("blur",)
     canvas.menus.node_menu.close()
     hand.ask_for_menu(hand.at(100, 250))
@@ -175,7 +176,7 @@ def test_a_backdrop_is_edited_and_deleted_from_its_menu(opened, canvas, hand):
     (item,) = canvas.content.backdrops
     head = canvas.view.pixel(item.head(canvas.view.zoom).center())
     hand.ask_for_menu(head)
-    edit, delete = canvas.menus.backdrop_menu.actions()
+    edit, delete, _ = canvas.menus.backdrop_menu.actions()
     canvas.menus.backdrop_menu.close()
     edit.trigger()
     assert canvas.title_editor.isVisible()
