@@ -14,8 +14,15 @@ Migration = Callable[[Document], Document]
 
 # Append only: the first entry turns version 1 into 2, and so on. An entry gets a document of which
 # only format and version have been checked, and leaves alone what is not as it expects.
-MIGRATIONS: tuple[Migration, ...] = ()
+MIGRATIONS: tuple[Migration, ...] = (
+    dict,  # 2: a parameter may have an expression in the place of its value
+)
 VERSION = 1 + len(MIGRATIONS)
+
+
+def least_version(network: Network) -> int:
+    """The oldest version that can hold the network, so that older readers open all they can."""
+    return 2 if any(node.linked for node in network.nodes.values()) else 1
 
 
 def migrate(

@@ -18,6 +18,8 @@ Library = Mapping[str, type[Module]]
 
 NODE_FIELDS = ("module", "params", "auto", "disabled", "final")
 NETWORK_FIELDS = ("format", "version", "name", "description", "seed", "nodes", "links", "layout")
+EXPRESSION = "expression"
+"""The field of a parameter that follows others, in the place of its value."""
 SEEDS = f"a whole number from 0 to {LARGEST_INTEGER}"
 
 
@@ -68,6 +70,15 @@ class Node(_Frozen):
         check_id(self.id)
         _check_extra(self.extra, NODE_FIELDS)
         _set(self, params=freeze(self.params), extra=freeze(self.extra))
+
+    @cached_property
+    def linked(self) -> tuple[str, ...]:
+        """The parameters that have an expression in the place of a value."""
+        return tuple(
+            name
+            for name, value in self.params.items()
+            if isinstance(value, Mapping) and EXPRESSION in value
+        )
 
 
 @dataclass(frozen=True, order=True)
@@ -237,8 +248,12 @@ class Network(_Frozen):
             If there is no such node.
         """
         self.node(node.id)
+        return self.with_nodes({**self.nodes, node.id: node})
+
+    def with_nodes(self, nodes: Mapping[str, Node]) -> Network:
+        """With other nodes of the same ids, in the same order; all else is taken over as it is."""
         changed = object.__new__(Network)
-        vars(changed).update(vars(self), nodes=MappingProxyType({**self.nodes, node.id: node}))
+        vars(changed).update(vars(self), nodes=MappingProxyType(dict(nodes)))
         return changed
 
     def with_seed(self, seed: int) -> Network:
