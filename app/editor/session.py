@@ -16,7 +16,8 @@ from core.editing.document import Document
 from core.editing.operation import Operation
 from core.errors import ImagechainError
 from core.modules.declaration import Declaration, declaration
-from core.network.network import Library, Network
+from core.network.linked_values import ResolvedNetwork, with_values
+from core.network.network import Library, Network, Node
 
 
 class Session(QObject):
@@ -53,6 +54,7 @@ class Session(QObject):
         self._document = Document(Network(), library=library)
         self._document.listen(self._changed)
         self._selection: tuple[str, ...] = ()
+        self._resolved = (self.network, ResolvedNetwork(self.network))
 
     @property
     def document(self) -> Document:
@@ -63,6 +65,20 @@ class Session(QObject):
     def network(self) -> Network:
         """The network as it stands."""
         return self._document.network
+
+    @property
+    def resolved(self) -> ResolvedNetwork:
+        """The network with values in the place of its expressions."""
+        of, resolved = self._resolved
+        if of is not self.network:
+            known = resolved.network.nodes.get
+            resolved = with_values(self.network, library=self.library, known=known)
+            self._resolved = (self.network, resolved)
+        return resolved
+
+    def valued(self, name: str) -> Node:
+        """The node with values in the place of its expressions."""
+        return self.resolved.network.nodes[name]
 
     @property
     def folder(self) -> Path:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Container, Mapping
+from collections.abc import Collection, Container, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
@@ -209,10 +209,21 @@ class Rename(Operation):
         return Together((back, *steps), self.text) if steps else back
 
 
-def removal(
-    network: Network, names: tuple[str, ...], *, library: Library, label: str = ""
+def keeping_values(
+    *, network: Network, names: Collection[str], taking: Operation, library: Library
 ) -> tuple[Operation, tuple[str, ...]]:
-    """What takes nodes out; parameters that follow them keep the value they have then.
+    """What takes nodes out, with the values of parameters that follow them put in first.
+
+    Parameters
+    ----------
+    network : Network
+        Before.
+    names : collection of str
+        The nodes.
+    taking : Operation
+        What takes them out.
+    library : mapping
+        Modules by key.
 
     Returns
     -------
@@ -221,7 +232,6 @@ def removal(
     kept : tuple of str
         ``NODE.PARAMETER = value`` of those that follow nothing any more.
     """
-    taking = Remove(names, label)
     places = [place for place in naming(network, names) if place[0] not in names]
     if not places:
         return taking, ()

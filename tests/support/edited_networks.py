@@ -14,7 +14,7 @@ from core.editing.layout.arrange import arranged
 from core.editing.layout.room import made_way
 from core.editing.links import Rewire
 from core.editing.moved_folder import rebased
-from core.editing.nodes import Add, Move, Placed, Remove, Rename, removal
+from core.editing.nodes import Add, Move, Placed, Remove, Rename, keeping_values
 from core.editing.operation import ABSENT, Operation, Together, together
 from core.editing.output_mark import SetOutput
 from core.editing.wiring.continuing import continued
@@ -244,7 +244,9 @@ def _expression(e: Editor) -> Operation | None:
 def _remove_leaders(e: Editor) -> Operation | None:
     if not e.network.nodes:
         return None
-    return removal(e.network, tuple(e.some()), library=e.library)[0]
+    names = e.some()
+    taking = deleted(e.network, e.library, names)
+    return keeping_values(network=e.network, names=names, taking=taking, library=e.library)[0]
 
 
 def _switch(e: Editor) -> Operation | None:

@@ -16,7 +16,9 @@ from app.editor.widgets.colours import set_ink
 from core.editing.fields import set_parameter
 from core.editing.operation import ABSENT
 from core.modules.declaration import Declaration
-from core.network.network import Network
+from core.names import thaw
+from core.network.linked_values import LinkError, with_values
+from core.network.network import Network, Node
 
 
 class ModuleBody(QWidget):
@@ -28,10 +30,13 @@ class ModuleBody(QWidget):
         Show that output in the viewer of that number.
     trade_off_requested(node, parameter)
         Show figures of merit as it moves.
+    held(parameter, on)
+        The mouse holds a control of that parameter: nothing may move.
     """
 
     view_requested = Signal(str, str, int)
     trade_off_requested = Signal(str, str)
+    held = Signal(str, bool)
 
     def __init__(
         self,
@@ -60,6 +65,11 @@ class ModuleBody(QWidget):
         self.sections.reset_wanted.connect(self._reset)
         self.sections.gesture_ended.connect(session.end_gesture)
         self.sections.trade_off_wanted.connect(self._trade_off)
+        self.sections.unlink_wanted.connect(self._unlink)
+        self.sections.held.connect(self.held)
+        for field in self.sections.fields:
+            field.link_fault = self._link_fault
+        self._valued: Node | None = None
         self._column.addWidget(self.sections)
         self.readouts = ReadoutsView(declaration, node, evaluator, theme, self)
         if declaration.readouts:
@@ -73,9 +83,14 @@ class ModuleBody(QWidget):
 
     def follow(self, before: Network | None, after: Network) -> None:
         """Show the node as it is now, where it was changed."""
-        node = after.nodes[self._node]
-        if before is None or before.nodes.get(self._node) is not node:
-            self.sections.follow(node)
+        node, valued = after.nodes[self._node], self._session.valued(self._node)
+        faults = {
+            fault.parameter: fault for fault in self._session.resolved.faults.get(self._node, ())
+        }
+        changed = before is None or before.nodes.get(self._node) is not node
+        if changed or valued is not self._valued or faults:
+            self.sections.follow(node, valued.params, faults)
+        self._valued = valued
         if before is None or before.links != after.links:
             self.ports.follow(after)
 
@@ -103,6 +118,19 @@ class ModuleBody(QWidget):
     def _edit(self, name: str, value: object, gesture: object) -> None:
         if self._node in self._session.network.nodes:
             self._session.do(set_parameter(self._node, name, value), gesture=gesture)
+
+    def _link_fault(self, name: str, raw: object) -> LinkError | None:
+        """Why a parameter cannot follow that; None where it can."""
+        session = self._session
+        trial = session.network.with_parameter(self._node, name, raw)
+        faults = with_values(trial, library=session.library).faults.get(self._node, ())
+        return next((fault for fault in faults if fault.parameter == name), None)
+
+    def _unlink(self, name: str) -> None:
+        if self._node in self._session.network.nodes:
+            value = thaw(self._session.valued(self._node).params[name])
+            label = f"Unlink {self._node}.{name}"
+            self._session.do(set_parameter(self._node, name, value, label))
 
     def _trade_off(self, name: str) -> None:
         self.trade_off_requested.emit(self._node, name)

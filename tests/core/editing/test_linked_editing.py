@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
 from core.editing.fields import set_parameter
-from core.editing.nodes import Remove, Rename, removal
+from core.editing.nodes import Remove, Rename, keeping_values
 from core.errors import NetworkError
 from core.expressions.grammar import quoted
 from core.network.file import format_network, parse_network
@@ -85,9 +85,13 @@ def test_a_name_too_long_for_an_expression_is_refused(kodak, library):
     assert document.text() == before
 
 
+def taken_out(network, names, library):
+    return keeping_values(network=network, names=names, taking=Remove(names), library=library)
+
+
 def test_deleting_what_is_followed_leaves_the_value(kodak, library):
     network = linked(kodak)
-    operation, kept = removal(network, ("init",), library=library)
+    operation, kept = taken_out(network, ("init",), library)
     assert kept == ("aberration.sigma_x_mrad = 0.004",)
     after = done_and_undone(network, operation, library)
     assert after.nodes["aberration"].params["sigma_x_mrad"] == 0.004
@@ -97,8 +101,8 @@ def test_deleting_what_is_followed_leaves_the_value(kodak, library):
 
 
 def test_deleting_what_nobody_follows_is_as_ever(kodak, library):
-    assert removal(kodak, ("init",), library=library) == (Remove(("init",)), ())
-    both, kept = removal(linked(kodak), ("init", "aberration"), library=library)
+    assert taken_out(kodak, ("init",), library) == (Remove(("init",)), ())
+    both, kept = taken_out(linked(kodak), ("init", "aberration"), library)
     assert (both, kept) == (Remove(("init", "aberration")), ())
 
 

@@ -96,7 +96,7 @@ class RegionTool(QObject):
             return
         declared = self._session.declared(self._node)
         assert declared is not None
-        region, fits = region_of(declared, self._session.network.nodes[self._node], size)
+        region, fits = region_of(declared, self._session.valued(self._node), size)
         self._overlay.show(region, fits, size, extent(self._picture.facts), self._node)
         self._describe(f"region of {self._node}: {region.description()}")
 
