@@ -71,14 +71,15 @@ class ModuleBody(QWidget):
             field.link_fault = self._link_fault
         self._valued: Node | None = None
         self._column.addWidget(self.sections)
-        self.readouts = ReadoutsView(declaration, node, evaluator, theme, self)
+        self.readouts = ReadoutsView(declaration, node, evaluator, session, theme, self)
         if declaration.readouts:
-            self._titled("Read-outs", self.readouts)
+            self._titled(self.readouts.title, self.readouts)
         else:
             self.readouts.hide()
+            self.readouts.title.hide()
         self.ports = PortsView(declaration, node, theme, self)
         self.ports.view_requested.connect(self.view_requested)
-        self._titled("Ports", self.ports)
+        self._titled(QLabel("Ports", self), self.ports)
         self.set_theme(theme)
 
     def follow(self, before: Network | None, after: Network) -> None:
@@ -94,6 +95,10 @@ class ModuleBody(QWidget):
         if before is None or before.links != after.links:
             self.ports.follow(after)
 
+    def set_held_back(self, on: bool) -> None:
+        """Whether the node stays as it was until all is generated."""
+        self.readouts.set_held_back(on)
+
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
         for title in self._rules:
@@ -103,11 +108,10 @@ class ModuleBody(QWidget):
             if draw is not None:
                 draw(theme)
 
-    def _titled(self, text: str, widget: QWidget) -> None:
+    def _titled(self, title: QLabel, widget: QWidget) -> None:
         line = QFrame(self)
         line.setFrameShape(QFrame.Shape.HLine)
         line.setFrameShadow(QFrame.Shadow.Sunken)
-        title = QLabel(text, self)
         font = title.font()
         font.setBold(True)
         title.setFont(font)

@@ -129,6 +129,8 @@ class NodePanel(QFrame):
     def set_badge(self, badge: Badge | None) -> None:
         """Show what is wrong with the node, or special about it."""
         self.head.set_badge(badge)
+        if isinstance(self.body, ModuleBody) and (badge is None or badge.kind != "running"):
+            self.body.set_held_back(badge is not None and badge.kind == "stale")
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
