@@ -16,7 +16,7 @@ from core.editing.document import Document
 from core.editing.operation import Operation
 from core.errors import ImagechainError
 from core.modules.declaration import Declaration, declaration
-from core.network.linked_values import ResolvedNetwork, with_values
+from core.network.linked_values import ResolvedNetwork, expression_text, with_values
 from core.network.network import Library, Network, Node
 
 
@@ -79,6 +79,15 @@ class Session(QObject):
     def valued(self, name: str) -> Node:
         """The node with values in the place of its expressions."""
         return self.resolved.network.nodes[name]
+
+    def follows(self, name: str, parameters: Iterable[str]) -> str:
+        """Which of a node's parameters follows others, so that no drag may set it; or empty."""
+        node = self.network.nodes[name]
+        for parameter in parameters:
+            if parameter in node.linked:
+                text = expression_text(node.params[parameter])
+                return f"{name}.{parameter} follows {text}: unlink it in its panel first"
+        return ""
 
     @property
     def folder(self) -> Path:

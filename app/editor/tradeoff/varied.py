@@ -83,6 +83,9 @@ class Varied:
             return
         if plain_value is None or plain_value == self.present:
             return
+        if why := self._session.follows(self.node, (self.name,)):
+            self._refuse(why)
+            return
         if self._gesture is None:
             self._gesture = object()
         self._session.do(set_parameter(self.node, self.name, plain_value), gesture=self._gesture)

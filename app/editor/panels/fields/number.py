@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu
 
 from app.editor.declared_text import about, placeholder_of, shown_value, tip
@@ -66,6 +67,7 @@ class NumberField(TypedField):
         self.label.released.connect(self._end)
         self._gesture: object | None = None
         self._part = 0.0
+        self._shows_link: bool | None = None
 
     def show_value(self, value: Any) -> None:
         """Show a number, all of it; or the expression it follows, and its value beside."""
@@ -115,6 +117,9 @@ class NumberField(TypedField):
 
     def _show_link(self) -> None:
         link = self.link
+        if link is None and self._shows_link is False:
+            return  # as with each move of a slider
+        self._shows_link = link is not None
         self.edit.show_link(link is not None, self.theme.changed)
         self.slider.setEnabled(link is None)
         self.label.set_drags(link is None)
@@ -130,6 +135,11 @@ class NumberField(TypedField):
         self.linked_value.setAccessibleName(f"value of {self.title}")
         self.edit.setToolTip(tip(f"Linked: = {link.text}\nValue: {value}\n{_UNLINK}"))
         self.slider.setToolTip(tip(f"It follows {link.text}\n{_UNLINK}"))
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Nothing is held any more."""
+        super().hideEvent(event)
+        self._end()
 
     def _begin_link(self) -> None:
         self.edit.setFocus(Qt.FocusReason.OtherFocusReason)
