@@ -283,10 +283,11 @@ class TypedField(Field):
     """A field that a value is typed in."""
 
     edit: TypeIn
+    line: type[TypeIn] = TypeIn
 
     def build_edit(self, *, characters: int = 8, steps: bool = False) -> TypeIn:
         """Make the line."""
-        self.edit = TypeIn(self, characters=characters, steps=steps)
+        self.edit = self.line(self, characters=characters, steps=steps)
         self.named(self.edit)
         self.edit.committed.connect(self.take)
         self.edit.given_up.connect(self.restore)

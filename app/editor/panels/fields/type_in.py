@@ -168,7 +168,7 @@ class TypeIn(QLineEdit):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw a frame over Qt's own: of what was refused, and one that is seen on dark grounds."""
-        super().paintEvent(event)
+        self.draw_line(event)
         painter = QPainter(self)
         if self._marked:
             painter.setPen(QPen(self._mark_colour, 2))
@@ -179,6 +179,10 @@ class TypeIn(QLineEdit):
         if self._is_linked:
             self._paint_rings(painter)
         painter.end()
+
+    def draw_line(self, event: QPaintEvent) -> None:
+        """Draw the line as Qt does."""
+        super().paintEvent(event)
 
     def _paint_rings(self, painter: QPainter) -> None:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
