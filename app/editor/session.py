@@ -36,7 +36,7 @@ class Session(QObject):
     shares_answered
         Another computer may be read from, or may not.
     message(kind, text)
-        A line for the person; kind is "note" or "error".
+        A line for the person; kind is "note", "error", or "advice": a note on what is selected.
     """
 
     opened = Signal()

@@ -138,6 +138,7 @@ class MainWindow(QMainWindow):
 
     def show_welcome(self) -> None:
         """Show the first page."""
+        self.status.forget()
         self.welcome.show_lists(self.settings.recent, self.recovery.unsaved_work())
         self.pages.setCurrentWidget(self.welcome)
         self.curtain.close()
@@ -293,13 +294,13 @@ class MainWindow(QMainWindow):
 
     def _opened(self) -> None:
         self.viewers.forget_pictures()
-        self.status.forget_error()
+        self.status.forget()
         self._first_look_due = True
         # Once the canvas has its place: it may not have been shown yet.
         QTimer.singleShot(0, self.canvas.frame_all)
 
     def _changed(self, *_: object) -> None:
-        self.status.forget_error()
+        self.status.forget()
         if self.pages.currentWidget() is self.welcome:
             self.show_canvas()
 
@@ -333,6 +334,7 @@ class MainWindow(QMainWindow):
 
     def _follow_selection(self, names: tuple[str, ...]) -> None:
         self.actions_by_name.follow_selection(bool(names))
+        self.status.forget_advice()
 
     def _activated(self, name: str) -> None:
         self.session.select([name])
