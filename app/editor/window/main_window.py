@@ -108,7 +108,10 @@ class MainWindow(QMainWindow):
         self.set_theme(self.theme)
         self.resize(first_size(self.screen().availableSize()))
         if remembered:
-            self._docks_remembered = settings.restore_window(self)
+            with self.layout_in_use.placing():
+                self._docks_remembered = settings.restore_window(self)
+            if self._docks_remembered and self.layout_in_use.restore(settings.layout):
+                self._docks_remembered = False  # the layout sizes them
         self.show_welcome()
         self._follow_state()
 
@@ -148,7 +151,8 @@ class MainWindow(QMainWindow):
         if self.pages.currentWidget() is self.welcome:
             self._second_click.drop()
         self.pages.setCurrentWidget(self._work_page)
-        self.curtain.open()
+        with self.layout_in_use.placing():
+            self.curtain.open()
         if not self._docks_sized:
             self._docks_sized = True
             (self.layout_in_use.keep if self._docks_remembered else self.layout_in_use.begin)()
@@ -158,7 +162,8 @@ class MainWindow(QMainWindow):
         """Place the docks by a named layout; beside the first page they stay hidden until later."""
         covered = self.pages.currentWidget() is self.welcome
         self.full_screen.leave()
-        self.curtain.open()
+        with self.layout_in_use.placing():
+            self.curtain.open()
         self.layout_in_use.choose(name)
         if covered:
             self.curtain.close()
@@ -208,7 +213,7 @@ class MainWindow(QMainWindow):
         self.full_screen.close()
         self.curtain.open()
         if self._remembered:
-            self.settings.remember_window(self)
+            self.settings.remember_window(self, self.layout_in_use.state())
         # Dialogs, docks that float: the process goes on while one is shown.
         for other in self.findChildren(QWidget):
             if other.isWindow():

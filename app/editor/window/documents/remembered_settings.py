@@ -52,9 +52,16 @@ class Settings:
         others = [str(other) for other in self.recent if str(other) != text]
         self._stored.setValue("recent", [text, *others][:MOST_RECENT])
 
-    def remember_window(self, window: QMainWindow) -> None:
-        """Store size, place and docks of a window, in the file at once."""
+    @property
+    def layout(self) -> str:
+        """What the window's layout gave to be remembered; empty where nothing is."""
+        stored = self._stored.value("layout", "")
+        return stored if isinstance(stored, str) else ""
+
+    def remember_window(self, window: QMainWindow, layout: str) -> None:
+        """Store size, place, docks and layout of a window, in the file at once."""
         self._stored.setValue("geometry", window.saveGeometry())
+        self._stored.setValue("layout", layout)
         self._stored.setValue("docks", window.saveState(_DOCKS_VERSION))
         self._stored.sync()
 
