@@ -36,6 +36,7 @@ from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.documents.share_question import ShareQuestion
 from app.editor.window.documents.welcome import WelcomePage
 from app.editor.window.status import StatusBar
+from app.editor.window.tour.first_tour import FirstTour
 from core.errors import ImagechainError
 from core.modules.library_type import Library
 
@@ -79,6 +80,16 @@ class MainWindow(QMainWindow):
         self.drops = Drops(self.session, self.files, self.canvas, self)
         self.layout_in_use = WindowLayout(self, self._docks)
         self.full_screen = FullScreen(self.viewers, self.session, self)
+        self.tour = FirstTour(
+            self.session,
+            self.files,
+            settings,
+            self.viewers,
+            self,
+            {"library": self.library_dock, "canvas": self.canvas, "panels": self.panel_dock},
+            self.show_welcome,
+            self.canvas.frame_all,
+        )
         self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
         self.curtain = Curtain(self)
         self.viewers.set_picture_actions(
@@ -172,7 +183,10 @@ class MainWindow(QMainWindow):
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""
         viewers = [*self.viewers.images.values(), self.viewers.plot, self.viewers.tradeoff]
-        go_to_next([self.welcome, self.canvas, self.library_view, self.panels, *viewers], step)
+        card = self.tour.card
+        go_to_next(
+            [self.welcome, self.canvas, card, self.library_view, self.panels, *viewers], step
+        )
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Close, unless work would be lost: then ask first, and change nothing until answered."""
@@ -210,8 +224,10 @@ class MainWindow(QMainWindow):
         if self._ended:
             return
         self._ended = True
+        self.tour.close()
         self.full_screen.close()
-        self.curtain.open()
+        with self.layout_in_use.placing():
+            self.curtain.open()
         if self._remembered:
             self.settings.remember_window(self, self.layout_in_use.state())
         # Dialogs, docks that float: the process goes on while one is shown.
@@ -361,6 +377,11 @@ class MainWindow(QMainWindow):
         """Compute all afresh, with what is still being typed."""
         self.panels.finish_typing()
         self.evaluator.generate()
+
+    def cancel(self) -> None:
+        """Stop the computation, and leave the tour."""
+        self.evaluator.cancel()
+        self.tour.leave()
 
     def _warn(self, text: str) -> None:
         self.status.report("error", text)

@@ -17,6 +17,7 @@ from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.layouts import DEFAULT, LayoutName
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.files import Files
+from app.editor.window.tour.first_tour import FirstTour
 from core.editing.layout.align import EDGES, WAYS
 
 Target = Callable[[], object]
@@ -34,6 +35,7 @@ class Window(Protocol):
     viewers: ViewerDocks
     evaluator: Evaluator
     full_screen: FullScreen
+    tour: FirstTour
 
     def show_welcome(self) -> None:
         """Show the first page."""
@@ -52,6 +54,9 @@ class Window(Protocol):
 
     def generate(self) -> None:
         """Compute what is held back."""
+
+    def cancel(self) -> None:
+        """Stop what runs: the computation, the tour."""
 
 
 def targets(window: Window) -> dict[str, Target]:
@@ -99,9 +104,10 @@ def targets(window: Window) -> dict[str, Target]:
         "previous_part": partial(window.go_to_part, -1),
         "light": window.toggle_light,
         "generate": window.generate,
-        "cancel": window.evaluator.cancel,
+        "cancel": window.cancel,
         "shortcuts": window.help.shortcuts,
         "module_help": window.help.module,
+        "first_tour": window.tour.begin,
         "about": window.help.about,
     }
     for number in VIEWERS:

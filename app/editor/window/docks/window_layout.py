@@ -45,6 +45,9 @@ class WindowLayout(QObject):
         self._shown = self._placing = False
         self._pressed: Sizes | None = None
         self._followed: set[str] = set()
+        self._soon = QTimer(self)
+        self._soon.setSingleShot(True)
+        self._soon.timeout.connect(self.keep)
         window.installEventFilter(self)
 
     def choose(self, name: LayoutName) -> None:
@@ -138,7 +141,7 @@ class WindowLayout(QObject):
     def _moved(self, *_: object) -> None:
         """A dock has another place: the shares are those of a while later, once all are laid."""
         if self._shown and not self._placing:
-            QTimer.singleShot(0, self.keep)
+            self._soon.start(0)
 
     def _size(self) -> None:
         if not self._shares:

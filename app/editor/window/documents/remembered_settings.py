@@ -20,10 +20,16 @@ class Settings:
     ----------
     path : Path, optional
         The file; None for the usual place.
+
+    Attributes
+    ----------
+    first : bool
+        Whether there was no file: the program is started for the first time.
     """
 
     def __init__(self, path: Path | None = None) -> None:
         self.path = path or _config_folder() / "editor.ini"
+        self.first = not self.path.exists()
         self._stored = QSettings(str(self.path), QSettings.Format.IniFormat)
 
     @property
@@ -35,6 +41,16 @@ class Settings:
     @look.setter
     def look(self, look: Look) -> None:
         self._stored.setValue("look", look)
+
+    @property
+    def toured(self) -> bool:
+        """Whether the first tour has been begun."""
+        return str(self._stored.value("toured", "")).lower() == "true"
+
+    @toured.setter
+    def toured(self, toured: bool) -> None:
+        self._stored.setValue("toured", toured)
+        self._stored.sync()
 
     @property
     def recent(self) -> tuple[Path, ...]:
