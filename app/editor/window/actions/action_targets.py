@@ -10,6 +10,7 @@ from app.editor.canvas.canvas import Canvas
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.panel_area import PanelArea
 from app.editor.session import Session
+from app.editor.widgets.triggered import without_argument
 from app.editor.window.actions.action_specs import VIEWERS
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.help import Help
@@ -112,12 +113,7 @@ def targets(window: Window) -> dict[str, Target]:
     }
     for number in VIEWERS:
         by_name[f"view_{number}"] = partial(_view, window, number)
-    return {name: partial(_without_argument, target) for name, target in by_name.items()}
-
-
-def _without_argument(target: Callable[..., object], *_: object) -> None:
-    """Call it without the action's argument, whether it is checked."""
-    target()
+    return {name: partial(without_argument, target) for name, target in by_name.items()}
 
 
 def _view(window: Window, number: int) -> None:
