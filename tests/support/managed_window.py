@@ -86,8 +86,9 @@ class Managed:
         wait_until(lambda: self.window.findChild(FullScreenPage) is not None, "F11 shows a page")
         page = self.window.findChild(FullScreenPage)
         wait_until(page.isActiveWindow, "the page has the focus")
-        whole = self.screen.geometry().size()
-        wait_until(lambda: page.size() == whole, "the page has the screen")
+        whole = self.screen.geometry()
+        # The window manager takes the frame off when it gets to it.
+        wait_until(lambda: page.frameGeometry() == whole, "the page has the bare screen")
         process_events(0.3)
         self.measured["page"] = {
             "frame": page.frameGeometry().getRect(),
