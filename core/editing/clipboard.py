@@ -16,7 +16,7 @@ from core.errors import NetworkError
 from core.names import shown
 from core.network.file import format_network
 from core.network.json_reading import read_json
-from core.network.network import Library, Link, Network
+from core.network.network import Library, Link, Network, Node
 from core.network.parsing import FORMAT, parse_network
 
 NODES_FORMAT = "imagechain-nodes"
@@ -129,6 +129,14 @@ def _read(text: str, library: Library) -> Network:
     return part
 
 
+def _as_new(node: Node) -> Node:
+    """The node, and those inside of it, neither the output nor with another's noise."""
+    if node.macro is not None:
+        nodes = {name: _as_new(inner) for name, inner in node.macro.nodes.items()}
+        node = replace(node, macro=replace(node.macro, nodes=nodes))
+    return replace(node, final=False, noise="")
+
+
 def _points(part: Network) -> dict[str, Point]:
     """Points of the copied nodes; laid out anew where not all have one."""
     points = {name: part.layout[name] for name in part.nodes if name in part.layout}
@@ -165,7 +173,7 @@ def _adding(
         fresh[name] = fresh_name(name, taken)
         taken.add(fresh[name])
     placed = tuple(
-        Placed(replace(node, id=fresh[name], final=False), points.get(name))
+        Placed(replace(_as_new(node), id=fresh[name]), points.get(name))
         for name, node in part.nodes.items()
     )
     links = [

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 from core.editing.fields import set_network_field
 from core.editing.links import Rewire, displaced
 from core.editing.operation import ABSENT, Operation, Together, named
-from core.editing.references import dropped, renamed
+from core.editing.references import dropped, of_nodes, renamed
 from core.errors import NetworkError
 from core.names import shown, thaw
 from core.network.network import Link, Network, Node
@@ -70,7 +70,8 @@ class Add(Operation):
         names = tuple(placed.node.id for placed in self.placed)
         before = displaced(network, self.links)
         # Taking nodes out takes what mentions them along, be it from before they came.
-        left = dropped({**network.extra, **self.extra}, set(names))
+        every = of_nodes(names, {placed.node.id: placed.node for placed in self.placed})
+        left = dropped({**network.extra, **self.extra}, every)
         steps = _back_to(network.extra, left)
         others = [link for link in self.links if not {link.source, link.target} & set(names)]
         own = [link for link in others if link not in network.links]
@@ -101,7 +102,7 @@ class Remove(Operation):
             nodes={name: node for name, node in network.nodes.items() if name not in gone},
             links=tuple(link for link in network.links if not {link.source, link.target} & gone),
             layout={name: at for name, at in network.layout.items() if name not in gone},
-            extra=dropped(network.extra, gone),
+            extra=dropped(network.extra, of_nodes(gone, network.nodes)),
         )
 
     def inverse(self, network: Network) -> Operation:
@@ -113,7 +114,8 @@ class Remove(Operation):
             if name in gone
         )
         links = tuple(link for link in network.links if {link.source, link.target} & gone)
-        fields, left = thaw(network.extra), thaw(dropped(network.extra, gone))
+        every = of_nodes(gone, network.nodes)
+        fields, left = thaw(network.extra), thaw(dropped(network.extra, every))
         extra = {name: value for name, value in fields.items() if left.get(name, ABSENT) != value}
         return Add(placed, links, self.text, extra)
 
@@ -174,6 +176,9 @@ class Rename(Operation):
         def name_of(name: str) -> str:
             return self.new if name == self.old else name
 
+        extra: Mapping[str, Any] = network.extra
+        for old, new in self.moved(network).items():
+            extra = renamed(extra, old, new)
         return replace(
             network,
             nodes={
@@ -185,8 +190,13 @@ class Rename(Operation):
                 for link in network.links
             ),
             layout={name_of(name): at for name, at in network.layout.items()},
-            extra=renamed(network.extra, self.old, self.new),
+            extra=extra,
         )
+
+    def moved(self, network: Network) -> dict[str, str]:
+        """The node's name, and those of nodes inside of it."""
+        names = of_nodes([self.old], network.nodes)
+        return {name: self.new + name.removeprefix(self.old) for name in names}
 
     def inverse(self, network: Network) -> Operation:
         """Give it back its name."""
