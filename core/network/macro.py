@@ -21,7 +21,6 @@ DEEPEST = 8
 """So many macros may lie one inside the other."""
 
 GROUP = "Macros"
-TITLE = "Macro"
 
 
 def face_of_macro(body: Network) -> Interface:
@@ -118,12 +117,12 @@ def depth(network: Network) -> int:
 def declared_node(node: Node, library: Library) -> Declaration | None:
     """What a node's module declares, or a macro shows of its inside; None of an unknown module."""
     if node.macro is not None:
-        return _declared_macro(node.macro, library)
+        return _declared_macro(node, node.macro, library)
     module = library.get(node.module)
     return declaration(module) if module is not None else None
 
 
-def _declared_macro(body: Network, library: Library) -> Declaration:
+def _declared_macro(node: Node, body: Network, library: Library) -> Declaration:
     face = face_of_macro(body)
     inner = {
         name: declared_node(body.nodes[name], library)
@@ -149,7 +148,7 @@ def _declared_macro(body: Network, library: Library) -> Declaration:
     text = body.description or f"{len(body.nodes)} modules in one node."
     return Declaration(
         key=MACRO,
-        title=body.name or TITLE,
+        title=body.name or node.id.rpartition(SEPARATOR)[2],
         group=GROUP,
         version=1,
         summary=text.split("\n\n")[0].replace("\n", " "),

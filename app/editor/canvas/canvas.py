@@ -30,6 +30,7 @@ from app.editor.canvas.view.choice_popup import ChoicePopup
 from app.editor.canvas.view.minimap import Minimap
 from app.editor.canvas.view.title_editor import TitleEditor
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.level import Level
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.editing.backdrops import backdrops_of, change, remove
@@ -41,8 +42,8 @@ class Canvas(QWidget):
 
     Parameters
     ----------
-    session : Session
-        The open document.
+    session : Session or Level
+        The open document, or what of it is to be shown.
     theme : Theme
         The colours.
     parent : QWidget, optional
@@ -59,7 +60,9 @@ class Canvas(QWidget):
     activated = Signal(str)
     files_dropped = Signal(list, QPointF)
 
-    def __init__(self, session: Session, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, session: Session | Level, theme: Theme, parent: QWidget | None = None
+    ) -> None:
         super().__init__(parent)
         self.setObjectName("canvas")
         self.setAccessibleName("Canvas")

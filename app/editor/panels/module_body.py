@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QFrame, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QLabel, QMenu, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.illustrations import illustration_for
+from app.editor.panels.macro_menu import add_macro_actions
 from app.editor.panels.ports_section import PortsView
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
@@ -60,6 +61,7 @@ class ModuleBody(QWidget):
         self.sections.reset_wanted.connect(self._reset)
         self.sections.gesture_ended.connect(session.end_gesture)
         self.sections.trade_off_wanted.connect(self._trade_off)
+        self.sections.menu_opening.connect(self._add_to_menu)
         self._column.addWidget(self.sections)
         self.readouts = ReadoutsView(declaration, node, evaluator, theme, self)
         if declaration.readouts:
@@ -103,6 +105,10 @@ class ModuleBody(QWidget):
     def _edit(self, name: str, value: object, gesture: object) -> None:
         if self._node in self._session.network.nodes:
             self._session.do(set_parameter(self._node, name, value), gesture=gesture)
+
+    def _add_to_menu(self, name: str, menu: QMenu) -> None:
+        if self._node in self._session.network.nodes:
+            add_macro_actions(menu, self._session, self._node, name)
 
     def _trade_off(self, name: str) -> None:
         self.trade_off_requested.emit(self._node, name)

@@ -18,6 +18,7 @@ from core.editing.nodes import Rename
 from core.editing.operation import ABSENT, Operation
 from core.editing.output_mark import has_picture, output_toggled
 from core.errors import ImagechainError
+from core.network.macro import SEPARATOR
 from core.network.network import Network
 
 
@@ -66,9 +67,10 @@ class NodePanel(QFrame):
         self.setObjectName(f"panel.{node}")
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self.node = node
+        self._local_name = session.local_name(node)
         self.module = session.network.nodes[node].module
         self._session = session
-        declared = session.declared(node)
+        declared = self.declared = session.declared(node)
         title, group, text = (
             (declared.title, declared.group, declared.text)
             if declared is not None
@@ -119,7 +121,10 @@ class NodePanel(QFrame):
         """Show the node as it is now, where it was changed."""
         if before is None or before.nodes.get(self.node) is not after.nodes[self.node]:
             self.head.follow(after.nodes[self.node])
-        self.head.output.setChecked(self.node in after.output_nodes)
+            self.head.name.show_text(self._local_name)
+        marked = after.output_nodes
+        inside = f"{self.node}{SEPARATOR}"
+        self.head.output.setChecked(any(n == self.node or n.startswith(inside) for n in marked))
         self.body.follow(before, after)
 
     def set_badge(self, badge: Badge | None) -> None:
@@ -158,19 +163,19 @@ class NodePanel(QFrame):
 
     def _rename(self, text: str) -> None:
         node = self._session.network.nodes.get(self.node)
-        if node is None or text == self.node:
+        if node is None or text == self._local_name:
             self._show_name()
             return
         operation = Rename(self.node, text)
         try:
-            operation.apply(self._session.network)
+            self._session.check(operation)
         except ImagechainError as error:
             self.head.show_name_error(error.message)
             return
         self._session.do(operation)
 
     def _show_name(self) -> None:
-        self.head.name.show_text(self.node)
+        self.head.name.show_text(self._local_name)
         self.head.show_name_error("")
 
     def _set_auto(self) -> None:

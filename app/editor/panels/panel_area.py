@@ -12,7 +12,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
 from app.editor.panels.network_panel import NetworkPanel
 from app.editor.panels.node_panel import NodePanel
-from app.editor.session import Session, renamed_node
+from app.editor.session import Session, followed_name, renamed_node
 from app.editor.theme import Theme
 from core.editing.fields import set_node_field
 from core.editing.operation import ABSENT
@@ -124,15 +124,16 @@ class PanelArea(QScrollArea):
     def _changed(self, before: Any, after: Any) -> None:
         self.network_panel.follow(after)
         selection = self._session.selection
-        old, new = renamed_node(before, after) or ("", "")
-        selection = tuple(new if name == old else name for name in selection)
+        renamed = renamed_node(before, after)
+        old, new = renamed or ("", "")
+        selection = tuple(followed_name(name, renamed) for name in selection)
         selection = tuple(name for name in selection if name in after.nodes)
         successor = self.panels.get(old)
         typing = successor is not None and successor.head.name.hasFocus()
         folded = successor is not None and successor.folded
         for name, panel in tuple(self.panels.items()):
             node = after.nodes.get(name)
-            if node is None or node.module != panel.module:
+            if node is None or node.module != panel.module or self._shows_other(name, panel):
                 self._drop(name)
             else:
                 panel.follow(before, after)
@@ -141,6 +142,11 @@ class PanelArea(QScrollArea):
             self.panels[new].folded = folded
             if typing:
                 self.panels[new].head.name.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def _shows_other(self, name: str, panel: NodePanel) -> bool:
+        """Whether a macro shows other ports or parameters than its panel."""
+        macro = self._session.network.nodes[name].macro
+        return macro is not None and self._session.declared(name) != panel.declared
 
     def _selected(self, names: tuple[str, ...]) -> None:
         for name in self._unwanted(names):

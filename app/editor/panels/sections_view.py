@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QMenu, QVBoxLayout, QWidget
 
 from app.editor.panels.fields.choice import ButtonsField
 from app.editor.panels.fields.field import Field
@@ -25,13 +25,14 @@ class SectionsView(QWidget):
     """Fields for all parameters of a module.
 
     Signals are those of the fields: `edited`, `reset_wanted`, `gesture_ended`,
-    `trade_off_wanted`.
+    `trade_off_wanted`, `menu_opening`.
     """
 
     edited = Signal(str, object, object)
     reset_wanted = Signal(str)
     gesture_ended = Signal()
     trade_off_wanted = Signal(str)
+    menu_opening = Signal(str, QMenu)
 
     def __init__(
         self,
@@ -132,6 +133,7 @@ class SectionsView(QWidget):
             field.reset_wanted.connect(self.reset_wanted)
             field.gesture_ended.connect(self.gesture_ended)
             field.trade_off_wanted.connect(self.trade_off_wanted)
+            field.menu_opening.connect(self.menu_opening)
             self.fields.append(field)
             inside.addWidget(field)
         return box

@@ -10,7 +10,9 @@ from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
 from app.editor.canvas.canvas import Canvas
+from app.editor.canvas.crumbs import Crumbs
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.level import Level
 from app.editor.library.library_view import LibraryView
 from app.editor.panels.panel_area import PanelArea
 from app.editor.recovery.autosaving import Autosaver
@@ -64,6 +66,7 @@ class MainWindow(QMainWindow):
         self.setObjectName("window")
         self.settings = settings
         self.session = Session(library, self)
+        self.level = Level(self.session, self)
         self.theme: Theme = THEMES[settings.look]
         self.evaluator = Evaluator(self.session, parent=self)
         self._remembered = remembered
@@ -73,10 +76,10 @@ class MainWindow(QMainWindow):
         self._build(library)
         self.canvas.show_thumbnails(self.evaluator)
         self.files = Files(self.session, settings, self)
-        self.edits = EditCommands(self.session, self.canvas, self)
+        self.edits = EditCommands(self.level, self.canvas, self)
         self.help = Help(self.session, self.viewers, lambda: self.actions_by_name, self)
         self.share_question = ShareQuestion(self.session, self)
-        self.drops = Drops(self.session, self.files, self.canvas, self)
+        self.drops = Drops(self.level, self.files, self.canvas, self)
         self.layout_in_use = WindowLayout(self, self._docks)
         self.full_screen = FullScreen(self.viewers, self.session, self)
         self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
@@ -94,7 +97,7 @@ class MainWindow(QMainWindow):
                 self.actions_by_name[name]
                 for name in (
                     *("rename", "disable", "mark_output"),
-                    *("duplicate", "copy", "cut", "delete", "connect"),
+                    *("duplicate", "copy", "cut", "delete", "connect", "group", "ungroup"),
                 )
             ],
             [
@@ -111,6 +114,7 @@ class MainWindow(QMainWindow):
             self._docks_remembered = settings.restore_window(self)
         self.show_welcome()
         self._follow_state()
+        self._follow_level()
 
     def set_theme(self, theme: Theme) -> None:
         """Draw everything in these colours."""
@@ -118,7 +122,14 @@ class MainWindow(QMainWindow):
         app = QApplication.instance()
         if isinstance(app, QApplication):
             app.setPalette(theme.palette())
-        for part in (self.canvas, self.library_view, self.panels, self.figures, self.status):
+        for part in (
+            self.canvas,
+            self.crumbs,
+            self.library_view,
+            self.panels,
+            self.figures,
+            self.status,
+        ):
             part.set_theme(theme)
         self.viewers.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
@@ -216,7 +227,8 @@ class MainWindow(QMainWindow):
         self.autosaver.close()
 
     def _build(self, library: Library) -> None:
-        self.canvas = Canvas(self.session, self.theme)
+        self.canvas = Canvas(self.level, self.theme)
+        self.crumbs = Crumbs(self.level, self.theme, self.canvas)
         self.library_view = LibraryView(library)
         self.panels = PanelArea(self.session, self.evaluator, self.theme)
         self.figures = FiguresStrip(self.session, self.evaluator, self.theme)
@@ -266,6 +278,7 @@ class MainWindow(QMainWindow):
     def _connect(self) -> None:
         session, evaluator = self.session, self.evaluator
         session.message.connect(self.status.report)
+        self.level.opened.connect(self._follow_level)
         session.changed.connect(self._changed)
         session.opened.connect(self._opened)
         session.state_changed.connect(self._follow_state)
@@ -328,14 +341,23 @@ class MainWindow(QMainWindow):
             action.setText(f"{verb} {text.replace('&', '&&')}".strip())
 
     def _badges_changed(self, badges: Any) -> None:
-        self.canvas.set_badges(badges)
+        head = self.level.head
+        inside = {n.removeprefix(head): b for n, b in badges.items() if n.startswith(head)}
+        self.canvas.set_badges(inside)
         self.panels.set_badges(badges)
 
     def _follow_selection(self, names: tuple[str, ...]) -> None:
         self.actions_by_name.follow_selection(bool(names))
 
+    def _follow_level(self) -> None:
+        self.actions_by_name["leave_macro"].setEnabled(bool(self.level.path))
+        self._badges_changed(self.evaluator.badges)
+
     def _activated(self, name: str) -> None:
-        self.session.select([name])
+        if self.level.is_macro(name):
+            self.level.enter(name)
+            return
+        self.level.select([name])
         self.panel_dock.show()
         self.panel_dock.raise_()
 

@@ -32,6 +32,8 @@ class Field(QWidget):
         The mouse is up, the key released.
     trade_off_wanted(name)
         Show figures of merit as it moves.
+    menu_opening(name, menu)
+        The menu is about to be shown, and more may be added to it.
     """
 
     lines_up = False  # whether its unit stands in one column with those of others
@@ -40,6 +42,7 @@ class Field(QWidget):
     reset_wanted = Signal(str)
     gesture_ended = Signal()
     trade_off_wanted = Signal(str)
+    menu_opening = Signal(str, QMenu)
 
     def __init__(self, parameter: Parameter, theme: Theme, parent: QWidget | None = None) -> None:
         require_defined(type(self), Field, "build", "show_value")
@@ -181,6 +184,7 @@ class Field(QWidget):
         action.setObjectName("reset")
         action.setEnabled(self.stored)
         action.triggered.connect(self._reset)
+        self.menu_opening.emit(self.parameter.name, menu)
         menu.popup(at)
 
     def _reset(self) -> None:

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.level import Level
 from app.editor.panels.panel_area import PanelArea
 from app.editor.session import Session
 from app.editor.window.actions.action_specs import VIEWERS
@@ -26,6 +27,7 @@ class Window(Protocol):
     """The parts of the window that actions are carried out by."""
 
     session: Session
+    level: Level
     files: Files
     edits: EditCommands
     canvas: Canvas
@@ -85,6 +87,9 @@ def targets(window: Window) -> dict[str, Target]:
         **{f"distribute_{way}": partial(edits.distribute, way) for way in WAYS},
         "thumbnails": canvas.toggle_thumbnails,
         "minimap": canvas.minimap.toggle,
+        "group": partial(_group, window),
+        "ungroup": edits.ungroup,
+        "leave_macro": window.level.leave,
         "frame": edits.frame,
         "arrange": edits.arrange,
         "zoom_in": partial(canvas.zoom_by, 1.25),
@@ -112,6 +117,14 @@ def targets(window: Window) -> dict[str, Target]:
 def _without_argument(target: Callable[..., object], *_: object) -> None:
     """Call it without the action's argument, whether it is checked."""
     target()
+
+
+def _group(window: Window) -> None:
+    """Group, and have the macro's name typed in its panel."""
+    steps = window.session.document.history.position
+    window.edits.group()
+    if window.session.document.history.position != steps:
+        window.panels.edit_name()
 
 
 def _view(window: Window, number: int) -> None:
