@@ -129,10 +129,10 @@ def _read(text: str, library: Library) -> Network:
     return part
 
 
-def _as_new(node: Node) -> Node:
+def as_new(node: Node) -> Node:
     """The node, and those inside of it, neither the output nor with another's noise."""
     if node.macro is not None:
-        nodes = {name: _as_new(inner) for name, inner in node.macro.nodes.items()}
+        nodes = {name: as_new(inner) for name, inner in node.macro.nodes.items()}
         node = replace(node, macro=replace(node.macro, nodes=nodes))
     return replace(node, final=False, noise="")
 
@@ -173,7 +173,7 @@ def _adding(
         fresh[name] = fresh_name(name, taken)
         taken.add(fresh[name])
     placed = tuple(
-        Placed(replace(_as_new(node), id=fresh[name]), points.get(name))
+        Placed(replace(as_new(node), id=fresh[name]), points.get(name))
         for name, node in part.nodes.items()
     )
     links = [

@@ -55,10 +55,13 @@ class Canvas(QWidget):
         A node was double-clicked, or Enter pressed on it.
     files_dropped(paths, point)
         Files were dropped at a point of the scene.
+    preset_dropped(key, point)
+        A preset of the library was dropped there.
     """
 
     activated = Signal(str)
     files_dropped = Signal(list, QPointF)
+    preset_dropped = Signal(str, QPointF)
 
     def __init__(
         self, session: Session | Level, theme: Theme, parent: QWidget | None = None
@@ -251,6 +254,7 @@ class Canvas(QWidget):
         self.menus.removal_wanted.connect(self.delete_selected_backdrop)
         self.title_editor.edited.connect(self._retitle)
         self.dropping.files_dropped.connect(self.files_dropped)
+        self.dropping.preset_dropped.connect(self.preset_dropped)
 
     def _opened(self) -> None:
         self._let_go()

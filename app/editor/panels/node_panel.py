@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QVBoxLayout, QWidget
 
@@ -10,6 +12,7 @@ from app.editor.evaluation.queries import Badge
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.head import PanelHead
 from app.editor.panels.module_body import ModuleBody
+from app.editor.panels.sets_menu import add_sets_menu
 from app.editor.panels.unknown_body import UnknownBody
 from app.editor.session import Session
 from app.editor.theme import Theme
@@ -19,7 +22,7 @@ from core.editing.operation import ABSENT, Operation
 from core.editing.output_mark import has_picture, output_toggled
 from core.errors import ImagechainError
 from core.network.macro import SEPARATOR
-from core.network.network import Network
+from core.network.network import MACRO, Network
 
 
 class NodePanel(QFrame):
@@ -37,6 +40,8 @@ class NodePanel(QFrame):
         Colours.
     parent : QWidget, optional
         Its parent.
+    sets_folder : Path, optional
+        Where named sets of parameters are kept; without it none are offered.
 
     Signals
     -------
@@ -62,6 +67,7 @@ class NodePanel(QFrame):
         node: str,
         theme: Theme,
         parent: QWidget | None = None,
+        sets_folder: Path | None = None,
     ) -> None:
         super().__init__(parent)
         self.setObjectName(f"panel.{node}")
@@ -93,6 +99,10 @@ class NodePanel(QFrame):
         column.setSpacing(0)
         column.addWidget(self.head)
         column.addWidget(self.body)
+        keeps = sets_folder is not None and declared is not None and declared.key != MACRO
+        self.head.sets.setVisible(keeps and bool(declared and declared.parameters))
+        if sets_folder is not None:
+            self.sets_menu = add_sets_menu(self.head.sets, session, node, sets_folder)
         self._connect()
         self.follow(None, session.network)
 

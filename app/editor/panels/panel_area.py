@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QSize, Qt, Signal
@@ -64,6 +65,7 @@ class PanelArea(QScrollArea):
         self._theme = theme
         self._badges: Mapping[str, Badge] = {}
         self.panels: dict[str, NodePanel] = {}
+        self.sets_folder: Path | None = None
         content = QWidget(self)
         self._column = QVBoxLayout(content)
         self._column.setContentsMargins(2, 2, 2, 2)
@@ -177,7 +179,9 @@ class PanelArea(QScrollArea):
         return [name for name in self.panels if name not in wanted]
 
     def _make(self, name: str) -> NodePanel:
-        panel = NodePanel(self._session, self._evaluator, name, self._theme, self.widget())
+        panel = NodePanel(
+            *(self._session, self._evaluator, name, self._theme, self.widget()), self.sets_folder
+        )
         panel.set_badge(self._badges.get(name))
         panel.view_requested.connect(self.view_requested)
         panel.trade_off_requested.connect(self.trade_off_requested)

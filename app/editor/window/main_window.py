@@ -33,6 +33,7 @@ from app.editor.window.docks.window_layout import WindowLayout, first_size
 from app.editor.window.documents.drops import Drops
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.first_look import first_look
+from app.editor.window.documents.preset_shelf import PresetShelf
 from app.editor.window.documents.recovery import Recovery
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.documents.share_question import ShareQuestion
@@ -79,6 +80,10 @@ class MainWindow(QMainWindow):
         self.edits = EditCommands(self.level, self.canvas, self)
         self.help = Help(self.session, self.viewers, lambda: self.actions_by_name, self)
         self.share_question = ShareQuestion(self.session, self)
+        self.shelf = PresetShelf(
+            self.level, self.canvas, self.library_view, settings.path.parent / "presets", self
+        )
+        self.panels.sets_folder = self.shelf.folder / "parameters"
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.layout_in_use = WindowLayout(self, self._docks)
         self.full_screen = FullScreen(self.viewers, self.session, self)
@@ -98,6 +103,7 @@ class MainWindow(QMainWindow):
                 for name in (
                     *("rename", "disable", "mark_output"),
                     *("duplicate", "copy", "cut", "delete", "connect", "group", "ungroup"),
+                    "save_preset",
                 )
             ],
             [
@@ -291,7 +297,7 @@ class MainWindow(QMainWindow):
         evaluator.behind_changed.connect(self.status.show_behind)
         evaluator.pass_done.connect(self._pass_done)
         self.status.cancel_wanted.connect(evaluator.cancel)
-        self.library_view.chosen.connect(self.drops.add_module)
+        self.library_view.chosen.connect(self._chosen_in_library)
         self.canvas.activated.connect(self._activated)
         self.canvas.files_dropped.connect(self._files_dropped)
         self.panels.view_requested.connect(self._view_requested)
@@ -360,6 +366,10 @@ class MainWindow(QMainWindow):
         self.level.select([name])
         self.panel_dock.show()
         self.panel_dock.raise_()
+
+    def _chosen_in_library(self, key: str) -> None:
+        if not self.shelf.add(key):
+            self.drops.add_module(key)
 
     def _files_dropped(self, paths: list[str], point: QPointF) -> None:
         self.drops.files(paths, (point.x(), point.y()))

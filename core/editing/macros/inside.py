@@ -178,12 +178,12 @@ def addressed(network: Network, operation: Operation) -> Operation:
         case Together():
             steps = (addressed(network, step) for step in operation.operations)
             return together(steps, operation.label)
-        case SetField(("nodes", node, *rest)) if node not in network.nodes:
+        case SetField(("nodes", node, *rest)) if _lies_inside(network, node):
             *macros, name = path_of(network, node)
             inner = replace(operation, path=("nodes", name, *rest), label=operation.text)
             step = at_level(tuple(macros), inner)
             return _set_inside(network, tuple(macros), (name, rest[-1]), step, rest[0] == "params")
-        case Rename(old, new) if old not in network.nodes:
+        case Rename(old, new) if _lies_inside(network, old):
             *macros, name = path_of(network, old)
             return at_level(tuple(macros), Rename(name, new))
         case Remove(names):
@@ -198,9 +198,14 @@ def addressed(network: Network, operation: Operation) -> Operation:
     return operation
 
 
+def _lies_inside(network: Network, name: str) -> bool:
+    """Whether it names a node inside of a macro; not so of nodes that are yet to come."""
+    return name not in network.nodes and network.has(name)
+
+
 def _common(network: Network, names: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The macros that all these nodes lie in, and their own ids."""
-    paths = [path_of(network, name) for name in names]
+    paths = [path_of(network, name) if network.has(name) else (name,) for name in names]
     levels = {path[:-1] for path in paths}
     if len(levels) > 1:
         raise NetworkError("these nodes lie in different macros")

@@ -11,11 +11,13 @@ from core.chain.engine import Engine
 from core.editing.clipboard import copied, pasted
 from core.editing.document import Document
 from core.editing.fields import set_parameter
+from core.editing.fitting import new_node
+from core.editing.links import Rewire
 from core.editing.macros.exposing import expose, exposed_as, hide, rename_exposed
 from core.editing.macros.grouping import group, ungroup
 from core.editing.macros.inside import Inside, addressed, at_level
 from core.editing.nodes import Remove, Rename
-from core.editing.operation import ABSENT
+from core.editing.operation import ABSENT, together
 from core.editing.output_mark import output_toggled
 from core.errors import NetworkError
 from core.evaluation.policy import Policy
@@ -270,8 +272,6 @@ def test_removing_inside_takes_ports_wires_and_values_along(camera, library):
 
 
 def test_links_inside_are_checked_like_those_outside(camera):
-    from core.editing.links import Rewire
-
     wrong = Link("init", "magnitude", "optics", "phase")
     with pytest.raises(NetworkError, match=r"inside of camera: init\.magnitude gives magnitude"):
         camera.do(at_level(("camera",), Rewire(add=(wrong,))))
@@ -294,3 +294,13 @@ def test_removing_and_renaming_a_macro_follows_mentions_of_its_inside(small, lib
     assert not [r for r in gone.apply(macro).extra.get("published", ()) if "camera/" in r["from"]]
     assert gone.inverse(macro).apply(gone.apply(macro)) == macro
     assert "camera/electronics" in unfolded(macro).nodes
+
+
+def test_steps_on_a_node_that_comes_with_them_stay_as_they_are(shipped, library):
+    network = shipped["first_steps"]
+    name, adding = new_node(network, library, "jitter_mtf", (0.0, 0.0))
+    link = Link("init", "context", name, "context")
+    steps = together((adding, set_parameter(name, "sigma_mrad", 0.5), Rewire(add=(link,))))
+    after = addressed(network, steps).apply(network)
+    assert after.nodes[name].params == {"sigma_mrad": 0.5}
+    assert link in after.links

@@ -116,6 +116,13 @@ ACTIONS: tuple[ActionSpec, ...] = (
     _edit(
         "ungroup", "Un&group", "Put the nodes of the selected macro in its place", "Ctrl+Shift+G"
     ),
+    ActionSpec(
+        "save_preset",
+        "&Edit",
+        "Save as Pre&set",
+        "Keep the selected macro, to be found in the library in any network",
+        needs_selection=True,
+    ),
     ActionSpec("frame", "&View", "&Frame", "Show the selected nodes, or all", ("F",), "canvas"),
     ActionSpec(
         "arrange", "&View", "&Lay Out", "Arrange the selected nodes, or all", ("L",), "canvas"

@@ -18,6 +18,7 @@ from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.layouts import DEFAULT, LayoutName
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.files import Files
+from app.editor.window.documents.preset_shelf import PresetShelf
 from core.editing.layout.align import EDGES, WAYS
 
 Target = Callable[[], object]
@@ -36,6 +37,7 @@ class Window(Protocol):
     viewers: ViewerDocks
     evaluator: Evaluator
     full_screen: FullScreen
+    shelf: PresetShelf
 
     def show_welcome(self) -> None:
         """Show the first page."""
@@ -89,6 +91,7 @@ def targets(window: Window) -> dict[str, Target]:
         "minimap": canvas.minimap.toggle,
         "group": partial(_group, window),
         "ungroup": edits.ungroup,
+        "save_preset": window.shelf.save,
         "leave_macro": window.level.leave,
         "frame": edits.frame,
         "arrange": edits.arrange,

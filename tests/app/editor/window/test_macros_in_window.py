@@ -6,6 +6,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QToolButton, QWidgetAction
 
+from app.editor.library.library_view import module_data
 from core.network.file import format_network
 from window_hands import CTRL, KEY, SHIFT, WindowHands
 
@@ -196,3 +197,84 @@ def test_a_copy_of_a_macro_has_its_own_inside(grouped, window, idle):
     network = window.session.document.network
     assert network.nodes["lens_2"].macro.nodes["blur"].disabled
     assert not network.nodes["lens"].macro.nodes["blur"].disabled
+
+
+def library_item(window, text):
+    tree = window.library_view.tree
+    return next(item for item in tree.modules.values() if item.text(0) == text)
+
+
+def click_twice(window, item):
+    tree = window.library_view.tree
+    tree.scrollToItem(item)
+    where = tree.visualItemRect(item).center()
+    QTest.mouseClick(tree.viewport(), Qt.MouseButton.LeftButton, pos=where)
+    QTest.mouseDClick(tree.viewport(), Qt.MouseButton.LeftButton, pos=where)
+
+
+def test_presets_stand_in_the_library_and_come_by_a_double_click(hands, window, idle):
+    item = library_item(window, "Kodak KIR-310")
+    assert item.parent().text(0) == "Presets"
+    assert "Tantalo 1996" in item.toolTip(0)
+    click_twice(window, item)
+    assert window.session.selection == ("camera",)
+    panel = window.panels.panels["camera"]
+    assert panel.head.bar.title.text() == "Kodak KIR-310"
+    assert panel.body.sections.field("focal_length_mm").value == 200.0
+    window.library_view.filter.setText("tau germanium 50")
+    shown = [i.text(0) for i in window.library_view.tree.modules.values() if not i.isHidden()]
+    assert shown == ["FLIR Tau 2 lens, 50 mm F/1.2"]
+
+
+def test_a_preset_is_dragged_to_the_canvas(hands, window):
+    key = next(
+        key
+        for key, item in window.library_view.tree.modules.items()
+        if item.text(0) == "FLIR Tau 2 640 detector"
+    )
+    pos = window.canvas.view.viewport().rect().center()
+    assert hands.drop(window.canvas.view.viewport(), pos, module_data(key))
+    assert window.session.selection == ("detector",)
+    at = window.level.network.layout["detector"]
+    point = window.canvas.view.scene_point(pos)
+    assert abs(at[0] - point.x()) < 31
+    assert abs(at[1] - point.y()) < 31
+
+
+def test_an_own_macro_becomes_a_preset(grouped, window, settings):
+    grouped.select("lens")
+    window.actions_by_name["save_preset"].trigger()
+    folder = settings.path.parent / "presets"
+    assert [path.name for path in folder.iterdir()] == ["lens.json"]
+    assert str(folder) in window.status.currentMessage()
+    item = library_item(window, "lens")
+    assert item.parent().text(0) == "Own presets"
+    click_twice(window, item)
+    assert window.session.selection == ("lens_2",)
+    grouped.focus()
+    window.session.select(["lens"])
+    window.actions_by_name["save_preset"].trigger()
+    assert "there is a preset lens already" in window.status.error
+    assert [path.name for path in folder.iterdir()] == ["lens.json"]
+
+
+def test_parameters_are_saved_as_a_set_and_taken_again(hands, window, settings):
+    hands.select("blur")
+    panel = window.panels.panels["blur"]
+    params = dict(window.session.network.nodes["blur"].params)
+    menu = panel.sets_menu
+    menu.popup(panel.head.sets.mapToGlobal(QPoint(0, 0)))
+    line = menu.findChild(QLineEdit, "set_name")
+    line.setFocus()
+    QTest.keyClicks(line, "as shipped")
+    QTest.keyClick(line, KEY.Key_Return)
+    file = settings.path.parent / "presets" / "parameters" / "gaussian_mtf.json"
+    assert file.is_file()
+    field(window, "blur", "sigma_x_mrad").offer(3.0)
+    assert dict(window.session.network.nodes["blur"].params) != params
+    menu.popup(panel.head.sets.mapToGlobal(QPoint(0, 0)))
+    entry = next(each for each in menu.actions() if each.text() == "as shipped")
+    entry.trigger()
+    menu.close()
+    assert dict(window.session.network.nodes["blur"].params) == params
+    assert window.session.document.history.undo_text == "Set blur to as shipped"
