@@ -72,6 +72,11 @@ class Session(QObject):
         return self._network
 
     @property
+    def head(self) -> str:
+        """What the ids it selects begin with in the whole network: nothing, unlike a `Level`."""
+        return ""
+
+    @property
     def plain(self) -> Network:
         """The network with its macros written out, which is what is computed."""
         return expanded(self._document.network, self.library)

@@ -57,18 +57,24 @@ def output_toggled(network: Network, library: Library, name: str) -> Operation:
     declared = declared_node(node, library)
     if declared is not None and not has_picture(declared):
         raise NetworkError(f"{shown(name)} cannot be the output: it makes no picture")
-    return SetOutput((_behind(node, library),))
+    return SetOutput((picture_node(node, library),))
 
 
-def _behind(node: Node, library: Library) -> str:
-    """The node itself; of a macro the one inside whose picture it shows first."""
+def picture_node(node: Node, library: Library) -> str:
+    """The node's id; of a macro that of the one inside whose picture it shows first.
+
+    Raises
+    ------
+    NetworkError
+        If the macro shows no picture.
+    """
     if node.macro is None:
         return node.id
     declared = declared_node(node, library)
     pictures = [port.name for port in declared.outputs if "image" in port.types] if declared else []
     for name in pictures[:1]:
         inner = node.macro.nodes[face_of_macro(node.macro).outputs[name][0]]
-        return f"{node.id}{SEPARATOR}{_behind(inner, library)}"
+        return f"{node.id}{SEPARATOR}{picture_node(inner, library)}"
     raise NetworkError(f"{shown(node.id)} shows no picture: mark the node inside of it")
 
 

@@ -11,7 +11,6 @@ from core.chain.engine import Engine
 from core.editing.clipboard import copied, pasted
 from core.editing.document import Document
 from core.editing.fields import set_parameter
-from core.editing.fitting import new_node
 from core.editing.links import Rewire
 from core.editing.macros.exposing import expose, exposed_as, hide, rename_exposed
 from core.editing.macros.grouping import group, ungroup
@@ -19,6 +18,7 @@ from core.editing.macros.inside import Inside, addressed, at_level
 from core.editing.nodes import Remove, Rename
 from core.editing.operation import ABSENT, together
 from core.editing.output_mark import output_toggled
+from core.editing.wiring.fitting import new_node
 from core.errors import NetworkError
 from core.evaluation.policy import Policy
 from core.network.expansion import expanded, unfolded

@@ -171,6 +171,16 @@ def test_a_viewer_shows_a_node_inside(grouped, window, idle):
     )
 
 
+def test_thumbnails_stand_below_a_macro_and_inside_of_it(grouped, window, idle, qtbot):
+    items = window.canvas.thumbnails.items
+    qtbot.waitUntil(lambda: "lens" in items and window.evaluator.idle)
+    outside = items["lens"].small.grey
+    grouped.double_click(grouped.head("lens"))
+    qtbot.waitUntil(lambda: "back" in items and window.evaluator.idle)
+    assert set(items) == {"blur", "back"}
+    assert np.array_equal(items["back"].small.grey, outside)
+
+
 def test_a_fault_inside_stands_on_the_macro(grouped, window, idle):
     grouped.double_click(grouped.head("lens"))
     link = next(link for link in window.level.network.links if link.target == "back")
@@ -219,7 +229,7 @@ def test_presets_stand_in_the_library_and_come_by_a_double_click(hands, window, 
     click_twice(window, item)
     assert window.session.selection == ("camera",)
     panel = window.panels.panels["camera"]
-    assert panel.head.bar.title.text() == "Kodak KIR-310"
+    assert panel.head.bar.title.text() == "camera · Kodak KIR-310"
     assert panel.body.sections.field("focal_length_mm").value == 200.0
     window.library_view.filter.setText("tau germanium 50")
     shown = [i.text(0) for i in window.library_view.tree.modules.values() if not i.isHidden()]
@@ -237,8 +247,9 @@ def test_a_preset_is_dragged_to_the_canvas(hands, window):
     assert window.session.selection == ("detector",)
     at = window.level.network.layout["detector"]
     point = window.canvas.view.scene_point(pos)
-    assert abs(at[0] - point.x()) < 31
-    assert abs(at[1] - point.y()) < 31
+    # On free ground, which is beside the nodes there are.
+    assert abs(at[0] - point.x()) < 200
+    assert abs(at[1] - point.y()) < 200
 
 
 def test_an_own_macro_becomes_a_preset(grouped, window, settings):
