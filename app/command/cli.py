@@ -31,8 +31,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     # whole process then takes 1.6 times the processor time). Read when numpy is first imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Importing makes some 90,000 objects that all stay; Python's usual threshold (700) looks them
-    # through time and again for garbage, a tenth of a short command's processor time.
-    gc.set_threshold(50_000, 10, 10)
+    # through time and again for garbage, a tenth of a short command's processor time. Only where
+    # the process is the command's own: another program has thresholds of its own.
+    if argv is None:
+        gc.set_threshold(50_000, 10, 10)
     with (
         stoppable(to_the_end=argv is None) as stop,
         usable_streams(),

@@ -160,7 +160,7 @@ def _points(
 
 def _present(plan: Plan, varied: Variation) -> Any:
     default = None if varied.parameter.required else varied.parameter.default
-    return plan.network.node(varied.node).params.get(varied.parameter.name, default)
+    return plan.node(varied.node).node.params.get(varied.parameter.name, default)
 
 
 def _check_figures(results: Results) -> None:

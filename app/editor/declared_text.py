@@ -86,7 +86,12 @@ def label_of(name: str) -> str:
 
 def titled(name: str, module: str) -> str:
     """A node's name with its module's title, where that is more than the name again."""
-    return name if _plain(name) == _plain(module) else f"{name} · {module}"
+    return f"{name} · {module}" if says_more(module, name) else name
+
+
+def says_more(module: str, name: str) -> bool:
+    """Whether a module's title is more than the node's name again: ``init_trans``, Init & Trans."""
+    return _plain(module) != _plain(name)
 
 
 def _plain(text: str) -> str:

@@ -79,6 +79,10 @@ class Level(QObject):
         """Ids of the selected nodes that are shown here."""
         return self._local(self.session.selection)
 
+    def value(self, name: str, parameter: str) -> Any:
+        """The value of a node's parameter, also of one that follows others or is set outside."""
+        return self.session.resolved.value(self.head + name, parameter)
+
     def declared(self, name: str) -> Declaration | None:
         """The declaration of a node's module."""
         return self.session.declared(self.head + name)

@@ -13,13 +13,21 @@ from app.editor.allowed_shares import Shares
 from app.editor.chosen_outputs import ChosenOutputs
 from app.editor.error_text import error_text
 from core.editing.document import Document
+from core.editing.fields import set_parameter
 from core.editing.macros.inside import addressed
 from core.editing.operation import Operation
 from core.errors import ImagechainError
 from core.modules.declaration import Declaration
 from core.network.expansion import expanded, unfolded
+from core.network.linked_values import (
+    LinkError,
+    ResolvedNetwork,
+    expression_text,
+    resolved,
+    with_values,
+)
 from core.network.macro import SEPARATOR, declared_node, path_of
-from core.network.network import Library, Network
+from core.network.network import Library, Network, Node
 
 
 class Session(QObject):
@@ -38,7 +46,7 @@ class Session(QObject):
     shares_answered
         Another computer may be read from, or may not.
     message(kind, text)
-        A line for the person; kind is "note" or "error".
+        A line for the person; kind is "note", "error", or "advice": a note on what is selected.
     """
 
     opened = Signal()
@@ -57,6 +65,7 @@ class Session(QObject):
         self._document.listen(self._changed)
         self._network = self._document.network
         self._selection: tuple[str, ...] = ()
+        self._resolved = (self._network, ResolvedNetwork(self._network))
 
     @property
     def document(self) -> Document:
@@ -80,6 +89,44 @@ class Session(QObject):
     def plain(self) -> Network:
         """The network with its macros written out, which is what is computed."""
         return expanded(self._document.network, self.library)
+
+    @property
+    def resolved(self) -> ResolvedNetwork:
+        """The plain network with values in the place of its expressions."""
+        of, before = self._resolved
+        document = self._document.network
+        if of is not document:
+            known = before.network.nodes.get
+            now = with_values(self.plain, library=self.library, known=known)
+            self._resolved = (document, now)
+        return self._resolved[1]
+
+    def valued(self, name: str) -> Node:
+        """The node with values in the place of its expressions."""
+        node = self.resolved.node(name)
+        if node is not None:
+            return node
+        macro = self.network.nodes[name]
+        values = {one: self.resolved.value(name, one) for one in macro.linked}
+        return replace(macro, params={**macro.params, **values}) if values else macro
+
+    def link_fault(self, node: str, parameter: str, raw: object) -> LinkError | None:
+        """Why a parameter cannot follow that; None where it can."""
+        document = self._document.network
+        trial = addressed(document, set_parameter(node, parameter, raw)).apply(document)
+        found = resolved(trial, library=self.library)
+        behind, name = found.network.parameter_behind(node, parameter)
+        faults = found.faults.get(behind, ())
+        return next((fault for fault in faults if fault.parameter == name), None)
+
+    def follows(self, name: str, parameters: Iterable[str]) -> str:
+        """Which of a node's parameters follows others, so that no drag may set it; or empty."""
+        node = self.network.nodes[name]
+        for parameter in parameters:
+            if parameter in node.linked:
+                text = expression_text(node.params[parameter])
+                return f"{name}.{parameter} follows {text}: unlink it in its panel first"
+        return ""
 
     @property
     def folder(self) -> Path:

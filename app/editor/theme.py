@@ -17,13 +17,19 @@ class Theme:
     """Every colour by what it is for, as ``#rrggbb``.
 
     `ports` colours wires and ports by their type, `groups` the heads of nodes by the library's
-    groups, `badges` the marks of a node's state.
+    groups, `badges` the marks of a node's state. Fusion draws buttons lighter than `button`.
+
+    Text has a contrast of at least 4.5 to 1 on each of its grounds (WCAG 2.1). Any two of `ports`,
+    and of the eight `curves`, differ by at least 10 (CIEDE2000) to usual sight and to protanopes,
+    deuteranopes and tritanopes (simulated after Machado, Oliveira, Fernandes 2009). Tests measure
+    both.
     """
 
     look: Look
     window: str
     base: str
     raised: str
+    button: str
     text: str
     faint_text: str
     line: str
@@ -48,7 +54,7 @@ class Theme:
             role.Base: self.base,
             role.AlternateBase: self.raised,
             role.Text: self.text,
-            role.Button: self.raised,
+            role.Button: self.button,
             role.ButtonText: self.text,
             role.BrightText: self.error,
             role.Highlight: self.accent,
@@ -59,7 +65,7 @@ class Theme:
             role.Link: self.accent,
             role.Mid: self.line,
         }
-        palette = QPalette(QColor(self.raised), QColor(self.window))
+        palette = QPalette(QColor(self.button), QColor(self.window))
         for which, colour in colours.items():
             palette.setColor(which, QColor(colour))
         for which in (role.Text, role.WindowText, role.ButtonText):
@@ -72,52 +78,53 @@ DARK = Theme(
     window="#26292e",
     base="#1d2024",
     raised="#33373d",
+    button="#2b2f34",
     text="#e6e8eb",
-    faint_text="#8d949e",
+    faint_text="#a9b0ba",
     line="#474c54",
-    accent="#3d8fd9",
-    accent_text="#ffffff",
-    error="#f2665e",
+    accent="#56a5ea",
+    accent_text="#0b0f14",
+    error="#f7867e",
     changed="#e8b04a",
     canvas="#1f2226",
     grid="#292d32",
     node="#343940",
     ports=MappingProxyType(
         {
-            "image": "#e8c35a",
-            "magnitude": "#5fb4f0",
-            "phase": "#c58af0",
-            "context": "#9aa4b0",
-            "pupil": "#62cf9b",
-            "transfer": "#f08a5f",
-            "curve": "#f0a3c0",
-            "table": "#b9c96a",
+            "image": "#e5da4f",
+            "magnitude": "#7fabff",
+            "phase": "#c891b9",
+            "context": "#c0c1c1",
+            "pupil": "#7afec9",
+            "transfer": "#f4b590",
+            "curve": "#f08298",
+            "table": "#95b344",
         }
     ),
     groups=MappingProxyType(
         {
-            "Input and output": "#6b5a24",
+            "Input and output": "#5f5020",
             "Transform": "#35506b",
-            "Atmosphere": "#2d5f63",
+            "Atmosphere": "#29575b",
             "Optics": "#2f5c45",
             "Motion": "#59426e",
             "Detector": "#6b4530",
             "Electronics & Noise": "#6a3540",
-            "Analysis": "#55602c",
+            "Analysis": "#4c5627",
         }
     ),
     badges=MappingProxyType(
         {
             "stale": "#e8b04a",
-            "running": "#5fb4f0",
-            "error": "#f2665e",
-            "incomplete": "#8d949e",
+            "running": "#6fbcf2",
+            "error": "#f7867e",
+            "incomplete": "#a9b0ba",
             "warning": "#f0a03c",
             "skipped": "#62cf9b",
-            "disabled": "#8d949e",
+            "disabled": "#a9b0ba",
         }
     ),
-    curves=("#5fb4f0", "#e8c35a", "#62cf9b", "#f08a5f", "#c58af0", "#f0a3c0", "#b9c96a", "#9aa4b0"),
+    curves=("#7fabff", "#e5da4f", "#7afec9", "#f4b590", "#c891b9", "#f08298", "#95b344", "#c0c1c1"),
 )
 
 LIGHT = Theme(
@@ -125,26 +132,27 @@ LIGHT = Theme(
     window="#f0f1f3",
     base="#ffffff",
     raised="#e4e6ea",
+    button="#e4e6ea",
     text="#1d2126",
-    faint_text="#6c7480",
+    faint_text="#565e69",
     line="#c3c8cf",
-    accent="#1f6fb8",
+    accent="#175c9d",
     accent_text="#ffffff",
-    error="#c22f28",
-    changed="#a86800",
+    error="#b32720",
+    changed="#855200",
     canvas="#e9ebee",
     grid="#dcdfe4",
     node="#fbfbfc",
     ports=MappingProxyType(
         {
-            "image": "#a57a00",
-            "magnitude": "#1f6fb8",
-            "phase": "#8343bb",
-            "context": "#5f6a77",
-            "pupil": "#1d8455",
-            "transfer": "#c2551f",
-            "curve": "#b34474",
-            "table": "#66741a",
+            "image": "#926d07",
+            "magnitude": "#337cc8",
+            "phase": "#4c24a2",
+            "context": "#5f6770",
+            "pupil": "#376048",
+            "transfer": "#8b3e14",
+            "curve": "#d62182",
+            "table": "#74764e",
         }
     ),
     groups=MappingProxyType(
@@ -161,16 +169,16 @@ LIGHT = Theme(
     ),
     badges=MappingProxyType(
         {
-            "stale": "#a86800",
-            "running": "#1f6fb8",
-            "error": "#c22f28",
-            "incomplete": "#6c7480",
-            "warning": "#b65c00",
-            "skipped": "#1d8455",
-            "disabled": "#6c7480",
+            "stale": "#855200",
+            "running": "#1a64aa",
+            "error": "#b32720",
+            "incomplete": "#565e69",
+            "warning": "#964800",
+            "skipped": "#17704a",
+            "disabled": "#565e69",
         }
     ),
-    curves=("#1f6fb8", "#a57a00", "#1d8455", "#c2551f", "#8343bb", "#b34474", "#66741a", "#5f6a77"),
+    curves=("#337cc8", "#926d07", "#376048", "#8b3e14", "#4c24a2", "#d62182", "#74764e", "#5f6770"),
 )
 
 THEMES: Mapping[Look, Theme] = MappingProxyType({"dark": DARK, "light": LIGHT})

@@ -15,6 +15,7 @@ from core.modules.declaration import declaration
 from core.modules.library_type import Library
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown
+from core.network.linked_values import expression
 from core.network.network import Network, with_marks
 
 # JSON takes neither a sign +, nor a number without digits before or after the point.
@@ -25,7 +26,8 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
     """The network with every ``--set`` carried out; of two for one parameter the last holds.
 
     A value is taken as JSON where it is JSON that fits the parameter, else as a number as people
-    write it (``.5``, ``+3``), else as text.
+    write it (``.5``, ``+3``), else as text. Behind a further ``=`` it is an expression that the
+    parameter follows from then on.
 
     Raises
     ------
@@ -37,8 +39,8 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
         parameter = named_parameter("--set", setting, network, library=library)
         if parameter is None:  # the check of the whole network reports it
             continue
-        value = _fitting(parameter, setting)
-        network = network.with_parameter(setting.node, setting.name, plain(value))
+        value = plain(_fitting(parameter, setting))
+        network = network.with_parameter(setting.node, setting.name, value)
     return network
 
 
@@ -121,6 +123,9 @@ def readings(text: str) -> list[Any]:
 
 
 def _fitting(parameter: Parameter, setting: Assignment) -> Any:
+    text = setting.text.strip()
+    if text.startswith("=") and parameter.kind in ("number", "integer"):
+        return expression(text[1:].strip())
     first: ImagechainError | None = None
     for reading in readings(setting.text):
         try:

@@ -15,6 +15,7 @@ from core.modules.declaration import Declaration
 from core.names import shown, thaw
 from core.network.file import read_text
 from core.network.json_reading import read_json
+from core.network.linked_values import expression_text
 from core.network.network import Node
 
 FORMAT = "imagechain-parameters"
@@ -50,8 +51,14 @@ def save_set(name: str, node: Node, folder: Path) -> None:
     Raises
     ------
     FileError, NetworkError
-        If the file cannot be read or written, or the name is blank.
+        If the file cannot be read or written, the name is blank, or a parameter follows others:
+        they are of one network, and the set is for all.
     """
+    for parameter in node.linked:
+        text = expression_text(node.params[parameter])
+        raise NetworkError(
+            f"{shown(parameter)} follows {shown(text)}, which has no value to be kept", node=node.id
+        )
     if not name.strip() or not name.isprintable():
         raise NetworkError(f"{name!r:.80} is no name of a set: it must not be blank")
     sets = sets_of(node.module, folder)

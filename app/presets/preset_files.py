@@ -17,6 +17,7 @@ from core.editing.operation import Operation
 from core.errors import FileError, ImagechainError, NetworkError
 from core.names import shown
 from core.network.file import read_network, read_text, save_network
+from core.network.linked_values import expression_text
 from core.network.network import Library, Network
 
 KEY = "preset:"
@@ -97,11 +98,16 @@ def save_preset(network: Network, name: str, folder: Path, library: Library) -> 
     FileError
         If there is such a preset already, or the file cannot be written.
     NetworkError
-        If the node is no macro, or its name can be none of a file.
+        If the node is no macro, its name can be none of a file, or a parameter follows others.
     """
     node = network.node(name)
     if node.macro is None:
         raise NetworkError(f"{shown(name)} is no macro: group nodes to make one (Ctrl+G)")
+    for parameter in node.linked:
+        raise NetworkError(
+            f"{shown(name)}.{parameter} follows {shown(expression_text(node.params[parameter]))}, "
+            "which has no value to be kept"
+        )
     if any(letter in _BARRED for letter in node.id) or node.id.strip(" ") != node.id:
         raise NetworkError(f"{shown(name)} can be no name of a file: rename the node first")
     path = folder / f"{node.id}.json"

@@ -17,6 +17,7 @@ from core.errors import Cancelled, DataError, ImagechainError, NetworkError
 from core.evaluation.work import Work
 from core.modules.declaration import declaration
 from core.modules.library_type import Library
+from core.network.linked_values import following
 from core.network.network import Network
 
 ELECTRONICS = "electronics_noise"
@@ -165,8 +166,9 @@ def _total(figures: Iterable[Figure], plan: Plan, work: Work, varied: str) -> di
 
 
 def _after(network: Network, node: str) -> set[str]:
-    dependents: set[str] = set()
-    waiting = [node]
+    """The nodes that hang on that one: by wires, or by parameters that follow its own."""
+    dependents = following(network, node)
+    waiting = [node, *dependents]
     while waiting:
         for name in network.followers.get(waiting.pop(), ()):
             if name not in dependents:

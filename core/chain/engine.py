@@ -21,6 +21,7 @@ from core.evaluation.work import Work
 from core.modules.caution import Caution, PendingCheck, checked
 from core.modules.declaration import GIVEN, Declaration, Module, NodeContext, declaration
 from core.modules.library_type import Library
+from core.network.linked_values import with_values
 from core.network.network import Link, Network, Node, passed_through
 from core.threads import Workers
 
@@ -145,6 +146,9 @@ class Engine:
         Nodes that hang on a failed one carry that node's error. From a `previous` plan of an
         earlier state of the network, what has not changed since is taken over. Nodes in `held` are
         not planned but stay as they are there, and the nodes after them are planned on that.
+
+        Expressions of parameters are evaluated here: planned nodes have plain values, the plan's
+        network has the expressions.
         """
         planned: dict[str, PlannedNode] = {}
         folder = folder or Path()
@@ -152,14 +156,22 @@ class Engine:
         if previous is not None and previous.network.seed != network.seed:
             known = {}
         held = held or {}
-        for name in network.order():
+
+        def before(name: str) -> Node | None:
+            return known[name].node if name in known else None
+
+        resolved = with_values(network, library=self.library, known=before)
+        valued = resolved.network
+        for name in valued.order():
             earlier = known.get(name)
             if name in held:
                 planned[name] = held[name]
-            elif earlier is not None and _unchanged(network, name, planned, earlier):
+            elif name in resolved.faults:
+                planned[name] = PlannedNode(valued.nodes[name], error=resolved.faults[name][0])
+            elif earlier is not None and _unchanged(valued, name, planned, earlier):
                 planned[name] = earlier
             else:
-                planned[name] = self._plan_node(network, name, planned, folder)
+                planned[name] = self._plan_node(valued, name, planned, folder)
         return Plan(network, planned, folder)
 
     def work(

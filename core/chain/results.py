@@ -19,12 +19,21 @@ class Series:
 
 
 @dataclass(frozen=True)
+class CurveMark:
+    """An abscissa that is marked, such as the Nyquist frequency."""
+
+    text: str
+    x: float
+
+
+@dataclass(frozen=True)
 class CurveData:
     """Curves that share their axes, or bars that share their names.
 
     `bars` names the bars in order; each series then holds one height for each of them, at
     x = 0, 1, 2 and so on. With `log_y` the ordinate is shown by its logarithm, with `log_x` the
-    abscissa; values that are infinite or not above 0 leave a gap.
+    abscissa; values that are infinite or not above 0 leave a gap. `marks` are abscissae to be
+    marked.
     """
 
     title: str
@@ -34,6 +43,7 @@ class CurveData:
     bars: tuple[str, ...] = ()
     log_y: bool = False
     log_x: bool = False
+    marks: tuple[CurveMark, ...] = ()
 
 
 @dataclass(frozen=True)

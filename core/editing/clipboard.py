@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Any
 
 from core.editing.layout.arrange import Sizes, arranged
 from core.editing.layout.room import free_places
@@ -13,20 +14,40 @@ from core.editing.links import check_new_wires
 from core.editing.nodes import Add, Placed, Point, fresh_name
 from core.editing.operation import Operation, named
 from core.errors import NetworkError
+from core.expressions.grammar import ExpressionError
 from core.names import shown
 from core.network.file import format_network
 from core.network.json_reading import read_json
+from core.network.linked_values import named_nodes, naming, resolved, with_names
 from core.network.network import Library, Link, Network, Node
 from core.network.parsing import FORMAT, parse_network
 
 NODES_FORMAT = "imagechain-nodes"
+_VALUES = "values"  # of parameters that follow nodes which are not copied: the network pasted into
+# may not have them
 SOURCE = "the clipboard"
+
+ValueOf = Callable[[str, str], Any]
 
 _FARTHEST = 1e6  # a point beyond is none that a canvas could show
 
 
-def copied(network: Network, names: Iterable[str], library: Library) -> str:
+def copied(
+    network: Network, names: Iterable[str], library: Library, value_of: ValueOf | None = None
+) -> str:
     """Nodes, the links among them and where they lie, as JSON text.
+
+    Parameters
+    ----------
+    network : Network
+        Where they are.
+    names : iterable of str
+        The nodes.
+    library : mapping
+        Modules by key.
+    value_of : callable, optional
+        The value of a node's parameter; where the network is the inside of a macro, with what is
+        set from outside.
 
     Raises
     ------
@@ -40,6 +61,9 @@ def copied(network: Network, names: Iterable[str], library: Library) -> str:
         "format": NODES_FORMAT,
         **{key: document[key] for key in copied_fields if key in document},
     }
+    value_of = value_of or resolved(network, library=library).value
+    if values := _values_of_outer_links(network, part, value_of):
+        fields[_VALUES] = values
     return json.dumps(fields, ensure_ascii=False, indent=2)
 
 
@@ -71,7 +95,8 @@ def pasted(
     NetworkError
         If the text holds no nodes, or what is wrong with them, in one line.
     """
-    part = _read(text, library)
+    part, values = _read(text, library)
+    part = _with_values_for(part, values, network)
     points = _points(part)
     if at is not None:
         points = _centred(points, at)
@@ -111,7 +136,32 @@ def _part(network: Network, names: Iterable[str]) -> Network:
     )
 
 
-def _read(text: str, library: Library) -> Network:
+def _values_of_outer_links(
+    network: Network, part: Network, value_of: ValueOf
+) -> dict[str, dict[str, Any]]:
+    """Values of the part's parameters that follow nodes outside it, by node and parameter."""
+    values: dict[str, dict[str, Any]] = {}
+    for name, parameter in naming(part, network.nodes.keys() - part.nodes.keys()):
+        value = value_of(name, parameter)
+        if type(value) in (int, float):
+            values.setdefault(name, {})[parameter] = value
+    return values
+
+
+def _with_values_for(part: Network, values: Any, network: Network) -> Network:
+    """The part with values for parameters that follow what is neither in it nor in the network."""
+    for name, node in part.nodes.items():
+        given = values.get(name) if isinstance(values, dict) else None
+        for parameter, leaders in named_nodes(node).items():
+            value = given.get(parameter) if isinstance(given, dict) else None
+            known = all(network.has(leader) or part.has(leader) for leader in leaders)
+            if not known and type(value) in (int, float):
+                part = part.with_parameter(name, parameter, value)
+    return part
+
+
+def _read(text: str, library: Library) -> tuple[Network, Any]:
+    """The nodes, and the values of parameters that follow what was not copied."""
     strange = NetworkError(f"{SOURCE} holds no copied nodes, and no network")
     if not text.lstrip("\ufeff \t\r\n").startswith("{"):
         raise strange  # most often it is just something else: no word of JSON
@@ -119,6 +169,7 @@ def _read(text: str, library: Library) -> Network:
     if document.get("format") not in (NODES_FORMAT, FORMAT):
         raise strange
     document["format"] = FORMAT
+    values = document.pop(_VALUES, None)
     part = parse_network(json.dumps(document), library=library, name_of_source=SOURCE)
     if not part.nodes:
         raise NetworkError(f"{SOURCE} holds no nodes")
@@ -126,7 +177,7 @@ def _read(text: str, library: Library) -> Network:
         check_new_wires(replace(part, links=()), part, library)
     except NetworkError as error:
         raise NetworkError(f"{SOURCE}: {error.message}") from None
-    return part
+    return part, values
 
 
 def as_new(node: Node) -> Node:
@@ -172,9 +223,13 @@ def _adding(
     for name in part.nodes:
         fresh[name] = fresh_name(name, taken)
         taken.add(fresh[name])
+    try:
+        renamed = {name: with_names(node, fresh) for name, node in part.nodes.items()}
+    except ExpressionError as error:
+        raise NetworkError(f"{verb.lower()}: {error.message}") from None
     placed = tuple(
         Placed(replace(as_new(node), id=fresh[name]), points.get(name))
-        for name, node in part.nodes.items()
+        for name, node in renamed.items()
     )
     links = [
         replace(link, source=fresh[link.source], target=fresh[link.target]) for link in part.links

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from core.editing.operation import ABSENT, Operation, check_plain, with_field
 from core.errors import NetworkError
 from core.names import freeze, thaw
-from core.network.network import Network, Node
+from core.network.network import EXPRESSION, Network, Node
 
 _OF_NODE = ("auto", "disabled")
 _OF_NETWORK = ("name", "description", "seed")
@@ -44,7 +45,9 @@ class SetField(Operation):
             return self.label
         match self.path:
             case ("nodes", node, "params", name):
-                return f"{'Reset' if self.value is ABSENT else 'Set'} {node}.{name}"
+                verb = "Reset" if self.value is ABSENT else "Set"
+                linked = isinstance(self.value, Mapping) and EXPRESSION in self.value
+                return f"{'Link' if linked else verb} {node}.{name}"
             case ("nodes", node, "disabled"):
                 return f"{'Disable' if self.value else 'Enable'} {node}"
             case ("nodes", node, "auto"):
@@ -90,9 +93,9 @@ class SetField(Operation):
         return replace(later, label=self.label)
 
 
-def set_parameter(node: str, name: str, value: Any) -> SetField:
+def set_parameter(node: str, name: str, value: Any, label: str = "") -> SetField:
     """Give a parameter a value as a network file has it; ABSENT leaves it at its default."""
-    return SetField(("nodes", node, "params", name), value)
+    return SetField(("nodes", node, "params", name), value, label)
 
 
 def set_node_field(node: str, name: str, value: Any) -> SetField:

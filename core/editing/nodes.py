@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Container, Mapping
+from collections.abc import Callable, Collection, Container, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from core.editing.fields import set_network_field
+from core.editing.fields import set_network_field, set_parameter
 from core.editing.links import Rewire, displaced
 from core.editing.operation import ABSENT, Operation, Together, named
 from core.editing.references import dropped, of_nodes, renamed
 from core.errors import NetworkError
+from core.expressions.grammar import ExpressionError
 from core.names import shown, thaw
+from core.network.linked_values import naming, with_names
 from core.network.network import Link, Network, Node
 
 Point = tuple[float, float]
@@ -176,15 +178,19 @@ class Rename(Operation):
         def name_of(name: str) -> str:
             return self.new if name == self.old else name
 
+        def renamed_node(node: Node) -> Node:
+            return replace(with_names(node, {self.old: self.new}), id=name_of(node.id))
+
+        try:
+            nodes = {name_of(name): renamed_node(node) for name, node in network.nodes.items()}
+        except ExpressionError as error:
+            raise NetworkError(f"{shown(self.old)} cannot be renamed: {error.message}") from None
         extra: Mapping[str, Any] = network.extra
         for old, new in self.moved(network).items():
             extra = renamed(extra, old, new)
         return replace(
             network,
-            nodes={
-                name_of(name): replace(node, id=name_of(name))
-                for name, node in network.nodes.items()
-            },
+            nodes=nodes,
             links=tuple(
                 replace(link, source=name_of(link.source), target=name_of(link.target))
                 for link in network.links
@@ -202,9 +208,55 @@ class Rename(Operation):
         """Give it back its name."""
         back = Rename(self.new, self.old)
         after = self.apply(network)
+        undone = back.apply(after)
         # What mentioned the new name before the node had it would be renamed as well.
-        steps = _back_to(network.extra, back.apply(after).extra)
+        steps = _back_to(network.extra, undone.extra)
+        for name, node in network.nodes.items():
+            for parameter in node.linked:
+                raw = node.params[parameter]
+                if undone.nodes[name].params[parameter] != raw:
+                    steps.append(set_parameter(name, parameter, thaw(raw)))
         return Together((back, *steps), self.text) if steps else back
+
+
+def keeping_values(
+    *,
+    network: Network,
+    names: Collection[str],
+    taking: Operation,
+    value_of: Callable[[str, str], Any],
+) -> tuple[Operation, tuple[str, ...]]:
+    """What takes nodes out, with the values of parameters that follow them put in first.
+
+    Parameters
+    ----------
+    network : Network
+        Before.
+    names : collection of str
+        The nodes.
+    taking : Operation
+        What takes them out.
+    value_of : callable
+        The value of a node's parameter, as `core.network.linked_values.ResolvedNetwork.value`.
+
+    Returns
+    -------
+    operation : Operation
+        One step.
+    kept : tuple of str
+        ``NODE.PARAMETER = value`` of those that follow nothing any more.
+    """
+    places = [place for place in naming(network, names) if place[0] not in names]
+    if not places:
+        return taking, ()
+    steps: list[Operation] = []
+    kept = []
+    for node, parameter in places:
+        value = thaw(value_of(node, parameter))
+        if not isinstance(value, dict):  # else it had no value, and still has none
+            steps.append(set_parameter(node, parameter, value))
+            kept.append(f"{shown(node)}.{parameter} = {value}")
+    return Together((*steps, taking), taking.text), tuple(kept)
 
 
 def _back_to(wanted: Mapping[str, Any], present: Mapping[str, Any]) -> list[Operation]:

@@ -1,8 +1,8 @@
 """Writing macros out: the plain network that a network with macros stands for.
 
 Whatever computes works on the plain network: a node inside of ``camera`` is called ``camera/blur``
-there, wires go from inner node to inner node, and of the macros nothing is left but other names for
-their ports and parameters.
+there, in expressions too; wires go from inner node to inner node, and of the macros nothing is left
+but other names for their ports and parameters.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from core.expressions.grammar import rewritten
 from core.network.interface import End, text
 from core.network.macro import SEPARATOR, face_of_macro, opened, passing_input, under
-from core.network.network import Library, Link, Network, Node
+from core.network.network import EXPRESSION, Library, Link, Network, Node
 
 
 def expanded(network: Network, library: Library) -> Network:
@@ -43,6 +44,7 @@ def expanded(network: Network, library: Library) -> Network:
         extra=_with_final(network.extra, ports),
         port_names=ports,
         parameter_names={text(end): text(inner) for end, inner in level.parameters.items()},
+        aside=level.aside,
     )
 
 
@@ -54,7 +56,8 @@ def has_macros(network: Network) -> bool:
 def unfolded(network: Network) -> Network:
     """The network with the nodes inside of macros beside them, for what shows and edits them all.
 
-    Links inside come along. The macros stay, so this is no network to compute.
+    Links inside come along. The macros stay, and expressions are as they were written inside, so
+    this is no network to compute.
     """
     if not has_macros(network):
         return network
@@ -91,6 +94,7 @@ class _Level:
     inputs: dict[End, tuple[End, ...]] = field(default_factory=dict)
     outputs: dict[End, End] = field(default_factory=dict)
     parameters: dict[End, End] = field(default_factory=dict)
+    aside: dict[str, Node] = field(default_factory=dict)
 
     def source(self, end: End) -> End:
         """The output of a plain node that an output stands for; an empty end where it has none."""
@@ -128,14 +132,15 @@ def _level(network: Network, library: Library) -> _Level:
 
 
 def _add_macro(level: _Level, node: Node, library: Library) -> None:
-    face, inside = face_of_macro(opened(node)), _level(opened(node), library)
+    body = opened(node, linked=False)
+    face, inside = face_of_macro(body), _level(body, library)
 
     def outer(end: End) -> End:
         return f"{node.id}{SEPARATOR}{end[0]}", end[1]
 
     prefix = f"{node.id}{SEPARATOR}"
     for inner in inside.nodes.values():
-        plain = under(node, inner)
+        plain = _within(node, inner)
         level.nodes[plain.id] = plain
     level.links += [_prefixed(link, prefix) for link in inside.links]
     for name, ends in face.inputs.items():
@@ -145,17 +150,62 @@ def _add_macro(level: _Level, node: Node, library: Library) -> None:
     for name, end in face.outputs.items():
         if (source := inside.source(end)) != ("", ""):
             level.outputs[node.id, name] = outer(source)
-    for name, end in face.parameters.items():
-        level.parameters[node.id, name] = outer(inside.parameters.get(end, end))
     for end in inside.outputs:  # names of macros inside stay names
         if (source := inside.source(end)) != ("", ""):
             level.outputs[outer(end)] = outer(source)
+    _add_parameters(level, node, inside)
+
+
+def _add_parameters(level: _Level, node: Node, inside: _Level) -> None:
+    """What a macro's parameters stand for; its expressions name what lies around it."""
+
+    def outer(end: End) -> End:
+        return f"{node.id}{SEPARATOR}{end[0]}", end[1]
+
+    for inner in inside.aside.values():
+        plain = _within(node, inner)
+        level.aside[plain.id] = plain
+    for name, end in face_of_macro(opened(node)).parameters.items():
+        level.parameters[node.id, name] = outer(inside.parameters.get(end, end))
     for end, behind in inside.parameters.items():
         level.parameters[outer(end)] = outer(behind)
+    for name in node.linked:
+        place, parameter = level.parameters.get((node.id, name), ("", ""))
+        for nodes in (level.nodes, level.aside):
+            if place in nodes:
+                params = {**nodes[place].params, parameter: node.params[name]}
+                nodes[place] = replace(nodes[place], params=params)
+
+
+def _within(macro: Node, inner: Node) -> Node:
+    """A node of a macro's inside as `under` has it, with the names in its expressions changed too.
+
+    The same object each time.
+    """
+    plain = under(macro, inner)
+    if not plain.linked:
+        return plain
+    made: dict[str, Node] = vars(plain).setdefault("_within", {})
+    if macro.id not in made:
+
+        def moved(node: str, parameter: str) -> End:
+            return f"{macro.id}{SEPARATOR}{node}", parameter
+
+        expressions = {}
+        for name in plain.linked:
+            raw = plain.params[name]
+            if isinstance(raw[EXPRESSION], str):
+                text = rewritten(raw[EXPRESSION], moved, refuse_long=False)
+                expressions[name] = {**raw, EXPRESSION: text}
+        made[macro.id] = replace(plain, params={**plain.params, **expressions})
+    return made[macro.id]
 
 
 def _add_disabled(level: _Level, network: Network, node: Node, library: Library) -> None:
     """A disabled macro is gone, and what would come out of it is what goes in."""
+    inside = _level(opened(node, linked=False), library)
+    inside.aside |= inside.nodes
+    _add_parameters(level, node, inside)
     feeding: Mapping[str, Link] = {link.input: link for link in network.links_into(node.id)}
     for name in face_of_macro(opened(node)).outputs:
         link = feeding.get(passing_input(node, name, library) or "")

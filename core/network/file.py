@@ -18,7 +18,7 @@ from core.names import SCALARS, thaw
 from core.network.json_reading import LARGEST
 from core.network.macro import declared_node
 from core.network.migrations import least_version
-from core.network.network import Library, Network, Node
+from core.network.network import EXPRESSION, Library, Network, Node
 from core.network.parsing import FORMAT, parse_network
 from core.network.validation import check_network
 
@@ -113,18 +113,16 @@ def format_network(network: Network, *, library: Library) -> str:
 
     Nodes keep their order, which is for the reader; links follow that order, and all else whose
     order means nothing is sorted. Parameters are those that were given, numbers in the kind their
-    declaration has; points, links and lists of numbers take one line each.
+    declaration has; points, links, expressions and lists of numbers take one line each. The version
+    is the oldest that holds it all.
 
     Raises
     ------
     NetworkError
         If it holds what JSON cannot.
     """
-    document: dict[str, Any] = {
-        "format": FORMAT,
-        "version": least_version(network),
-        "name": network.name,
-    }
+    version = least_version(network)
+    document: dict[str, Any] = {"format": FORMAT, "version": version, "name": network.name}
     if network.description:
         document["description"] = network.description
     document["seed"] = network.seed
@@ -158,7 +156,7 @@ def _lines(value: Any, newline: str, encode: Any) -> str:
     if type(value) in SCALARS:
         return _scalar(value, encode)
     inner = newline + "  "
-    if isinstance(value, Mapping) and value:
+    if isinstance(value, Mapping) and value and value.keys() != {EXPRESSION}:
         rows = [f"{encode(name)}: {_lines(item, inner, encode)}" for name, item in value.items()]
         return "{" + inner + f",{inner}".join(rows) + newline + "}"
     if isinstance(value, list | tuple) and any(

@@ -38,21 +38,28 @@ def with_face(body: Network, face: Interface) -> Network:
     return body if thaw(extra) == thaw(body.extra) else replace(body, extra=extra)
 
 
-def opened(node: Node) -> Network:
+def opened(node: Node, *, linked: bool = True) -> Network:
     """The inside of a macro with the values that its node gives to exposed parameters.
 
     It is made once for a node, so that nodes which no edit touched stay the same objects.
+
+    Parameters
+    ----------
+    node : Node
+        The macro.
+    linked : bool
+        With the node's expressions as well, though what they name lies around the macro.
     """
     assert node.macro is not None
-    known: Network | None = vars(node).get("_opened")
-    if known is not None:
-        return known
-    body = node.macro
-    for name, (inner, parameter) in face_of_macro(body).parameters.items():
-        if name in node.params and inner in body.nodes:
-            body = body.with_parameter(inner, parameter, node.params[name])
-    vars(node)["_opened"] = body
-    return body
+    made: dict[bool, Network] = vars(node).setdefault("_opened", {})
+    if linked not in made:
+        left_out = () if linked else node.linked
+        body = node.macro
+        for name, (inner, parameter) in face_of_macro(body).parameters.items():
+            if name in node.params and name not in left_out and inner in body.nodes:
+                body = body.with_parameter(inner, parameter, node.params[name])
+        made[linked] = body
+    return made[linked]
 
 
 def under(macro: Node, inner: Node) -> Node:

@@ -16,15 +16,17 @@ Migration = Callable[[Document], Document]
 
 # Append only: the first entry turns version 1 into 2, and so on. An entry gets a document of which
 # only format and version have been checked, and leaves alone what is not as it expects.
-# Version 2 only adds to version 1: macros. What is in version 1 means the same there.
-MIGRATIONS: tuple[Migration, ...] = (dict,)
+MIGRATIONS: tuple[Migration, ...] = (
+    dict,  # 2: a parameter may have an expression in the place of its value, a node a macro inside
+)
 VERSION = 1 + len(MIGRATIONS)
 
 
 def least_version(network: Network) -> int:
-    """The oldest version of the format that has all that a network uses."""
-    uses_macros = any(node.macro is not None or node.noise for node in network.nodes.values())
-    return 2 if uses_macros else 1
+    """The oldest version that can hold the network, so that older readers open all they can."""
+    nodes = network.nodes.values()
+    newer = any(node.linked or node.macro is not None or node.noise for node in nodes)
+    return 2 if newer else 1
 
 
 def migrate(

@@ -21,6 +21,8 @@ NETWORK_FIELDS = ("format", "version", "name", "description", "seed", "nodes", "
 MACRO = "macro"
 """Module of a node that holds a network of its own."""
 
+EXPRESSION = "expression"
+"""The field of a parameter that follows others, in the place of its value."""
 SEEDS = f"a whole number from 0 to {LARGEST_INTEGER}"
 
 
@@ -80,6 +82,15 @@ class Node(_Frozen):
             raise NetworkError(f"a node has a macro if its module is {MACRO}, else none: {self.id}")
         _set(self, params=freeze(self.params), extra=freeze(self.extra))
 
+    @cached_property
+    def linked(self) -> tuple[str, ...]:
+        """The parameters that have an expression in the place of a value."""
+        return tuple(
+            name
+            for name, value in self.params.items()
+            if isinstance(value, Mapping) and EXPRESSION in value
+        )
+
 
 @dataclass(frozen=True, order=True)
 class Link:
@@ -121,7 +132,8 @@ class Network(_Frozen):
 
     `layout` gives points of the canvas by node, `extra` the file's other fields. Where macros have
     been written out (`core.network.expansion`), `port_names` and `parameter_names` give for the
-    ``NODE.NAME`` of a macro that of the inner node it stands for.
+    ``NODE.NAME`` of a macro that of the inner node it stands for; `aside` has the nodes inside of
+    disabled macros, which only give parameters that others may follow.
 
     Raises
     ------
@@ -138,6 +150,7 @@ class Network(_Frozen):
     extra: Mapping[str, Any] = field(default_factory=dict)
     port_names: Mapping[str, str] = field(default_factory=dict)
     parameter_names: Mapping[str, str] = field(default_factory=dict)
+    aside: Mapping[str, Node] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_seed(self.seed)
@@ -153,6 +166,7 @@ class Network(_Frozen):
             extra=freeze(self.extra),
             port_names=MappingProxyType(dict(self.port_names)),
             parameter_names=MappingProxyType(dict(self.parameter_names)),
+            aside=MappingProxyType(dict(self.aside)),
         )
 
     @cached_property
@@ -279,8 +293,12 @@ class Network(_Frozen):
             If there is no such node.
         """
         self.node(node.id)
+        return self.with_nodes({**self.nodes, node.id: node})
+
+    def with_nodes(self, nodes: Mapping[str, Node]) -> Network:
+        """With other nodes of the same ids, in the same order; all else is taken over as it is."""
         changed = object.__new__(Network)
-        vars(changed).update(vars(self), nodes=MappingProxyType({**self.nodes, node.id: node}))
+        vars(changed).update(vars(self), nodes=MappingProxyType(dict(nodes)))
         return changed
 
     def with_seed(self, seed: int) -> Network:

@@ -10,6 +10,7 @@ from core.modules.declaration import Declaration, Port, declaration
 from core.names import close, shown, thaw
 from core.network.expansion import expanded
 from core.network.graph import cycles
+from core.network.linked_values import with_values
 from core.network.macro_validation import macro_problems
 from core.network.network import (
     Library,
@@ -102,7 +103,9 @@ def plain_network(network: Network, *, library: Library) -> Network:
 
 class _Survey:
     def __init__(self, network: Network, library: Library) -> None:
-        self.network = network
+        resolved = with_values(network, library=library)
+        self.network = resolved.network
+        self.unresolved = resolved.faults
         self.library = library
         self.faults: list[ImagechainError] = []
         self.suggestions = 0
@@ -132,8 +135,11 @@ class _Survey:
         known = {parameter.name: parameter for parameter in declared.parameters}
         values = thaw(node.params)
         before = len(self.faults)
+        without_value = {error.parameter: error for error in self.unresolved.get(node.id, ())}
         for name, value in values.items():
-            if name not in known:
+            if name in without_value:
+                self.faults.append(without_value[name])
+            elif name not in known:
                 hint = self._close(name, known)
                 allowed = f"{declared.title} has no such parameter{hint or _listed(known)}"
                 self.faults.append(ParameterError(shown(name), value, allowed, node=node.id))

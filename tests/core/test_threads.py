@@ -58,14 +58,16 @@ def test_an_error_comes_out_and_ends_the_work(threads):
 
 def test_an_error_of_the_caller_waits_for_those_at_work():
     left = threading.Event()
-    started = threading.Event()
+    started, begun = threading.Event(), threading.Event()
     caller = threading.current_thread()
 
     def one(item):
         if threading.current_thread() is caller:
+            begun.set()
             started.wait(PATIENCE_S)
             raise DataError("mine")
         started.set()
+        begun.wait(PATIENCE_S)  # else it might have done both before the caller takes one
         time.sleep(0.05)
         left.set()
 

@@ -29,7 +29,7 @@ from PySide6.QtWidgets import QApplication, QLineEdit  # noqa: E402
 from app.editor.window.documents.remembered_settings import Settings  # noqa: E402
 from app.editor.window.main_window import MainWindow  # noqa: E402
 from app.editor.window.start import application  # noqa: E402
-from core.network.file import format_network, load_network  # noqa: E402
+from core.network.file import format_network, read_network  # noqa: E402
 from nodes.library import standard_library  # noqa: E402
 from window_hands import CTRL, KEY, SHIFT, WindowHands  # noqa: E402
 
@@ -258,7 +258,7 @@ class WindowSession:
     def check_saved(self):
         path = self.folder / "session.json"
         assert self.session.save(path, over=True), self.window.status.error
-        loaded = load_network(path, library=self.library, unfinished=True)
+        loaded = read_network(path, library=self.library)
         assert format_network(loaded, library=self.library) == self.text(), "the file differs"
         assert not self.session.document.modified
         return path

@@ -14,14 +14,16 @@ from core.editing.layout.arrange import arranged
 from core.editing.layout.room import made_way
 from core.editing.links import Rewire
 from core.editing.moved_folder import rebased
-from core.editing.nodes import Add, Move, Placed, Remove, Rename
+from core.editing.nodes import Add, Move, Placed, Remove, Rename, keeping_values
 from core.editing.operation import ABSENT, Operation, Together, together
 from core.editing.output_mark import SetOutput
 from core.editing.wiring.continuing import continued
 from core.editing.wiring.fitting import fitting, inserted, new_node, refusal, wired_to
 from core.editing.wiring.healing import deleted, dissolved
+from core.expressions.grammar import quoted
 from core.modules.declaration import declaration
 from core.network.file import format_network
+from core.network.linked_values import expression, resolved
 from core.network.network import Library, Link, Network, Node
 
 GONE = "module_of_another_version"
@@ -226,6 +228,28 @@ def _parameter(e: Editor) -> Operation | None:
     return set_parameter(name, e.random.choice(names), e.random.choice(values)) if names else None
 
 
+def _expression(e: Editor) -> Operation | None:
+    """A parameter that follows another, which may be there or not."""
+    name, other = e.name(), e.random.choice([e.name(), "nobody", "x"])
+    if name is None or other is None:
+        return None
+    module = e.library.get(e.network.nodes[name].module)
+    names = [p.name for p in declaration(module).parameters] if module else ["strange"]
+    leaders = e.random.choice(["f_number", "width", "sigma_x_mrad", "strange"])
+    texts = [f"{quoted(other)}.{leaders} * 2", f"'{other}'.{leaders}", "1 +", "2 um", ""]
+    value = expression(e.random.choice(texts))
+    return set_parameter(name, e.random.choice(names), value) if names else None
+
+
+def _remove_leaders(e: Editor) -> Operation | None:
+    if not e.network.nodes:
+        return None
+    names = e.some()
+    taking = deleted(e.network, e.library, names)
+    value_of = resolved(e.network, library=e.library).value
+    return keeping_values(network=e.network, names=names, taking=taking, value_of=value_of)[0]
+
+
 def _switch(e: Editor) -> Operation | None:
     name = e.name()
     if name is None:
@@ -320,8 +344,10 @@ MAKERS: tuple[Maker, ...] = (
     _add, _add_first, _remove, _healed, _continued, _made_way,
     _move, _rename, _connect, _disconnect, _redraw, _wired, _inserted,
     _parameter, _switch, _output, _node_extra, _network_field, _extra_field, _backdrop, _paste,
-    _duplicate, _arrange, _picture, _rebase, _several,
+    _duplicate, _arrange, _picture, _rebase, _expression, _expression, _remove_leaders, _several,
 )  # fmt: skip
 
 # What a drag of the mouse or a slider does again and again.
-DRAGS: tuple[Maker, ...] = (_move, _parameter, _backdrop, _several, _node_extra, _network_field)
+DRAGS: tuple[Maker, ...] = (
+    _move, _parameter, _expression, _backdrop, _several, _node_extra, _network_field,
+)  # fmt: skip

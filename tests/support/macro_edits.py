@@ -10,6 +10,7 @@ from core.editing.operation import ABSENT, Operation
 from core.errors import ImagechainError
 from core.modules.declaration import declaration
 from core.network.expansion import unfolded
+from core.network.linked_values import expression, resolved
 from core.network.macro import SEPARATOR, face_of_macro, macros_in
 from core.network.network import Network
 from edited_networks import DRAGS, MAKERS, Editor, Maker
@@ -73,12 +74,16 @@ def _shown(e: Editor) -> tuple[str, str] | None:
 
 def _hide(e: Editor) -> Operation | None:
     shown = _shown(e)
-    return hide(e.network, *shown) if shown else None
+    try:
+        value_of = resolved(e.network, library=e.library).value
+        return hide(e.network, *shown, value_of) if shown else None
+    except ImagechainError:  # another follows it
+        return None
 
 
 def _rename_exposed(e: Editor) -> Operation | None:
     shown = _shown(e)
-    new = f"called {e.random.randint(0, 20)}"
+    new = f"called{e.random.choice('_ ')}{e.random.randint(0, 20)}"
     return rename_exposed(e.network, *shown, new) if shown else None
 
 
@@ -92,6 +97,16 @@ def _set(e: Editor) -> Operation | None:
     return addressed(e.network, set_parameter(name, parameter, value)) if name else None
 
 
+def _follow(e: Editor) -> Operation | None:
+    """An expression that names a macro's parameter, a node inside, or one that is not there."""
+    shown, name = _shown(e), _inner(e)
+    leaders = [f"'{one}'.f_number * 2" for one in (name, "camera", "strange") if one]
+    if shown:
+        leaders += [f"'{shown[0]}'.{shown[1]}"] * 2
+        return addressed(e.network, set_parameter(*shown, expression(e.random.choice(leaders))))
+    return None
+
+
 def _work_inside(e: Editor) -> Operation | None:
     path, level = _level(e)
     if not path:
@@ -102,7 +117,7 @@ def _work_inside(e: Editor) -> Operation | None:
 
 
 MACRO_MAKERS: tuple[Maker, ...] = (
-    *MAKERS, _group, _group, _group, _ungroup, _expose, _expose, _hide, _rename_exposed, _set, _set,
-    _work_inside, _work_inside, _work_inside,
+    *MAKERS, _group, _group, _group, _ungroup, _expose, _expose, _hide, _rename_exposed, _set,
+    _set, _follow, _work_inside, _work_inside, _work_inside,
 )  # fmt: skip
 MACRO_DRAGS: tuple[Maker, ...] = (*DRAGS, _set, _work_inside)

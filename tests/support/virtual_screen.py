@@ -6,6 +6,8 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from child_process import PATIENCE_S
 
 SCREENSHOTS = Path(__file__).resolve().parents[2] / "build" / "screenshots"
@@ -47,6 +49,26 @@ def virtual_screen(width=1600, height=1000):
     finally:
         server.terminate()
         server.wait(PATIENCE_S)
+
+
+@contextlib.contextmanager
+def managed_screen(width, height):
+    """A virtual screen with a window manager, as people have one; skips where there is none."""
+    program = shutil.which("openbox")
+    if program is None:
+        pytest.skip("these tests need a window manager (Debian: openbox)")
+    with virtual_screen(width, height) as environment:
+        manager = subprocess.Popen(
+            [program, "--sm-disable"],
+            env=environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            yield environment
+        finally:
+            manager.terminate()
+            manager.wait(PATIENCE_S)
 
 
 def screenshot_folder():

@@ -10,6 +10,7 @@ from PySide6.QtCore import QEvent, QPoint, QPointF, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from app.editor.canvas.empty_hint import EmptyHint
 from app.editor.canvas.hands.adding import Adding
 from app.editor.canvas.hands.dropping import Dropping
 from app.editor.canvas.hands.handling import Handling
@@ -80,6 +81,7 @@ class Canvas(QWidget):
         self.view.scene().addItem(live)
         surface = Surface(session, self.view, self.content, live, Hint(self.view.viewport()))
         self._surface = surface
+        self.empty_hint = EmptyHint(session, self.view.viewport())
         self.marks = Marks(self.content)
         self.minimap = Minimap(self.view, self.content, theme)
         self.popup = ChoicePopup(self.view)
@@ -115,6 +117,7 @@ class Canvas(QWidget):
         self.adding.set_theme(theme)
         self.minimap.set_theme(theme)
         self._surface.hint.set_theme(theme)
+        self.empty_hint.set_theme(theme)
 
     def set_badges(self, badges: Any) -> None:
         """Show the states of the nodes.

@@ -135,6 +135,11 @@ class Evaluator(QObject):
         return self._finished == self._generation and not self._soon.isActive()
 
     @property
+    def generation(self) -> int:
+        """Number of the newest state of the window that was posted."""
+        return self._generation
+
+    @property
     def badges(self) -> dict[str, Badge]:
         """What every node shows, as signalled last."""
         return dict(self._shown_badges)

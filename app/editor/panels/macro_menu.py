@@ -19,7 +19,8 @@ def add_macro_actions(menu: QMenu, session: Session, node: str, parameter: str) 
     network = session.document.network
     if session.network.nodes[node].macro is not None:
         menu.addSeparator()
-        _add(menu, "hide", "Hide from this panel", session, partial(hide, network, node, parameter))
+        hiding = partial(hide, network, node, parameter, session.resolved.value)
+        _add(menu, "hide", "Hide from this panel", session, hiding)
         menu.addAction(_naming(menu, session, node, parameter))
         return
     macro = node.removesuffix(SEPARATOR + session.local_name(node))
@@ -28,8 +29,8 @@ def add_macro_actions(menu: QMenu, session: Session, node: str, parameter: str) 
     menu.addSeparator()
     name = exposed_as(network, node, parameter)
     if name:
-        text = f"Hide from the panel of {macro}"
-        _add(menu, "hide", text, session, partial(hide, network, macro, name))
+        text, value_of = f"Hide from the panel of {macro}", session.resolved.value
+        _add(menu, "hide", text, session, partial(hide, network, macro, name, value_of))
     else:
         text = f"Show on the panel of {macro}"
         _add(menu, "expose", text, session, partial(expose, network, node, parameter))

@@ -17,7 +17,9 @@ from app.editor.widgets.colours import set_ink
 from core.editing.fields import set_parameter
 from core.editing.operation import ABSENT
 from core.modules.declaration import Declaration
-from core.network.network import Network
+from core.names import thaw
+from core.network.linked_values import LinkError
+from core.network.network import Network, Node
 
 
 class ModuleBody(QWidget):
@@ -29,10 +31,13 @@ class ModuleBody(QWidget):
         Show that output in the viewer of that number.
     trade_off_requested(node, parameter)
         Show figures of merit as it moves.
+    held(parameter, on)
+        The mouse holds a control of that parameter: nothing may move.
     """
 
     view_requested = Signal(str, str, int)
     trade_off_requested = Signal(str, str)
+    held = Signal(str, bool)
 
     def __init__(
         self,
@@ -62,24 +67,37 @@ class ModuleBody(QWidget):
         self.sections.gesture_ended.connect(session.end_gesture)
         self.sections.trade_off_wanted.connect(self._trade_off)
         self.sections.menu_opening.connect(self._add_to_menu)
+        self.sections.unlink_wanted.connect(self._unlink)
+        self.sections.held.connect(self.held)
+        for field in self.sections.fields:
+            field.link_fault = self._link_fault
+        self._valued: Node | None = None
         self._column.addWidget(self.sections)
-        self.readouts = ReadoutsView(declaration, node, evaluator, theme, self)
+        self.readouts = ReadoutsView(declaration, node, evaluator, session, theme, self)
         if declaration.readouts:
-            self._titled("Read-outs", self.readouts)
+            self._titled(self.readouts.title, self.readouts)
         else:
             self.readouts.hide()
+            self.readouts.title.hide()
         self.ports = PortsView(declaration, node, theme, self)
         self.ports.view_requested.connect(self.view_requested)
-        self._titled("Ports", self.ports)
+        self._titled(QLabel("Ports", self), self.ports)
         self.set_theme(theme)
 
     def follow(self, before: Network | None, after: Network) -> None:
         """Show the node as it is now, where it was changed."""
-        node = after.nodes[self._node]
-        if before is None or before.nodes.get(self._node) is not node:
-            self.sections.follow(node)
+        node, valued = after.nodes[self._node], self._session.valued(self._node)
+        faults = self._session.resolved.faults_of(node)
+        changed = before is None or before.nodes.get(self._node) is not node
+        if changed or valued is not self._valued or faults:
+            self.sections.follow(node, valued.params, faults)
+        self._valued = valued
         if before is None or before.links != after.links:
             self.ports.follow(after)
+
+    def set_held_back(self, on: bool) -> None:
+        """Whether the node stays as it was until all is generated."""
+        self.readouts.set_held_back(on)
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
@@ -90,11 +108,10 @@ class ModuleBody(QWidget):
             if draw is not None:
                 draw(theme)
 
-    def _titled(self, text: str, widget: QWidget) -> None:
+    def _titled(self, title: QLabel, widget: QWidget) -> None:
         line = QFrame(self)
         line.setFrameShape(QFrame.Shape.HLine)
         line.setFrameShadow(QFrame.Shadow.Sunken)
-        title = QLabel(text, self)
         font = title.font()
         font.setBold(True)
         title.setFont(font)
@@ -109,6 +126,16 @@ class ModuleBody(QWidget):
     def _add_to_menu(self, name: str, menu: QMenu) -> None:
         if self._node in self._session.network.nodes:
             add_macro_actions(menu, self._session, self._node, name)
+
+    def _link_fault(self, name: str, raw: object) -> LinkError | None:
+        """Why a parameter cannot follow that; None where it can."""
+        return self._session.link_fault(self._node, name, raw)
+
+    def _unlink(self, name: str) -> None:
+        if self._node in self._session.network.nodes:
+            value = thaw(self._session.valued(self._node).params[name])
+            label = f"Unlink {self._node}.{name}"
+            self._session.do(set_parameter(self._node, name, value, label))
 
     def _trade_off(self, name: str) -> None:
         self.trade_off_requested.emit(self._node, name)

@@ -53,12 +53,15 @@ class NodePanel(QFrame):
         Put the panel away.
     trade_off_requested(node, parameter)
         Show figures of merit as it moves.
+    held(node, on)
+        The mouse holds one of its controls: nothing may move.
     """
 
     view_requested = Signal(str, str, int)
     trade_off_requested = Signal(str, str)
     generate_requested = Signal(str)
     close_requested = Signal(str)
+    held = Signal(str, bool)
 
     def __init__(
         self,
@@ -90,6 +93,7 @@ class NodePanel(QFrame):
             self.body = ModuleBody(declared, node, session, evaluator, theme, self)
             self.body.view_requested.connect(self.view_requested)
             self.body.trade_off_requested.connect(self.trade_off_requested)
+            self.body.held.connect(self._held)
         else:
             self.body = UnknownBody(self.module, node, theme, self)
             for button in (self.head.auto, self.head.disable, self.head.generate, self.head.output):
@@ -140,6 +144,8 @@ class NodePanel(QFrame):
     def set_badge(self, badge: Badge | None) -> None:
         """Show what is wrong with the node, or special about it."""
         self.head.set_badge(badge)
+        if isinstance(self.body, ModuleBody) and (badge is None or badge.kind != "running"):
+            self.body.set_held_back(badge is not None and badge.kind == "stale")
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
@@ -162,6 +168,9 @@ class NodePanel(QFrame):
         for edit in self.findChildren(TypeIn):
             if edit.unsettled:
                 edit.give_up()
+
+    def _held(self, _parameter: str, on: bool) -> None:
+        self.held.emit(self.node, on)
 
     def _fold(self, on: bool) -> None:
         self.head.below.setVisible(not on)

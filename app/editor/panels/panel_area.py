@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import QFrame, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtGui import QGuiApplication
+from PySide6.QtWidgets import QFrame, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
@@ -15,11 +16,13 @@ from app.editor.panels.network_panel import NetworkPanel
 from app.editor.panels.node_panel import NodePanel
 from app.editor.session import Session, followed_name, renamed_node
 from app.editor.theme import Theme
+from app.editor.widgets.after_release import AfterRelease
+from app.editor.widgets.wheel_scroll import WheelScrollArea
 from core.editing.fields import set_node_field
 from core.editing.operation import ABSENT
 
 
-class PanelArea(QScrollArea):
+class PanelArea(WheelScrollArea):
     """A stack of panels that scrolls.
 
     Parameters
@@ -64,6 +67,8 @@ class PanelArea(QScrollArea):
         self._evaluator = evaluator
         self._theme = theme
         self._badges: Mapping[str, Badge] = {}
+        self._holding: set[str] = set()
+        self._later = AfterRelease(self)
         self.panels: dict[str, NodePanel] = {}
         self.sets_folder: Path | None = None
         content = QWidget(self)
@@ -94,14 +99,33 @@ class PanelArea(QScrollArea):
     def set_badges(self, badges: Any) -> None:
         """Show on the panels what is wrong with their nodes.
 
+        While the mouse holds a control, that waits: what stands below would move away under it.
+
         Parameters
         ----------
         badges : mapping of str to Badge
             By node.
         """
         self._badges = badges
-        for name, panel in self.panels.items():
-            panel.set_badge(badges.get(name))
+        if self._holding:
+            return
+        if QGuiApplication.mouseButtons() == Qt.MouseButton.NoButton:
+            self._show_badges()
+        else:
+            self._later.do("badges", self._show_badges)
+
+    def _show_badges(self) -> None:
+        if not self._holding:
+            for name, panel in self.panels.items():
+                panel.set_badge(self._badges.get(name))
+
+    def _hold(self, name: str, on: bool) -> None:
+        """A control of that panel is held, or let go."""
+        if on:
+            self._holding.add(name)
+        elif name in self._holding:
+            self._holding.discard(name)
+            self._show_badges()
 
     def edit_name(self) -> None:
         """Open the name of the node selected last for editing."""
@@ -187,11 +211,13 @@ class PanelArea(QScrollArea):
         panel.trade_off_requested.connect(self.trade_off_requested)
         panel.generate_requested.connect(self.generate_requested)
         panel.close_requested.connect(self._close)
+        panel.held.connect(self._hold)
         self.panels[name] = panel
         return panel
 
     def _drop(self, name: str) -> None:
         panel = self.panels.pop(name)
+        self._holding.discard(name)
         panel.discard_typing()  # hiding takes the focus away, which would take what was typed
         self._column.removeWidget(panel)
         panel.hide()

@@ -12,8 +12,10 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QLineEdit, QSizePolicy, QWidg
 
 from app.editor.declared_text import label_of, tip
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, Passing, Query
 from app.editor.number_text import shown_figure
+from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.widgets.colours import set_ink
 from app.editor.widgets.steady_width import steady_width
@@ -21,6 +23,8 @@ from core.chain.engine import Plan
 from core.modules.declaration import Declaration
 
 NONE = "—"
+TITLE = "Read-outs"
+OLDER, HELD_BACK = "from before the last edit", "as last generated"
 _BESIDE = 3  # room that a line edit keeps at both ends, and for the cursor
 
 
@@ -98,6 +102,9 @@ class ReadoutValue(QLineEdit):
 class ReadoutsView(QWidget):
     """One row for each read-out; queries them while it is visible.
 
+    Values that are of the network before the last edit are drawn faint, and the title says so:
+    where a preview of the pictures came first, and where the node is held back.
+
     Parameters
     ----------
     declaration : Declaration
@@ -106,6 +113,8 @@ class ReadoutsView(QWidget):
         Id of the node.
     evaluator : Evaluator or None
         Answers the queries; without one there are no values.
+    session : Session
+        The document, whose edits make values old.
     theme : Theme
         Colours.
     parent : QWidget, optional
@@ -117,6 +126,7 @@ class ReadoutsView(QWidget):
         declaration: Declaration,
         node: str,
         evaluator: Evaluator | None,
+        session: Session,
         theme: Theme,
         parent: QWidget | None = None,
     ) -> None:
@@ -148,9 +158,21 @@ class ReadoutsView(QWidget):
                 grid.addWidget(widget, row, column)
             self.values[readout.name] = value
             self._quiet += [name, unit]
+        self.title = QLabel(TITLE, self)
+        self.title.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self._is_held_back = False
+        self._freshness: Freshness | None = None
         self.set_theme(theme)
         if evaluator is not None:
             evaluator.answered.connect(self._answered)
+            self._freshness = Freshness(session, evaluator, self)
+            self._freshness.changed.connect(self._mark)
+
+    @property
+    def is_old(self) -> bool:
+        """Whether the values are of an older state of the network."""
+        behind = self._freshness is not None and self._freshness.is_old
+        return behind or self._is_held_back
 
     def showEvent(self, event: QShowEvent) -> None:
         """Post the query."""
@@ -166,8 +188,24 @@ class ReadoutsView(QWidget):
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in these colours."""
+        self._theme = theme
         for label in self._quiet:
             set_ink(label, theme.faint_text)
+        self._mark()
+
+    def set_held_back(self, on: bool) -> None:
+        """Whether the node stays as it was until all is generated."""
+        self._is_held_back = on
+        self._mark()
+
+    def _mark(self, _old: bool = False) -> None:
+        ink = self._theme.faint_text if self.is_old else self._theme.text
+        for value in self.values.values():
+            set_ink(value, ink)
+        words = HELD_BACK if self._is_held_back else OLDER
+        text = f"{TITLE}: {words}" if self.is_old else TITLE
+        if text != self.title.text():
+            self.title.setText(text)
 
     def _answered(self, answer: Any) -> None:
         if not isinstance(answer, Answer) or answer.owner != self._owner:
@@ -175,3 +213,5 @@ class ReadoutsView(QWidget):
         texts = dict(answer.value) if answer.error is None else {}
         for name, value in self.values.items():
             value.show_text(texts.get(name, NONE))
+        if self._freshness is not None:
+            self._freshness.catch_up(answer.generation)

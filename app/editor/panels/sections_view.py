@@ -9,7 +9,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QLabel, QMenu, QVBoxLayout, QWidget
 
 from app.editor.panels.fields.choice import ButtonsField
-from app.editor.panels.fields.field import Field
+from app.editor.panels.fields.field import Field, FieldLink
 from app.editor.panels.fields.make import field_for
 from app.editor.session import Session
 from app.editor.theme import Theme
@@ -18,6 +18,7 @@ from app.editor.widgets.page_tabs import PageTabs
 from core.editing.operation import ABSENT
 from core.modules.declaration import Declaration
 from core.modules.panel_sections import Section
+from core.network.linked_values import LinkError, expression_text
 from core.network.network import Node
 
 
@@ -25,7 +26,7 @@ class SectionsView(QWidget):
     """Fields for all parameters of a module.
 
     Signals are those of the fields: `edited`, `reset_wanted`, `gesture_ended`,
-    `trade_off_wanted`, `menu_opening`.
+    `trade_off_wanted`, `menu_opening`, `unlink_wanted`, `held`.
     """
 
     edited = Signal(str, object, object)
@@ -33,6 +34,8 @@ class SectionsView(QWidget):
     gesture_ended = Signal()
     trade_off_wanted = Signal(str)
     menu_opening = Signal(str, QMenu)
+    unlink_wanted = Signal(str)
+    held = Signal(str, bool)
 
     def __init__(
         self,
@@ -71,13 +74,29 @@ class SectionsView(QWidget):
         """Turn to a page."""
         self.tabs.turn_to(page)
 
-    def follow(self, node: Node) -> None:
-        """Show a node; fields whose value is as before are left alone."""
+    def follow(
+        self, node: Node, values: Mapping[str, Any], faults: Mapping[str, LinkError]
+    ) -> None:
+        """Show a node; fields whose value is as before are left alone.
+
+        Parameters
+        ----------
+        node : Node
+            As the document has it.
+        values, faults : mapping
+            What its expressions come to, or why they have no value, by parameter.
+        """
         before, self._node = self._node, node
         for field in self.fields:
             name = field.parameter.name
             raw = node.params.get(name, ABSENT)
-            if before is None or _differs(before.params, name, raw):
+            if name in node.linked:
+                fault = faults.get(name)
+                problem = fault.message if fault is not None else ""
+                link = FieldLink(expression_text(raw), values.get(name), problem, fault)
+                if field.link != link:
+                    field.follow_link(link)
+            elif before is None or _differs(before.params, name, raw):
                 field.follow(raw)
         self._show_sections()
 
@@ -134,6 +153,8 @@ class SectionsView(QWidget):
             field.gesture_ended.connect(self.gesture_ended)
             field.trade_off_wanted.connect(self.trade_off_wanted)
             field.menu_opening.connect(self.menu_opening)
+            field.unlink_wanted.connect(self.unlink_wanted)
+            field.held.connect(self.held)
             self.fields.append(field)
             inside.addWidget(field)
         return box

@@ -91,7 +91,7 @@ class SetsMenu(QMenu):
 
     def _keep(self, edit: QLineEdit) -> None:
         name = edit.text().strip()
-        node = self._session.network.nodes[self._node]
+        node = self._session.valued(self._node)
         self.close()
         try:
             save_set(name, node, self._folder)

@@ -9,11 +9,23 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import (
+    QColor,
+    QFontMetricsF,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+)
 from PySide6.QtWidgets import QWidget
 
 from app.editor.panels.illustrations.painting.axes import Axis
-from app.editor.panels.illustrations.painting.chart import Chart
+from app.editor.panels.illustrations.painting.chart import (
+    Chart,
+    ordinate_ticks,
+    room_for_ticks,
+)
 from app.editor.theme import Theme
 from app.editor.tradeoff.ranges import Span
 
@@ -21,6 +33,7 @@ Vector = NDArray[np.float64]
 LOG_FROM = 100.0  # the largest over the smallest value, from which on decades are shown
 FAINTEST = 1e-9  # of the largest value: what is below is not resolved
 _MOST_DOTS = 40
+_ABOVE = 2.0  # dots free above a chart
 _LINES = 7  # of text, the least height of a chart
 _STEPS = {Qt.Key.Key_Right: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_PageUp: 10, Qt.Key.Key_PageDown: -10}
 
@@ -126,10 +139,12 @@ class TradeOffPlots(QWidget):
         across = self._across()
         down = -(-len(self.graphs) // across)
         width, height = self.width() / across, self.height() / down
+        left = self._room_for_ticks(height - _ABOVE, QFontMetricsF(font))
         for index, graph in enumerate(self.graphs):
             area = QRectF(index % across * width, index // across * height, width, height)
             lowest = index + across >= len(self.graphs)
-            self._paint(painter, area.adjusted(2, 2, -2, 0), graph, index, lowest=lowest)
+            inside = area.adjusted(2, _ABOVE, -2, 0)
+            self._paint(painter, inside, graph, index, left=left, lowest=lowest)
         painter.end()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -186,15 +201,28 @@ class TradeOffPlots(QWidget):
 
         return min(range(1, most + 1), key=shape)
 
+    def _room_for_ticks(self, height: float, metrics: QFontMetricsF) -> float:
+        """What all charts leave free at their left, so that their frames line up."""
+        ticks = (ordinate_ticks(_ordinate(graph), height, metrics) for graph in self.graphs)
+        return max(room_for_ticks(rows, metrics) for rows in ticks)
+
     def _paint(
-        self, painter: QPainter, area: QRectF, graph: Graph, index: int, *, lowest: bool
+        self,
+        painter: QPainter,
+        area: QRectF,
+        graph: Graph,
+        index: int,
+        *,
+        left: float,
+        lowest: bool,
     ) -> None:
         span, theme = self.span, self._theme
         assert span is not None
         x = Axis(span.low, span.high, self._label if lowest else "", log=span.log)
         painter.save()
         painter.translate(area.topLeft())
-        chart = Chart(painter, QRectF(QPointF(), area.size()), x, _ordinate(graph), theme)
+        room = QRectF(QPointF(), area.size())
+        chart = Chart(painter, room, x, _ordinate(graph), theme, left=left)
         self._frames.append(chart.frame.translated(area.topLeft()))
         colour = theme.curves[index % len(theme.curves)]
         chart.curve(graph.x, graph.y, colour)

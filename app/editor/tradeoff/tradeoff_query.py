@@ -51,7 +51,10 @@ class TradeOffQuery(Query):
     def _state(self, plan: Plan) -> Hashable:
         network = plan.network
         names = {figure.node for figure in self.figures if not figure.is_total}
-        asked = {*network.nodes} if any(f.is_total for f in self.figures) else set(names)
+        # A parameter that follows others hangs on nodes that no wire leads from.
+        linked = any(node.linked for node in network.nodes.values())
+        everything = linked or any(f.is_total for f in self.figures)
+        asked = {*network.nodes} if everything else set(names)
         for name in names & {*network.nodes}:
             asked |= ancestors(network, name)
         nodes = []

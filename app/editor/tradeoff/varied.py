@@ -56,7 +56,7 @@ class Varied:
     @property
     def present(self) -> Any:
         """Its value as it stands; None where it is empty or not allowed."""
-        parameter, node = self.parameter, self._session.network.nodes.get(self.node)
+        parameter, node = self.parameter, self._session.resolved.node(self.node)
         if parameter is None or node is None:
             return None
         if self.name not in node.params:
@@ -82,6 +82,9 @@ class Varied:
             self._refuse(error.message)
             return
         if plain_value is None or plain_value == self.present:
+            return
+        if why := self._session.follows(self.node, (self.name,)):
+            self._refuse(why)
             return
         if self._gesture is None:
             self._gesture = object()

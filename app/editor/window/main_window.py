@@ -39,6 +39,7 @@ from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.documents.share_question import ShareQuestion
 from app.editor.window.documents.welcome import WelcomePage
 from app.editor.window.status import StatusBar
+from app.editor.window.tour.first_tour import FirstTour
 from core.errors import ImagechainError
 from core.modules.library_type import Library
 
@@ -87,6 +88,16 @@ class MainWindow(QMainWindow):
         self.drops = Drops(self.level, self.files, self.canvas, self)
         self.layout_in_use = WindowLayout(self, self._docks)
         self.full_screen = FullScreen(self.viewers, self.session, self)
+        self.tour = FirstTour(
+            self.session,
+            self.files,
+            settings,
+            self.viewers,
+            self,
+            {"library": self.library_dock, "canvas": self.canvas, "panels": self.panel_dock},
+            self.show_welcome,
+            self.canvas.frame_all,
+        )
         self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
         self.curtain = Curtain(self)
         self.viewers.set_picture_actions(
@@ -117,7 +128,10 @@ class MainWindow(QMainWindow):
         self.set_theme(self.theme)
         self.resize(first_size(self.screen().availableSize()))
         if remembered:
-            self._docks_remembered = settings.restore_window(self)
+            with self.layout_in_use.placing():
+                self._docks_remembered = settings.restore_window(self)
+            if self._docks_remembered and self.layout_in_use.restore(settings.layout):
+                self._docks_remembered = False  # the layout sizes them
         self.show_welcome()
         self._follow_state()
         self._follow_level()
@@ -155,6 +169,7 @@ class MainWindow(QMainWindow):
 
     def show_welcome(self) -> None:
         """Show the first page."""
+        self.status.forget()
         self.welcome.show_lists(self.settings.recent, self.recovery.unsaved_work())
         self.pages.setCurrentWidget(self.welcome)
         self.curtain.close()
@@ -164,7 +179,8 @@ class MainWindow(QMainWindow):
         if self.pages.currentWidget() is self.welcome:
             self._second_click.drop()
         self.pages.setCurrentWidget(self._work_page)
-        self.curtain.open()
+        with self.layout_in_use.placing():
+            self.curtain.open()
         if not self._docks_sized:
             self._docks_sized = True
             (self.layout_in_use.keep if self._docks_remembered else self.layout_in_use.begin)()
@@ -174,7 +190,8 @@ class MainWindow(QMainWindow):
         """Place the docks by a named layout; beside the first page they stay hidden until later."""
         covered = self.pages.currentWidget() is self.welcome
         self.full_screen.leave()
-        self.curtain.open()
+        with self.layout_in_use.placing():
+            self.curtain.open()
         self.layout_in_use.choose(name)
         if covered:
             self.curtain.close()
@@ -183,7 +200,10 @@ class MainWindow(QMainWindow):
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""
         viewers = [*self.viewers.images.values(), self.viewers.plot, self.viewers.tradeoff]
-        go_to_next([self.welcome, self.canvas, self.library_view, self.panels, *viewers], step)
+        card = self.tour.card
+        go_to_next(
+            [self.welcome, self.canvas, card, self.library_view, self.panels, *viewers], step
+        )
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Close, unless work would be lost: then ask first, and change nothing until answered."""
@@ -221,10 +241,12 @@ class MainWindow(QMainWindow):
         if self._ended:
             return
         self._ended = True
+        self.tour.close()
         self.full_screen.close()
-        self.curtain.open()
+        with self.layout_in_use.placing():
+            self.curtain.open()
         if self._remembered:
-            self.settings.remember_window(self)
+            self.settings.remember_window(self, self.layout_in_use.state())
         # Dialogs, docks that float: the process goes on while one is shown.
         for other in self.findChildren(QWidget):
             if other.isWindow():
@@ -312,13 +334,13 @@ class MainWindow(QMainWindow):
 
     def _opened(self) -> None:
         self.viewers.forget_pictures()
-        self.status.forget_error()
+        self.status.forget()
         self._first_look_due = True
         # Once the canvas has its place: it may not have been shown yet.
         QTimer.singleShot(0, self.canvas.frame_all)
 
     def _changed(self, *_: object) -> None:
-        self.status.forget_error()
+        self.status.forget()
         if self.pages.currentWidget() is self.welcome:
             self.show_canvas()
 
@@ -354,6 +376,7 @@ class MainWindow(QMainWindow):
 
     def _follow_selection(self, names: tuple[str, ...]) -> None:
         self.actions_by_name.follow_selection(bool(names))
+        self.status.forget_advice()
 
     def _follow_level(self) -> None:
         self.actions_by_name["leave_macro"].setEnabled(bool(self.level.path))
@@ -386,6 +409,11 @@ class MainWindow(QMainWindow):
         """Compute all afresh, with what is still being typed."""
         self.panels.finish_typing()
         self.evaluator.generate()
+
+    def cancel(self) -> None:
+        """Stop the computation, and leave the tour."""
+        self.evaluator.cancel()
+        self.tour.leave()
 
     def _warn(self, text: str) -> None:
         self.status.report("error", text)

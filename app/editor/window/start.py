@@ -51,7 +51,8 @@ def start(options: Options, stop_requested: threading.Event) -> None:
         take(app, options.network, shot)
         return
     _only_note(stop_requested)
-    window = MainWindow(library=standard_library(), settings=Settings(), recovery=recovery_folder())
+    settings = Settings()
+    window = MainWindow(library=standard_library(), settings=settings, recovery=recovery_folder())
     if options.look is not None:
         window.set_theme(THEMES[options.look])
     if options.window_size is not None:
@@ -65,6 +66,8 @@ def start(options: Options, stop_requested: threading.Event) -> None:
     wake.timeout.connect(ending)
     wake.start(_WAKE_MS)
     window.show()
+    if settings.first and not settings.toured and not options.network:
+        QTimer.singleShot(0, window.tour.begin)
     app.exec()
     if ending.problem is not None:
         stop_requested.clear()  # it was carried out: the error is the outcome

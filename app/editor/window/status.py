@@ -15,7 +15,7 @@ NOTE_MS = 8000
 
 
 class StatusBar(QStatusBar):
-    """Shows notes for a while and errors until another message.
+    """Shows notes for a while and errors until another message, or until they no longer hold.
 
     Signals
     -------
@@ -28,6 +28,7 @@ class StatusBar(QStatusBar):
     def __init__(self, theme: Theme, parent: QWidget) -> None:
         super().__init__(parent)
         self._theme = theme
+        self._advises = False
         self._error = QLabel(self)
         self._error.setObjectName("status.error")
         self._error.setAccessibleName("Last error")
@@ -57,7 +58,8 @@ class StatusBar(QStatusBar):
         return self._error.toolTip()
 
     def report(self, kind: str, text: str) -> None:
-        """Show a "note" or an "error"."""
+        """Show a "note" or an "error"; "advice" is a note on what is selected."""
+        self._advises = kind == "advice"
         if kind == "error":
             self.clearMessage()
             self._error.setToolTip(text)
@@ -75,6 +77,16 @@ class StatusBar(QStatusBar):
     def _elide_error(self) -> None:
         width = max(self.width() - self.fontMetrics().averageCharWidth() * 40, 200)
         self._error.setText(self.fontMetrics().elidedText(self.error, _ELIDE, width))
+
+    def forget(self) -> None:
+        """Clear what was about a network that is no more."""
+        self.clearMessage()
+        self.forget_error()
+
+    def forget_advice(self) -> None:
+        """Clear what was about a selection that is no more."""
+        if self._advises:
+            self.clearMessage()
 
     def forget_error(self) -> None:
         """Clear the error."""

@@ -8,6 +8,14 @@ from typing import Any
 
 from core.editing.backdrops import FIELD as BACKDROPS
 from core.editing.backdrops import backdrops_of
+from core.editing.macros.border_links import (
+    after_ungrouping,
+    expressions_for_macro,
+    inside_of_macro,
+    values_of_lifted,
+    with_lifted,
+    with_moved_names,
+)
 from core.editing.macros.inside import Restored
 from core.editing.macros.macro_wires import (
     inner_links,
@@ -25,6 +33,7 @@ from core.names import shown, thaw
 from core.network.expansion import unfolded
 from core.network.graph import cycles
 from core.network.interface import End, Interface
+from core.network.linked_values import resolved
 from core.network.macro import (
     SEPARATOR,
     checked_depth,
@@ -50,6 +59,8 @@ class Group(Operation):
         What the macro shows.
     noisy : frozenset of str
         Those of them and of the nodes inside of them that draw noise: it stays as it is.
+    values : mapping
+        By parameter of the macro that takes over an expression: the value inside from then on.
     where : str
         The macros this happens in, as ``camera/``; empty in the network itself.
     """
@@ -58,6 +69,7 @@ class Group(Operation):
     members: tuple[str, ...]
     face: Interface
     noisy: frozenset[str] = frozenset()
+    values: Mapping[str, Any] = field(default_factory=dict)
     where: str = ""
 
     @property
@@ -70,12 +82,15 @@ class Group(Operation):
         inner = {name: network.node(name) for name in self.members}
         if self.name in network.nodes and self.name not in inner:
             raise NetworkError(f"there is a node {shown(self.name)} already")
+        moved = self.moved(network)
+        lifted = expressions_for_macro(inner, self.face, moved)
+
+        def member(node: Node) -> Node:
+            node = inside_of_macro(node, self.face, lifted, self.values)
+            return _with_noise(node, self.where + node.id, self.noisy)
+
         body = Network(
-            nodes={
-                name: _with_noise(node, self.where + name, self.noisy)
-                for name, node in network.nodes.items()
-                if name in inner
-            },
+            nodes={name: member(node) for name, node in network.nodes.items() if name in inner},
             links=tuple(
                 link for link in network.links if {link.source, link.target} <= inner.keys()
             ),
@@ -83,9 +98,9 @@ class Group(Operation):
             extra=self.face.fields(),
         )
         checked_depth(1 + depth(body), self.name)
-        macro = Node(self.name, MACRO, macro=body)
+        macro = Node(self.name, MACRO, params=lifted, macro=body)
         nodes = {}
-        for name, node in network.nodes.items():
+        for name, node in with_moved_names(network.nodes.values(), moved).items():
             if name == next(name for name in network.nodes if name in inner):
                 nodes[self.name] = macro
             if name not in inner:
@@ -94,7 +109,7 @@ class Group(Operation):
         if body.layout:
             layout[self.name] = _middle(body.layout)
         extra: Mapping[str, Any] = network.extra
-        for old, new in self.moved(network).items():
+        for old, new in moved.items():
             extra = renamed(extra, old, new)
         changed = replace(
             network,
@@ -152,19 +167,26 @@ class Ungroup(Operation):
         node = network.node(self.name)
         if node.macro is None:
             raise NetworkError(f"{shown(self.name)} is no macro: there is nothing to ungroup")
-        body = opened(node)
+        body = opened(node, linked=False)
         names = {name: self.fresh.get(name, name) for name in body.nodes}
         others = {name for name in network.nodes if name != self.name}
         for name in names.values():
             if name in others:
                 raise NetworkError(f"there is a node {shown(name)} already")
         extra: Mapping[str, Any] = network.extra
-        for old, new in self.moved(network).items():
+        moved = self.moved(network)
+        for old, new in moved.items():
             extra = renamed(extra, old, new)
         shift = _shift(network, self.name, body)
+        face = face_of_macro(body)
+        around_it = {
+            name: after_ungrouping(other, self.name, face, names, moved)
+            for name, other in network.nodes.items()
+        }
+        inner = self._inner(around_it[self.name], body, names)
         changed = replace(
             network,
-            nodes=_in_place(network, self.name, self._inner(node, body, names)),
+            nodes=_in_place(around_it, self.name, inner),
             links=inner_links(network, self.name, body, names),
             layout={
                 **{name: at for name, at in network.layout.items() if name != self.name},
@@ -183,7 +205,12 @@ class Ungroup(Operation):
 
     def _inner(self, macro: Node, body: Network, names: Mapping[str, str]) -> dict[str, Node]:
         inner = {}
-        for name, node in body.nodes.items():
+        followers = with_moved_names(body.nodes.values(), names)
+        for name, (own, parameter) in face_of_macro(body).parameters.items():
+            if name in macro.linked and own in followers:
+                params = {**followers[own].params, parameter: macro.params[name]}
+                followers[own] = replace(followers[own], params=params)
+        for name, node in followers.items():
             auto = node.auto if macro.auto is None else macro.auto
             outer = f"{self.where}{self.name}{SEPARATOR}{name}"
             plain = _with_noise(replace(node, id=names[name], auto=auto), outer, self.noisy)
@@ -212,11 +239,14 @@ def group(
     names: Iterable[str],
     name: str = "macro",
     where: str = "",
+    value_of: Callable[[str, str], Any] | None = None,
 ) -> tuple[str, Operation]:
-    """What makes one node of several, and its name.
+    """What makes one node of several, and its name; `where` as for `Group`.
 
-    It has an input for every wire that comes from outside and every input that still needs one, an
-    output for every one that leads outside and for the pictures nothing leads on from.
+    `value_of` gives the value of a node's parameter, in a macro with what is set from outside;
+    None: as the network alone has it.
+    The macro has an input for every wire that comes from outside and every input that still needs
+    one, an output for every one that leads outside and for the pictures nothing leads on from.
 
     Raises
     ------
@@ -235,9 +265,13 @@ def group(
     for end in around.parameters.values():
         if end[0] in members:
             parameters[fresh_name(end[1], parameters)] = end
+    parameters = with_lifted(network, members, parameters)
     inputs = inputs_of(network, library, members, around)
     face = Interface(inputs, outputs_of(network, library, members, around), parameters)
-    operation = Group(fresh, members, face, _noisy(network, library, members, where), where)
+    value_of = value_of or resolved(network, library=library).value
+    values = values_of_lifted(parameters, value_of)
+    noisy = _noisy(network, library, members, where)
+    operation = Group(fresh, members, face, noisy, values, where)
     try:
         operation.apply(network)
     except NetworkError as error:
@@ -308,9 +342,9 @@ def _each_inside(macro: Node, change: Callable[[Node], Node]) -> Node:
     return replace(macro, macro=replace(macro.macro, nodes=nodes))
 
 
-def _in_place(network: Network, macro: str, inner: Mapping[str, Node]) -> dict[str, Node]:
+def _in_place(around: Mapping[str, Node], macro: str, inner: Mapping[str, Node]) -> dict[str, Node]:
     nodes: dict[str, Node] = {}
-    for name, node in network.nodes.items():
+    for name, node in around.items():
         nodes |= inner if name == macro else {name: node}
     return nodes
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from core.editing.fields import SetField
 from core.editing.links import Rewire
+from core.editing.macros.border_links import with_moved_names
 from core.editing.nodes import Move, Remove, Rename
 from core.editing.operation import ABSENT, Operation, Together, together
 from core.editing.output_mark import SetOutput
@@ -17,6 +18,7 @@ from core.errors import NetworkError
 from core.names import shown, thaw
 from core.network.expansion import unfolded
 from core.network.interface import PARAMETERS, Interface
+from core.network.linked_values import naming
 from core.network.macro import (
     SEPARATOR,
     checked_depth,
@@ -118,7 +120,8 @@ def with_body(
     params = {name: value for name, value in node.params.items() if name in face.parameters}
     links = tuple(link for link in network.links if not _to_missing(link, node.id, face))
     extra = _mentions(network, node, body, moved)
-    changed = replace(network.with_node(replace(node, params=params, macro=body)), extra=extra)
+    changed = network.with_node(replace(node, params=params, macro=body))
+    changed = replace(_following_names(changed, node.id, moved), extra=extra)
     if len(links) < len(network.links):
         changed = replace(changed, links=links)
     outer = face_of_macro(network)
@@ -130,6 +133,15 @@ def with_body(
     if len(shown_still) < len(outer.parameters):
         changed = with_face(changed, outer.with_parameters(shown_still))
     return changed
+
+
+def _following_names(network: Network, macro: str, moved: Mapping[str, str]) -> Network:
+    """The network with the new names of nodes inside where its expressions name them."""
+    head = f"{macro}{SEPARATOR}"
+    names = {head + old: head + new for old, new in moved.items()}
+    if not names or not naming(network, names):
+        return network
+    return network.with_nodes(with_moved_names(network.nodes.values(), names))
 
 
 def _to_missing(link: Link, macro: str, face: Interface) -> bool:

@@ -6,13 +6,14 @@ from typing import Literal
 
 import numpy as np
 
-from core.chain.results import CurveData, Series, TableData, TableRow
+from core.chain.results import CurveData, CurveMark, Series, TableData, TableRow
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from nodes.analysis.mtf.expected_mtf import Expected
 from nodes.analysis.mtf.mtf_measuring import Measured
 
 Axis = Literal["cyc_per_mrad", "cyc_per_pixel"]
+NYQUIST = 0.5  # cycles per pixel
 UNITS: dict[Axis, str] = {"cyc_per_mrad": "cyc/mrad", "cyc_per_pixel": "cyc/pixel"}
 
 
@@ -27,7 +28,11 @@ def curve_of(work: Work, measured: Measured, *expected: Expected, axis: Axis) ->
         series.append(Series("− standard error", x, np.maximum(measured.mtf - measured.error, 0.0)))
     series += [Series("expected", curve.frequency * factor, curve.mtf) for curve in expected]
     return CurveData(
-        f"MTF {measured.direction}", f"frequency ({UNITS[axis]})", "MTF", tuple(series)
+        f"MTF {measured.direction}",
+        f"frequency ({UNITS[axis]})",
+        "MTF",
+        tuple(series),
+        marks=(CurveMark("Nyquist", NYQUIST * factor),),
     )
 
 
@@ -63,7 +68,7 @@ def table_of(
         rows.append(TableRow(name, scaled(figure.value), UNITS[axis], meaning))
         rows.append(TableRow(f"{name}_error", scaled(figure.error), UNITS[axis], "standard error"))
     rows += [
-        TableRow("nyquist", 0.5 * factor, UNITS[axis], "half a cycle per pixel"),
+        TableRow("nyquist", NYQUIST * factor, UNITS[axis], "half a cycle per pixel"),
         TableRow("at_nyquist", measured.nyquist.value, "", "MTF at Nyquist"),
         TableRow("at_nyquist_error", measured.nyquist.error, "", "standard error"),
         TableRow("contrast", measured.contrast, unit, "step of the edge, or height of the line"),

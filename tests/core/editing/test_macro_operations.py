@@ -207,7 +207,7 @@ def test_a_parameter_is_exposed_set_renamed_and_hidden(camera):
     assert value(camera, "camera/init.f_number") == 4.0
     camera.do(rename_exposed(camera.network, "camera", "f_number", "aperture"))
     assert camera.network.nodes["camera"].params == {"aperture": 4.0}
-    camera.do(hide(camera.network, "camera", "aperture"))
+    camera.do(hide(camera.network, "camera", "aperture", None))
     assert camera.network.nodes["camera"].params == {}
     assert value(camera, "camera/init.f_number") == 4.0
     for _ in range(3):

@@ -127,7 +127,7 @@ class Adding(QObject):
         surface = self._surface
         session = surface.session
         if not session.selection:
-            session.message.emit("note", "select the node to be wired first")
+            session.message.emit("advice", "select the node to be wired first")
             return
         possible = possible_links(session.network, session.library, session.selection)
         choices = [
@@ -148,7 +148,7 @@ class Adding(QObject):
             for link in there
         ]
         if not choices:
-            session.message.emit("note", "there is nothing to wire the selected nodes to")
+            session.message.emit("advice", "there is nothing to wire the selected nodes to")
             return
         item = surface.content.nodes[session.selection[-1]]
         title = f"Wire {', '.join(session.selection[:3])}{' …' * (len(session.selection) > 3)}"

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from app.editor.declared_text import says_more
 from core.modules.declaration import Declaration, Port
 from core.network.network import Link, Node
 
@@ -75,7 +76,7 @@ class NodeFace:
     @property
     def subtitle(self) -> str:
         """The module's title, where it is more than the name again."""
-        return "" if _plain(self.id) == _plain(self.module) else self.module
+        return self.module if says_more(self.module, self.id) else ""
 
     @property
     def tooltip(self) -> str:
@@ -127,7 +128,3 @@ def _faces(side: Side, ports: Iterable[Port]) -> tuple[PortFace, ...]:
 def _missing(side: Side, known: tuple[PortFace, ...], names: Iterable[str]) -> tuple[PortFace, ...]:
     there = {port.name for port in known}
     return tuple(PortFace(side, name) for name in dict.fromkeys(names) if name not in there)
-
-
-def _plain(text: str) -> str:
-    return "".join(letter for letter in text.casefold() if letter.isalnum())

@@ -169,8 +169,6 @@ def paint_node(painter: QPainter, item: NodeItem) -> None:
     relative = zoom / style.natural_zoom
     if not item.face.known:
         painter.setOpacity(0.9)
-    elif item.disabled:
-        painter.setOpacity(0.55)
     if relative < OVERVIEW:
         _paint_overview(painter, item, zoom)
     else:
@@ -197,6 +195,7 @@ def _paint_full(painter: QPainter, item: NodeItem) -> None:
     painter.drawRoundedRect(frame, _ROUND, _ROUND)
     painter.setBrush(head_colour(item))
     painter.drawPath(_head(frame.width(), geometry.head))
+    _veil_disabled(painter, item)
     room = frame.width() - 2 * _LEFT - (BADGE_ROOM if item.badge else 0.0)
     painter.setPen(style.text)
     painter.setFont(style.font("title"))
@@ -220,6 +219,7 @@ def _paint_overview(painter: QPainter, item: NodeItem, zoom: float) -> None:
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(head_colour(item))
     painter.drawRoundedRect(frame, _ROUND, _ROUND)
+    _veil_disabled(painter, item)
     wanted = round(_READABLE_PX * style.natural_zoom / zoom)
     title = fitted(item.face.id, frame.width() - 10, frame.height() - 4, wanted, style)
     if title.size * zoom < _LEAST_PX * style.natural_zoom:
@@ -243,13 +243,24 @@ def _paint_border(painter: QPainter, item: NodeItem, zoom: float) -> None:
     else:
         pen = style.border
     painter.setPen(pen)
-    painter.setBrush(_HATCHED if item.disabled else Qt.BrushStyle.NoBrush)
+    painter.setBrush(Qt.BrushStyle.NoBrush)
     painter.drawRoundedRect(item.geometry.frame, _ROUND, _ROUND)
     if item.face.macro:  # a second frame around it, as of cards that lie on each other
         painter.setBrush(Qt.BrushStyle.NoBrush)
         gap = min(max(_GAP, 3.0 / zoom), _MARGIN - 1.0)
         around = item.geometry.frame.adjusted(-gap, -gap, gap, gap)
         painter.drawRoundedRect(around, _ROUND + gap, _ROUND + gap)
+
+
+def _veil_disabled(painter: QPainter, item: NodeItem) -> None:
+    """Fade and hatch the ground of a disabled node; its texts are read as those of the others."""
+    if not item.disabled:
+        return
+    veil = QColor(item.style.theme.canvas)
+    veil.setAlpha(_VEIL)
+    for brush in (QBrush(veil), _HATCHED):
+        painter.setBrush(brush)
+        painter.drawRoundedRect(item.geometry.frame, _ROUND, _ROUND)
 
 
 def _paint_output_mark(painter: QPainter, item: NodeItem, *, with_text: bool) -> None:
@@ -333,4 +344,5 @@ def _broken(text: str, width: float, metrics: QFontMetricsF) -> list[str]:
 
 
 _CENTRED = Qt.AlignmentFlag.AlignCenter
-_HATCHED = QBrush(QColor(128, 128, 128, 110), Qt.BrushStyle.BDiagPattern)
+_HATCHED = QBrush(QColor(128, 128, 128, 64), Qt.BrushStyle.BDiagPattern)
+_VEIL = 130  # of 255, the opacity of the ground that fades a disabled node

@@ -90,6 +90,7 @@ class NodeThumbnails(QObject):
 
     def _opened(self) -> None:
         self._clear()
+        self._evaluator.forget(_OWNER)  # a query that stays would not be answered again
         self._ask()
 
     def _changed(self, before: Any, after: Any) -> None:
@@ -98,6 +99,7 @@ class NodeThumbnails(QObject):
                 self._drop(name)
             self._ask()
         elif self._on and self._sources() != self._shown_by:
+            self._evaluator.forget(_OWNER)
             self._ask()
 
     def heights(self) -> dict[str, float]:

@@ -178,6 +178,11 @@ class GraphView(NodeViewer):
         self._centre += fixed - (self.visible_rect().topLeft() + where / zoom)
         self._show()
 
+    def zoom_by_wheel(self, event: QWheelEvent, pos: QPointF | None = None) -> None:
+        """Enlarge by what the wheel was turned, about a pixel or the middle."""
+        angle = event.angleDelta()
+        self.zoom_at(_STEP ** (angle.y() or angle.x()), pos)
+
     def frame(self, rect: QRectF) -> None:
         """Show this part of the scene, no larger than natural; also once the view is resized."""
         self._framed = QRectF(rect)
@@ -333,7 +338,7 @@ class GraphView(NodeViewer):
             pixels = event.pixelDelta()
             self.pan(QPointF(pixels) if not pixels.isNull() else QPointF(angle) / _EIGHTHS_A_PIXEL)
         else:
-            self.zoom_at(_STEP ** (angle.y() or angle.x()), event.position())
+            self.zoom_by_wheel(event, event.position())
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

@@ -127,8 +127,7 @@ class Minimap(QWidget):
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom about the middle of what is shown."""
-        turned = event.angleDelta().y() or event.angleDelta().x()
-        self._view.zoom_at(1.0015**turned)
+        self._view.zoom_by_wheel(event)
         event.accept()
 
     def _go(self, pos: QPointF) -> None:

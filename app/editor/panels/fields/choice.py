@@ -12,6 +12,7 @@ from app.editor.declared_text import choice_text
 from app.editor.panels.fields.field import Field
 from app.editor.widgets.flow_layout import FlowLayout
 from app.editor.widgets.outlined import Radio
+from app.editor.widgets.wheel_scroll import takes_wheel
 from core.modules.parameters import Parameter
 
 MOST_BUTTONS = 4
@@ -75,7 +76,7 @@ class ChoiceBox(QComboBox):
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Choose by the wheel only on purpose."""
-        if self.hasFocus():
+        if takes_wheel(self):
             super().wheelEvent(event)
         else:
             event.ignore()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass, field
 from typing import Any
 
 from PySide6.QtCore import QPoint, Qt, Signal
@@ -9,14 +11,27 @@ from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSizePolicy, QVBoxLayout, QWidget
 
 from app.editor.declared_text import about, label_of, shown_value, tip
+from app.editor.panels.fields.drag_label import DragLabel
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.theme import Theme
+from app.editor.widgets.after_release import AfterRelease
 from app.editor.widgets.colours import set_ink
 from app.editor.widgets.left_open import require_defined
 from core.editing.operation import ABSENT
 from core.errors import ParameterError
 from core.modules.parameters import Parameter, plain
 from core.names import thaw
+from core.network.linked_values import LinkError
+
+
+@dataclass(frozen=True)
+class FieldLink:
+    """The expression that a parameter follows, its value, or why it has none."""
+
+    text: str
+    value: Any
+    problem: str = ""
+    fault: LinkError | None = field(default=None, compare=False)
 
 
 class Field(QWidget):
@@ -34,6 +49,10 @@ class Field(QWidget):
         Show figures of merit as it moves.
     menu_opening(name, menu)
         The menu is about to be shown, and more may be added to it.
+    unlink_wanted(name)
+        Follow nothing any more, and keep the value.
+    held(name, on)
+        The mouse holds one of its controls: nothing may move.
     """
 
     lines_up = False  # whether its unit stands in one column with those of others
@@ -43,6 +62,8 @@ class Field(QWidget):
     gesture_ended = Signal()
     trade_off_wanted = Signal(str)
     menu_opening = Signal(str, QMenu)
+    unlink_wanted = Signal(str)
+    held = Signal(str, bool)
 
     def __init__(self, parameter: Parameter, theme: Theme, parent: QWidget | None = None) -> None:
         require_defined(type(self), Field, "build", "show_value")
@@ -51,10 +72,13 @@ class Field(QWidget):
         self.theme = theme
         self.value: Any = parameter.default
         self.stored = False
+        self.link: FieldLink | None = None
+        self.link_fault: Callable[[str, object], LinkError | None] = lambda _name, _raw: None
+        self._later = AfterRelease(self)
         self.setObjectName(f"field.{parameter.name}")
         self.setToolTip(tip(about(parameter)))
         self.title = label_of(parameter.name)
-        self.label = QLabel(self.title, self)
+        self.label = DragLabel(self.title, self)
         self.label.setWordWrap(True)
         self.label.setObjectName(f"label.{parameter.name}")
         self.label.setTextFormat(Qt.TextFormat.PlainText)
@@ -80,7 +104,20 @@ class Field(QWidget):
     @property
     def changed(self) -> bool:
         """Whether its value is not the default."""
+        if self.link is not None:
+            return True
         return not self.parameter.required and self.value != self.parameter.default
+
+    @property
+    def standing(self) -> str:
+        """The value that the document has, in words; empty where it has none."""
+        if self.link is not None:
+            return "" if self.link.problem else f"= {self.link.text}"
+        if self.value is MISSING:
+            return ""
+        there = self.value not in (None, (), "") and self.parameter.param.unit
+        unit = f" {self.parameter.param.unit}" if there else ""
+        return shown_value(self.parameter, self.value) + unit
 
     def build(self) -> None:
         """Make the widgets that the value is shown in; every kind of field has its own."""
@@ -110,6 +147,7 @@ class Field(QWidget):
     def follow(self, raw: Any) -> None:
         """Show what the document has; ABSENT is the default."""
         self.stored = raw is not ABSENT
+        self.link = None
         self._show_problem("")
         if not self.stored:
             self.value = self.parameter.default
@@ -122,20 +160,37 @@ class Field(QWidget):
                 return
         self._settle()
 
+    def follow_link(self, link: FieldLink) -> None:
+        """Show what the document follows."""
+        self.stored, self.link = True, link
+        self._show_problem("")
+        if link.fault is None:
+            self.value = self.parameter.coerce(link.value)
+            self._settle()
+        else:
+            self._settle()
+            self.refuse(link.fault)
+
     def offer(self, value: object, gesture: object = None) -> None:
         """Give a value to the document if it is allowed, else show why not."""
         try:
             coerced = plain(self.parameter.coerce(value))
         except ParameterError as error:
-            self.refuse(error)
+            self.refuse_typed(error)
             return
         self._show_problem("")
         self.edited.emit(self.parameter.name, coerced, gesture)
         self._settle()
 
     def refuse(self, error: ParameterError) -> None:
-        """Show why what was typed is not taken."""
+        """Show why a value is not taken."""
         self._show_problem(error.message)
+
+    def refuse_typed(self, error: ParameterError) -> None:
+        """Show why what was typed is not taken, and which value counts."""
+        self.refuse(error)
+        if self.standing:
+            self._show_problem(f"{error.message} (still {self.standing})")
 
     def restore(self) -> None:
         """Show the document's value again."""
@@ -176,6 +231,7 @@ class Field(QWidget):
             varying.setObjectName("trade_off")
             varying.setToolTip("Figures of merit as this parameter moves")
             varying.triggered.connect(self._trade_off)
+            self.add_link_actions(menu)
         default = ""
         if not self.parameter.required:
             unit = f" {self.parameter.param.unit}" if self.parameter.param.unit else ""
@@ -186,6 +242,9 @@ class Field(QWidget):
         action.triggered.connect(self._reset)
         self.menu_opening.emit(self.parameter.name, menu)
         menu.popup(at)
+
+    def add_link_actions(self, menu: QMenu) -> None:
+        """Offer to follow other parameters, or to stop; only of numbers."""
 
     def _reset(self) -> None:
         self.discard_typing()
@@ -211,19 +270,28 @@ class Field(QWidget):
         return self.label
 
     def _show_problem(self, text: str) -> None:
-        if text != self.message.text():
-            self.message.setText(text)
-            self.message.setVisible(bool(text))
+        if text == self.message.text():
+            return
+        if any(edit.is_left_by_mouse for edit in self.findChildren(TypeIn)):
+            # What the mouse has just pressed would slide away below it.
+            self._later.do("problem", lambda: self._put_problem(text))
+        else:
+            self._put_problem(text)
+
+    def _put_problem(self, text: str) -> None:
+        self.message.setText(text)
+        self.message.setVisible(bool(text))
 
 
 class TypedField(Field):
     """A field that a value is typed in."""
 
     edit: TypeIn
+    line: type[TypeIn] = TypeIn
 
     def build_edit(self, *, characters: int = 8, steps: bool = False) -> TypeIn:
         """Make the line."""
-        self.edit = TypeIn(self, characters=characters, steps=steps)
+        self.edit = self.line(self, characters=characters, steps=steps)
         self.named(self.edit)
         self.edit.committed.connect(self.take)
         self.edit.given_up.connect(self.restore)

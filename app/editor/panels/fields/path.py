@@ -8,14 +8,16 @@ from typing import Any
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QToolButton, QWidget
 
+from app.editor.declared_text import about, tip
 from app.editor.panels.fields.field import TypedField
+from app.editor.panels.fields.path_line import PathLine
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.modules.parameters import Parameter
 
 
 class PathField(TypedField):
-    """A line, and a button that opens a dialog.
+    """A line, and a button that opens a dialog; the line's tooltip is the whole name.
 
     Parameters
     ----------
@@ -24,6 +26,8 @@ class PathField(TypedField):
     writes : bool
         Whether the file is to be written.
     """
+
+    line = PathLine
 
     def __init__(
         self,
@@ -55,6 +59,8 @@ class PathField(TypedField):
     def show_value(self, value: Any) -> None:
         """Show the name."""
         self.edit.show_text("" if value is None else Path(value).as_posix())
+        whole = "" if value is None else (self._session.folder.absolute() / value).as_posix()
+        self.edit.setToolTip(tip(f"{whole}\n{about(self.parameter)}") if whole else "")
 
     def open_dialog(self) -> None:
         """Open a dialog to choose a file; returns at once."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSignalBlocker, Qt, QTimer, Signal
-from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
+from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QSlider, QWidget
 
-WHEEL_REST_MS = 400
+from app.editor.panels.fields.type_in import WHEEL_REST_MS
+from app.editor.widgets.wheel_scroll import takes_wheel
 
 _STEPS = {
     Qt.Key.Key_Right: 1,
@@ -70,10 +71,17 @@ class Slider(QSlider):
         super().mouseReleaseEvent(event)
         self.finished.emit()
 
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """The end of what keys or the wheel began."""
+        super().focusOutEvent(event)
+        if not self.isSliderDown():
+            self._rest.stop()
+            self.finished.emit()
+
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Step where it has the focus; else the panel scrolls."""
         turned = event.angleDelta().y()
-        if not self.hasFocus() or not turned:
+        if not turned or not takes_wheel(self):
             event.ignore()
             return
         self.stepped.emit(1 if turned > 0 else -1)

@@ -96,7 +96,7 @@ class Scale:
             share = (value - self.low) / (self.high - self.low)
         return round(share * self.positions)
 
-    def stepped(self, value: float | None, steps: int) -> float | int:
+    def stepped(self, value: float | None, steps: float) -> float | int:
         """So many small steps from a number, which keeps its own digits."""
         start = self.rest if value is None else value
         result = start + steps * self._step(start, down=steps < 0)

@@ -46,6 +46,6 @@ class NumbersField(TypedField):
         try:
             numbers = numbers_of(text, self.parameter)
         except ParameterError as error:
-            self.refuse(error)
+            self.refuse_typed(error)
             return
         self.offer(numbers)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QColor,
     QFocusEvent,
@@ -12,8 +12,13 @@ from PySide6.QtGui import (
     QPaintEvent,
     QPalette,
     QPen,
+    QWheelEvent,
 )
 from PySide6.QtWidgets import QLineEdit, QWidget
+
+from app.editor.widgets.wheel_scroll import takes_wheel
+
+WHEEL_REST_MS = 400
 
 _STEPS = {
     Qt.Key.Key_Up: 1,
@@ -34,9 +39,9 @@ class TypeIn(QLineEdit):
     given_up
         Esc: what was typed does not count.
     stepped(steps)
-        An arrow key (±1) or a page key (±10), where `steps` is set.
+        An arrow key (±1), a page key (±10) or the wheel (±1), where `steps` is set.
     step_ended
-        That key was released.
+        That key was released, or the wheel rests.
     """
 
     committed = Signal(str)
@@ -51,6 +56,11 @@ class TypeIn(QLineEdit):
         self._steps = steps
         self._marked = False
         self._mark_colour = QColor()
+        self._link_colour = QColor()
+        self._is_linked = False
+        self.is_left_by_mouse = False
+        self._rest = QTimer(self, singleShot=True, interval=WHEEL_REST_MS)
+        self._rest.timeout.connect(self.step_ended)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # the field has one
         width = self.fontMetrics().averageCharWidth() * characters
         self.setMinimumWidth(width + 2 * self.fontMetrics().height() // 2)
@@ -80,6 +90,19 @@ class TypeIn(QLineEdit):
         self._marked = True
         self._mark_colour = QColor(colour)
         self.update()
+
+    def show_link(self, on: bool, colour: str = "") -> None:
+        """Mark that the value follows others: two rings of a chain before the text."""
+        self._link_colour = QColor(colour)
+        if on != self._is_linked:
+            self._is_linked = on
+            self.setTextMargins(round(1.3 * self.fontMetrics().height()) if on else 0, 0, 0, 0)
+        self.update()
+
+    @property
+    def is_linked(self) -> bool:
+        """Whether it is marked so."""
+        return self._is_linked
 
     def commit(self) -> None:
         """Take what was typed, if there is something."""
@@ -124,12 +147,28 @@ class TypeIn(QLineEdit):
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Take what was typed, but not because a menu opens."""
         super().focusOutEvent(event)
+        if self._rest.isActive():
+            self._rest.stop()
+            self.step_ended.emit()
         if event.reason() != Qt.FocusReason.PopupFocusReason:
+            self.is_left_by_mouse = event.reason() == Qt.FocusReason.MouseFocusReason
             self.commit()
+            self.is_left_by_mouse = False
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Step where it has the focus; else the panel scrolls."""
+        turned = event.angleDelta().y()
+        if not self._steps or not turned or not takes_wheel(self):
+            event.ignore()
+            return
+        self.commit()
+        self.stepped.emit(1 if turned > 0 else -1)
+        self._rest.start()
+        event.accept()
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw a frame over Qt's own: of what was refused, and one that is seen on dark grounds."""
-        super().paintEvent(event)
+        self.draw_line(event)
         painter = QPainter(self)
         if self._marked:
             painter.setPen(QPen(self._mark_colour, 2))
@@ -137,7 +176,23 @@ class TypeIn(QLineEdit):
         elif not self.hasFocus():
             painter.setPen(self.palette().color(QPalette.ColorRole.Mid))
             painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
+        if self._is_linked:
+            self._paint_rings(painter)
         painter.end()
+
+    def draw_line(self, event: QPaintEvent) -> None:
+        """Draw the line as Qt does."""
+        super().paintEvent(event)
+
+    def _paint_rings(self, painter: QPainter) -> None:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(self._link_colour, 1.6))
+        high = self.fontMetrics().height()
+        ring = QRectF(0, 0, 0.5 * high, 0.32 * high)
+        middle = QPointF(0.72 * high, self.height() / 2)
+        for side in (-1, 1):
+            ring.moveCenter(middle + QPointF(side * 0.17 * high, 0))
+            painter.drawRoundedRect(ring, ring.height() / 2, ring.height() / 2)
 
     def _unmark(self, _text: str = "") -> None:
         if self._marked:

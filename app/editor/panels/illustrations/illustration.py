@@ -76,11 +76,11 @@ class Illustration(QWidget):
             self.show_problem(NO_EVALUATION)
 
     def present_node(self) -> Node | None:
-        """The node, as long as it is of the module that this was made for.
+        """The node with its values, as long as it is of the module that this was made for.
 
         Another document may have another module under the same name before its panel is closed.
         """
-        node = self.session.network.nodes.get(self.node)
+        node = self.session.resolved.node(self.node)
         return node if node is not None and node.module == self._module else None
 
     def queries(self) -> Sequence[Query]:

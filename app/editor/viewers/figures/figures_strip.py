@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
+from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, PassDone, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.figures.figures_query import SHOWN, Figures, FiguresQuery
 from app.editor.viewers.viewer import Viewer
+from app.editor.widgets.colours import set_ink
 from app.editor.widgets.elided_label import ElidedLabel
 
 if TYPE_CHECKING:
@@ -41,7 +43,8 @@ def figure_text(value: Any, unit: str) -> str:
 class FiguresStrip(Viewer):
     """Read-outs of the electronics that lead to the final picture, and the run time.
 
-    That is how long all that is shown took after the last change.
+    That is how long all that is shown took after the last change. Figures from before the last
+    edit are faint.
 
     Parameters
     ----------
@@ -68,8 +71,11 @@ class FiguresStrip(Viewer):
         self._layout.addStretch(1)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         session.selection_changed.connect(self._follow_selection)
+        self._freshness: Freshness | None = None
         if evaluator is not None:
             evaluator.pass_done.connect(self._pass_done)
+            self._freshness = Freshness(session, evaluator, self)
+            self._freshness.changed.connect(self._mark)
         self._show(None)
         self._values[RUN_TIME].show_text(NONE)
         self.set_theme(theme)
@@ -85,6 +91,14 @@ class FiguresStrip(Viewer):
             palette = self.palette()
             palette.setColor(label.foregroundRole(), QColor(theme.faint_text))
             label.setPalette(palette)
+        self._mark()
+
+    def _mark(self, _old: bool = False) -> None:
+        """Draw figures that are older than the last edit faint."""
+        # In words the status bar says it: captions that grow would move the figures.
+        old = self._freshness is not None and self._freshness.is_old
+        for name, _ in SHOWN:
+            set_ink(self._values[name], self.theme.faint_text if old else self.theme.text)
 
     def state(self) -> dict[str, Any]:
         """Nothing to restore."""
@@ -101,6 +115,8 @@ class FiguresStrip(Viewer):
         """Show figures; dashes with the reason where there are none."""
         figures = answer.value if isinstance(answer.value, Figures) else None
         self._show(figures, "" if answer.error is None else str(answer.error))
+        if self._freshness is not None:
+            self._freshness.catch_up(answer.generation)
 
     def follow_opening(self) -> None:
         """Show nothing of another document."""

@@ -10,6 +10,8 @@ from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QWidget
 
+from app.editor.widgets.triggered import without_argument
+
 
 class Bar(Protocol):
     """The menus of the bar above the picture."""
@@ -47,7 +49,7 @@ def open_context_menu(
     menu.aboutToHide.connect(menu.deleteLater)
     for text, keys, done in own:
         action = menu.addAction(f"{text}\t{keys}" if keys else text)
-        action.triggered.connect(partial(_without_argument, done))
+        action.triggered.connect(partial(without_argument, done))
     menu.addSeparator()
     for inner in bar.menus:
         menu.addMenu(inner)
@@ -55,8 +57,3 @@ def open_context_menu(
     for action in window_actions:
         menu.addAction(action)
     menu.popup(point)
-
-
-def _without_argument(done: Callable[[], None], *_: object) -> None:
-    """Call it without the action's argument, whether it is checked."""
-    done()

@@ -12,7 +12,14 @@ from app.editor.session import Session
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.picture.picture_item import extent
 from app.editor.viewers.pixels.picture_query import Picture
-from app.editor.viewers.pixels.regions import as_it_was, has_region, region_of, setting, whole
+from app.editor.viewers.pixels.regions import (
+    PARAMETERS,
+    as_it_was,
+    has_region,
+    region_of,
+    setting,
+    whole,
+)
 from core.chain.wires import Image
 from core.editing.operation import Operation
 from core.errors import ImagechainError
@@ -96,7 +103,7 @@ class RegionTool(QObject):
             return
         declared = self._session.declared(self._node)
         assert declared is not None
-        region, fits = region_of(declared, self._session.network.nodes[self._node], size)
+        region, fits = region_of(declared, self._session.valued(self._node), size)
         self._overlay.show(region, fits, size, extent(self._picture.facts), self._node)
         self._describe(f"region of {self._node}: {region.description()}")
 
@@ -211,11 +218,18 @@ class RegionTool(QObject):
 
     def _begin(self) -> None:
         node = self._session.network.nodes.get(self._node or "")
-        if node is not None:
+        if node is not None and not self._is_linked(node.id):
             self._gesture, self._restoring = object(), (node.id, as_it_was(node))
 
+    def _is_linked(self, node: str) -> bool:
+        """Whether the region follows other parameters; says so."""
+        why = self._session.follows(node, PARAMETERS)
+        if why:
+            self._session.message.emit("error", why)
+        return bool(why)
+
     def _change(self, region: Any) -> None:
-        if self._node is not None:
+        if self._node is not None and self._gesture is not None:
             self._session.do(setting(self._node, region), gesture=self._gesture)
 
     def _end(self, accepted: bool) -> None:
@@ -238,5 +252,5 @@ class RegionTool(QObject):
         menu.popup(at)
 
     def _take_whole(self) -> None:
-        if self._node is not None:
+        if self._node is not None and not self._is_linked(self._node):
             self._session.do(whole(self._node))

@@ -161,7 +161,8 @@ def curve_drawing(data: CurveData, *, log: bool = False) -> Drawing:
         )
         for line, series, over in zip(lines, data.series, overs, strict=True)
     )
-    return Drawing(data.x_label, entries, (panel,), bars=data.bars, log_x=data.log_x)
+    marks = tuple(Mark(mark.text, mark.x) for mark in data.marks)
+    return Drawing(data.x_label, entries, (panel,), marks, data.bars, data.log_x)
 
 
 def _overlaps(panel: Panel) -> tuple[int, ...]:

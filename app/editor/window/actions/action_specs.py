@@ -192,6 +192,7 @@ ACTIONS: tuple[ActionSpec, ...] = (
     ActionSpec("cancel", "&Run", "&Cancel", "Stop the computation", ("Esc",)),
     ActionSpec("shortcuts", "&Help", "&Shortcuts", "List every shortcut", ("?", "Ctrl+/")),
     ActionSpec("module_help", "&Help", "&Module", "Show what the selected module does", ("F1",)),
+    ActionSpec("first_tour", "&Help", "First &Tour", "Build the network First steps, step by step"),
     ActionSpec("about", "&Help", "&About", "Version and sources"),
 )
 

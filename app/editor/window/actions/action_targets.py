@@ -11,6 +11,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level
 from app.editor.panels.panel_area import PanelArea
 from app.editor.session import Session
+from app.editor.widgets.triggered import without_argument
 from app.editor.window.actions.action_specs import VIEWERS
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.help import Help
@@ -19,6 +20,7 @@ from app.editor.window.docks.layouts import DEFAULT, LayoutName
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.preset_shelf import PresetShelf
+from app.editor.window.tour.first_tour import FirstTour
 from core.editing.layout.align import EDGES, WAYS
 
 Target = Callable[[], object]
@@ -38,6 +40,7 @@ class Window(Protocol):
     evaluator: Evaluator
     full_screen: FullScreen
     shelf: PresetShelf
+    tour: FirstTour
 
     def show_welcome(self) -> None:
         """Show the first page."""
@@ -56,6 +59,9 @@ class Window(Protocol):
 
     def generate(self) -> None:
         """Compute what is held back."""
+
+    def cancel(self) -> None:
+        """Stop what runs: the computation, the tour."""
 
 
 def targets(window: Window) -> dict[str, Target]:
@@ -107,19 +113,15 @@ def targets(window: Window) -> dict[str, Target]:
         "previous_part": partial(window.go_to_part, -1),
         "light": window.toggle_light,
         "generate": window.generate,
-        "cancel": window.evaluator.cancel,
+        "cancel": window.cancel,
         "shortcuts": window.help.shortcuts,
         "module_help": window.help.module,
+        "first_tour": window.tour.begin,
         "about": window.help.about,
     }
     for number in VIEWERS:
         by_name[f"view_{number}"] = partial(_view, window, number)
-    return {name: partial(_without_argument, target) for name, target in by_name.items()}
-
-
-def _without_argument(target: Callable[..., object], *_: object) -> None:
-    """Call it without the action's argument, whether it is checked."""
-    target()
+    return {name: partial(without_argument, target) for name, target in by_name.items()}
 
 
 def _group(window: Window) -> None:

@@ -17,7 +17,7 @@ from core.editing.layout.align import Edge, Way, aligned, distributed
 from core.editing.layout.arrange import Point, arranged
 from core.editing.links import Rewire
 from core.editing.macros.grouping import group, ungroup
-from core.editing.nodes import Move
+from core.editing.nodes import Move, keeping_values
 from core.editing.operation import Operation, together
 from core.editing.output_mark import output_toggled
 from core.editing.wiring.healing import deleted, dissolved
@@ -39,7 +39,8 @@ class EditCommands(QObject):
         """Copy the selected nodes as JSON text."""
         names = self._session.selection
         if names:
-            text = copied(self._session.network, names, library=self._session.library)
+            session = self._session
+            text = copied(session.network, names, session.library, session.value)
             QGuiApplication.clipboard().setText(text)
 
     def cut(self) -> None:
@@ -47,7 +48,7 @@ class EditCommands(QObject):
         session = self._session
         if session.selection:
             self.copy()
-            session.do(dissolved(session.network, session.library, session.selection, "Cut"))
+            self._take_out(dissolved(session.network, session.library, session.selection, "Cut"))
 
     def paste(self) -> None:
         """Put the clipboard's nodes at the mouse."""
@@ -87,11 +88,23 @@ class EditCommands(QObject):
         """
         session, link = self._session, self._canvas.selected_link()
         if session.selection:
-            session.do(deleted(session.network, session.library, session.selection))
+            self._take_out(deleted(session.network, session.library, session.selection))
         elif link is not None:
             session.do(Rewire(remove=(link,)))
         else:
             self._canvas.delete_selected_backdrop()
+
+    def _take_out(self, taking: Operation) -> None:
+        """Take the selected nodes out; parameters that follow them keep their values."""
+        session = self._session
+        operation, kept = keeping_values(
+            network=session.network, names=session.selection, taking=taking, value_of=session.value
+        )
+        if session.do(operation) and kept:
+            more = f" and {len(kept) - 3} more" if kept[3:] else ""
+            session.message.emit(
+                "note", f"no longer linked, with the value it had: {', '.join(kept[:3])}{more}"
+            )
 
     def select_all(self) -> None:
         """Select every node."""
@@ -121,7 +134,11 @@ class EditCommands(QObject):
         session = self._session
         try:
             name, operation = group(
-                session.network, session.library, session.selection, where=session.head
+                session.network,
+                session.library,
+                session.selection,
+                where=session.head,
+                value_of=session.value,
             )
         except ImagechainError as error:
             session.message.emit("error", str(error))

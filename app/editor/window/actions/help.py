@@ -69,7 +69,7 @@ class Help(QObject):
         name = self._session.selection[-1] if self._session.selection else ""
         declared = self._session.declared(name)
         if declared is None:
-            self._session.message.emit("note", "select a node to read what its module does")
+            self._session.message.emit("advice", "select a node to read what its module does")
         else:
             self._show(ModuleText(declared, self._window))
 

@@ -98,7 +98,12 @@ def size(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
         left = width - round(picture / tall)
         window.resizeDocks([docks.curves, docks.panels], [round(0.5 * left)] * 2, _Across)
         return
-    side = round(min(max(45 * unit, 0.235 * width), 90 * unit))
+    needed = [
+        dock.minimumSizeHint().width()
+        for dock in (docks.panels, docks.curves, docks.tradeoff)
+        if dock.isVisible()
+    ]
+    side = max(round(min(max(45 * unit, 0.235 * width), 90 * unit)), *needed, 0)
     if layout == "canvas_first":
         window.resizeDocks([docks.library, docks.panels], [26 * unit, 52 * unit], _Across)
         window.resizeDocks([viewer, docks.curves], [24 * line] * 2, _Along)

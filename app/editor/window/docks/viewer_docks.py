@@ -93,7 +93,7 @@ class ViewerDocks(QObject):
         elif declared.inputs:
             self._look_at_input(name, number)
         else:
-            self._session.message.emit("note", f"{name} has nothing to show")
+            self._session.message.emit("advice", f"{name} has nothing to show")
 
     def trade_off(self, node: str, parameter: str) -> None:
         """Show figures of merit as a parameter moves."""
@@ -132,7 +132,7 @@ class ViewerDocks(QObject):
         for link in self._session.network.links_into(name):
             self.look_at(number, f"{link.source}.{link.output}")
             return
-        self._session.message.emit("note", f"{name} has nothing to show: nothing comes into it")
+        self._session.message.emit("advice", f"{name} has nothing to show: nothing comes into it")
 
     def _viewer(self, number: int) -> ImageViewer:
         viewer = self.images.get(number)

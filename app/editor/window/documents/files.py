@@ -49,9 +49,9 @@ class Files(QObject):
         self._question: Question | None = None
         self._dialog: QFileDialog | None = None
 
-    def new(self) -> None:
-        """Begin an empty network, after the question about unsaved work."""
-        self.after_asking(self._new)
+    def new(self, following: Next | None = None) -> None:
+        """Begin an empty network, after the question about unsaved work; then go on."""
+        self.after_asking(lambda: self._new(following))
 
     def open_dialog(self) -> None:
         """Ask the person for a file and open it."""
@@ -179,9 +179,11 @@ class Files(QObject):
         elif answer == "reload" and path is not None:
             self.open_now(str(path))
 
-    def _new(self) -> None:
+    def _new(self, following: Next | None) -> None:
         library = self._session.library
         self.show(Opened(Document(Network(), library=library)))
+        if following is not None:
+            following()
 
     def _proposal(self) -> str:
         path = self._session.document.path

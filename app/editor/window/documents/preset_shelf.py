@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QObject, QPointF
@@ -19,6 +20,7 @@ from app.presets.preset_files import (
     shipped_presets,
 )
 from core.errors import ImagechainError
+from core.network.network import Network
 
 
 class PresetShelf(QObject):
@@ -73,7 +75,10 @@ class PresetShelf(QObject):
         level = self._level
         for name in level.selection[-1:]:
             try:
-                path = save_preset(level.network, name, self.folder, level.library)
+                node = level.network.nodes[name]
+                values = {one: level.value(name, one) for one in node.linked}
+                alone = Network(nodes={name: replace(node, params={**node.params, **values})})
+                path = save_preset(alone, name, self.folder, level.library)
             except ImagechainError as error:
                 level.message.emit("error", f"not saved as a preset: {error}")
                 return

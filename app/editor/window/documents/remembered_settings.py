@@ -20,10 +20,16 @@ class Settings:
     ----------
     path : Path, optional
         The file; None for the usual place.
+
+    Attributes
+    ----------
+    first : bool
+        Whether there was no file: the program is started for the first time.
     """
 
     def __init__(self, path: Path | None = None) -> None:
         self.path = path or _config_folder() / "editor.ini"
+        self.first = not self.path.exists()
         self._stored = QSettings(str(self.path), QSettings.Format.IniFormat)
 
     @property
@@ -35,6 +41,16 @@ class Settings:
     @look.setter
     def look(self, look: Look) -> None:
         self._stored.setValue("look", look)
+
+    @property
+    def toured(self) -> bool:
+        """Whether the first tour has been begun."""
+        return str(self._stored.value("toured", "")).lower() == "true"
+
+    @toured.setter
+    def toured(self, toured: bool) -> None:
+        self._stored.setValue("toured", toured)
+        self._stored.sync()
 
     @property
     def recent(self) -> tuple[Path, ...]:
@@ -52,9 +68,16 @@ class Settings:
         others = [str(other) for other in self.recent if str(other) != text]
         self._stored.setValue("recent", [text, *others][:MOST_RECENT])
 
-    def remember_window(self, window: QMainWindow) -> None:
-        """Store size, place and docks of a window, in the file at once."""
+    @property
+    def layout(self) -> str:
+        """What the window's layout gave to be remembered; empty where nothing is."""
+        stored = self._stored.value("layout", "")
+        return stored if isinstance(stored, str) else ""
+
+    def remember_window(self, window: QMainWindow, layout: str) -> None:
+        """Store size, place, docks and layout of a window, in the file at once."""
         self._stored.setValue("geometry", window.saveGeometry())
+        self._stored.setValue("layout", layout)
         self._stored.setValue("docks", window.saveState(_DOCKS_VERSION))
         self._stored.sync()
 

@@ -7,8 +7,8 @@ from datetime import datetime
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QIcon, QPixmap
+from PySide6.QtCore import Signal
+from PySide6.QtGui import QPixmap
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
@@ -16,19 +16,19 @@ from PySide6.QtWidgets import (
     QLabel,
     QPushButton,
     QScrollArea,
-    QSizePolicy,
-    QToolButton,
     QVBoxLayout,
     QWidget,
 )
 
 from app.editor.recovery.recovery_files import Recovered
+from app.editor.window.documents.network_card import NetworkCard
 from app.run.shipped import shipped_networks
 from core.errors import ImagechainError
 from core.modules.library_type import Library
 from core.network.file import read_network
 
 COLUMNS = 3
+FIRST = "first_steps"  # stands before the others
 
 
 class WelcomePage(QScrollArea):
@@ -108,11 +108,15 @@ class WelcomePage(QScrollArea):
         grid = QGridLayout(cards)
         grid.setContentsMargins(0, 6, 0, 0)
         grid.setSpacing(12)
-        for number, (name, path) in enumerate(shipped_networks().items()):
-            grid.addWidget(self._card(name, path), number // COLUMNS, number % COLUMNS)
+        shipped = shipped_networks()
+        for number, name in enumerate(sorted(shipped, key=lambda name: name != FIRST)):
+            card = self._card(name, shipped[name])
+            grid.addWidget(card, number // COLUMNS, number % COLUMNS)
+        for column in range(COLUMNS):
+            grid.setColumnStretch(column, 1)
         return cards
 
-    def _card(self, name: str, path: Path) -> QToolButton:
+    def _card(self, name: str, path: Path) -> NetworkCard:
         title, about = name, ""
         try:
             network = read_network(path, library=self._library)
@@ -120,19 +124,10 @@ class WelcomePage(QScrollArea):
             about = str(error)
         else:
             title, about = network.name or name, network.description
-        card = QToolButton()
-        card.setObjectName(f"welcome.{name}")
-        card.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-        card.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        unit = self.fontMetrics().height()
-        card.setIconSize(QSize(14 * unit, 9 * unit))
         picture = thumbnail_path(path)
-        if picture.is_file():
-            card.setIcon(QIcon(QPixmap(str(picture))))
-        card.setText(title)
-        card.setToolTip(about)
-        card.setAccessibleName(title)
-        card.setAccessibleDescription(about)
+        card = NetworkCard(
+            name, title, about, QPixmap(str(picture)) if picture.is_file() else QPixmap()
+        )
         card.clicked.connect(partial(self.chosen.emit, name))
         return card
 

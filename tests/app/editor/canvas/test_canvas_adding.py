@@ -220,7 +220,7 @@ def test_without_a_selection_there_is_a_word(opened, canvas):
     session.message.connect(lambda kind, text: told.append((kind, text)))
     canvas.connect_selected()
     assert not canvas.search_is_open()
-    assert told[0][0] == "note"
+    assert told[0][0] == "advice"
 
 
 # --- drops ----------------------------------------------------------------------------------------

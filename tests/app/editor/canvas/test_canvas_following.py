@@ -117,10 +117,10 @@ def test_wires_have_the_colour_of_what_they_carry(opened, canvas):
     wires = canvas.content.wires
     image = wires[Link.between("scene.image", "init.image")]
     phase = wires[Link.between("init.phase", "back.phase")]
-    assert QColor(*image.color).name() == "#e8c35a"
-    assert QColor(*phase.color).name() == "#c58af0"
+    assert QColor(*image.color).name() == "#e5da4f"
+    assert QColor(*phase.color).name() == "#c891b9"
     canvas.set_theme(LIGHT)
-    assert QColor(*image.color).name() == "#a57a00"
+    assert QColor(*image.color).name() == "#926d07"
 
 
 def test_an_unknown_module_shows_its_key_and_the_ports_of_its_links(session, canvas, library):

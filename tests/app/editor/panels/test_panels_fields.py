@@ -108,7 +108,10 @@ def test_what_is_out_of_range_is_marked_and_refused(qtbot, session, key, name):
         given = [value] if parameter.kind == "numbers" else value
         why = ParameterError(name, given, parameter.allowed(), unit=parameter.param.unit)
         assert session.document.text() == before
-        assert field.message.text() == why.message
+        unit = f" {parameter.param.unit}" if shown and parameter.param.unit else ""
+        still = shown or ("none" if parameter.kind == "numbers" else "empty")
+        counts = "" if parameter.required else f" (still {still}{unit})"
+        assert field.message.text() == why.message + counts
         assert field.message.isVisible()
         frame = field.edit.grab().toImage().pixelColor(1, field.edit.height() // 2)
         assert frame == QColor(area._theme.error)

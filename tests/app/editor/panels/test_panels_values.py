@@ -6,11 +6,12 @@ import math
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QFontMetricsF, QKeySequence
+from PySide6.QtGui import QFontMetricsF, QKeySequence, QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.evaluation.freshness import OLD_AFTER_MS
 from app.editor.panels.readouts import ReadoutsQuery
 from app.permission.write_record import read_record
 from core.chain.engine import Engine
@@ -21,6 +22,7 @@ from core.editing.operation import ABSENT
 from core.evaluation.policy import Policy
 from core.modules.declaration import declaration
 from core.network.network import Link
+from editor_queries import Asking, Gate
 from linked_network import linked_network
 from panel_hands import LEFT, LIBRARY, drop, field_of, panel_area, type_in
 
@@ -330,3 +332,58 @@ def test_a_file_chosen_to_be_read_is_not_one_to_be_written(qtbot, session, tmp_p
     choose(qtbot, field_of(area, session, "path"), tmp_path / "a.npy")
     assert read_record(tmp_path / "n.json").chosen == frozenset()
     assert not (tmp_path / "state").exists()
+
+
+def title_of(area):
+    return area.panels["node"].body.readouts.title.text()
+
+
+def test_what_is_older_than_the_last_edit_is_marked(qtbot, session, evaluator, tmp_path):
+    """While something else takes the worker's time: the values, their colour and the title."""
+    area = panel_area(qtbot, session, evaluator)
+    open_chain(session, "gaussian_mtf", tmp_path)
+    readouts = area.panels["node"].body.readouts
+    qtbot.waitUntil(lambda: "—" not in texts(area).values())
+    before = texts(area)
+    value = next(iter(readouts.values.values()))
+    assert title_of(area) == "Read-outs"
+    gate = Gate()
+    evaluator.ask("viewer", [Asking(gate, urgency=-1)])
+    qtbot.waitUntil(gate.entered.is_set)
+    session.do(set_parameter("node", "sigma_x_mrad", 0.25))
+    qtbot.waitUntil(lambda: readouts.is_old)
+    assert title_of(area) == "Read-outs: from before the last edit"
+    assert texts(area) == before
+    assert value.palette().color(QPalette.ColorRole.Text).name() == area._theme.faint_text
+    gate.opened.set()
+    evaluator.forget("viewer")
+    qtbot.waitUntil(lambda: not readouts.is_old)
+    assert texts(area) != before
+    assert title_of(area) == "Read-outs"
+    assert value.palette().color(QPalette.ColorRole.Text).name() == area._theme.text
+
+
+def test_an_edit_that_changes_no_read_out_leaves_no_mark(qtbot, session, evaluator, tmp_path):
+    area = panel_area(qtbot, session, evaluator)
+    open_chain(session, "gaussian_mtf", tmp_path)
+    readouts = area.panels["node"].body.readouts
+    qtbot.waitUntil(lambda: "—" not in texts(area).values())
+    session.do(set_parameter("scene", "kind", "uniform"))
+    qtbot.waitUntil(lambda: evaluator.idle)
+    qtbot.wait(OLD_AFTER_MS + 100)
+    assert not readouts.is_old
+
+
+def test_read_outs_of_a_node_held_back_are_marked(qtbot, session, evaluator, tmp_path):
+    area = panel_area(qtbot, session, evaluator)
+    evaluator.badges_changed.connect(area.set_badges)
+    open_chain(session, "gaussian_mtf", tmp_path)
+    qtbot.waitUntil(lambda: "—" not in texts(area).values())
+    before = texts(area)
+    session.do(set_node_field("node", "auto", False))
+    session.do(set_parameter("node", "sigma_x_mrad", 0.25))
+    qtbot.waitUntil(lambda: title_of(area) == "Read-outs: as last generated")
+    assert texts(area) == before
+    evaluator.generate()
+    qtbot.waitUntil(lambda: title_of(area) == "Read-outs")
+    assert texts(area) != before

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
 
 from app.editor.evaluation import runner
 from app.editor.theme import LIGHT
@@ -14,6 +16,7 @@ from core.chain.engine import Engine
 from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Remove, Rename
 from core.evaluation.policy import Policy
+from core.network.linked_values import expression
 from tradeoff_network import mtf
 from viewer_bench import ViewerBench, is_freed
 
@@ -171,3 +174,18 @@ def test_nothing_is_left_of_a_closed_dock(opened, qtbot):
 
     assert is_freed(used)
     bench.close()
+
+
+def test_a_linked_parameter_is_not_moved_by_its_mark(opened_window, dock, idle):
+    """Its value would take the place of the expression by a mere drag."""
+    raw = expression("jitter.sigma_mrad * 2")
+    opened_window.session.do(set_parameter("blur", "sigma_x_mrad", raw))
+    idle(opened_window)
+    sigma_mrad = opened_window.session.network.nodes["jitter"].params["sigma_mrad"]
+    assert dock.plots.mark == 2 * sigma_mrad
+    before = opened_window.session.network
+    dock.plots.setFocus()
+    QTest.keyClick(dock.plots, Qt.Key.Key_Right)
+    assert opened_window.session.network is before
+    dock.varied.move(0.125)
+    assert opened_window.session.network is before

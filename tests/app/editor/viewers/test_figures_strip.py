@@ -2,7 +2,7 @@
 
 import pytest
 from PySide6.QtCore import QEvent, QObject
-from PySide6.QtGui import QFontMetricsF
+from PySide6.QtGui import QFontMetricsF, QPalette
 
 from app.editor.evaluation.queries import PassDone, Passing
 from app.editor.theme import DARK, LIGHT
@@ -12,6 +12,7 @@ from app.editor.widgets.elided_label import ElidedLabel
 from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Add, Placed, Remove
 from core.network.network import Link, Node
+from editor_queries import Asking, Gate
 from viewer_bench import ViewerBench, is_freed
 
 NAMES = [name for name, _ in SHOWN]
@@ -202,3 +203,23 @@ def test_nothing_is_left_of_a_closed_strip(bench):
         return strip
 
     assert is_freed(used)
+
+
+def test_figures_from_before_the_last_edit_are_faint(strip, bench, qtbot):
+    """While something else takes the worker's time."""
+
+    def ink():
+        return strip._values["snr"].palette().color(QPalette.ColorRole.WindowText).name()
+
+    assert ink() == DARK.text
+    before = strip.text("snr")
+    gate = Gate()
+    bench.evaluator.ask("panel", [Asking(gate, urgency=-1)])
+    qtbot.waitUntil(gate.entered.is_set)
+    bench.session.do(set_parameter("electronics", "amplifier_snr", 20.0))
+    qtbot.waitUntil(lambda: ink() == DARK.faint_text)
+    assert strip.text("snr") == before
+    gate.opened.set()
+    bench.evaluator.forget("panel")
+    qtbot.waitUntil(lambda: ink() == DARK.text)
+    assert strip.text("snr") != before

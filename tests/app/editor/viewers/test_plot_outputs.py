@@ -74,7 +74,7 @@ def test_what_is_chosen_wears_the_accent(viewer, theme):
     viewer.set_theme(theme)
     down, up = buttons(viewer)["Noise"], buttons(viewer)["Blur"]
     assert down.palette().button().color().name() == theme.accent
-    assert up.palette().button().color().name() == theme.raised
+    assert up.palette().button().color().name() == theme.button
 
 
 def test_a_table_is_copied_with_all_digits(bench, viewer):

@@ -155,6 +155,7 @@ def titling(window, hand, tmp_path):
     """A saved network of one backdrop, whose title is typed and not entered yet."""
     window.session.select([add(window, "test_scene")])
     window.edits.backdrop()
+    hand.key(KEY.Key_Escape)  # its title is not typed yet
     window.session.save(tmp_path / "mine.json")
     hand.key(KEY.Key_Up, CTRL)  # from the node to the backdrop's title
     hand.key(KEY.Key_Return)

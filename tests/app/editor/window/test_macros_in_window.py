@@ -7,7 +7,10 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QToolButton, QWidgetAction
 
 from app.editor.library.library_view import module_data
+from core.editing.fields import set_parameter
 from core.network.file import format_network
+from core.network.linked_values import resolved
+from panel_hands import type_in
 from window_hands import CTRL, KEY, SHIFT, WindowHands
 
 ALT = Qt.KeyboardModifier.AltModifier
@@ -152,6 +155,45 @@ def test_a_parameter_is_exposed_set_renamed_and_hidden_by_menus(grouped, window,
     value = field(window, "lens", "softness").value
     choose(window, "lens", "softness", "hide")
     assert window.session.network.nodes["lens/blur"].params[name] == value
+
+
+def test_a_value_inside_follows_its_neighbour_by_the_name_it_has_there(grouped, window, idle):
+    """Shown as typed, computed as what it means in the whole network, unlinked and undone."""
+    session = window.session
+    grouped.double_click(grouped.head("lens"))
+    session.do(set_parameter("lens/init", "f_number", 2.0))
+    grouped.select("blur")
+    sigma = field(window, "lens/blur", "sigma_x_mrad")
+    type_in(sigma.edit, "= int.f_number * 0.2")
+    assert "did you mean" in sigma.message.text()
+    type_in(sigma.edit, "= init.f_number * 0.2")
+    assert sigma.edit.text() == "= init.f_number * 0.2"
+    assert sigma.linked_value.text().startswith("= 0.4 ")
+    inside = session.document.network.nodes["lens"].macro.nodes["blur"]
+    assert inside.params["sigma_x_mrad"] == {"expression": "init.f_number * 0.2"}
+    idle(window)
+    planned = resolved(session.document.network, library=session.library)
+    assert planned.value("lens/blur", "sigma_x_mrad") == 0.4
+    # What the macro shows may be followed, and follow.
+    grouped.select("init")
+    choose(window, "lens/init", "f_number", "expose")
+    QTest.keyClick(window.canvas.view, KEY.Key_PageUp, ALT)
+    stop = field(window, "lens", "f_number")
+    type_in(stop.edit, "= scene.width / 128")
+    width = resolved(session.document.network, library=session.library).value("scene", "width")
+    width = session.declared("scene").parameter("width").default if width is None else width
+    assert stop.linked_value.text().startswith(f"= {width / 128:g}")
+    assert session.valued("lens/blur").params["sigma_x_mrad"] == pytest.approx(width / 128 * 0.2)
+    type_in(stop.edit, "= scene.nothing")
+    assert "has no parameter" in stop.message.text()
+    QTest.keyClick(stop.edit, KEY.Key_Escape)
+    grouped.select("lens")
+    grouped.focus()
+    grouped.key(KEY.Key_G, CTRL | SHIFT)
+    nodes = session.document.network.nodes
+    assert nodes["blur"].params["sigma_x_mrad"] == {"expression": "init.f_number * 0.2"}
+    assert nodes["init"].params["f_number"] == {"expression": "scene.width / 128"}
+    idle(window)
 
 
 def test_a_viewer_shows_a_node_inside(grouped, window, idle):

@@ -30,6 +30,8 @@ class Chart:
         Colours.
     square : bool
         Whether a unit across is to be as long as one along.
+    left : float
+        Least room for the ticks of the ordinate, so that charts below one another line up.
     """
 
     def __init__(
@@ -41,13 +43,14 @@ class Chart:
         theme: Theme,
         *,
         square: bool = False,
+        left: float = 0.0,
     ) -> None:
         self._painter, self._theme = painter, theme
         self._x, self._y = x, y
         self._metrics = QFontMetricsF(painter.font())
         line = self._metrics.height()
-        rows = y.ticks(int(area.height() / line / 2))
-        left = max((self._width(tick.text) for tick in rows), default=0.0) + line * 0.4
+        rows = ordinate_ticks(y, area.height(), self._metrics)
+        left = max(left, room_for_ticks(rows, self._metrics))
         top = line * (1.15 if y.title else 0.5)
         bottom = line * (2.1 if x.title else 1.1)
         self.frame = area.adjusted(left, top, -line * 0.5, -bottom)
@@ -189,6 +192,17 @@ class Chart:
 
     def _width(self, text: str) -> float:
         return self._metrics.horizontalAdvance(text)
+
+
+def ordinate_ticks(y: Axis, height: float, metrics: QFontMetricsF) -> tuple[Tick, ...]:
+    """The ticks of an ordinate in a chart of that height."""
+    return y.ticks(int(height / metrics.height() / 2))
+
+
+def room_for_ticks(ticks: Sequence[Tick], metrics: QFontMetricsF) -> float:
+    """What the widest of their texts needs left of the frame."""
+    widest = max((metrics.horizontalAdvance(tick.text) for tick in ticks), default=0.0)
+    return widest + metrics.height() * 0.4
 
 
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter

@@ -9,7 +9,9 @@ from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.theme import DARK
 from app.editor.viewers.plot.plot_viewer import PlotViewer
+from core.editing.fields import set_parameter
 from core.editing.nodes import Remove, Rename
+from core.network.linked_values import expression
 from region_hands import PictureHand, framed, stored, undo_steps
 
 INPUT = "electronics.image"
@@ -215,3 +217,17 @@ def test_it_says_what_to_do(bench, viewer, hand):
     bench.settle()
     assert "Arrow keys" in told[-1][1]
     assert len(told) == 2
+
+
+def test_a_linked_region_is_left_alone_and_the_reason_given(bench, viewer, hand):
+    raw = expression("measured.region_height / 3")
+    bench.session.do(set_parameter("measured", "region_width", raw))
+    before, said = bench.session.network, []
+    assert framed(viewer) == AS_SHIPPED  # 192 / 3
+    bench.session.message.connect(lambda kind, text: said.append((kind, text)))
+    hand.drag((128, 128), (118.3, 139.6))
+    assert bench.session.network is before
+    assert (
+        "error",
+        "measured.region_width follows measured.region_height / 3: unlink it in its panel first",
+    ) in said

@@ -1,0 +1,1 @@
+"""Arithmetic that a person writes in place of a number: text, units, value."""

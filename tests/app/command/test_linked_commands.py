@@ -1,0 +1,87 @@
+"""Commands on a network whose parameters follow others: as if the numbers were written out."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+LINKED = {"expression": "jitter.sigma_mrad * 2.5"}
+
+
+@pytest.fixture
+def linked(small):
+    """Sigma across is 2.5 × 0.2 = 0.5 as in the network with plain values."""
+    small["version"] = 2
+    small["nodes"]["blur"]["params"]["sigma_x_mrad"] = LINKED
+    return small
+
+
+def test_a_run_gives_the_bits_of_the_values(imagechain, write, small, linked, tmp_path):
+    plain = json.loads(json.dumps(small))
+    plain["nodes"]["blur"]["params"]["sigma_x_mrad"] = 0.5
+    for name, document in (("plain", plain), ("linked", linked)):
+        done = imagechain(
+            "run", write(document, f"{name}.json"), "--save", f"back.image={name}.npy"
+        )
+        assert done.returncode == 0, done.stderr
+    assert np.array_equal(np.load(tmp_path / "plain.npy"), np.load(tmp_path / "linked.npy"))
+
+
+def test_check_prints_one_line(imagechain, write, linked):
+    linked["nodes"]["jitter"]["params"]["sigma_mrad"] = {"expression": "blur.sigma_x_mrad"}
+    done = imagechain("check", write(linked))
+    assert done.returncode == 2
+    lines = done.stdout.splitlines()
+    assert len(lines) == 2
+    assert all("blur.sigma_x_mrad → jitter.sigma_mrad → blur.sigma_x_mrad" in one for one in lines)
+
+
+def test_a_set_value_is_followed_and_a_set_expression_follows(imagechain, write, linked, tmp_path):
+    def readouts(*words):
+        done = imagechain("run", write(linked), "--output-dir", "out", *words)
+        assert done.returncode == 0, done.stderr
+        return json.loads((tmp_path / "out" / "readouts.json").read_text())["blur"]
+
+    plain = json.loads(json.dumps(linked))
+    plain["nodes"]["blur"]["params"]["sigma_x_mrad"] = 1.0
+    plain["nodes"]["jitter"]["params"]["sigma_mrad"] = 0.4
+    done = imagechain("run", write(plain, "plain.json"), "--output-dir", "plain")
+    assert done.returncode == 0, done.stderr
+    expected = json.loads((tmp_path / "plain" / "readouts.json").read_text())["blur"]
+    assert readouts("--set", "jitter.sigma_mrad=0.4") == expected
+    words = ("--set", "jitter.sigma_mrad=0.4", "--set", "blur.sigma_x_mrad== jitter.sigma_mrad+0.6")
+    assert readouts(*words) == expected
+
+
+def test_a_wrong_expression_on_the_command_line_is_one_line(fails, write, small):
+    assert "did you mean jitter?" in fails(
+        "run", write(small), "--set", "blur.sigma_x_mrad==jiter.sigma_mrad"
+    )
+
+
+def test_a_varied_parameter_takes_its_followers_along(imagechain, write, linked, tmp_path):
+    def figures(document, values):
+        words = ("--vary", f"jitter.sigma_mrad={values}", "--figure", "total.mtf_nyquist_x")
+        done = imagechain("tradeoff", write(document), *words, "--output", "t.json")
+        assert done.returncode == 0, done.stderr
+        points = json.loads((tmp_path / "t.json").read_text())["curves"][0]["points"]
+        return [point["figures"]["total.mtf_nyquist_x"] for point in points]
+
+    expected = []
+    for sigma_mrad in (0.1, 0.15):
+        plain = json.loads(json.dumps(linked))
+        plain["nodes"]["blur"]["params"]["sigma_x_mrad"] = 2.5 * sigma_mrad
+        expected += figures(plain, str(sigma_mrad))
+    assert figures(linked, "0.1,0.15") == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_follower_out_of_range_is_a_gap(imagechain, write, linked):
+    """The chain's MTF without that stage would be a figure of another chain."""
+    linked["nodes"]["blur"]["params"]["sigma_x_mrad"] = {"expression": "0.15 - jitter.sigma_mrad"}
+    words = ("--vary", "jitter.sigma_mrad=0.1,0.2", "--figure", "total.mtf_nyquist_x")
+    linked["nodes"]["jitter"]["params"]["sigma_mrad"] = 0.1
+    done = imagechain("tradeoff", write(linked), *words)
+    assert done.returncode == 0, done.stderr
+    assert "it gives -0.05 mrad" in done.stdout

@@ -1,0 +1,250 @@
+"""Text can be read on its ground: 4.5 to 1 (WCAG 2.1, level AA), in both looks, as painted."""
+
+from collections import Counter
+
+import pytest
+from PySide6.QtCore import QPoint, QRect, QSize
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QApplication,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QTabBar,
+    QToolTip,
+    QWidget,
+)
+
+from app.editor.canvas.canvas import Canvas
+from app.editor.theme import DARK, LIGHT, THEMES
+from app.editor.widgets.elided_label import ElidedLabel
+from colour_sight import contrast, mixed
+from core.editing.document import Document
+from core.editing.fields import set_node_field
+from core.network.network import Network, Node
+
+LEAST = 4.5
+LOOKS = pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
+SUBTITLE = 0.8  # opacity of a node's second line
+
+
+@LOOKS
+def test_texts_of_the_theme_on_all_its_grounds(theme):
+    backdrop = mixed(theme.raised, theme.canvas, 130 / 255)
+    grounds = (theme.window, theme.base, theme.raised, theme.node, theme.canvas, backdrop)
+    for text in (theme.text, theme.faint_text, theme.error, theme.changed):
+        for ground in grounds:
+            assert contrast(text, ground) >= LEAST, (text, ground)
+    for ground in (theme.window, theme.base):
+        for text in (theme.accent, *theme.badges.values()):  # links; what is wrong with a node
+            assert contrast(text, ground) >= LEAST, (text, ground)
+    assert contrast(theme.accent_text, theme.accent) >= LEAST
+
+
+@LOOKS
+def test_titles_and_names_on_the_heads_of_nodes(theme):
+    for group, head in (*theme.groups.items(), ("unknown", theme.raised)):
+        assert contrast(theme.text, head) >= LEAST, group
+        assert contrast(mixed(theme.text, head, SUBTITLE), head) >= LEAST, group
+
+
+@LOOKS
+def test_signs_of_badges_and_of_the_output(theme):
+    for kind, colour in theme.badges.items():
+        assert contrast(theme.node, colour) >= LEAST, kind
+    assert contrast(theme.node, theme.ports["image"]) >= LEAST
+
+
+# --- as painted ----------------------------------------------------------------------------------
+
+
+def dots(image, rect):
+    """How often each colour is there, in dots of the screen."""
+    ratio = image.devicePixelRatio()
+    left, top = round(rect.left() * ratio), round(rect.top() * ratio)
+    right, bottom = round((rect.right() + 1) * ratio), round((rect.bottom() + 1) * ratio)
+    return Counter(
+        QColor(image.pixel(x, y)).name()
+        for x in range(max(left, 0), min(right, image.width()))
+        for y in range(max(top, 0), min(bottom, image.height()))
+    )
+
+
+def painted_contrast(image, rect):
+    """The contrast of what is painted there: of the ground, its most frequent colour, and the ink.
+
+    Thin strokes are mixed with the ground at their edges: of their colours the strongest counts.
+    """
+    counts = dots(image, rect)
+    ground = counts.most_common(1)[0][0]
+    return max(contrast(ink, ground) for ink in counts)
+
+
+def texts(window):
+    """Widgets of the window that write a text, and where in it they are seen."""
+    kinds = (QLabel, QAbstractButton, QLineEdit, ElidedLabel)
+    for widget in window.findChildren(QWidget):
+        if not isinstance(widget, kinds) or not widget.isVisible() or widget.window() is not window:
+            continue
+        text = widget.text() or (widget.placeholderText() if isinstance(widget, QLineEdit) else "")
+        if not any(letter.isalnum() for letter in text):
+            continue
+        rect = widget.visibleRegion().boundingRect()
+        if rect.height() < widget.fontMetrics().height() or rect.width() < 12:
+            continue  # it is scrolled out of sight
+        inside = 3 if isinstance(widget, QAbstractButton | QLineEdit) else 0  # without its frame
+        rect = rect.adjusted(inside, inside, -inside, -inside)
+        yield widget, text, rect.translated(widget.mapTo(window, QPoint()))
+
+
+@pytest.fixture(params=["dark", "light"])
+def shown(request, make_window, settings, idle):
+    """A window in that look with the network of the thesis' sensor."""
+    settings.look = request.param
+    window = make_window()
+    window.files.open_now("kodak_kir310")
+    idle(window)
+    return window
+
+
+def test_every_text_of_the_window_is_painted_with_contrast(shown, idle):
+    shown.session.select(["electronics"])
+    shown.session.do(set_node_field("electronics", "disabled", True))
+    idle(shown)
+    image = shown.grab().toImage()
+    seen = {
+        text: painted_contrast(image, rect) for _, text, rect in texts(shown) if not rect.isEmpty()
+    }
+    assert {"Cut-on", "Auto-Generate", "NETD system"} <= set(seen)
+    assert {text: value for text, value in seen.items() if value < LEAST} == {}
+
+
+def test_the_first_page(make_window, settings, idle):
+    for look in THEMES:
+        settings.look = look
+        window = make_window()
+        idle(window)
+        image = window.grab().toImage()
+        seen = {text: painted_contrast(image, rect) for _, text, rect in texts(window)}
+        assert len(seen) > 10
+        assert {text: value for text, value in seen.items() if value < LEAST} == {}
+
+
+def test_lists_tabs_and_menus_with_what_is_greyed_out(shown, qtbot):
+    image = shown.grab().toImage()
+    for view in shown.findChildren(QAbstractItemView):
+        if not view.isVisible() or view.window() is not shown:
+            continue
+        for y in range(8, view.viewport().height() - 8, 20):
+            index = view.indexAt(QPoint(view.viewport().width() // 2, y))
+            rect = view.visualRect(index) & view.viewport().rect()
+            if index.isValid() and rect.height() > 10:
+                rect.translate(view.viewport().mapTo(shown, QPoint()))
+                assert painted_contrast(image, rect) >= LEAST, index.data()
+    for bar in shown.findChildren(QTabBar):
+        for tab in range(bar.count() if bar.isVisible() else 0):
+            rect = bar.tabRect(tab).adjusted(4, 4, -4, -4).translated(bar.mapTo(shown, QPoint()))
+            if not shown.rect().contains(rect):
+                continue  # Qt has what is behind another outside
+            assert painted_contrast(image, rect) >= LEAST, bar.tabText(tab)
+    shown.session.select([])
+    greyed = 0
+    for menu in shown.menus.values():
+        menu.popup(shown.mapToGlobal(QPoint(40, 40)))
+        qtbot.waitUntil(menu.isVisible)
+        picture = menu.grab().toImage()
+        for action in menu.actions():
+            if action.text():
+                greyed += not action.isEnabled()
+                rect = menu.actionGeometry(action).adjusted(24, 1, -4, -1)
+                assert painted_contrast(picture, rect) >= LEAST, action.text()
+        menu.close()
+    assert greyed > 8
+
+
+def test_tooltips(shown, qtbot):
+    QToolTip.showText(shown.mapToGlobal(QPoint(300, 300)), "Undo the last change", shown)
+
+    def tips():
+        return [
+            widget
+            for widget in QApplication.topLevelWidgets()
+            if widget.inherits("QTipLabel") and widget.isVisible()
+        ]
+
+    qtbot.waitUntil(lambda: bool(tips()))
+    (tip,) = tips()
+    theme = shown.theme
+    picture = tip.grab().toImage()
+    inside = tip.rect().adjusted(3, 3, -3, -3)
+    assert dots(picture, inside).most_common(1)[0][0] == theme.raised
+    assert painted_contrast(picture, inside) >= LEAST
+    QToolTip.hideText()
+
+
+def test_greyed_out_buttons_and_fields(shown, qtbot):
+    page = QWidget(shown)
+    page.setGeometry(100, 100, 300, 120)
+    page.setAutoFillBackground(True)
+    button, field = QPushButton("Generate", page), QLineEdit("0.125 mrad", page)
+    for number, widget in enumerate((button, field)):
+        widget.setGeometry(10, 10 + 50 * number, 200, 36)
+        widget.setEnabled(False)
+    page.show()
+    qtbot.wait(20)
+    image = page.grab().toImage()
+    for widget in (button, field):
+        rect = widget.geometry().adjusted(4, 4, -4, -4)
+        assert painted_contrast(image, rect) >= LEAST
+
+
+@LOOKS
+@pytest.mark.parametrize("disabled", [False, True])
+@pytest.mark.parametrize("zoom", [2.0, 0.55])
+def test_nodes_of_every_group(session, library, qtbot, theme, disabled, zoom):
+    """Large, so that letters have dots without the ground mixed in; and as small as they get."""
+    keys = {
+        "Input and output": "test_scene",
+        "Transform": "init_trans",
+        "Atmosphere": "atmosphere_mtf",
+        "Optics": "exit_pupil_mtf",
+        "Motion": "jitter_mtf",
+        "Detector": "detector_mtf",
+        "Electronics & Noise": "electronics_noise",
+        "Analysis": "mtf_slices",
+    }
+    assert set(keys) == set(theme.groups)
+    nodes = {key: Node(key, key, disabled=disabled) for key in keys.values()}
+    layout = {key: (240.0 * n, 0.0) for n, key in enumerate(nodes)}
+    session.open(Document(Network(nodes=nodes, layout=layout), library=library))
+    canvas = Canvas(session, theme)
+    qtbot.addWidget(canvas)
+    canvas.resize(900, 500)
+    canvas.show()
+    qtbot.waitExposed(canvas)
+    view = canvas.view
+    for key, item in canvas.content.nodes.items():
+        view.frame(item.frame())
+        view.zoom_at(zoom * view.style_of_canvas.natural_zoom / view.zoom)
+        image = view.viewport().grab().toImage()
+        frame = view.mapFromScene(item.frame()).boundingRect()
+        if zoom < 1:
+            assert painted_contrast(image, frame.adjusted(4, 4, -4, -4)) >= LEAST, key
+            continue
+        lines = {"title": QRect(0, 4, 90, 17), "id": QRect(0, 22, 60, 13)}
+        for what, part in lines.items():
+            if what == "id" and not item.face.subtitle:
+                continue
+            rect = QRect(
+                frame.topLeft() + QPoint(round(9 * view.zoom), round(part.top() * view.zoom)),
+                QSize(round(part.width() * view.zoom), round(part.height() * view.zoom)),
+            )
+            assert painted_contrast(image, rect) >= LEAST, (key, what)
+        for (side, name), port in item.ports.items():
+            point, wide = view.mapFromScene(port.centre()), view.style_of_canvas.width("port", name)
+            left = 9 if side == "input" else -9 - wide
+            part = QRect(round(left * zoom), round(-5 * zoom), round(wide * zoom), round(11 * zoom))
+            rect = part.translated(point)
+            assert painted_contrast(image, rect) >= LEAST, (key, name)

@@ -1,0 +1,63 @@
+"""What becomes of linked parameters when nodes are deleted and copied: with keys, in the window."""
+
+import pytest
+from PySide6.QtGui import QGuiApplication
+
+from core.editing.document import Document
+from core.network.linked_values import expression
+from linked_network import linked_network
+from window_hands import CTRL, KEY, WindowHands
+
+CHAIN = linked_network(
+    {
+        "scene": ("test_scene", {"width": 64, "height": 64}),
+        "init": ("init_trans", {"f_number": 2.0}),
+        "blur": ("gaussian_mtf", {"sigma_x_mrad": expression("init.f_number * 0.2")}),
+    },
+    (
+        ("scene.image", "init.image"),
+        ("init.context", "blur.context"),
+        ("init.magnitude", "blur.magnitude"),
+    ),
+)
+
+
+@pytest.fixture
+def session(window, library):
+    hand = WindowHands(window)
+    hand.begin()
+    window.session.open(Document(CHAIN, library=library))
+    window.canvas.frame_all()
+    hand.focus()
+    return window.session
+
+
+def stored(session, node="blur"):
+    return session.network.nodes[node].params["sigma_x_mrad"]
+
+
+@pytest.mark.parametrize("keys", [(KEY.Key_Delete,), (KEY.Key_X, CTRL)])
+def test_what_a_deleted_node_was_followed_for_stays(window, session, keys):
+    said = []
+    session.message.connect(lambda kind, text: said.append((kind, text)))
+    before = session.document.text()
+    session.select(["init"])
+    WindowHands(window).key(*keys)
+    assert "init" not in session.network.nodes
+    assert stored(session) == 0.4
+    assert ("note", "no longer linked, with the value it had: blur.sigma_x_mrad = 0.4") in said
+    assert session.document.history.position == 1
+    session.undo()
+    assert session.document.text() == before
+
+
+def test_a_copy_follows_what_the_original_follows(window, session):
+    session.select(["blur"])
+    hand = WindowHands(window)
+    hand.key(KEY.Key_C, CTRL)
+    assert '"version": 2' in QGuiApplication.clipboard().text()
+    hand.key(KEY.Key_V, CTRL)
+    assert stored(session, "blur_2") == {"expression": "init.f_number * 0.2"}
+    session.select(["init", "blur"])
+    hand.key(KEY.Key_D, CTRL)
+    assert stored(session, "blur_3") == {"expression": "init_2.f_number * 0.2"}

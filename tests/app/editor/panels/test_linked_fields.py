@@ -1,0 +1,323 @@
+"""Number fields take arithmetic and units, and follow other parameters: with mouse and keys."""
+
+import html
+
+import pytest
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QMouseEvent, QWheelEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMenu
+
+from app.editor.evaluation.queries import Badge
+from core.editing.fields import set_parameter
+from core.editing.nodes import Add, Placed, Rename
+from core.network.network import Node
+from panel_hands import LEFT, field_of, panel_area, type_in
+
+
+@pytest.fixture
+def area(qtbot, session):
+    """A panel of a Gaussian MTF beside a node init at F/2."""
+    init = Node("init", "init_trans", {"f_number": 2.0})
+    blur = Node("blur", "gaussian_mtf", {"sigma_x_mrad": 0.3})
+    session.do(Add((Placed(init, (0.0, 0.0)), Placed(blur, (200.0, 0.0)))))
+    made = panel_area(qtbot, session)
+    session.select(["blur"])
+    return made
+
+
+@pytest.fixture
+def sigma(area, session):
+    return field_of(area, session, "sigma_x_mrad", "blur")
+
+
+def stored(session, name="sigma_x_mrad", node="blur"):
+    return session.network.nodes[node].params.get(name)
+
+
+def open_menu(field):
+    field.open_menu(field.mapToGlobal(QPoint(5, 5)))
+    QApplication.processEvents()
+    menu = field.findChildren(QMenu, "field.menu")[-1]
+    return menu, {action.objectName(): action for action in menu.actions() if action.objectName()}
+
+
+def wheel(widget, notches=1):
+    """A turn of the wheel over the middle of a widget, passed on as Qt does."""
+    middle = QPointF(widget.rect().center())
+    event = QWheelEvent(
+        middle, QPointF(widget.mapToGlobal(middle)), QPoint(), QPoint(0, 120 * notches),
+        Qt.MouseButton.NoButton, Qt.KeyboardModifier.NoModifier,
+        Qt.ScrollPhase.NoScrollPhase, False,
+    )  # fmt: skip
+    QApplication.sendEvent(widget, event)
+    QApplication.processEvents()
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("2*0.3", 0.6),
+        ("3*0.1", 0.3),
+        ("600 urad", 0.6),
+        ("600 µrad", 0.6),
+        ("600,5 urad", 0.6005),
+        ("1/60", 1 / 60),
+        ("0.5e-3 rad", 0.5),
+        ("(1/60) deg", 0.29088820866572),
+        ("sqrt(0.09)", 0.3),
+        ("max(0.1, 0.4)", 0.4),
+    ],
+)
+def test_arithmetic_and_units_are_taken(text, value, sigma, session):
+    position = session.document.history.position
+    session.do(set_parameter("blur", "sigma_x_mrad", 0.125))
+    type_in(sigma.edit, text)
+    assert stored(session) == pytest.approx(value, rel=1e-13)
+    assert not sigma.message.isVisible()
+    assert not sigma.edit.marked
+    assert session.document.history.position == position + 2
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        ("3 K", "K is a unit of temperature, but this is in mrad"),
+        ("3 parsec", "parsec is no unit that is known"),
+        ("1/0", "1 / 0 divides by zero"),
+        ("2*", "the expression ends where"),
+        ("abc", "a number of at least 0"),
+        ("-1", "a number of at least 0"),
+        ("1,000", "either 1000 or 1.000"),
+        ("1,000 urad", "either 1000 or 1.000"),
+        ("init.f_number", "to follow it, begin with ="),
+        ("= int.f_number", "did you mean init?"),
+        ("= 1 - init.f_number", "it gives -1 mrad; it must give a number of at least 0"),
+        ("= blur.sigma_x_mrad", "follows itself"),
+        ("=", "the expression is empty"),
+    ],
+)
+def test_what_is_refused_says_why_and_what_counts(text, part, sigma, session):
+    before = session.network
+    type_in(sigma.edit, text)
+    assert session.network is before
+    assert sigma.edit.marked
+    assert part in sigma.message.text()
+    assert sigma.message.text().endswith("(still 0.3 mrad)")
+    QTest.keyClick(sigma.edit, Qt.Key.Key_Escape)
+    assert not sigma.message.text()
+    assert sigma.edit.text() == "0.3"
+
+
+def test_a_link_is_typed_shown_followed_and_undone(sigma, session):
+    position = session.document.history.position
+    type_in(sigma.edit, "= init.f_number * 0.2")
+    assert stored(session) == {"expression": "init.f_number * 0.2"}
+    assert session.document.history.position == position + 1
+    assert session.document.history.undo_text == "Link blur.sigma_x_mrad"
+    assert sigma.edit.text() == "= init.f_number * 0.2"
+    assert sigma.edit.is_linked
+    assert sigma.linked_value.isVisible()
+    assert sigma.linked_value.text() == "= 0.4 mrad"
+    assert not sigma.slider.isEnabled()
+    assert "follows init.f_number * 0.2" in html.unescape(sigma.slider.toolTip())
+    assert "Value: 0.4 mrad" in html.unescape(sigma.edit.toolTip())
+    session.do(set_parameter("init", "f_number", 3.0))
+    assert sigma.linked_value.text() == "= 0.6 mrad"
+    assert sigma.value == pytest.approx(0.6)
+    session.do(Rename("init", "Lens 2"))
+    assert sigma.edit.text() == "= 'Lens 2'.f_number * 0.2"
+    for _ in range(3):
+        session.undo()
+    assert stored(session) == 0.3
+    assert sigma.edit.text() == "0.3"
+    assert not sigma.edit.is_linked
+    assert not sigma.linked_value.isVisible()
+    assert sigma.slider.isEnabled()
+    session.redo()
+    assert sigma.linked_value.text() == "= 0.4 mrad"
+
+
+def test_a_link_is_edited_and_taken_away_by_typing(sigma, session):
+    type_in(sigma.edit, "= init.f_number * 0.2")
+    type_in(sigma.edit, "= init.f_number * 0.1")
+    assert stored(session) == {"expression": "init.f_number * 0.1"}
+    type_in(sigma.edit, "= init.f_number * nonsense")
+    assert stored(session) == {"expression": "init.f_number * 0.1"}
+    assert sigma.message.text().endswith("(still = init.f_number * 0.1)")
+    QTest.keyClick(sigma.edit, Qt.Key.Key_Escape)
+    assert sigma.edit.text() == "= init.f_number * 0.1"
+    type_in(sigma.edit, "0.7")
+    assert stored(session) == 0.7
+    assert sigma.slider.isEnabled()
+
+
+def test_a_link_is_taken_away_by_the_menu_and_keeps_the_value(sigma, session):
+    type_in(sigma.edit, "= init.f_number * 0.2")
+    position = session.document.history.position
+    menu, actions = open_menu(sigma)
+    assert actions["unlink"].text() == "Unlink, keep 0.4 mrad"
+    actions["unlink"].trigger()
+    menu.close()
+    assert stored(session) == 0.4
+    assert session.document.history.position == position + 1
+    assert session.document.history.undo_text == "Unlink blur.sigma_x_mrad"
+    session.undo()
+    assert stored(session) == {"expression": "init.f_number * 0.2"}
+
+
+def test_a_link_is_begun_by_the_menu(sigma, session):
+    menu, actions = open_menu(sigma)
+    actions["link"].trigger()
+    menu.close()
+    assert sigma.edit.hasFocus()
+    QTest.keyClicks(sigma.edit, "init.f_number")
+    QTest.keyClick(sigma.edit, Qt.Key.Key_Return)
+    assert stored(session) == {"expression": "init.f_number"}
+
+
+def test_arrows_and_label_leave_a_linked_value_alone_and_say_why(sigma, session):
+    type_in(sigma.edit, "= init.f_number * 0.2")
+    before = session.network
+    QTest.keyClick(sigma.edit, Qt.Key.Key_Up)
+    assert session.network is before
+    assert not sigma.label.drags
+    assert not sigma.slider.isEnabled()
+    assert "follows init.f_number * 0.2" in sigma.message.text()
+    assert sigma.label.cursor().shape() == Qt.CursorShape.ArrowCursor
+
+
+def test_a_link_that_has_lost_its_value_says_so(sigma, session):
+    type_in(sigma.edit, "= init.f_number - 1")
+    session.do(set_parameter("init", "f_number", 0.5))
+    assert "it gives -0.5 mrad" in sigma.message.text()
+    assert sigma.linked_value.text() == "no value"
+    session.undo()
+    assert not sigma.message.text()
+    assert sigma.linked_value.text() == "= 1 mrad"
+
+
+def pull(label, way, modifier=Qt.KeyboardModifier.NoModifier, steps=10):
+    """Press on a label, move sideways in steps, and let go."""
+    start = QPoint(10, label.height() // 2)
+    QTest.mousePress(label, LEFT, modifier, start)
+    for step in range(1, steps + 1):
+        at = start + QPoint(round(way * step / steps), 0)
+        _moved(label, at, modifier)
+        QApplication.processEvents()
+    QTest.mouseRelease(label, LEFT, modifier, start + QPoint(way, 0))
+
+
+def _moved(widget, at, modifier):
+    """`QTest.mouseMove` knows no modifiers."""
+    place = QPointF(at)
+    event = QMouseEvent(
+        QEvent.Type.MouseMove, place, QPointF(widget.mapToGlobal(place)),
+        Qt.MouseButton.NoButton, LEFT, modifier,
+    )  # fmt: skip
+    QApplication.sendEvent(widget, event)
+
+
+@pytest.mark.parametrize(
+    ("modifier", "way", "value"),
+    [
+        # A step is four pixels; one of this slider, from 0 to 5 mrad, is 0.05.
+        (Qt.KeyboardModifier.NoModifier, 40, 0.3 + 10 * 0.05),
+        (Qt.KeyboardModifier.NoModifier, -8, 0.3 - 2 * 0.05),
+        (Qt.KeyboardModifier.ShiftModifier, 40, 0.3 + 10 * 0.005),
+        (Qt.KeyboardModifier.ControlModifier, 8, 0.3 + 2 * 0.5),
+        (Qt.KeyboardModifier.NoModifier, -400, 0.0),
+    ],
+)
+def test_a_label_is_dragged_sideways(modifier, way, value, sigma, session):
+    assert sigma.label.cursor().shape() == Qt.CursorShape.SizeHorCursor
+    assert (sigma.scale.low, sigma.scale.high) == (0.0, 5.0)
+    position = session.document.history.position
+    pull(sigma.label, way, modifier)
+    assert stored(session) == pytest.approx(value, abs=1e-9)
+    assert session.document.history.position == position + 1
+    session.undo()
+    assert stored(session) == 0.3
+    assert sigma.edit.text() == "0.3"
+
+
+def test_a_click_on_a_label_changes_nothing(sigma, session):
+    before = session.network
+    pull(sigma.label, 2, steps=2)
+    assert session.network is before
+
+
+def test_whole_numbers_gather_parts_of_a_step(area, session):
+    session.do(Add((Placed(Node("scene", "test_scene", {"width": 64}), (0.0, 0.0)),)))
+    session.select(["scene"])
+    field = field_of(area, session, "width", "scene")
+    pull(field.label, 40, Qt.KeyboardModifier.ShiftModifier, steps=40)
+    value = stored(session, "width", "scene")
+    assert type(value) is int
+    assert value == field.scale.stepped(64, 1)
+
+
+def test_the_wheel_changes_only_what_has_the_focus(sigma, session, area):
+    before = session.network
+    area.setFocus()
+    for control in (sigma.edit, sigma.slider):
+        wheel(control)
+    assert session.network is before
+    sigma.edit.setFocus()
+    area._scrolled_at = float("-inf")
+    wheel(sigma.edit)
+    assert stored(session) == pytest.approx(0.35)
+    position = session.document.history.position
+    wheel(sigma.edit)
+    assert session.document.history.position == position  # one turn, one step
+
+
+def test_the_wheel_goes_on_scrolling_over_a_control_with_the_focus(sigma, session, area):
+    """The panel slides, and the slider with the focus comes under the mouse."""
+    sigma.slider.setFocus()
+    wheel(area.viewport())
+    before = session.network
+    wheel(sigma.slider)
+    wheel(sigma.edit)
+    assert session.network is before
+
+
+def top(widget):
+    QApplication.processEvents()
+    return widget.mapToGlobal(QPoint(0, 0)).y()
+
+
+WARNING = {"blur": Badge("warning", "a line that comes while the mouse is down\nand another")}
+
+
+@pytest.mark.parametrize("control", ["slider", "label"])
+def test_nothing_moves_under_the_mouse_while_a_warning_comes(control, sigma, area):
+    held = getattr(sigma, control)
+    at = top(held)
+    start = QPoint(held.width() // 2, held.height() // 2)
+    QTest.mousePress(held, LEFT, pos=start)
+    area.set_badges(WARNING)
+    assert top(held) == at
+    _moved(held, start + QPoint(12, 0), Qt.KeyboardModifier.NoModifier)
+    area.set_badges(WARNING)
+    assert top(held) == at
+    assert not area.panels["blur"].head.problem.isVisible()
+    QTest.mouseRelease(held, LEFT, pos=start + QPoint(12, 0))
+    QApplication.processEvents()
+    assert area.panels["blur"].head.problem.isVisible()
+    assert top(held) > at
+
+
+def test_a_refusal_waits_until_the_press_elsewhere_is_over(sigma, session, area, qtbot):
+    """The line would come between: the slider below would slide away from under the press."""
+    below = field_of(area, session, "sigma_y_mrad", "blur")
+    type_in(sigma.edit, "3 K", key=None)
+    at = top(below.slider)
+    QTest.mousePress(below.slider, LEFT, pos=QPoint(20, below.slider.height() // 2))
+    assert below.slider.hasFocus()
+    assert sigma.edit.marked
+    assert top(below.slider) == at
+    assert not sigma.message.isVisible()
+    QTest.mouseRelease(below.slider, LEFT, pos=QPoint(20, below.slider.height() // 2))
+    qtbot.waitUntil(sigma.message.isVisible)
+    assert "temperature" in sigma.message.text()

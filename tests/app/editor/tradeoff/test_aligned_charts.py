@@ -1,0 +1,63 @@
+"""The charts of the trade-off dock stand in line with one another."""
+
+import numpy as np
+import pytest
+from PySide6.QtGui import QColor
+
+from app.editor.theme import DARK
+from app.editor.tradeoff.plots import Graph, TradeOffPlots
+from app.editor.tradeoff.ranges import Span
+
+X = np.linspace(0.0, 1.0, 11)
+GRAPHS = [  # numbers of one digit, of many, and powers
+    Graph("a", "a", X, 5.0 * X),
+    Graph("b", "b (Hz)", X, 120000.0 + 20000.0 * X),
+    Graph("c", "c", X, 10.0 ** (9 * X - 9)),
+    Graph("d", "d", X, -0.0375 * X),
+]
+
+
+@pytest.fixture(params=[(300, 800), (900, 500)], ids=["in one column", "in two"])
+def plots(request, qtbot):
+    made = TradeOffPlots(DARK)
+    qtbot.addWidget(made)
+    made.resize(*request.param)
+    made.show_graphs(GRAPHS, Span(0.0, 1.0, count=11), "sigma")
+    made.show()
+    qtbot.waitExposed(made)
+    return made
+
+
+def left_edges(plots, across):
+    """The leftmost dot of each chart's curve, over the left end of its column, as painted."""
+    image = plots.grab().toImage()
+    down = -(-len(GRAPHS) // across)
+    wide, high = image.width() // across, image.height() // down
+    edges = []
+    for index in range(len(GRAPHS)):
+        colour = QColor(DARK.curves[index])
+        left, top = index % across * wide, index // across * high
+        columns = [
+            x
+            for x in range(left, left + wide)
+            for y in range(top, top + high)
+            if abs(image.pixelColor(x, y).hue() - colour.hue()) <= 3
+            and image.pixelColor(x, y).saturation() > colour.saturation() // 2
+        ]
+        edges.append(min(columns) - left)
+    return edges
+
+
+def test_their_left_edges_are_in_line(plots):
+    across = 1 if plots.width() < 400 else 2
+    edges = left_edges(plots, across)
+    assert max(edges) - min(edges) <= 1, edges
+
+
+def test_their_scales_are_in_line(plots):
+    across = 1 if plots.width() < 400 else 2
+    for value in (0.0, 0.5, 1.0):
+        places = [
+            plots.place(index, value).x() % (plots.width() / across) for index in range(len(GRAPHS))
+        ]
+        assert max(places) - min(places) < 0.01, places

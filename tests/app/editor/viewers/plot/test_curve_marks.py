@@ -1,0 +1,51 @@
+"""The Nyquist frequency is marked where a measured MTF is plotted."""
+
+import numpy as np
+import pytest
+
+from core.chain.results import CurveData, CurveMark, Series
+from core.editing.fields import set_parameter
+
+FREQUENCY = np.linspace(0.0, 2.0, 201)
+
+
+def dashed_columns(viewer):
+    """Columns of the chart of which more than a quarter is grey and light, as a mark is."""
+    image = viewer.canvas.grab().toImage()
+
+    def light(x, y):
+        colour = image.pixelColor(x, y)
+        return colour.lightness() > 80 and colour.hsvSaturation() < 60
+
+    counts = [sum(light(x, y) for y in range(image.height())) for x in range(image.width())]
+    return [x for x, count in enumerate(counts) if count > image.height() / 4]
+
+
+def test_a_mark_is_painted_at_its_place(shown):
+    series = (Series("a", FREQUENCY, np.cos(FREQUENCY)),)
+    viewer = shown(CurveData("", "x", "MTF", series))
+    assert dashed_columns(viewer) == []
+    viewer = shown(CurveData("", "x", "MTF", series, marks=(CurveMark("Nyquist", 0.5),)))
+    columns = dashed_columns(viewer)
+    box = viewer.canvas._plots[0].getViewBox()
+    place = box.sceneBoundingRect()
+    low, high = box.viewRange()[0]
+    expected = place.left() + (0.5 - low) / (high - low) * place.width()
+    assert columns
+    assert all(abs(column - expected) <= 1.5 for column in columns)
+
+
+def test_a_measured_mtf_marks_half_a_cycle_per_pixel(window, idle):
+    window.files.open_now("measured_mtf")
+    idle(window)
+    plot = window.viewers.plot
+    assert plot.port == "measured.curve"
+    image = window.evaluator.plan.output("electronics.image")
+    assert image.interval_x_mrad == pytest.approx(image.interval_y_mrad)
+    (mark,) = plot.canvas.drawing.marks
+    assert mark.text == "Nyquist"
+    assert mark.frequency == pytest.approx(0.5 / image.interval_x_mrad)
+    window.session.do(set_parameter("measured", "axis", "cyc_per_pixel"))
+    idle(window)
+    (mark,) = plot.canvas.drawing.marks
+    assert mark.frequency == 0.5

@@ -1,0 +1,112 @@
+"""Docks keep the shares of the window that the user gives them, and only those."""
+
+import json
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+
+from app.editor.window.documents.remembered_settings import Settings
+
+LEFT, PLAIN = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
+
+
+@pytest.fixture
+def opened(window, idle):
+    window.files.open_now("first_steps")
+    idle(window)
+    return window
+
+
+def shares(window):
+    return json.loads(window.layout_in_use.state())["shares"]
+
+
+def title_of(dock):
+    """A point on a dock's title."""
+    return QPoint(40, 8)
+
+
+def drag_separator(window, dx):
+    start = QPoint(window.panel_dock.x() - 3, window.panel_dock.y() + 200)
+    QTest.mousePress(window, LEFT, PLAIN, start)
+    for step in (4, dx // 2, dx):
+        QTest.mouseMove(window, start + QPoint(step, 0))
+        QTest.qWait(30)
+    QTest.mouseRelease(window, LEFT, PLAIN, start + QPoint(dx, 0))
+
+
+def test_a_click_on_the_status_bar_keeps_nothing(opened, idle):
+    """By default panels have a width in letters, within limits, and no share."""
+    wide = opened.panel_dock.width()
+    QTest.mouseClick(opened.status, LEFT, pos=QPoint(300, 8))
+    QTest.mouseClick(opened, LEFT, pos=opened.status.mapTo(opened, QPoint(300, 8)))
+    assert shares(opened) == {}
+    opened.resize(3200, 1700)
+    idle(opened)
+    clicked = opened.panel_dock.width()
+    opened.actions_by_name["reset_layout"].trigger()
+    idle(opened)
+    assert opened.panel_dock.width() == clicked
+    opened.resize(1600, 900)
+    idle(opened)
+    assert opened.panel_dock.width() == wide
+
+
+def test_a_drag_of_a_separator_keeps_shares(opened, idle):
+    drag_separator(opened, -90)
+    idle(opened)
+    kept = shares(opened)
+    assert kept["dock.panels"][0] == pytest.approx(opened.panel_dock.width() / 1600)
+
+
+def test_a_floated_dock_leaves_its_room_to_the_others(opened, idle, qtbot):
+    drag_separator(opened, -90)
+    idle(opened)
+    before = shares(opened)
+    QTest.mouseDClick(opened.panel_dock, LEFT, PLAIN, title_of(opened.panel_dock))
+    qtbot.waitUntil(opened.panel_dock.isFloating)
+    idle(opened)
+    now = shares(opened)
+    assert "dock.panels" in before
+    assert "dock.panels" not in now
+    curves = opened.viewers.plot_dock
+    assert now["dock.curves"][1] == pytest.approx(curves.height() / 900)
+    assert now["dock.curves"][1] > 1.5 * before["dock.curves"][1]
+    opened.resize(2000, 1125)
+    idle(opened)
+    assert curves.width() == pytest.approx(now["dock.curves"][0] * 2000, abs=3)
+    opened.panel_dock.setFloating(False)  # its title is the window manager's now
+    idle(opened)
+    assert shares(opened)["dock.panels"][0] == pytest.approx(opened.panel_dock.width() / 2000)
+
+
+def test_shares_are_remembered_and_a_default_stays_one(opened, make_window, idle):
+    opened.close()
+    again = make_window()
+    again.files.open_now("first_steps")
+    idle(again)
+    assert shares(again) == {}
+    drag_separator(again, -90)
+    idle(again)
+    kept, wide = shares(again), again.panel_dock.width()
+    again.close()
+    third = make_window()
+    third.files.open_now("first_steps")
+    idle(third)
+    assert shares(third) == kept
+    assert third.panel_dock.width() == pytest.approx(wide, abs=2)
+
+
+@pytest.mark.parametrize(
+    "stored",
+    ["", "{", "[]", '{"name": "x", "shares": {}}', '{"name": "canvas_first", "shares": 3}'],
+)
+def test_a_damaged_record_counts_as_none(opened, make_window, idle, settings, stored):
+    opened.close()
+    settings._stored.setValue("layout", stored)
+    again = make_window(settings=Settings(settings.path))
+    again.files.open_now("first_steps")
+    idle(again)
+    assert again.panel_dock.isVisible()
+    assert json.loads(again.layout_in_use.state())["name"] == "picture_below"

@@ -1,0 +1,111 @@
+"""The window under a window manager (openbox): its place, its picture, and back to its old size."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from child_process import PATIENCE_S, ROOT
+from virtual_screen import managed_screen
+
+SCRIPT = ROOT / "tests" / "support" / "managed_window.py"
+SCREENS = [  # dots, and what a dot of the window is worth
+    (1366, 768, 1),
+    (1600, 900, 1),
+    (2560, 1440, 1),
+    (3840, 2160, 1),
+    (2560, 1440, 2),
+    (3840, 2160, 2),
+]
+SHARE = 0.4  # of the window, for the picture
+
+
+@pytest.fixture(scope="module", params=SCREENS, ids="{0[0]}x{0[1]} at {0[2]}".format)
+def measured(request, tmp_path_factory):
+    """What a first start and the next one leave."""
+    width, height, scale = request.param
+    folder = tmp_path_factory.mktemp("managed")
+    with managed_screen(width, height) as environment:
+        for what in ("first", "again"):
+            run(what, folder, {**environment, "QT_SCALE_FACTOR": str(scale)})
+    return {what: json.loads((folder / f"{what}.json").read_text()) for what in ("first", "again")}
+
+
+def run(what, folder, environment):
+    path = os.pathsep.join([str(ROOT), str(SCRIPT.parent)])
+    done = subprocess.run(
+        [sys.executable, str(SCRIPT), what, str(folder)],
+        env={**environment, "PYTHONPATH": path, "XDG_CONFIG_HOME": str(folder)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE_S,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def within(inner, outer):
+    (x, y, wide, high), (left, top, width, height) = inner, outer
+    return x >= left and y >= top and x + wide <= left + width and y + high <= top + height
+
+
+def fills(inside, screen):
+    """Whether a window without its title has all of a screen but the title's height.
+
+    At twice the scale Qt rounds odd numbers of dots.
+    """
+    (x, y, wide, high), (left, top, width, height) = inside, screen
+    title = y - top
+    return near((x, wide, high), (left, width, height - title), 1) and 0 < title < 40
+
+
+def near(one, other, dots):
+    return all(abs(a - b) <= dots for a, b in zip(one, other, strict=True))
+
+
+def test_the_first_window_lies_within_the_screen(measured):
+    first = measured["first"]
+    for what in ("welcome", "first"):
+        assert within(first[what]["frame"], first["screen"]), what
+        assert not first[what]["maximised"]
+
+
+def test_the_picture_has_two_fifths_of_the_window(measured):
+    first, again = measured["first"], measured["again"]
+    shares = {what: first[what]["share"] for what in first if "share" in first[what]}
+    shares |= {f"{what} again": again[what]["share"] for what in again if "share" in again[what]}
+    del shares["welcome"]
+    assert len(shares) == 8
+    assert {what: share for what, share in shares.items() if share < SHARE} == {}
+
+
+def test_maximised_it_has_the_screen_and_then_its_old_size(measured):
+    first = measured["first"]
+    assert first["maximised"]["maximised"]
+    assert fills(first["maximised"]["inside"], first["screen"])
+    assert not first["again small"]["maximised"]
+    assert near(first["again small"]["inside"], first["first"]["inside"], 1)
+    assert near(first["again small"]["picture"], first["first"]["picture"], 3)
+
+
+def test_f11_shows_the_picture_over_the_whole_screen_and_back(measured):
+    first = measured["first"]
+    assert first["page"]["frame"] == first["page"]["whole"]
+    whole = first["page"]["whole"][2] * first["page"]["whole"][3]
+    wide, high = first["page"]["picture"]
+    assert wide * high > 0.75 * whole
+    for before, after in (("maximised", "after page"), ("again small", "small after page")):
+        assert near(first[before]["inside"], first[after]["inside"], 1), before
+        assert near(first[before]["picture"], first[after]["picture"], 3), before
+        assert first[before]["maximised"] == first[after]["maximised"]
+
+
+def test_a_maximised_window_comes_back_maximised_and_has_its_old_size(measured):
+    first, again = measured["first"], measured["again"]
+    assert first["left"]["maximised"]
+    assert again["begun"]["maximised"]
+    assert fills(again["begun"]["inside"], again["screen"])
+    assert not again["small"]["maximised"]
+    assert near(again["small"]["inside"], first["small after page"]["inside"], 2)
