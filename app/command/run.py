@@ -42,7 +42,7 @@ from core.modules.library_type import Library
 from core.names import close, in_line, printable, shown
 from core.network.file import read_network
 from core.network.network import Network
-from core.network.validation import NetworkProblems, check_network
+from core.network.validation import NetworkProblems, check_network, plain_network
 from nodes.files.formats import NPY
 from nodes.files.read import check_finite
 from nodes.library import standard_library
@@ -100,7 +100,7 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
 
 
 def open_network(place: Place, options: Options, library: Library) -> Network:
-    """The network with the command line's changes, valid.
+    """The network with its macros written out and the command line's changes, valid.
 
     Raises
     ------
@@ -110,6 +110,7 @@ def open_network(place: Place, options: Options, library: Library) -> Network:
     network = read_network(place.path, library=library)
     if not network.nodes:
         raise NetworkError(f"{shown(str(place.path))}: the network has no nodes")
+    network = plain_network(network, library=library)
     network = with_settings(network, options.settings, library=library)
     if options.final is not None:
         network = with_final(network, options.final, library=library)
@@ -192,6 +193,9 @@ def sink_targets(plan: Plan, folder: Path) -> dict[str, Path]:
 
 
 def _port_value(plan: Plan, node: str, port: str) -> Any:
+    name, _, output = plan.network.port_names.get(f"{node}.{port}", "").rpartition(".")
+    if name:  # of a macro
+        return plan.nodes[name].outputs[output]
     known = plan.nodes.get(node)
     if known is None:
         hint = close(node, plan.nodes) or f"; it has {', '.join(plan.nodes)}"

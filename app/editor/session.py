@@ -13,10 +13,20 @@ from app.editor.allowed_shares import Shares
 from app.editor.chosen_outputs import ChosenOutputs
 from app.editor.error_text import error_text
 from core.editing.document import Document
+from core.editing.fields import set_parameter
+from core.editing.macros.inside import addressed
 from core.editing.operation import Operation
 from core.errors import ImagechainError
-from core.modules.declaration import Declaration, declaration
-from core.network.linked_values import ResolvedNetwork, expression_text, with_values
+from core.modules.declaration import Declaration
+from core.network.expansion import expanded, unfolded
+from core.network.linked_values import (
+    LinkError,
+    ResolvedNetwork,
+    expression_text,
+    resolved,
+    with_values,
+)
+from core.network.macro import SEPARATOR, declared_node, path_of
 from core.network.network import Library, Network, Node
 
 
@@ -53,8 +63,9 @@ class Session(QObject):
         self._outputs = ChosenOutputs()
         self._document = Document(Network(), library=library)
         self._document.listen(self._changed)
+        self._network = self._document.network
         self._selection: tuple[str, ...] = ()
-        self._resolved = (self.network, ResolvedNetwork(self.network))
+        self._resolved = (self._network, ResolvedNetwork(self._network))
 
     @property
     def document(self) -> Document:
@@ -63,22 +74,50 @@ class Session(QObject):
 
     @property
     def network(self) -> Network:
-        """The network as it stands."""
-        return self._document.network
+        """The network as it stands, with the nodes inside of macros beside all others.
+
+        They are called ``camera/blur``, and operations given to `do` may name them so.
+        """
+        return self._network
+
+    @property
+    def head(self) -> str:
+        """What the ids it selects begin with in the whole network: nothing, unlike a `Level`."""
+        return ""
+
+    @property
+    def plain(self) -> Network:
+        """The network with its macros written out, which is what is computed."""
+        return expanded(self._document.network, self.library)
 
     @property
     def resolved(self) -> ResolvedNetwork:
-        """The network with values in the place of its expressions."""
-        of, resolved = self._resolved
-        if of is not self.network:
-            known = resolved.network.nodes.get
-            resolved = with_values(self.network, library=self.library, known=known)
-            self._resolved = (self.network, resolved)
-        return resolved
+        """The plain network with values in the place of its expressions."""
+        of, before = self._resolved
+        document = self._document.network
+        if of is not document:
+            known = before.network.nodes.get
+            now = with_values(self.plain, library=self.library, known=known)
+            self._resolved = (document, now)
+        return self._resolved[1]
 
     def valued(self, name: str) -> Node:
         """The node with values in the place of its expressions."""
-        return self.resolved.network.nodes[name]
+        node = self.resolved.node(name)
+        if node is not None:
+            return node
+        macro = self.network.nodes[name]
+        values = {one: self.resolved.value(name, one) for one in macro.linked}
+        return replace(macro, params={**macro.params, **values}) if values else macro
+
+    def link_fault(self, node: str, parameter: str, raw: object) -> LinkError | None:
+        """Why a parameter cannot follow that; None where it can."""
+        document = self._document.network
+        trial = addressed(document, set_parameter(node, parameter, raw)).apply(document)
+        found = resolved(trial, library=self.library)
+        behind, name = found.network.parameter_behind(node, parameter)
+        faults = found.faults.get(behind, ())
+        return next((fault for fault in faults if fault.parameter == name), None)
 
     def follows(self, name: str, parameters: Iterable[str]) -> str:
         """Which of a node's parameters follows others, so that no drag may set it; or empty."""
@@ -102,12 +141,16 @@ class Session(QObject):
     def declared(self, name: str) -> Declaration | None:
         """The declaration of a node's module; None of an unknown module."""
         node = self.network.nodes.get(name)
-        module = self.library.get(node.module) if node is not None else None
-        return declaration(module) if module is not None else None
+        return declared_node(node, self.library) if node is not None else None
+
+    def local_name(self, name: str) -> str:
+        """A node's own id, without those of the macros it lies in."""
+        return path_of(self._document.network, name)[-1]
 
     def open(self, document: Document) -> None:
         """Put another document in the place of this one."""
         self._document = document
+        self._network = unfolded(document.network)
         self._outputs.forget()
         if document.path is not None:
             self.shares.allow(document.path)
@@ -124,10 +167,21 @@ class Session(QObject):
         a `gesture` are one undo step; `end_gesture` when the mouse goes up.
         """
         try:
-            return self._document.do(operation, gesture)
+            return self._document.do(addressed(self._document.network, operation), gesture)
         except ImagechainError as error:
             self.message.emit("error", error_text(error))
             return False
+
+    def check(self, operation: Operation) -> None:
+        """Refuse an operation that does not fit, and change nothing.
+
+        Raises
+        ------
+        NetworkError, ParameterError
+            Saying why it does not.
+        """
+        network = self._document.network
+        addressed(network, operation).apply(network)
 
     def end_gesture(self) -> None:
         """The next operation is an undo step of its own."""
@@ -179,17 +233,37 @@ class Session(QObject):
             self._selection = chosen
             self.selection_changed.emit(chosen)
 
-    def _changed(self, before: Network, after: Network) -> None:
-        self.changed.emit(before, after)
+    def _changed(self, _before: Network, after: Network) -> None:
+        shown, self._network = self._network, unfolded(after)
+        self.changed.emit(shown, self._network)
         self.state_changed.emit()
-        old, new = renamed_node(before, after) or ("", "")
-        self.select(new if name == old else name for name in self._selection)
+        renamed = renamed_node(shown, self._network)
+        self.select(followed_name(name, renamed) for name in self._selection)
 
 
 def renamed_node(before: Network, after: Network) -> tuple[str, str] | None:
-    """The old and the new name of a node, where one was renamed."""
-    gone = [node for name, node in before.nodes.items() if name not in after.nodes]
-    come = [node for name, node in after.nodes.items() if name not in before.nodes]
-    if len(gone) == 1 and len(come) == 1 and replace(gone[0], id=come[0].id) == come[0]:
-        return gone[0].id, come[0].id
-    return None
+    """The old and the new name of a node, where one was renamed; of a macro without its inside."""
+    gone = _outermost(name for name in before.nodes if name not in after.nodes)
+    come = _outermost(name for name in after.nodes if name not in before.nodes)
+    if len(gone) != 1 or len(come) != 1:
+        return None
+    old, new = before.nodes[gone[0]], after.nodes[come[0]]
+    return (old.id, new.id) if replace(old, id=new.id) == new else None
+
+
+def followed_name(name: str, renamed: tuple[str, str] | None) -> str:
+    """A node's name after a rename of it, or of a macro it lies in."""
+    old, new = renamed or ("", "")
+    if name == old:
+        return new
+    inside = bool(old) and name.startswith(old + SEPARATOR)
+    return new + name.removeprefix(old) if inside else name
+
+
+def _outermost(names: Iterable[str]) -> list[str]:
+    """Those that do not lie in another of them."""
+    outermost: list[str] = []
+    for name in names:  # a macro comes before its inside
+        if not (outermost and name.startswith(outermost[-1] + SEPARATOR)):
+            outermost.append(name)
+    return outermost

@@ -6,6 +6,7 @@ import contextlib
 import json
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 from app.options.option_values import Assignment
@@ -33,7 +34,8 @@ def with_settings(network: Network, settings: Iterable[Assignment], *, library: 
     UsageError, ParameterError
         For an unknown node or parameter, or a value that does not fit.
     """
-    for setting in settings:
+    for outer in settings:
+        setting = behind(outer, network)
         parameter = named_parameter("--set", setting, network, library=library)
         if parameter is None:  # the check of the whole network reports it
             continue
@@ -50,6 +52,7 @@ def with_final(network: Network, port: str, *, library: Library) -> Network:
     UsageError
         If there is no such port, or it has no picture.
     """
+    port = network.port_names.get(port, port)
     name, dot, output = port.rpartition(".")
     if not dot:
         raise UsageError(f"--final {shown(port)}: write NODE.PORT")
@@ -70,6 +73,12 @@ def with_final(network: Network, port: str, *, library: Library) -> Network:
     return with_marks(network, (), {**network.extra, "final": port})
 
 
+def behind(setting: Assignment, network: Network) -> Assignment:
+    """The setting of the inner parameter that a macro's stands for; else the same setting."""
+    node, name = network.parameter_behind(setting.node, setting.name)
+    return setting if node == setting.node else replace(setting, node=node, name=name)
+
+
 def named_parameter(
     option: str, setting: Assignment, network: Network, *, library: Library
 ) -> Parameter | None:
@@ -82,7 +91,13 @@ def named_parameter(
     """
     node = network.nodes.get(setting.node)
     if node is None:
-        known = close(setting.node, network.nodes) or listed(network.nodes)
+        by_macro = [name.rpartition(".") for name in network.parameter_names]
+        own = [name for macro, _, name in by_macro if macro == setting.node]
+        if own:
+            known = close(setting.name, own) or listed(own)
+            raise UsageError(f"{option} {setting.port}: the macro shows no such parameter{known}")
+        nodes = dict.fromkeys([*network.nodes, *(macro for macro, _, _ in by_macro)])
+        known = close(setting.node, nodes) or listed(nodes)
         raise UsageError(f"{option} {setting.port}: there is no node {shown(setting.node)}{known}")
     module = library.get(node.module)
     if module is None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.options.option_values import Assignment, assignment
-from app.options.overrides import named_parameter, readings
+from app.options.overrides import behind, named_parameter, readings
 from core.errors import ParameterError, UsageError
 from core.modules.library_type import Library
 from core.modules.parameters import Parameter, plain
@@ -75,7 +75,7 @@ def variation(text: str, network: Network, *, library: Library) -> Variation:
     UsageError, ParameterError
         If it does not fit the network, or is no range or list.
     """
-    setting = assignment(OPTION, text, FORM)
+    setting = behind(assignment(OPTION, text, FORM), network)
     parameter = named_parameter(OPTION, setting, network, library=library)
     if parameter is None or parameter.kind == "numbers":
         raise UsageError(f"{OPTION} {setting.port}: a list of numbers cannot be varied")

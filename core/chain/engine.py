@@ -74,14 +74,14 @@ class Plan:
     folder: Path = Path()
 
     def output(self, port: str) -> Any:
-        """The value on ``node.port``.
+        """The value on ``node.port``; a macro's port stands for one inside.
 
         Raises
         ------
         ImagechainError
             The node's own error, or that there is no such port.
         """
-        name, _, output = port.rpartition(".")
+        name, _, output = self.network.port_names.get(port, port).rpartition(".")
         planned = self.node(name)
         if planned.error is not None:
             raise planned.error
@@ -299,7 +299,7 @@ class Engine:
                 inputs[port.name] = None
         if node.disabled:
             return PlannedNode(node, module, inputs, _passed(described, inputs))
-        result = _run(module, inputs, NodeContext(name, network.seed, folder))
+        result = _run(module, inputs, NodeContext(name, network.seed, folder, node.noise))
         outputs = result._asdict() if result is not None else {}
         return PlannedNode(node, module, inputs, outputs, result)
 

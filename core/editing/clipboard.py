@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -18,8 +18,8 @@ from core.expressions.grammar import ExpressionError
 from core.names import shown
 from core.network.file import format_network
 from core.network.json_reading import read_json
-from core.network.linked_values import named_nodes, naming, with_names, with_values
-from core.network.network import Library, Link, Network
+from core.network.linked_values import named_nodes, naming, resolved, with_names
+from core.network.network import Library, Link, Network, Node
 from core.network.parsing import FORMAT, parse_network
 
 NODES_FORMAT = "imagechain-nodes"
@@ -27,11 +27,27 @@ _VALUES = "values"  # of parameters that follow nodes which are not copied: the 
 # may not have them
 SOURCE = "the clipboard"
 
+ValueOf = Callable[[str, str], Any]
+
 _FARTHEST = 1e6  # a point beyond is none that a canvas could show
 
 
-def copied(network: Network, names: Iterable[str], library: Library) -> str:
+def copied(
+    network: Network, names: Iterable[str], library: Library, value_of: ValueOf | None = None
+) -> str:
     """Nodes, the links among them and where they lie, as JSON text.
+
+    Parameters
+    ----------
+    network : Network
+        Where they are.
+    names : iterable of str
+        The nodes.
+    library : mapping
+        Modules by key.
+    value_of : callable, optional
+        The value of a node's parameter; where the network is the inside of a macro, with what is
+        set from outside.
 
     Raises
     ------
@@ -45,7 +61,8 @@ def copied(network: Network, names: Iterable[str], library: Library) -> str:
         "format": NODES_FORMAT,
         **{key: document[key] for key in copied_fields if key in document},
     }
-    if values := _values_of_outer_links(network, part, library):
+    value_of = value_of or resolved(network, library=library).value
+    if values := _values_of_outer_links(network, part, value_of):
         fields[_VALUES] = values
     return json.dumps(fields, ensure_ascii=False, indent=2)
 
@@ -120,13 +137,12 @@ def _part(network: Network, names: Iterable[str]) -> Network:
 
 
 def _values_of_outer_links(
-    network: Network, part: Network, library: Library
+    network: Network, part: Network, value_of: ValueOf
 ) -> dict[str, dict[str, Any]]:
     """Values of the part's parameters that follow nodes outside it, by node and parameter."""
-    valued = with_values(network, library=library).network
     values: dict[str, dict[str, Any]] = {}
     for name, parameter in naming(part, network.nodes.keys() - part.nodes.keys()):
-        value = valued.nodes[name].params[parameter]
+        value = value_of(name, parameter)
         if type(value) in (int, float):
             values.setdefault(name, {})[parameter] = value
     return values
@@ -134,12 +150,12 @@ def _values_of_outer_links(
 
 def _with_values_for(part: Network, values: Any, network: Network) -> Network:
     """The part with values for parameters that follow what is neither in it nor in the network."""
-    known = network.nodes.keys() | part.nodes.keys()
     for name, node in part.nodes.items():
         given = values.get(name) if isinstance(values, dict) else None
         for parameter, leaders in named_nodes(node).items():
             value = given.get(parameter) if isinstance(given, dict) else None
-            if not leaders <= known and type(value) in (int, float):
+            known = all(network.has(leader) or part.has(leader) for leader in leaders)
+            if not known and type(value) in (int, float):
                 part = part.with_parameter(name, parameter, value)
     return part
 
@@ -162,6 +178,14 @@ def _read(text: str, library: Library) -> tuple[Network, Any]:
     except NetworkError as error:
         raise NetworkError(f"{SOURCE}: {error.message}") from None
     return part, values
+
+
+def as_new(node: Node) -> Node:
+    """The node, and those inside of it, neither the output nor with another's noise."""
+    if node.macro is not None:
+        nodes = {name: as_new(inner) for name, inner in node.macro.nodes.items()}
+        node = replace(node, macro=replace(node.macro, nodes=nodes))
+    return replace(node, final=False, noise="")
 
 
 def _points(part: Network) -> dict[str, Point]:
@@ -204,7 +228,7 @@ def _adding(
     except ExpressionError as error:
         raise NetworkError(f"{verb.lower()}: {error.message}") from None
     placed = tuple(
-        Placed(replace(node, id=fresh[name], final=False), points.get(name))
+        Placed(replace(as_new(node), id=fresh[name]), points.get(name))
         for name, node in renamed.items()
     )
     links = [

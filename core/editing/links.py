@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 from core.editing.operation import Operation
 from core.errors import NetworkError
-from core.modules.declaration import Declaration, Port, declaration
+from core.modules.declaration import Declaration, Port
 from core.names import close, shown
 from core.network.graph import cycles
+from core.network.macro import declared_node
 from core.network.network import Library, Link, Network, cycle_error
 
 _MOST_NAMED = 8
@@ -61,6 +62,11 @@ def check_new_wires(before: Network, after: Network, library: Library) -> None:
     NetworkError
         Naming the link and what is wrong with it.
     """
+    for name, node in after.nodes.items():
+        former = before.nodes.get(name)
+        if node.macro is not None and node is not former:
+            inside = former.macro if former is not None else None
+            _check_inside(inside or Network(), node.macro, library, name)
     old = set(before.links)
     new = [link for link in after.links if link not in old]
     if not new:
@@ -76,6 +82,13 @@ def check_new_wires(before: Network, after: Network, library: Library) -> None:
     loops = cycles(after.followers)
     if loops and not cycles(before.followers):
         raise cycle_error(loops[0])
+
+
+def _check_inside(before: Network, after: Network, library: Library, macro: str) -> None:
+    try:
+        check_new_wires(before, after, library)
+    except NetworkError as error:
+        raise NetworkError(f"inside of {shown(macro)}: {error.message}") from None
 
 
 def way_between(network: Network, start: str, end: str) -> tuple[str, ...] | None:
@@ -112,8 +125,7 @@ def reached_from(network: Network, starts: set[str]) -> set[str]:
 def declared(network: Network, library: Library, name: str) -> Declaration | None:
     """The declaration of a node's module; None of an unknown module or node."""
     node = network.nodes.get(name)
-    module = library.get(node.module) if node is not None else None
-    return declaration(module) if module is not None else None
+    return declared_node(node, library) if node is not None else None
 
 
 def _no_port(node: str, side: str, port: str, ports: tuple[Port, ...]) -> str:

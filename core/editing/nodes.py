@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection, Container, Mapping
+from collections.abc import Callable, Collection, Container, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from core.editing.fields import set_network_field, set_parameter
 from core.editing.links import Rewire, displaced
 from core.editing.operation import ABSENT, Operation, Together, named
-from core.editing.references import dropped, renamed
+from core.editing.references import dropped, of_nodes, renamed
 from core.errors import NetworkError
 from core.expressions.grammar import ExpressionError
 from core.names import shown, thaw
-from core.network.linked_values import naming, with_names, with_values
-from core.network.network import Library, Link, Network, Node
+from core.network.linked_values import naming, with_names
+from core.network.network import Link, Network, Node
 
 Point = tuple[float, float]
 
@@ -72,7 +72,8 @@ class Add(Operation):
         names = tuple(placed.node.id for placed in self.placed)
         before = displaced(network, self.links)
         # Taking nodes out takes what mentions them along, be it from before they came.
-        left = dropped({**network.extra, **self.extra}, set(names))
+        every = of_nodes(names, {placed.node.id: placed.node for placed in self.placed})
+        left = dropped({**network.extra, **self.extra}, every)
         steps = _back_to(network.extra, left)
         others = [link for link in self.links if not {link.source, link.target} & set(names)]
         own = [link for link in others if link not in network.links]
@@ -103,7 +104,7 @@ class Remove(Operation):
             nodes={name: node for name, node in network.nodes.items() if name not in gone},
             links=tuple(link for link in network.links if not {link.source, link.target} & gone),
             layout={name: at for name, at in network.layout.items() if name not in gone},
-            extra=dropped(network.extra, gone),
+            extra=dropped(network.extra, of_nodes(gone, network.nodes)),
         )
 
     def inverse(self, network: Network) -> Operation:
@@ -115,7 +116,8 @@ class Remove(Operation):
             if name in gone
         )
         links = tuple(link for link in network.links if {link.source, link.target} & gone)
-        fields, left = thaw(network.extra), thaw(dropped(network.extra, gone))
+        every = of_nodes(gone, network.nodes)
+        fields, left = thaw(network.extra), thaw(dropped(network.extra, every))
         extra = {name: value for name, value in fields.items() if left.get(name, ABSENT) != value}
         return Add(placed, links, self.text, extra)
 
@@ -183,6 +185,9 @@ class Rename(Operation):
             nodes = {name_of(name): renamed_node(node) for name, node in network.nodes.items()}
         except ExpressionError as error:
             raise NetworkError(f"{shown(self.old)} cannot be renamed: {error.message}") from None
+        extra: Mapping[str, Any] = network.extra
+        for old, new in self.moved(network).items():
+            extra = renamed(extra, old, new)
         return replace(
             network,
             nodes=nodes,
@@ -191,8 +196,13 @@ class Rename(Operation):
                 for link in network.links
             ),
             layout={name_of(name): at for name, at in network.layout.items()},
-            extra=renamed(network.extra, self.old, self.new),
+            extra=extra,
         )
+
+    def moved(self, network: Network) -> dict[str, str]:
+        """The node's name, and those of nodes inside of it."""
+        names = of_nodes([self.old], network.nodes)
+        return {name: self.new + name.removeprefix(self.old) for name in names}
 
     def inverse(self, network: Network) -> Operation:
         """Give it back its name."""
@@ -210,7 +220,11 @@ class Rename(Operation):
 
 
 def keeping_values(
-    *, network: Network, names: Collection[str], taking: Operation, library: Library
+    *,
+    network: Network,
+    names: Collection[str],
+    taking: Operation,
+    value_of: Callable[[str, str], Any],
 ) -> tuple[Operation, tuple[str, ...]]:
     """What takes nodes out, with the values of parameters that follow them put in first.
 
@@ -222,8 +236,8 @@ def keeping_values(
         The nodes.
     taking : Operation
         What takes them out.
-    library : mapping
-        Modules by key.
+    value_of : callable
+        The value of a node's parameter, as `core.network.linked_values.ResolvedNetwork.value`.
 
     Returns
     -------
@@ -235,11 +249,10 @@ def keeping_values(
     places = [place for place in naming(network, names) if place[0] not in names]
     if not places:
         return taking, ()
-    valued = with_values(network, library=library)
     steps: list[Operation] = []
     kept = []
     for node, parameter in places:
-        value = thaw(valued.network.nodes[node].params[parameter])
+        value = thaw(value_of(node, parameter))
         if not isinstance(value, dict):  # else it had no value, and still has none
             steps.append(set_parameter(node, parameter, value))
             kept.append(f"{shown(node)}.{parameter} = {value}")

@@ -52,6 +52,10 @@ class Operation(ABC):
     def inverse(self, network: Network) -> Operation:
         """The operation that undoes it; `network` is the one before the change."""
 
+    def moved(self, network: Network) -> dict[str, str]:  # noqa: ARG002
+        """What nodes are called afterwards that had another name before; `network` is as before."""
+        return {}
+
     def joined(self, later: Operation) -> Operation | None:  # noqa: ARG002
         """Both as one operation of this kind; None where that would differ."""
         return None
@@ -90,6 +94,16 @@ class Together(Operation):
             undoing.append(operation.inverse(network))
             network = operation.apply(network)
         return Together(tuple(reversed(undoing)), self.text)
+
+    def moved(self, network: Network) -> dict[str, str]:
+        """What nodes are called after all of them."""
+        names: dict[str, str] = {}
+        for operation in self.operations:
+            step = operation.moved(network)
+            names = {old: step.pop(new, new) for old, new in names.items()}
+            names |= {old: new for old, new in step.items() if old not in names}
+            network = operation.apply(network)
+        return names
 
 
 def together(operations: Iterable[Operation], label: str = "") -> Operation:

@@ -1,11 +1,21 @@
-"""Where a network's other fields mention its nodes: `final`, and `published` figures."""
+"""Where a network's other fields mention its nodes: `final`, `published` figures, macros' ports."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from core.errors import NetworkError
 from core.names import thaw
+from core.network.expansion import unfolded
+from core.network.interface import FIELDS, Interface, interface_of
+from core.network.network import Network, Node
+
+
+def of_nodes(names: Iterable[str], nodes: Mapping[str, Node]) -> set[str]:
+    """These nodes and, as ``MACRO/NODE``, those inside of the macros among them."""
+    chosen = {name: nodes[name] for name in names if name in nodes}
+    return {*names, *unfolded(Network(nodes=chosen)).nodes}
 
 
 def renamed(extra: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:
@@ -18,7 +28,7 @@ def renamed(extra: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:
             {**row, "from": _moved(row["from"], new)} if _of(row.get("from")) == old else row
             for row in thaw(fields["published"])
         ]
-    return fields
+    return _with_face_of(extra, fields, lambda face: face.renamed(old, new))
 
 
 def dropped(extra: Mapping[str, Any], gone: set[str]) -> dict[str, Any]:
@@ -29,7 +39,23 @@ def dropped(extra: Mapping[str, Any], gone: set[str]) -> dict[str, Any]:
     if any(_of(row.get("from")) in gone for row in _rows(fields)):
         rows = thaw(fields["published"])
         fields["published"] = [row for row in rows if _of(row.get("from")) not in gone]
-    return fields
+    return _with_face_of(extra, fields, lambda face: face.without(gone))
+
+
+def _with_face_of(
+    extra: Mapping[str, Any], fields: dict[str, Any], change: Callable[[Interface], Interface]
+) -> dict[str, Any]:
+    """The fields with those of a macro's inside changed that name its nodes."""
+    if not any(isinstance(extra.get(name), Mapping) for name in FIELDS):
+        return fields
+    try:
+        face = interface_of(extra)
+    except NetworkError:  # of another form: left as it is
+        return fields
+    new = change(face)
+    if new == face:
+        return fields
+    return {name: value for name, value in fields.items() if name not in FIELDS} | new.fields()
 
 
 def _rows(fields: Mapping[str, Any]) -> list[Mapping[str, Any]]:

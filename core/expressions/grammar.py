@@ -31,6 +31,8 @@ _LARGEST_EXPONENT = 400  # of a number that is taken as a fraction: a double has
 _LONG_EXPONENT = 8
 
 Function = Callable[..., Any]
+Moved = Callable[[str, str], tuple[str, str]]
+"""What is to be named in the place of a node and its parameter."""
 
 # How many arguments each takes (None: one or more), and whether they may have a unit: it goes on to
 # the result ("keeps"), is turned into radians ("angle"), or is refused ("none").
@@ -114,6 +116,11 @@ def quoted(node: str) -> str:
     return node if _NAME.fullmatch(node) else "'" + node.replace("'", "''") + "'"
 
 
+def readable(parameter: str) -> bool:
+    """Whether an expression can name a parameter called so."""
+    return _NAME.fullmatch(parameter) is not None
+
+
 @lru_cache(maxsize=512)
 def parse_expression(text: str) -> Expression:
     """Read an expression.
@@ -134,8 +141,17 @@ def parse_expression(text: str) -> Expression:
     return Expression(text, tuple(reader.steps), tuple(references))
 
 
-def renamed_in(text: str, names: Mapping[str, str]) -> str:
-    """The expression with other names of nodes, by the old ones; one that is none stays.
+def rewritten(text: str, moved: Moved, *, refuse_long: bool = True) -> str:
+    """The expression with other nodes and parameters named; one that cannot be read stays.
+
+    Parameters
+    ----------
+    text : str
+        The expression.
+    moved : callable
+        Takes node and parameter, returns those to name instead.
+    refuse_long : bool
+        Whether one that becomes too long to be read is refused here, not where it is read.
 
     Raises
     ------
@@ -147,10 +163,11 @@ def renamed_in(text: str, names: Mapping[str, str]) -> str:
     except ExpressionError:
         return text
     for reference in sorted(references, key=lambda one: one.start, reverse=True):
-        new = names.get(reference.node, reference.node)
-        if new != reference.node:
-            text = text[: reference.start] + quoted(new) + text[reference.end :]
-    if len(text) > LONGEST:
+        new = moved(reference.node, reference.parameter)
+        if new != (reference.node, reference.parameter):
+            end = reference.end + 1 + len(reference.parameter)
+            text = f"{text[: reference.start]}{quoted(new[0])}.{new[1]}{text[end:]}"
+    if refuse_long and len(text) > LONGEST:
         raise ExpressionError(
             f"an expression that names it would have {len(text)} characters; at most {LONGEST} "
             "are allowed"

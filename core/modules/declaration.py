@@ -44,11 +44,15 @@ GIVEN = "given"  # what a warning names to have the names of the parameters that
 
 @dataclass(frozen=True)
 class NodeContext:
-    """Where a module runs: its node's id, the network's seed and folder. Not a port."""
+    """Where a module runs: its node's id, the network's seed and folder. Not a port.
+
+    `noise` is the name its noise is drawn under, where that is not the id.
+    """
 
     node: str
     seed: int = 0
     folder: Path = Path()
+    noise: str = ""
 
 
 @dataclass(frozen=True)
@@ -149,7 +153,8 @@ class Module:
     """Base of every module; a subclass with a `key` is one of the library.
 
     A class without a key only shares parameters between modules. `replaces` lists keys the module
-    had in old files, `renamed` the old names of parameters and ports. Parameters that no section of
+    had in old files, `renamed` the old names of parameters and ports. A module that `draws_noise`
+    does so from its node's name. Parameters that no section of
     `panel` names stand below them without a title.
     """
 
@@ -160,6 +165,7 @@ class Module:
     replaces: ClassVar[tuple[str, ...]] = ()
     renamed: ClassVar[Mapping[str, str]] = {}
     sink: ClassVar[bool] = False
+    draws_noise: ClassVar[bool] = False
     panel: ClassVar[tuple[Section, ...]] = ()
     illustration: ClassVar[str] = ""
     run: ClassVar[Callable[..., Any]]

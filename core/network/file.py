@@ -12,10 +12,11 @@ from typing import Any
 
 from core.atomic import write_text
 from core.errors import FileError, NetworkError, ParameterError
-from core.modules.declaration import Declaration, declaration
+from core.modules.declaration import Declaration
 from core.modules.parameters import plain
 from core.names import SCALARS, thaw
 from core.network.json_reading import LARGEST
+from core.network.macro import declared_node
 from core.network.migrations import least_version
 from core.network.network import EXPRESSION, Library, Network, Node
 from core.network.parsing import FORMAT, parse_network
@@ -125,11 +126,7 @@ def format_network(network: Network, *, library: Library) -> str:
     if network.description:
         document["description"] = network.description
     document["seed"] = network.seed
-    document["nodes"] = {name: _node(node, library) for name, node in network.nodes.items()}
-    document["links"] = _links(network)
-    if network.layout:
-        document["layout"] = _layout(network)
-    document |= sorted(network.extra.items())
+    document |= _inside(network, library)
     encode = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
     try:
         text = _lines(document, "\n", encode) + "\n"
@@ -137,6 +134,22 @@ def format_network(network: Network, *, library: Library) -> str:
     except (TypeError, ValueError) as error:
         raise NetworkError(f"the network cannot be written as JSON: {error}") from None
     return text
+
+
+def _inside(network: Network, library: Library) -> dict[str, Any]:
+    """What a network and the inside of a macro have alike."""
+    fields: dict[str, Any] = {
+        "nodes": {name: _node(node, library) for name, node in network.nodes.items()},
+        "links": _links(network),
+    }
+    if network.layout:
+        fields["layout"] = _layout(network)
+    return fields | dict(sorted(network.extra.items()))
+
+
+def _macro(body: Network, library: Library) -> dict[str, Any]:
+    texts = {"title": body.name, "description": body.description}
+    return {name: text for name, text in texts.items() if text} | _inside(body, library)
 
 
 def _lines(value: Any, newline: str, encode: Any) -> str:
@@ -162,8 +175,7 @@ def _scalar(value: Any, encode: Any) -> str:
 
 
 def _node(node: Node, library: Library) -> dict[str, Any]:
-    module = library.get(node.module)
-    declared = declaration(module) if module is not None else None
+    declared = declared_node(node, library) if node.params else None
     fields: dict[str, Any] = {"module": node.module}
     if node.params:
         given = sorted(node.params.items())
@@ -174,6 +186,10 @@ def _node(node: Node, library: Library) -> dict[str, Any]:
         fields["disabled"] = True
     if node.final:
         fields["final"] = True
+    if node.noise:
+        fields["noise"] = node.noise
+    if node.macro is not None:
+        fields["macro"] = _macro(node.macro, library)
     return fields | dict(sorted(node.extra.items()))
 
 

@@ -6,7 +6,7 @@ network through `with_values` first, so that modules, keys and reports meet plai
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -15,14 +15,17 @@ from core.expressions.arithmetic import value_of
 from core.expressions.grammar import (
     Expression,
     ExpressionError,
+    Moved,
     Reference,
     parse_expression,
-    renamed_in,
+    rewritten,
 )
 from core.modules.declaration import declaration
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown, thaw
+from core.network.expansion import expanded
 from core.network.graph import cycles, topological
+from core.network.macro import SEPARATOR
 from core.network.network import EXPRESSION, Library, Network, Node
 
 _Place = tuple[str, str]  # node and parameter
@@ -70,6 +73,29 @@ class ResolvedNetwork:
     network: Network
     faults: Mapping[str, tuple[LinkError, ...]] = field(default_factory=dict)
 
+    def node(self, name: str) -> Node | None:
+        """The plain node of a name, also one inside of a disabled macro; None where none is."""
+        return self.network.nodes.get(name) or self.network.aside.get(name)
+
+    def value(self, node: str, parameter: str) -> Any:
+        """The value a node has been given for a parameter; of a macro, that of the inner one.
+
+        None where it has its default; an expression without a value stays.
+        """
+        name, behind = self.network.parameter_behind(node, parameter)
+        known = self.node(name)
+        return known.params.get(behind) if known is not None else None
+
+    def faults_of(self, node: Node) -> dict[str, LinkError]:
+        """What is wrong with a node's expressions, by parameter; of a macro, with those behind."""
+        faults = {}
+        for name in node.linked:
+            behind, parameter = self.network.parameter_behind(node.id, name)
+            for fault in self.faults.get(behind, ()):
+                if fault.parameter == parameter:
+                    faults[name] = fault
+        return faults
+
 
 def expression(text: str) -> dict[str, Any]:
     """A parameter's value as a network file has it where it follows others."""
@@ -100,22 +126,28 @@ def with_values(
         A node of an earlier call, by its id: one that is equal is taken again, so that it is not
         planned anew.
     """
-    if not any(node.linked for node in network.nodes.values()):
+    if not any(node.linked for node in (*network.nodes.values(), *network.aside.values())):
         return ResolvedNetwork(network)
     survey = _Survey(network, library)
     survey.read()
     survey.refuse_cycles()
     survey.evaluate()
-    nodes = dict(network.nodes)
+    nodes, aside = dict(network.nodes), dict(network.aside)
     for name, values in survey.by_node().items():
-        old = network.nodes[name]
-        node = replace(old, params={**old.params, **values})
+        place = nodes if name in nodes else aside
+        node = replace(place[name], params={**place[name].params, **values})
         earlier = known(name) if known is not None else None
-        nodes[name] = earlier if earlier is not None and _same(earlier, node) else node
+        place[name] = earlier if earlier is not None and _same(earlier, node) else node
     faults: dict[str, tuple[LinkError, ...]] = {}
     for (name, _), error in survey.faults.items():
         faults[name] = (*faults.get(name, ()), error)
-    return ResolvedNetwork(network.with_nodes(nodes), faults)
+    changed = network.with_nodes(nodes)
+    return ResolvedNetwork(replace(changed, aside=aside) if network.aside else changed, faults)
+
+
+def resolved(network: Network, *, library: Library) -> ResolvedNetwork:
+    """A document with its macros written out and values in the place of expressions."""
+    return with_values(expanded(network, library), library=library)
 
 
 def _same(one: Node, other: Node) -> bool:
@@ -126,52 +158,86 @@ def _same(one: Node, other: Node) -> bool:
 def with_names(node: Node, names: Mapping[str, str]) -> Node:
     """The node with other names in its expressions, by the old names.
 
+    What lies inside of a renamed macro, ``camera/blur``, is named anew too.
+
     Raises
     ------
     ExpressionError
         If one would become too long.
     """
+    return with_references(node, lambda one, parameter: (new_name(one, names), parameter))
+
+
+def with_references(node: Node, moved: Moved) -> Node:
+    """The node with expressions that name other nodes and parameters; errors as `with_names`."""
     changed = {}
     for name in node.linked:
         raw = node.params[name]
         text = raw[EXPRESSION]
-        if isinstance(text, str) and (new := renamed_in(text, names)) != text:
+        if isinstance(text, str) and (new := rewritten(text, moved)) != text:
             changed[name] = {**raw, EXPRESSION: new}
     return replace(node, params={**node.params, **changed}) if changed else node
 
 
+def new_name(name: str, names: Mapping[str, str]) -> str:
+    """What a node is called where it, or a macro that it lies in, has got another name."""
+    head = next((head for head in _heads(name) if head in names), None)
+    return name if head is None else names[head] + name.removeprefix(head)
+
+
+def _heads(name: str) -> Iterator[str]:
+    """The name, then those of the macros it may lie in, the innermost first."""
+    yield name
+    while SEPARATOR in name:
+        name = name.rpartition(SEPARATOR)[0]
+        yield name
+
+
 def named_nodes(node: Node) -> dict[str, frozenset[str]]:
     """The nodes that each of its expressions names, by parameter; none of one that is no text."""
-    named = {}
-    for name in node.linked:
-        text = node.params[name][EXPRESSION]
-        try:
-            references = parse_expression(text).references if isinstance(text, str) else ()
-        except ExpressionError:
-            references = ()
-        named[name] = frozenset(reference.node for reference in references)
-    return named
+    return {
+        name: frozenset(reference.node for reference in references_in(node.params[name]))
+        for name in node.linked
+    }
+
+
+def references_in(raw: Mapping[str, Any]) -> tuple[Reference, ...]:
+    """What an expression names; nothing where it cannot be read."""
+    text = raw[EXPRESSION]
+    try:
+        return parse_expression(text).references if isinstance(text, str) else ()
+    except ExpressionError:
+        return ()
+
+
+def _references(node: Node) -> list[Reference]:
+    return [one for name in node.linked for one in references_in(node.params[name])]
 
 
 def naming(network: Network, names: Collection[str]) -> list[tuple[str, str]]:
-    """Node and parameter of every expression that names one of these nodes, in order."""
-    wanted = frozenset(names)
+    """Node and parameter of every expression that names one of these nodes, in order.
+
+    Also one that names what lies inside of them.
+    """
     return [
         (node.id, parameter)
         for node in network.nodes.values()
         if node.linked
         for parameter, named in named_nodes(node).items()
-        if named & wanted
+        if any(head in names for name in named for head in _heads(name))
     ]
 
 
 def following(network: Network, node: str) -> set[str]:
-    """The nodes whose parameters follow that node's, also by way of others; not itself."""
+    """The nodes whose parameters follow that node's, also by way of others; not itself.
+
+    Of a network whose macros have been written out.
+    """
     followers: dict[str, set[str]] = {}
     for follower in network.nodes.values():
-        for leaders in named_nodes(follower).values() if follower.linked else ():
-            for leader in leaders:
-                followers.setdefault(leader, set()).add(follower.id)
+        for reference in _references(follower):
+            leader, _ = network.parameter_behind(reference.node, reference.parameter)
+            followers.setdefault(leader, set()).add(follower.id)
     reached: set[str] = set()
     waiting = [node]
     while waiting:
@@ -187,6 +253,7 @@ class _Survey:
     def __init__(self, network: Network, library: Library) -> None:
         self.network = network
         self.library = library
+        self.nodes = {**network.aside, **network.nodes}
         self.parsed: dict[_Place, Expression] = {}
         self.values: dict[_Place, Any] = {}
         self.faults: dict[_Place, LinkError] = {}
@@ -200,7 +267,7 @@ class _Survey:
 
     def read(self) -> None:
         """Parse them all."""
-        for node in self.network.nodes.values():
+        for node in self.nodes.values():
             for name in node.linked:
                 place = (node.id, name)
                 parameter = self._parameter(*place)
@@ -217,7 +284,7 @@ class _Survey:
         self.followers: dict[_Place, list[_Place]] = {place: [] for place in self.parsed}
         for place, parsed in self.parsed.items():
             for reference in parsed.references:
-                leader = (reference.node, reference.parameter)
+                leader = self._place(reference)
                 if leader in self.parsed:
                     self.followers[leader].append(place)
         graph: Any = self.followers
@@ -256,20 +323,22 @@ class _Survey:
         parameter = self._parameter(*place)
         assert parameter is not None
         node, name = place
-        raw = self.network.nodes[node].params[name]
+        raw = self.nodes[node].params[name]
         self.faults[place] = LinkError(parameter, raw, why, node=node)
 
+    def _place(self, reference: Reference) -> _Place:
+        return self.network.parameter_behind(reference.node, reference.parameter)
+
     def _parameter(self, node: str, name: str) -> Parameter | None:
-        module = self.library.get(self.network.nodes[node].module)
+        module = self.library.get(self.nodes[node].module)
         return declaration(module).parameter(name) if module is not None else None
 
     def _value_of_reference(self, reference: Reference) -> float:
-        name, text = reference.node, reference.text
-        node = self.network.nodes.get(name)
+        text = reference.text
+        place = name, parameter_name = self._place(reference)
+        node = self.nodes.get(name)
         if node is None:
-            hint = close(name, self.network.nodes)
-            raise ExpressionError(f"{text} names {shown(name)}, which is no node{hint}")
-        place = (name, reference.parameter)
+            raise ExpressionError(self._no_node(reference))
         if place in self.values:
             return _number(self.values[place], text)
         if place in self.faults or place in self.parsed:
@@ -278,17 +347,28 @@ class _Survey:
         if module is None:
             raise ExpressionError(f"{text} is of an unknown module")
         declared = declaration(module)
-        parameter = declared.parameter(reference.parameter)
+        parameter = declared.parameter(parameter_name)
         if parameter is None:
             known = [one.name for one in declared.parameters]
-            hint = close(reference.parameter, known) or f"; it has {', '.join(known) or 'none'}"
+            hint = close(parameter_name, known) or f"; it has {', '.join(known) or 'none'}"
             raise ExpressionError(f"{declared.title} has no parameter {text}{hint}")
-        if reference.parameter not in node.params:
+        if parameter_name not in node.params:
             return _number(None if parameter.required else parameter.default, text)
         try:
-            return _number(parameter.coerce(thaw(node.params[reference.parameter])), text)
+            return _number(parameter.coerce(thaw(node.params[parameter_name])), text)
         except ParameterError:
             raise ExpressionError(f"{text} has no allowed value itself") from None
+
+    def _no_node(self, reference: Reference) -> str:
+        name = reference.node
+        ports = [port.rpartition(".") for port in self.network.parameter_names]
+        own = [parameter for macro, _, parameter in ports if macro == name]
+        head = f"{name}{SEPARATOR}"
+        if own or any(other.startswith(head) for other in self.nodes):
+            hint = close(reference.parameter, own) or f"; it shows {', '.join(own) or 'none'}"
+            return f"the macro {shown(name)} shows no parameter {reference.text}{hint}"
+        hint = close(name, [*self.nodes, *dict.fromkeys(macro for macro, _, _ in ports)])
+        return f"{reference.text} names {shown(name)}, which is no node{hint}"
 
 
 def _parsed(raw: Mapping[str, Any], parameter: Parameter) -> Expression:

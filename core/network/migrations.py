@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
+from core.errors import NetworkError
 from core.modules.declaration import Module, declaration
+from core.network.interface import End, Interface, interface_of
 from core.network.network import Library, Link, Network, Node
 
 Document = dict[str, Any]
@@ -15,14 +17,16 @@ Migration = Callable[[Document], Document]
 # Append only: the first entry turns version 1 into 2, and so on. An entry gets a document of which
 # only format and version have been checked, and leaves alone what is not as it expects.
 MIGRATIONS: tuple[Migration, ...] = (
-    dict,  # 2: a parameter may have an expression in the place of its value
+    dict,  # 2: a parameter may have an expression in the place of its value, a node a macro inside
 )
 VERSION = 1 + len(MIGRATIONS)
 
 
 def least_version(network: Network) -> int:
     """The oldest version that can hold the network, so that older readers open all they can."""
-    return 2 if any(node.linked for node in network.nodes.values()) else 1
+    nodes = network.nodes.values()
+    newer = any(node.linked or node.macro is not None or node.noise for node in nodes)
+    return 2 if newer else 1
 
 
 def migrate(
@@ -43,6 +47,7 @@ def with_current_names(network: Network, library: Library) -> Network:
     """
     keys = _current_keys(library)
     nodes = {name: _node(node, keys, library) for name, node in network.nodes.items()}
+    nodes = {name: _inside(node, library) for name, node in nodes.items()}
     modules = {name: library.get(node.module) for name, node in nodes.items()}
     links = tuple(
         _link(link, modules.get(link.source), modules.get(link.target)) for link in network.links
@@ -50,6 +55,46 @@ def with_current_names(network: Network, library: Library) -> Network:
     if nodes == network.nodes and links == network.links:
         return network
     return replace(network, nodes=nodes, links=links)
+
+
+def _inside(node: Node, library: Library) -> Node:
+    """A macro with current names inside, and in what it shows of that."""
+    if node.macro is None:
+        return node
+    body = with_current_names(node.macro, library)
+    modules = {name: library.get(inner.module) for name, inner in body.nodes.items()}
+    try:
+        face = interface_of(body.extra)
+    except NetworkError:  # reported where the network is checked
+        return replace(node, macro=body)
+    inputs = {
+        name: tuple(_input_end(end, modules.get(end[0])) for end in ends)
+        for name, ends in face.inputs.items()
+    }
+    outputs = {name: _output_end(end, modules.get(end[0])) for name, end in face.outputs.items()}
+    parameters = {
+        name: _parameter_end(end, modules.get(end[0])) for name, end in face.parameters.items()
+    }
+    new = Interface(inputs, outputs, parameters)
+    extra = body.extra if new == face else {**body.extra, **new.fields()}
+    return replace(node, macro=replace(body, extra=extra))
+
+
+def _input_end(end: End, module: type[Module] | None) -> End:
+    link = _link(Link("", "", *end), None, module)
+    return link.target, link.input
+
+
+def _output_end(end: End, module: type[Module] | None) -> End:
+    link = _link(Link(*end, "", ""), module, None)
+    return link.source, link.output
+
+
+def _parameter_end(end: End, module: type[Module] | None) -> End:
+    if module is None or declaration(module).parameter(end[1]):
+        return end
+    new = _renamed(module).get(end[1], end[1])
+    return (end[0], new) if declaration(module).parameter(new) else end
 
 
 def _current_keys(library: Library) -> dict[str, str]:

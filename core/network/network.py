@@ -16,8 +16,11 @@ from core.network.graph import cycles, topological
 
 Library = Mapping[str, type[Module]]
 
-NODE_FIELDS = ("module", "params", "auto", "disabled", "final")
+NODE_FIELDS = ("module", "params", "auto", "disabled", "final", "noise", "macro")
 NETWORK_FIELDS = ("format", "version", "name", "description", "seed", "nodes", "links", "layout")
+MACRO = "macro"
+"""Module of a node that holds a network of its own."""
+
 EXPRESSION = "expression"
 """The field of a parameter that follows others, in the place of its value."""
 SEEDS = f"a whole number from 0 to {LARGEST_INTEGER}"
@@ -51,11 +54,15 @@ class Node(_Frozen):
         Other fields of the file, such as pinned panels, kept as they are.
     final : bool
         Whether the network's output is its first picture or, of a sink, the picture it takes.
+    noise : str
+        The name its noise is drawn under, where that is not its id.
+    macro : Network or None
+        The inside of a macro: nodes, links and layout, `name` its title, its interface in `extra`.
 
     Raises
     ------
     NetworkError
-        If the id is not allowed.
+        If the id is not allowed, or the module and the inside do not go together.
     """
 
     id: str
@@ -65,10 +72,14 @@ class Node(_Frozen):
     disabled: bool = False
     extra: Mapping[str, Any] = field(default_factory=dict)
     final: bool = False
+    noise: str = ""
+    macro: Network | None = None
 
     def __post_init__(self) -> None:
         check_id(self.id)
         _check_extra(self.extra, NODE_FIELDS)
+        if (self.macro is not None) != (self.module == MACRO):
+            raise NetworkError(f"a node has a macro if its module is {MACRO}, else none: {self.id}")
         _set(self, params=freeze(self.params), extra=freeze(self.extra))
 
     @cached_property
@@ -119,7 +130,10 @@ class Link:
 class Network(_Frozen):
     """A document. Its nodes keep their order; that of links means nothing, so it is not kept.
 
-    `layout` gives points of the canvas by node, `extra` the file's other fields.
+    `layout` gives points of the canvas by node, `extra` the file's other fields. Where macros have
+    been written out (`core.network.expansion`), `port_names` and `parameter_names` give for the
+    ``NODE.NAME`` of a macro that of the inner node it stands for; `aside` has the nodes inside of
+    disabled macros, which only give parameters that others may follow.
 
     Raises
     ------
@@ -134,6 +148,9 @@ class Network(_Frozen):
     links: tuple[Link, ...] = ()
     layout: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     extra: Mapping[str, Any] = field(default_factory=dict)
+    port_names: Mapping[str, str] = field(default_factory=dict)
+    parameter_names: Mapping[str, str] = field(default_factory=dict)
+    aside: Mapping[str, Node] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_seed(self.seed)
@@ -147,6 +164,9 @@ class Network(_Frozen):
             links=tuple(sorted(self.links)),
             layout=freeze(self.layout),
             extra=freeze(self.extra),
+            port_names=MappingProxyType(dict(self.port_names)),
+            parameter_names=MappingProxyType(dict(self.parameter_names)),
+            aside=MappingProxyType(dict(self.aside)),
         )
 
     @cached_property
@@ -167,15 +187,40 @@ class Network(_Frozen):
 
     @property
     def marked(self) -> tuple[str, ...]:
-        """The nodes that are marked as the output; one at most where the network is sound."""
-        return tuple(name for name, node in self.nodes.items() if node.final)
+        """The nodes that are marked as the output; one at most where the network is sound.
+
+        Those inside of macros too, as ``MACRO/NODE``.
+        """
+        names: dict[str, None] = {}
+        for name, node in self.nodes.items():
+            if node.final:
+                names[name] = None
+            if node.macro is not None:
+                names.update(dict.fromkeys(f"{name}/{inner}" for inner in node.macro.marked))
+        return tuple(names)
 
     @property
     def output_nodes(self) -> tuple[str, ...]:
         """The nodes whose picture is marked as the output, also by the network's own field."""
         port = self.extra.get("final")
         named = port.rpartition(".")[0] if isinstance(port, str) else ""
-        return self.marked or ((named,) if named in self.nodes else ())
+        return self.marked or ((named,) if self.has(named) else ())
+
+    def has(self, name: str) -> bool:
+        """Whether there is a node of that id, or, as ``MACRO/NODE``, inside of a macro."""
+        if name in self.nodes:
+            return True
+        return any(
+            node.macro is not None
+            and name.startswith(f"{macro}/")
+            and node.macro.has(name.removeprefix(f"{macro}/"))
+            for macro, node in self.nodes.items()
+        )
+
+    def parameter_behind(self, node: str, name: str) -> tuple[str, str]:
+        """The node and parameter that a macro's parameter stands for; others stand for itself."""
+        inner, _, parameter = self.parameter_names.get(f"{node}.{name}", "").rpartition(".")
+        return (inner, parameter) if inner else (node, name)
 
     def node(self, name: str) -> Node:
         """The node of that id.
@@ -303,11 +348,20 @@ def cycle_error(loop: tuple[str, ...]) -> NetworkError:
 
 
 def with_marks(network: Network, marked: Collection[str], extra: Mapping[str, Any]) -> Network:
-    """The network with these nodes marked as the output and no others, and with other fields."""
-    nodes = {
-        name: node if node.final == (name in marked) else replace(node, final=name in marked)
-        for name, node in network.nodes.items()
-    }
+    """The network with these nodes marked as the output and no others, and with other fields.
+
+    Nodes inside of macros are named ``MACRO/NODE``.
+    """
+    nodes = {}
+    for name, node in network.nodes.items():
+        if node.final != (name in marked):
+            node = replace(node, final=name in marked)  # noqa: PLW2901
+        inside = {
+            other.removeprefix(f"{name}/") for other in marked if other.startswith(f"{name}/")
+        }
+        if node.macro is not None and set(node.macro.marked) != inside:
+            node = replace(node, macro=with_marks(node.macro, inside, node.macro.extra))  # noqa: PLW2901
+        nodes[name] = node
     return replace(network, nodes=nodes, extra=extra)
 
 

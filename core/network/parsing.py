@@ -7,9 +7,19 @@ from typing import Any
 
 from core.errors import ImagechainError, NetworkError
 from core.names import check_id, shown
+from core.network.interface import interface_of
 from core.network.json_reading import read_json
+from core.network.macro import checked_depth
 from core.network.migrations import VERSION, migrate, with_current_names
-from core.network.network import NETWORK_FIELDS, NODE_FIELDS, Library, Link, Network, Node
+from core.network.network import (
+    MACRO,
+    NETWORK_FIELDS,
+    NODE_FIELDS,
+    Library,
+    Link,
+    Network,
+    Node,
+)
 
 FORMAT = "imagechain-network"
 
@@ -75,16 +85,40 @@ def _network(document: dict[str, Any]) -> Network:
         name=_field(document, "name", str, "", ""),
         description=_field(document, "description", str, "", ""),
         seed=_field(document, "seed", int, "", 0),
-        nodes={name: _node(name, value) for name, value in nodes.items()},
-        links=tuple(_link(number, value) for number, value in enumerate(links, 1)),
-        layout={name: _point(name, value) for name, value in layout.items()},
+        nodes={name: _node(name, value, f"nodes.{name}") for name, value in nodes.items()},
+        links=tuple(_link(f"link {number}", value) for number, value in enumerate(links, 1)),
+        layout={name: _point(name, value, "layout") for name, value in layout.items()},
         extra=_others(document, NETWORK_FIELDS),
     )
 
 
-def _node(name: str, value: Any) -> Node:
+_MACRO_FIELDS = ("title", "description", "nodes", "links", "layout")
+
+
+def _macro(value: Any, where: str, level: int) -> Network:
+    """The inside of a macro: the fields of a network, and what it shows of them."""
+    checked_depth(level, where)
+    _expect(value, dict, where)
+    nodes = _field(value, "nodes", dict, where)
+    links = _field(value, "links", list, where, [])
+    layout = _field(value, "layout", dict, where, {})
+    extra = _others(value, _MACRO_FIELDS)
+    interface_of(extra, where)
+    return Network(
+        name=_field(value, "title", str, where, ""),
+        description=_field(value, "description", str, where, ""),
+        nodes={
+            name: _node(name, inner, f"{where}.nodes.{name}", level)
+            for name, inner in nodes.items()
+        },
+        links=tuple(_link(f"{where}, link {number}", link) for number, link in enumerate(links, 1)),
+        layout={name: _point(name, point, f"{where}.layout") for name, point in layout.items()},
+        extra=extra,
+    )
+
+
+def _node(name: str, value: Any, where: str, level: int = 0) -> Node:
     check_id(name)
-    where = f"nodes.{name}"
     _expect(value, dict, where)
     for other in _others(value, NODE_FIELDS):
         # Unknown fields are kept, but a slip here would silently run with the defaults.
@@ -94,6 +128,10 @@ def _node(name: str, value: Any) -> Node:
     module = _field(value, "module", str, where)
     if not module:
         raise NetworkError(f"{where}.module must not be empty")
+    if (module == MACRO) != ("macro" in value):
+        missing = f"has the module {MACRO} and" if module == MACRO else f"is no {MACRO} but"
+        has = "no field macro" if module == MACRO else "has a field macro"
+        raise NetworkError(f"{where} {missing} {has}")
     return Node(
         id=name,
         module=module,
@@ -101,12 +139,13 @@ def _node(name: str, value: Any) -> Node:
         auto=_field(value, "auto", bool, where) if "auto" in value else None,
         disabled=_field(value, "disabled", bool, where, False),
         final=_field(value, "final", bool, where, False),
+        noise=_field(value, "noise", str, where, ""),
+        macro=_macro(value["macro"], f"{where}.macro", level + 1) if "macro" in value else None,
         extra=_others(value, NODE_FIELDS),
     )
 
 
-def _link(number: int, value: Any) -> Link:
-    where = f"link {number}"
+def _link(where: str, value: Any) -> Link:
     _expect(value, list, where)
     if len(value) != 2 or not all(isinstance(end, str) for end in value):
         raise NetworkError(f'{where} must be two texts, ["NODE.PORT", "NODE.PORT"]')
@@ -116,10 +155,10 @@ def _link(number: int, value: Any) -> Link:
         raise NetworkError(f"{where}: {error}") from None
 
 
-def _point(name: str, value: Any) -> tuple[float, float]:
+def _point(name: str, value: Any, where: str) -> tuple[float, float]:
     good = isinstance(value, list) and len(value) == 2
     if not good or any(type(number) not in (int, float) for number in value):
-        raise NetworkError(f"layout.{shown(name)} must be two numbers, [x, y]")
+        raise NetworkError(f"{where}.{shown(name)} must be two numbers, [x, y]")
     return value[0], value[1]
 
 

@@ -8,8 +8,10 @@ from typing import Any
 from core.errors import ImagechainError, NetworkError, ParameterError
 from core.modules.declaration import Declaration, Port, declaration
 from core.names import close, shown, thaw
+from core.network.expansion import expanded
 from core.network.graph import cycles
 from core.network.linked_values import with_values
+from core.network.macro_validation import macro_problems
 from core.network.network import (
     Library,
     Link,
@@ -72,15 +74,31 @@ def problems(
         links from outputs that have no value because their node is disabled, several nodes marked
         as the output.
     """
-    survey = _Survey(network, library)
+    faults = macro_problems(network, library, unfinished=unfinished)
+    plain = expanded(network, library)
+    survey = _Survey(plain, library)
     survey.nodes(keep_unknown)
     survey.links()
-    survey.faults += [cycle_error(loop) for loop in cycles(network.followers)]
+    survey.faults += [] if faults else [cycle_error(loop) for loop in cycles(plain.followers)]
+    survey.faults[:0] = faults
     if not unfinished:
         survey.missing()
         if len(network.marked) > 1:
             survey.faults.append(marked_twice(network.marked))
     return survey.faults
+
+
+def plain_network(network: Network, *, library: Library) -> Network:
+    """The network with its macros written out, for whatever computes; as it is without any.
+
+    Raises
+    ------
+    NetworkProblems
+        If its macros are not sound.
+    """
+    if macro_problems(network, library):
+        check_network(network, library=library)
+    return expanded(network, library)
 
 
 class _Survey:

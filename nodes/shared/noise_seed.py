@@ -18,6 +18,8 @@ SEED_SECTIONS = (
 class SeededModule(Module):
     """Base of noise sources: a seed of the network and node, or one typed in."""
 
+    draws_noise = True
+
     seed_mode: Annotated[
         Literal["automatic", "typed"],
         Param("seed from the network's seed and this node's name, or the one typed in"),
@@ -31,4 +33,4 @@ class SeededModule(Module):
         """
         if self.seed_mode == "typed":
             return Stream(seed=self.seed, node="", field=field, fixed=fixed)
-        return Stream(seed=here.seed, node=here.node, field=field, fixed=fixed)
+        return Stream(seed=here.seed, node=here.noise or here.node, field=field, fixed=fixed)

@@ -23,7 +23,7 @@ from core.editing.wiring.healing import deleted, dissolved
 from core.expressions.grammar import quoted
 from core.modules.declaration import declaration
 from core.network.file import format_network
-from core.network.linked_values import expression
+from core.network.linked_values import expression, resolved
 from core.network.network import Library, Link, Network, Node
 
 GONE = "module_of_another_version"
@@ -246,7 +246,8 @@ def _remove_leaders(e: Editor) -> Operation | None:
         return None
     names = e.some()
     taking = deleted(e.network, e.library, names)
-    return keeping_values(network=e.network, names=names, taking=taking, library=e.library)[0]
+    value_of = resolved(e.network, library=e.library).value
+    return keeping_values(network=e.network, names=names, taking=taking, value_of=value_of)[0]
 
 
 def _switch(e: Editor) -> Operation | None:

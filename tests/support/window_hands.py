@@ -35,7 +35,7 @@ class WindowHands(CanvasHands):
         """Click on the heads of nodes, further ones with Ctrl."""
         for number, name in enumerate(names):
             self.click(self.head(name), CTRL if number else Qt.KeyboardModifier.NoModifier)
-        assert self.window.session.selection == names
+        assert self.window.level.selection == names
 
     def drop_files(self, widget, pos, paths):
         """Drag files over a widget and drop them there; whether they were taken."""

@@ -31,6 +31,7 @@ from app.editor.canvas.view.choice_popup import ChoicePopup
 from app.editor.canvas.view.minimap import Minimap
 from app.editor.canvas.view.title_editor import TitleEditor
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.level import Level
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.editing.backdrops import backdrops_of, change, remove
@@ -42,8 +43,8 @@ class Canvas(QWidget):
 
     Parameters
     ----------
-    session : Session
-        The open document.
+    session : Session or Level
+        The open document, or what of it is to be shown.
     theme : Theme
         The colours.
     parent : QWidget, optional
@@ -55,12 +56,17 @@ class Canvas(QWidget):
         A node was double-clicked, or Enter pressed on it.
     files_dropped(paths, point)
         Files were dropped at a point of the scene.
+    preset_dropped(key, point)
+        A preset of the library was dropped there.
     """
 
     activated = Signal(str)
     files_dropped = Signal(list, QPointF)
+    preset_dropped = Signal(str, QPointF)
 
-    def __init__(self, session: Session, theme: Theme, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, session: Session | Level, theme: Theme, parent: QWidget | None = None
+    ) -> None:
         super().__init__(parent)
         self.setObjectName("canvas")
         self.setAccessibleName("Canvas")
@@ -251,6 +257,7 @@ class Canvas(QWidget):
         self.menus.removal_wanted.connect(self.delete_selected_backdrop)
         self.title_editor.edited.connect(self._retitle)
         self.dropping.files_dropped.connect(self.files_dropped)
+        self.dropping.preset_dropped.connect(self.preset_dropped)
 
     def _opened(self) -> None:
         self._let_go()

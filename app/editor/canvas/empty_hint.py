@@ -6,6 +6,7 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QLabel, QWidget
 
+from app.editor.level import Level
 from app.editor.session import Session
 from app.editor.theme import Theme
 
@@ -17,13 +18,13 @@ class EmptyHint(QLabel):
 
     Parameters
     ----------
-    session : Session
+    session : Session or Level
         Its network decides whether the line is there.
     ground : QWidget
         What it stands in the middle of.
     """
 
-    def __init__(self, session: Session, ground: QWidget) -> None:
+    def __init__(self, session: Session | Level, ground: QWidget) -> None:
         super().__init__(TEXT, ground)
         self.setObjectName("canvas.empty_hint")
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from app.editor.error_text import error_text
-from app.editor.evaluation.queries import Badge
+from app.editor.evaluation.queries import Badge, BadgeKind
 from core.chain.engine import Plan, PlannedNode
 from core.chain.skipped import Skip, is_neutral
 from core.errors import ImagechainError, UnconnectedError
 from core.modules.caution import Caution
 from core.modules.declaration import declaration
 from core.modules.library_type import Library
+from core.network.macro import SEPARATOR
 from core.network.network import Network
 
 DISABLED = "disabled: passes its input on, if it has one"
@@ -69,6 +70,31 @@ def badges(
                 if not _fails(by_node.get(name)):
                     by_node[name] = Badge("incomplete", f"waits for {node}")
     return by_node
+
+
+_URGENT: tuple[BadgeKind, ...] = ("error", "incomplete", "running", "warning", "stale")
+
+
+def with_macros(by_node: Mapping[str, Badge], network: Network) -> dict[str, Badge]:
+    """The badges, and for each macro the gravest of those inside of it, with the node's name.
+
+    `network` has the nodes inside of macros beside these.
+    """
+    shown = dict(by_node)
+    for name, node in network.nodes.items():
+        if node.macro is None:
+            continue
+        if node.disabled:
+            shown[name] = Badge("disabled", DISABLED)
+            continue
+        head = f"{name}{SEPARATOR}"
+        inside = [(other, badge) for other, badge in by_node.items() if other.startswith(head)]
+        for kind in _URGENT:
+            texts = [f"{other}: {badge.text}" for other, badge in inside if badge.kind == kind]
+            if texts:
+                shown[name] = Badge(kind, "\n".join(texts))
+                break
+    return shown
 
 
 def skip_texts(skips: Sequence[Skip]) -> dict[str, str]:

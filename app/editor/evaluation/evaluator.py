@@ -11,6 +11,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
+from app.editor.evaluation.badges import with_macros
 from app.editor.evaluation.collector import Collector
 from app.editor.evaluation.frames import Frames
 from app.editor.evaluation.mailbox import Inbox, Outbox, Request, Snapshot
@@ -225,7 +226,7 @@ class Evaluator(QObject):
         if self._thread is None:
             self._start()
         session = self._session
-        network, barred = session.shares.without_barred(session.network, session.library)
+        network, barred = session.shares.without_barred(session.plain, session.library)
         self._inbox.post(
             Snapshot(
                 self._generation,
@@ -314,6 +315,7 @@ class Evaluator(QObject):
         shown = dict(self._badges)
         if self._busy is not None and self._busy.node is not None:
             shown[self._busy.node] = Badge("running", "computing")
+        shown = with_macros(shown, self._session.network)
         if shown != self._shown_badges:
             self._shown_badges = shown
             self.badges_changed.emit(dict(shown))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from PySide6.QtCore import QEvent, QMimeData, QModelIndex, QObject, QPoint, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QKeyEvent, QPixmap
@@ -17,9 +17,11 @@ from PySide6.QtWidgets import (
 
 from app.editor.library.module_search import found_by, rank
 from app.editor.theme import DARK, Theme
+from app.presets.preset_files import KEY, Preset
 from core.modules.declaration import declaration
 from core.network.network import Library
 
+PRESETS, OWN_PRESETS = "Presets", "Own presets"
 MIME_TYPE = "application/x-imagechain-module"
 _KEY = Qt.ItemDataRole.UserRole
 
@@ -64,6 +66,28 @@ class ModuleTree(QTreeWidget):
             item.setFlags(_ENABLED | _SELECTABLE | Qt.ItemFlag.ItemIsDragEnabled)
             self.modules[key] = item
         self.expandAll()
+
+    def show_presets(self, presets: Sequence[Preset]) -> None:
+        """List these presets below all modules, in place of those listed before."""
+        for key in [key for key in self.modules if key.startswith(KEY)]:
+            item = self.modules.pop(key)
+            self._texts.pop(key)
+            item.parent().removeChild(item)
+        for preset in presets:
+            group = self._group(PRESETS if not preset.own else OWN_PRESETS)
+            item = QTreeWidgetItem(group, [preset.title])
+            item.setData(0, _KEY, preset.key)
+            item.setToolTip(0, preset.text)
+            item.setDisabled(bool(preset.problem))
+            if not preset.problem:
+                item.setFlags(_ENABLED | _SELECTABLE | Qt.ItemFlag.ItemIsDragEnabled)
+            self._texts[preset.key] = (
+                f"{preset.title} {PRESETS}".casefold(),
+                preset.text.casefold(),
+                "",
+            )
+            self.modules[preset.key] = item
+            group.setExpanded(True)
 
     def mimeTypes(self) -> list[str]:
         """What it can give."""
@@ -116,16 +140,20 @@ class LibraryView(QWidget):
         Modules by key.
     parent : QWidget, optional
         What it stands in.
+    presets : sequence of Preset
+        Macros to be listed below the modules.
 
     Signals
     -------
     chosen(key)
-        A module was double-clicked, or Enter pressed on it.
+        A module or preset was double-clicked, or Enter pressed on it.
     """
 
     chosen = Signal(str)
 
-    def __init__(self, library: Library, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, library: Library, parent: QWidget | None = None, presets: Sequence[Preset] = ()
+    ) -> None:
         super().__init__(parent)
         self.setObjectName("library")
         self.setAccessibleName("Library")
@@ -135,6 +163,7 @@ class LibraryView(QWidget):
         self.filter.setPlaceholderText("Filter")
         self.filter.setClearButtonEnabled(True)
         self.tree = ModuleTree(library, self)
+        self.tree.show_presets(presets)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(4, 4, 4, 4)
         layout.setSpacing(4)
@@ -149,11 +178,18 @@ class LibraryView(QWidget):
 
     def set_theme(self, theme: Theme) -> None:
         """Mark the groups in these colours."""
+        self._theme = theme
         side = self.fontMetrics().height() // 2
         for name, item in self.tree.groups.items():
             mark = QPixmap(side, side)
             mark.fill(QColor(theme.groups.get(name, theme.line)))
             item.setIcon(0, QIcon(mark))
+
+    def show_presets(self, presets: Sequence[Preset]) -> None:
+        """List these presets and no others."""
+        self.tree.show_presets(presets)
+        self.tree.show_matching(self.filter.text())
+        self.set_theme(self._theme)
 
     def module_on_screen(self, key: str) -> QPoint:
         """The pixel of the screen in a module's middle, scrolled into view.

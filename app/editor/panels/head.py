@@ -95,6 +95,9 @@ class PanelHead(QWidget):
         self.pin = self.bar.add_button(
             "pin", "Pin", "Keep this panel open when another node is selected", checkable=True
         )
+        self.sets = self.bar.add_button(
+            "sets", "≡", "Named sets of these parameters: save them, or take them again"
+        )
         self.help = self.bar.add_button("help", "?", "What this module does", checkable=True)
         self.close_button = self.bar.add_button("close", "×", "Close this panel")
         self.help.setVisible(bool(text))

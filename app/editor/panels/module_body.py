@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QFrame, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QLabel, QMenu, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.panels.illustrations import illustration_for
+from app.editor.panels.macro_menu import add_macro_actions
 from app.editor.panels.ports_section import PortsView
 from app.editor.panels.readouts import ReadoutsView
 from app.editor.panels.sections_view import SectionsView
@@ -17,7 +18,7 @@ from core.editing.fields import set_parameter
 from core.editing.operation import ABSENT
 from core.modules.declaration import Declaration
 from core.names import thaw
-from core.network.linked_values import LinkError, with_values
+from core.network.linked_values import LinkError
 from core.network.network import Network, Node
 
 
@@ -65,6 +66,7 @@ class ModuleBody(QWidget):
         self.sections.reset_wanted.connect(self._reset)
         self.sections.gesture_ended.connect(session.end_gesture)
         self.sections.trade_off_wanted.connect(self._trade_off)
+        self.sections.menu_opening.connect(self._add_to_menu)
         self.sections.unlink_wanted.connect(self._unlink)
         self.sections.held.connect(self.held)
         for field in self.sections.fields:
@@ -85,9 +87,7 @@ class ModuleBody(QWidget):
     def follow(self, before: Network | None, after: Network) -> None:
         """Show the node as it is now, where it was changed."""
         node, valued = after.nodes[self._node], self._session.valued(self._node)
-        faults = {
-            fault.parameter: fault for fault in self._session.resolved.faults.get(self._node, ())
-        }
+        faults = self._session.resolved.faults_of(node)
         changed = before is None or before.nodes.get(self._node) is not node
         if changed or valued is not self._valued or faults:
             self.sections.follow(node, valued.params, faults)
@@ -123,12 +123,13 @@ class ModuleBody(QWidget):
         if self._node in self._session.network.nodes:
             self._session.do(set_parameter(self._node, name, value), gesture=gesture)
 
+    def _add_to_menu(self, name: str, menu: QMenu) -> None:
+        if self._node in self._session.network.nodes:
+            add_macro_actions(menu, self._session, self._node, name)
+
     def _link_fault(self, name: str, raw: object) -> LinkError | None:
         """Why a parameter cannot follow that; None where it can."""
-        session = self._session
-        trial = session.network.with_parameter(self._node, name, raw)
-        faults = with_values(trial, library=session.library).faults.get(self._node, ())
-        return next((fault for fault in faults if fault.parameter == name), None)
+        return self._session.link_fault(self._node, name, raw)
 
     def _unlink(self, name: str) -> None:
         if self._node in self._session.network.nodes:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QVBoxLayout, QWidget
 
@@ -10,6 +12,7 @@ from app.editor.evaluation.queries import Badge
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.panels.head import PanelHead
 from app.editor.panels.module_body import ModuleBody
+from app.editor.panels.sets_menu import add_sets_menu
 from app.editor.panels.unknown_body import UnknownBody
 from app.editor.session import Session
 from app.editor.theme import Theme
@@ -18,7 +21,8 @@ from core.editing.nodes import Rename
 from core.editing.operation import ABSENT, Operation
 from core.editing.output_mark import has_picture, output_toggled
 from core.errors import ImagechainError
-from core.network.network import Network
+from core.network.macro import SEPARATOR
+from core.network.network import MACRO, Network
 
 
 class NodePanel(QFrame):
@@ -36,6 +40,8 @@ class NodePanel(QFrame):
         Colours.
     parent : QWidget, optional
         Its parent.
+    sets_folder : Path, optional
+        Where named sets of parameters are kept; without it none are offered.
 
     Signals
     -------
@@ -64,14 +70,16 @@ class NodePanel(QFrame):
         node: str,
         theme: Theme,
         parent: QWidget | None = None,
+        sets_folder: Path | None = None,
     ) -> None:
         super().__init__(parent)
         self.setObjectName(f"panel.{node}")
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self.node = node
+        self._local_name = session.local_name(node)
         self.module = session.network.nodes[node].module
         self._session = session
-        declared = session.declared(node)
+        declared = self.declared = session.declared(node)
         title, group, text = (
             (declared.title, declared.group, declared.text)
             if declared is not None
@@ -95,6 +103,10 @@ class NodePanel(QFrame):
         column.setSpacing(0)
         column.addWidget(self.head)
         column.addWidget(self.body)
+        keeps = sets_folder is not None and declared is not None and declared.key != MACRO
+        self.head.sets.setVisible(keeps and bool(declared and declared.parameters))
+        if sets_folder is not None:
+            self.sets_menu = add_sets_menu(self.head.sets, session, node, sets_folder)
         self._connect()
         self.follow(None, session.network)
 
@@ -123,7 +135,10 @@ class NodePanel(QFrame):
         """Show the node as it is now, where it was changed."""
         if before is None or before.nodes.get(self.node) is not after.nodes[self.node]:
             self.head.follow(after.nodes[self.node])
-        self.head.output.setChecked(self.node in after.output_nodes)
+            self.head.name.show_text(self._local_name)
+        marked = after.output_nodes
+        inside = f"{self.node}{SEPARATOR}"
+        self.head.output.setChecked(any(n == self.node or n.startswith(inside) for n in marked))
         self.body.follow(before, after)
 
     def set_badge(self, badge: Badge | None) -> None:
@@ -167,19 +182,19 @@ class NodePanel(QFrame):
 
     def _rename(self, text: str) -> None:
         node = self._session.network.nodes.get(self.node)
-        if node is None or text == self.node:
+        if node is None or text == self._local_name:
             self._show_name()
             return
         operation = Rename(self.node, text)
         try:
-            operation.apply(self._session.network)
+            self._session.check(operation)
         except ImagechainError as error:
             self.head.show_name_error(error.message)
             return
         self._session.do(operation)
 
     def _show_name(self) -> None:
-        self.head.name.show_text(self.node)
+        self.head.name.show_text(self._local_name)
         self.head.show_name_error("")
 
     def _set_auto(self) -> None:

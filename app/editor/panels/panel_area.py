@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import QSize, Qt, Signal
@@ -13,7 +14,7 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Badge
 from app.editor.panels.network_panel import NetworkPanel
 from app.editor.panels.node_panel import NodePanel
-from app.editor.session import Session, renamed_node
+from app.editor.session import Session, followed_name, renamed_node
 from app.editor.theme import Theme
 from app.editor.widgets.after_release import AfterRelease
 from app.editor.widgets.wheel_scroll import WheelScrollArea
@@ -69,6 +70,7 @@ class PanelArea(WheelScrollArea):
         self._holding: set[str] = set()
         self._later = AfterRelease(self)
         self.panels: dict[str, NodePanel] = {}
+        self.sets_folder: Path | None = None
         content = QWidget(self)
         self._column = QVBoxLayout(content)
         self._column.setContentsMargins(2, 2, 2, 2)
@@ -148,15 +150,16 @@ class PanelArea(WheelScrollArea):
     def _changed(self, before: Any, after: Any) -> None:
         self.network_panel.follow(after)
         selection = self._session.selection
-        old, new = renamed_node(before, after) or ("", "")
-        selection = tuple(new if name == old else name for name in selection)
+        renamed = renamed_node(before, after)
+        old, new = renamed or ("", "")
+        selection = tuple(followed_name(name, renamed) for name in selection)
         selection = tuple(name for name in selection if name in after.nodes)
         successor = self.panels.get(old)
         typing = successor is not None and successor.head.name.hasFocus()
         folded = successor is not None and successor.folded
         for name, panel in tuple(self.panels.items()):
             node = after.nodes.get(name)
-            if node is None or node.module != panel.module:
+            if node is None or node.module != panel.module or self._shows_other(name, panel):
                 self._drop(name)
             else:
                 panel.follow(before, after)
@@ -165,6 +168,11 @@ class PanelArea(WheelScrollArea):
             self.panels[new].folded = folded
             if typing:
                 self.panels[new].head.name.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def _shows_other(self, name: str, panel: NodePanel) -> bool:
+        """Whether a macro shows other ports or parameters than its panel."""
+        macro = self._session.network.nodes[name].macro
+        return macro is not None and self._session.declared(name) != panel.declared
 
     def _selected(self, names: tuple[str, ...]) -> None:
         for name in self._unwanted(names):
@@ -195,7 +203,9 @@ class PanelArea(WheelScrollArea):
         return [name for name in self.panels if name not in wanted]
 
     def _make(self, name: str) -> NodePanel:
-        panel = NodePanel(self._session, self._evaluator, name, self._theme, self.widget())
+        panel = NodePanel(
+            *(self._session, self._evaluator, name, self._theme, self.widget()), self.sets_folder
+        )
         panel.set_badge(self._badges.get(name))
         panel.view_requested.connect(self.view_requested)
         panel.trade_off_requested.connect(self.trade_off_requested)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QMenu, QVBoxLayout, QWidget
 
 from app.editor.panels.fields.choice import ButtonsField
 from app.editor.panels.fields.field import Field, FieldLink
@@ -26,13 +26,14 @@ class SectionsView(QWidget):
     """Fields for all parameters of a module.
 
     Signals are those of the fields: `edited`, `reset_wanted`, `gesture_ended`,
-    `trade_off_wanted`, `unlink_wanted`, `held`.
+    `trade_off_wanted`, `menu_opening`, `unlink_wanted`, `held`.
     """
 
     edited = Signal(str, object, object)
     reset_wanted = Signal(str)
     gesture_ended = Signal()
     trade_off_wanted = Signal(str)
+    menu_opening = Signal(str, QMenu)
     unlink_wanted = Signal(str)
     held = Signal(str, bool)
 
@@ -151,6 +152,7 @@ class SectionsView(QWidget):
             field.reset_wanted.connect(self.reset_wanted)
             field.gesture_ended.connect(self.gesture_ended)
             field.trade_off_wanted.connect(self.trade_off_wanted)
+            field.menu_opening.connect(self.menu_opening)
             field.unlink_wanted.connect(self.unlink_wanted)
             field.held.connect(self.held)
             self.fields.append(field)

@@ -13,6 +13,7 @@ from app.editor.declared_text import label_of, tip, titled
 from app.editor.session import Session
 from app.editor.viewers.network_ports import ports_depend_on
 from core.modules.parameters import Parameter
+from core.network.network import MACRO
 
 NUMERIC = ("number", "integer")
 _NOTHING = "Choose a parameter"
@@ -114,7 +115,7 @@ class ParameterChoice(QComboBox):
         for name in network.nodes:
             declared = self._session.declared(name)
             numbers = [p for p in declared.parameters if p.kind in NUMERIC] if declared else []
-            if declared is None or not numbers:
+            if declared is None or declared.key == MACRO or not numbers:
                 continue
             head = QStandardItem(titled(name, declared.title))
             head.setFlags(Qt.ItemFlag.NoItemFlags)

@@ -56,7 +56,7 @@ class Varied:
     @property
     def present(self) -> Any:
         """Its value as it stands; None where it is empty or not allowed."""
-        parameter, node = self.parameter, self._session.resolved.network.nodes.get(self.node)
+        parameter, node = self.parameter, self._session.resolved.node(self.node)
         if parameter is None or node is None:
             return None
         if self.name not in node.params:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Hashable
 from dataclasses import dataclass, replace
 
-from core.modules.declaration import declaration
 from core.modules.library_type import Library
-from core.network.network import Network, passed_through
+from core.network.macro import declared_node
+from core.network.network import Network, Node, passed_through
 
 HOW_TO_MARK = "select the node of the one that is the output and press O"
 
@@ -30,10 +30,9 @@ def ports_by_node(
     """
     node_ports = []
     for node in network.nodes.values():
-        module = library.get(node.module)
-        if module is None:
+        declared = declared_node(node, library)
+        if declared is None:
             continue
-        declared = declaration(module)
         through = passed_through(declared)
         ports = tuple(
             f"{node.id}.{port.name}"
@@ -47,7 +46,10 @@ def ports_by_node(
 
 def ports_depend_on(network: Network) -> Hashable:
     """What `ports_by_node` depends on: cheap to compare after each change."""
-    return tuple((node.id, node.module, node.disabled) for node in network.nodes.values())
+    return tuple(
+        (node.id, node.module, node.disabled, node.macro and node.macro.extra.get("outputs"))
+        for node in network.nodes.values()
+    )
 
 
 def followed(port: str, before: Network, after: Network) -> str | None:
@@ -58,6 +60,11 @@ def followed(port: str, before: Network, after: Network) -> str | None:
     come = [new for new in after.nodes if new not in before.nodes]
     old = before.nodes.get(name)
     for new in come:
-        if old is not None and replace(old, id=new) == after.nodes[new]:
+        if old is not None and _alike(old, after.nodes[new]):
             return f"{new}.{output}"
     return None
+
+
+def _alike(old: Node, new: Node) -> bool:
+    """Whether it is the same node under another name, or grouped, or no longer so."""
+    return replace(old, id=new.id, noise=new.noise) == new

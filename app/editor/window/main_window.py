@@ -10,7 +10,9 @@ from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
 from app.editor.canvas.canvas import Canvas
+from app.editor.canvas.crumbs import Crumbs
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.level import Level
 from app.editor.library.library_view import LibraryView
 from app.editor.panels.panel_area import PanelArea
 from app.editor.recovery.autosaving import Autosaver
@@ -31,6 +33,7 @@ from app.editor.window.docks.window_layout import WindowLayout, first_size
 from app.editor.window.documents.drops import Drops
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.first_look import first_look
+from app.editor.window.documents.preset_shelf import PresetShelf
 from app.editor.window.documents.recovery import Recovery
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.documents.share_question import ShareQuestion
@@ -65,6 +68,7 @@ class MainWindow(QMainWindow):
         self.setObjectName("window")
         self.settings = settings
         self.session = Session(library, self)
+        self.level = Level(self.session, self)
         self.theme: Theme = THEMES[settings.look]
         self.evaluator = Evaluator(self.session, parent=self)
         self._remembered = remembered
@@ -74,10 +78,14 @@ class MainWindow(QMainWindow):
         self._build(library)
         self.canvas.show_thumbnails(self.evaluator)
         self.files = Files(self.session, settings, self)
-        self.edits = EditCommands(self.session, self.canvas, self)
+        self.edits = EditCommands(self.level, self.canvas, self)
         self.help = Help(self.session, self.viewers, lambda: self.actions_by_name, self)
         self.share_question = ShareQuestion(self.session, self)
-        self.drops = Drops(self.session, self.files, self.canvas, self)
+        self.shelf = PresetShelf(
+            self.level, self.canvas, self.library_view, settings.path.parent / "presets", self
+        )
+        self.panels.sets_folder = self.shelf.folder / "parameters"
+        self.drops = Drops(self.level, self.files, self.canvas, self)
         self.layout_in_use = WindowLayout(self, self._docks)
         self.full_screen = FullScreen(self.viewers, self.session, self)
         self.tour = FirstTour(
@@ -105,7 +113,8 @@ class MainWindow(QMainWindow):
                 self.actions_by_name[name]
                 for name in (
                     *("rename", "disable", "mark_output"),
-                    *("duplicate", "copy", "cut", "delete", "connect"),
+                    *("duplicate", "copy", "cut", "delete", "connect", "group", "ungroup"),
+                    "save_preset",
                 )
             ],
             [
@@ -125,6 +134,7 @@ class MainWindow(QMainWindow):
                 self._docks_remembered = False  # the layout sizes them
         self.show_welcome()
         self._follow_state()
+        self._follow_level()
 
     def set_theme(self, theme: Theme) -> None:
         """Draw everything in these colours."""
@@ -132,7 +142,14 @@ class MainWindow(QMainWindow):
         app = QApplication.instance()
         if isinstance(app, QApplication):
             app.setPalette(theme.palette())
-        for part in (self.canvas, self.library_view, self.panels, self.figures, self.status):
+        for part in (
+            self.canvas,
+            self.crumbs,
+            self.library_view,
+            self.panels,
+            self.figures,
+            self.status,
+        ):
             part.set_theme(theme)
         self.viewers.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
@@ -238,7 +255,8 @@ class MainWindow(QMainWindow):
         self.autosaver.close()
 
     def _build(self, library: Library) -> None:
-        self.canvas = Canvas(self.session, self.theme)
+        self.canvas = Canvas(self.level, self.theme)
+        self.crumbs = Crumbs(self.level, self.theme, self.canvas)
         self.library_view = LibraryView(library)
         self.panels = PanelArea(self.session, self.evaluator, self.theme)
         self.figures = FiguresStrip(self.session, self.evaluator, self.theme)
@@ -288,6 +306,7 @@ class MainWindow(QMainWindow):
     def _connect(self) -> None:
         session, evaluator = self.session, self.evaluator
         session.message.connect(self.status.report)
+        self.level.opened.connect(self._follow_level)
         session.changed.connect(self._changed)
         session.opened.connect(self._opened)
         session.state_changed.connect(self._follow_state)
@@ -300,7 +319,7 @@ class MainWindow(QMainWindow):
         evaluator.behind_changed.connect(self.status.show_behind)
         evaluator.pass_done.connect(self._pass_done)
         self.status.cancel_wanted.connect(evaluator.cancel)
-        self.library_view.chosen.connect(self.drops.add_module)
+        self.library_view.chosen.connect(self._chosen_in_library)
         self.canvas.activated.connect(self._activated)
         self.canvas.files_dropped.connect(self._files_dropped)
         self.panels.view_requested.connect(self._view_requested)
@@ -350,17 +369,30 @@ class MainWindow(QMainWindow):
             action.setText(f"{verb} {text.replace('&', '&&')}".strip())
 
     def _badges_changed(self, badges: Any) -> None:
-        self.canvas.set_badges(badges)
+        head = self.level.head
+        inside = {n.removeprefix(head): b for n, b in badges.items() if n.startswith(head)}
+        self.canvas.set_badges(inside)
         self.panels.set_badges(badges)
 
     def _follow_selection(self, names: tuple[str, ...]) -> None:
         self.actions_by_name.follow_selection(bool(names))
         self.status.forget_advice()
 
+    def _follow_level(self) -> None:
+        self.actions_by_name["leave_macro"].setEnabled(bool(self.level.path))
+        self._badges_changed(self.evaluator.badges)
+
     def _activated(self, name: str) -> None:
-        self.session.select([name])
+        if self.level.is_macro(name):
+            self.level.enter(name)
+            return
+        self.level.select([name])
         self.panel_dock.show()
         self.panel_dock.raise_()
+
+    def _chosen_in_library(self, key: str) -> None:
+        if not self.shelf.add(key):
+            self.drops.add_module(key)
 
     def _files_dropped(self, paths: list[str], point: QPointF) -> None:
         self.drops.files(paths, (point.x(), point.y()))

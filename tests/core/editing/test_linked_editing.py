@@ -16,7 +16,7 @@ from core.editing.nodes import Remove, Rename, keeping_values
 from core.errors import NetworkError
 from core.expressions.grammar import quoted
 from core.network.file import format_network, parse_network
-from core.network.linked_values import expression, with_values
+from core.network.linked_values import expression, resolved, with_values
 from core.network.network import Network, Node
 
 LIMITS = settings(
@@ -86,7 +86,8 @@ def test_a_name_too_long_for_an_expression_is_refused(kodak, library):
 
 
 def taken_out(network, names, library):
-    return keeping_values(network=network, names=names, taking=Remove(names), library=library)
+    value_of = resolved(network, library=library).value
+    return keeping_values(network=network, names=names, taking=Remove(names), value_of=value_of)
 
 
 def test_deleting_what_is_followed_leaves_the_value(kodak, library):

@@ -17,7 +17,7 @@ from core.expressions.grammar import (
     ExpressionError,
     parse_expression,
     quoted,
-    renamed_in,
+    rewritten,
 )
 from core.expressions.units import fitting, kind_of, symbols
 from core.modules.declaration import declaration
@@ -204,15 +204,26 @@ def test_any_name_that_a_node_may_have_can_be_written(old, other, new):
     text = f"2 * {quoted(old)}.p + {quoted(other)}.q / {quoted(old)}.p"
     named = [(one.node, one.parameter) for one in parse_expression(text).references]
     assert named == [(old, "p"), (other, "q"), (old, "p")]
-    renamed = parse_expression(renamed_in(text, {old: new}))
+
+    def moved(names):
+        return lambda node, parameter: (names.get(node, node), parameter)
+
+    renamed = parse_expression(rewritten(text, moved({old: new})))
     assert [one.node for one in renamed.references] == [new, other, new]
     # Two that change places.
-    swapped = parse_expression(renamed_in(text, {old: other, other: old}))
+    swapped = parse_expression(rewritten(text, moved({old: other, other: old})))
     assert [one.node for one in swapped.references] == [other, old, other]
+    # Only one parameter of a node.
+    one = parse_expression(rewritten(text, lambda *end: (new, "r") if end[1] == "q" else end))
+    assert [(each.node, each.parameter) for each in one.references] == [
+        (old, "p"),
+        (new, "r"),
+        (old, "p"),
+    ]
 
 
 def test_what_cannot_be_read_stays_when_a_node_is_renamed():
-    assert renamed_in("old.p +", {"old": "new"}) == "old.p +"
+    assert rewritten("old.p +", lambda *_: ("new", "p")) == "old.p +"
 
 
 def test_every_unit_of_the_library_is_known():

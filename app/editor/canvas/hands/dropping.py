@@ -8,6 +8,7 @@ from PySide6.QtGui import QDropEvent
 from app.editor.canvas.hands.insertion import added_at, wire_for_new
 from app.editor.canvas.hands.surface import Surface
 from app.editor.library.library_view import dragged_module
+from app.presets.preset_files import KEY
 from core.network.network import Link
 
 
@@ -18,9 +19,12 @@ class Dropping(QObject):
     -------
     files_dropped(paths, point)
         Files, with the point of the scene.
+    preset_dropped(key, point)
+        A preset of the library, with the point of the scene.
     """
 
     files_dropped = Signal(list, QPointF)
+    preset_dropped = Signal(str, QPointF)
 
     def __init__(self, surface: Surface, parent: QObject) -> None:
         super().__init__(parent)
@@ -34,7 +38,7 @@ class Dropping(QObject):
             wire = wire_for_new(self._surface, module, self._point(event))
             self._mark(wire.link if wire is not None else None)
             return True
-        return bool(_files(event.mimeData()))
+        return module.startswith(KEY) or bool(_files(event.mimeData()))
 
     def left(self) -> None:
         """It is dragged elsewhere."""
@@ -50,6 +54,9 @@ class Dropping(QObject):
             if session.do(operation):
                 session.select([name])
                 self._surface.view.setFocus()
+            return True
+        if module.startswith(KEY):
+            self.preset_dropped.emit(module, point)
             return True
         paths = _files(event.mimeData())
         if paths:

@@ -12,6 +12,7 @@ from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.hits import Hit, hit
 from app.editor.canvas.items.wire_item import LiveWire
 from app.editor.canvas.view.canvas_view import GraphView
+from app.editor.level import Level
 from app.editor.session import Session
 from app.editor.theme import Theme
 
@@ -53,9 +54,9 @@ class Hint(QLabel):
 
 @dataclass(frozen=True)
 class Surface:
-    """The document's session, the view, its items, and what is shown during a gesture."""
+    """The session of what is shown, the view, its items, and what is shown during a gesture."""
 
-    session: Session
+    session: Session | Level
     view: GraphView
     content: Content
     live: LiveWire

@@ -18,7 +18,7 @@ from app.editor.canvas.items.wire_item import WireItem
 from app.editor.evaluation.queries import Badge
 from core.editing.backdrops import Backdrop, backdrops_of
 from core.editing.nodes import Point
-from core.modules.declaration import declaration
+from core.network.macro import SEPARATOR, declared_node
 from core.network.network import Library, Link, Network, Node
 
 
@@ -72,7 +72,8 @@ class Content:
         touched = links_at(network) if links_differ else {}
         for name in [name for name in self.nodes if name not in network.nodes]:
             self._remove_node(name)
-        marked = frozenset(network.output_nodes)
+        marked = frozenset(name.partition(SEPARATOR)[0] for name in network.output_nodes)
+        marked |= frozenset(network.output_nodes)
         remarked = marked ^ self._marked
         self._marked = marked
         for name, node in network.nodes.items():
@@ -168,8 +169,7 @@ class Content:
             backdrop.set_style(style)
 
     def _follow_node(self, node: Node, links: list[Link]) -> None:
-        module = self._library.get(node.module)
-        declared = declaration(module) if module is not None else None
+        declared = declared_node(node, self._library)
         face = face_of(node, declared, links, output=node.id in self._marked)
         old = self.nodes.get(node.id)
         was_disabled = old is not None and old.face.disabled

@@ -57,6 +57,8 @@ class NodeFace:
         Whether its picture is marked as what the network delivers.
     colour : str
         Name of the colour that the user gave it; empty for that of its group.
+    macro : bool
+        Whether it holds nodes of its own.
     """
 
     id: str
@@ -69,6 +71,7 @@ class NodeFace:
     disabled: bool = False
     output: bool = False
     colour: str = ""
+    macro: bool = False
 
     @property
     def subtitle(self) -> str:
@@ -80,7 +83,8 @@ class NodeFace:
         """Text shown at the pointer."""
         state = " (disabled: passes its input through)" if self.disabled else ""
         mark = "\nIts picture is marked as the network's output." if self.output else ""
-        return f"{self.id} · {self.module}{state}\n{self.summary}{mark}"
+        within = "\nDouble-click, or Enter, shows the nodes inside." if self.macro else ""
+        return f"{self.id} · {self.module}{state}\n{self.summary}{mark}{within}"
 
     def port(self, side: Side, name: str) -> PortFace | None:
         """The port of that name."""
@@ -107,6 +111,7 @@ def face_of(
         disabled=node.disabled,
         output=output,
         colour=colour_of(node),
+        macro=node.macro is not None,
     )
 
 

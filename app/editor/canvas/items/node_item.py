@@ -158,6 +158,7 @@ class NodeItem(AbstractNodeItem):
         self.scene().removeItem(child)  # which takes it from this item, too
 
 
+_GAP = 4.0  # between the two frames of a macro
 _PORT_RECT = QRectF(-8, -7, 16, 14)
 
 
@@ -244,6 +245,11 @@ def _paint_border(painter: QPainter, item: NodeItem, zoom: float) -> None:
     painter.setPen(pen)
     painter.setBrush(Qt.BrushStyle.NoBrush)
     painter.drawRoundedRect(item.geometry.frame, _ROUND, _ROUND)
+    if item.face.macro:  # a second frame around it, as of cards that lie on each other
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        gap = min(max(_GAP, 3.0 / zoom), _MARGIN - 1.0)
+        around = item.geometry.frame.adjusted(-gap, -gap, gap, gap)
+        painter.drawRoundedRect(around, _ROUND + gap, _ROUND + gap)
 
 
 def _veil_disabled(painter: QPainter, item: NodeItem) -> None:

@@ -13,7 +13,10 @@ from app.editor.canvas.thumbnails.node_thumbnail_query import NodeThumbnailQuery
 from app.editor.canvas.thumbnails.thumbnail_item import ThumbnailItem
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer
+from app.editor.level import Level
 from app.editor.session import Session
+from core.editing.output_mark import picture_node
+from core.errors import NetworkError
 
 _OWNER = "canvas.thumbnails"
 
@@ -23,8 +26,8 @@ class NodeThumbnails(QObject):
 
     Parameters
     ----------
-    session : Session
-        The document.
+    session : Session or Level
+        The document, or what of it is shown.
     evaluator : Evaluator
         Answers the queries, once all else is answered.
     scene : QGraphicsScene
@@ -34,13 +37,18 @@ class NodeThumbnails(QObject):
     """
 
     def __init__(
-        self, session: Session, evaluator: Evaluator, scene: QGraphicsScene, content: Content
+        self,
+        session: Session | Level,
+        evaluator: Evaluator,
+        scene: QGraphicsScene,
+        content: Content,
     ) -> None:
         super().__init__(session)
         self._session, self._evaluator = session, evaluator
         self._scene, self._content = scene, content
         self._on = True
         self.items: dict[str, ThumbnailItem] = {}
+        self._shown_by: dict[str, str] = {}
         evaluator.answered.connect(self._take)
         session.opened.connect(self._opened)
         session.changed.connect(self._changed)
@@ -66,17 +74,32 @@ class NodeThumbnails(QObject):
             item.update()
 
     def _ask(self) -> None:
-        names = self._session.network.nodes if self._on else ()
-        self._evaluator.ask(_OWNER, [NodeThumbnailQuery(name) for name in names])
+        self._shown_by = self._sources() if self._on else {}
+        self._evaluator.ask(_OWNER, [NodeThumbnailQuery(name) for name in self._shown_by])
+
+    def _sources(self) -> dict[str, str]:
+        """By the node in the whole network whose output is drawn, the one here that shows it."""
+        session, sources = self._session, {}
+        for name, node in session.network.nodes.items():
+            try:
+                inner = picture_node(node, session.library)
+            except NetworkError:  # a macro that shows no picture
+                continue
+            sources[session.head + inner] = name
+        return sources
 
     def _opened(self) -> None:
         self._clear()
+        self._evaluator.forget(_OWNER)  # a query that stays would not be answered again
         self._ask()
 
     def _changed(self, before: Any, after: Any) -> None:
         if before.nodes.keys() != after.nodes.keys():
             for name in [name for name in self.items if name not in after.nodes]:
                 self._drop(name)
+            self._ask()
+        elif self._on and self._sources() != self._shown_by:
+            self._evaluator.forget(_OWNER)
             self._ask()
 
     def heights(self) -> dict[str, float]:
@@ -97,7 +120,7 @@ class NodeThumbnails(QObject):
             or not isinstance(answer.query, NodeThumbnailQuery)
         ):
             return
-        name, small = answer.query.node, answer.value
+        name, small = self._shown_by.get(answer.query.node, ""), answer.value
         if not self._on or small is None or name not in self._content.nodes:
             self._drop(name)
             return

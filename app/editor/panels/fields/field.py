@@ -47,6 +47,8 @@ class Field(QWidget):
         The mouse is up, the key released.
     trade_off_wanted(name)
         Show figures of merit as it moves.
+    menu_opening(name, menu)
+        The menu is about to be shown, and more may be added to it.
     unlink_wanted(name)
         Follow nothing any more, and keep the value.
     held(name, on)
@@ -59,6 +61,7 @@ class Field(QWidget):
     reset_wanted = Signal(str)
     gesture_ended = Signal()
     trade_off_wanted = Signal(str)
+    menu_opening = Signal(str, QMenu)
     unlink_wanted = Signal(str)
     held = Signal(str, bool)
 
@@ -237,6 +240,7 @@ class Field(QWidget):
         action.setObjectName("reset")
         action.setEnabled(self.stored)
         action.triggered.connect(self._reset)
+        self.menu_opening.emit(self.parameter.name, menu)
         menu.popup(at)
 
     def add_link_actions(self, menu: QMenu) -> None:

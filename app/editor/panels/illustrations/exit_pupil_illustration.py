@@ -194,7 +194,7 @@ class ExitPupilIllustration(Illustration):
         return brush
 
     def _follow(self, _before: object, _after: object) -> None:
-        if self.session.resolved.network.nodes.get(self.node) is not self._seen:
+        if self.session.resolved.node(self.node) is not self._seen:
             self.update()
 
     def _answered(self, answer: Any) -> None:

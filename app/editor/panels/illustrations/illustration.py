@@ -80,7 +80,7 @@ class Illustration(QWidget):
 
         Another document may have another module under the same name before its panel is closed.
         """
-        node = self.session.resolved.network.nodes.get(self.node)
+        node = self.session.resolved.node(self.node)
         return node if node is not None and node.module == self._module else None
 
     def queries(self) -> Sequence[Query]:

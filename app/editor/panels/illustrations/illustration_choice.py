@@ -17,6 +17,7 @@ from app.editor.panels.illustrations.transfer_illustration import (
     TransferIllustration,
 )
 from core.modules.declaration import Declaration
+from core.network.network import MACRO
 
 _BY_WORD: Mapping[str, type[Illustration]] = MappingProxyType(
     {
@@ -40,6 +41,8 @@ def illustration_for(declaration: Declaration) -> type[Illustration] | None:
     KeyError
         The declaration names none that there is.
     """
+    if declaration.key == MACRO:
+        return None
     if declaration.illustration:
         return _BY_WORD[declaration.illustration]
     if declaration.output("mtf") is not None:

@@ -110,5 +110,5 @@ class PeriodicNoiseIllustration(Illustration):
         return text
 
     def _follow(self, _before: object, _after: object) -> None:
-        if self.session.resolved.network.nodes.get(self.node) is not self._seen:
+        if self.session.resolved.node(self.node) is not self._seen:
             self.update()

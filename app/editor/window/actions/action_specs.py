@@ -49,7 +49,10 @@ def _edit(name: str, text: str, tip: str, *keys: str, selection: bool = True) ->
 
 
 _SEPARATED = frozenset(
-    {"save", "export", "welcome", "quit", "cut", "rename", "add_module", "find_node", "align_left"}
+    {
+        *("save", "export", "welcome", "quit", "cut", "rename", "add_module"),
+        *("find_node", "align_left", "group"),
+    }
 )
 
 ACTIONS: tuple[ActionSpec, ...] = (
@@ -109,6 +112,17 @@ ACTIONS: tuple[ActionSpec, ...] = (
     _edit("align_bottom", "Align Botto&m", "Lower edges of the nodes in line", "Alt+Down"),
     _edit("distribute_across", "Distribute Acr&oss", "Equal gaps side by side", "Alt+Shift+H"),
     _edit("distribute_down", "Distribute Do&wn", "Equal gaps from top to bottom", "Alt+Shift+V"),
+    _edit("group", "&Group", "Make one node of the selected ones: a macro", "Ctrl+G"),
+    _edit(
+        "ungroup", "Un&group", "Put the nodes of the selected macro in its place", "Ctrl+Shift+G"
+    ),
+    ActionSpec(
+        "save_preset",
+        "&Edit",
+        "Save as Pre&set",
+        "Keep the selected macro, to be found in the library in any network",
+        needs_selection=True,
+    ),
     ActionSpec("frame", "&View", "&Frame", "Show the selected nodes, or all", ("F",), "canvas"),
     ActionSpec(
         "arrange", "&View", "&Lay Out", "Arrange the selected nodes, or all", ("L",), "canvas"
@@ -130,6 +144,13 @@ ACTIONS: tuple[ActionSpec, ...] = (
         ("T",),
         "canvas",
         checkable=True,
+    ),
+    ActionSpec(
+        "leave_macro",
+        "&View",
+        "Leave &Macro",
+        "Show what lies around the macro shown",
+        ("Alt+PgUp",),
     ),
     ActionSpec("zoom_in", "&View", "Zoom &In", "Enlarge the canvas", ("Ctrl++", "Ctrl+=")),
     ActionSpec("zoom_out", "&View", "Zoom &Out", "Shrink the canvas", ("Ctrl+-",)),

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.level import Level
 from app.editor.panels.panel_area import PanelArea
 from app.editor.session import Session
 from app.editor.widgets.triggered import without_argument
@@ -18,6 +19,7 @@ from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.layouts import DEFAULT, LayoutName
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.files import Files
+from app.editor.window.documents.preset_shelf import PresetShelf
 from app.editor.window.tour.first_tour import FirstTour
 from core.editing.layout.align import EDGES, WAYS
 
@@ -28,6 +30,7 @@ class Window(Protocol):
     """The parts of the window that actions are carried out by."""
 
     session: Session
+    level: Level
     files: Files
     edits: EditCommands
     canvas: Canvas
@@ -36,6 +39,7 @@ class Window(Protocol):
     viewers: ViewerDocks
     evaluator: Evaluator
     full_screen: FullScreen
+    shelf: PresetShelf
     tour: FirstTour
 
     def show_welcome(self) -> None:
@@ -91,6 +95,10 @@ def targets(window: Window) -> dict[str, Target]:
         **{f"distribute_{way}": partial(edits.distribute, way) for way in WAYS},
         "thumbnails": canvas.toggle_thumbnails,
         "minimap": canvas.minimap.toggle,
+        "group": partial(_group, window),
+        "ungroup": edits.ungroup,
+        "save_preset": window.shelf.save,
+        "leave_macro": window.level.leave,
         "frame": edits.frame,
         "arrange": edits.arrange,
         "zoom_in": partial(canvas.zoom_by, 1.25),
@@ -114,6 +122,14 @@ def targets(window: Window) -> dict[str, Target]:
     for number in VIEWERS:
         by_name[f"view_{number}"] = partial(_view, window, number)
     return {name: partial(without_argument, target) for name, target in by_name.items()}
+
+
+def _group(window: Window) -> None:
+    """Group, and have the macro's name typed in its panel."""
+    steps = window.session.document.history.position
+    window.edits.group()
+    if window.session.document.history.position != steps:
+        window.panels.edit_name()
 
 
 def _view(window: Window, number: int) -> None:

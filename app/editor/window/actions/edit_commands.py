@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject
 from PySide6.QtGui import QGuiApplication
 
 from app.editor.canvas.canvas import Canvas
-from app.editor.session import Session
+from app.editor.level import Level
 from core.editing.backdrops import Backdrop, add, around
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import set_node_field
@@ -16,6 +16,7 @@ from core.editing.laying_out import laid_out
 from core.editing.layout.align import Edge, Way, aligned, distributed
 from core.editing.layout.arrange import Point, arranged
 from core.editing.links import Rewire
+from core.editing.macros.grouping import group, ungroup
 from core.editing.nodes import Move, keeping_values
 from core.editing.operation import Operation, together
 from core.editing.output_mark import output_toggled
@@ -29,7 +30,7 @@ _NEW_NOTE = (220.0, 90.0)
 class EditCommands(QObject):
     """Commands on the selection; each is one undo step."""
 
-    def __init__(self, session: Session, canvas: Canvas, parent: QObject) -> None:
+    def __init__(self, session: Level, canvas: Canvas, parent: QObject) -> None:
         super().__init__(parent)
         self._session = session
         self._canvas = canvas
@@ -38,7 +39,8 @@ class EditCommands(QObject):
         """Copy the selected nodes as JSON text."""
         names = self._session.selection
         if names:
-            text = copied(self._session.network, names, library=self._session.library)
+            session = self._session
+            text = copied(session.network, names, session.library, session.value)
             QGuiApplication.clipboard().setText(text)
 
     def cut(self) -> None:
@@ -96,7 +98,7 @@ class EditCommands(QObject):
         """Take the selected nodes out; parameters that follow them keep their values."""
         session = self._session
         operation, kept = keeping_values(
-            network=session.network, names=session.selection, taking=taking, library=session.library
+            network=session.network, names=session.selection, taking=taking, value_of=session.value
         )
         if session.do(operation) and kept:
             more = f" and {len(kept) - 3} more" if kept[3:] else ""
@@ -126,6 +128,35 @@ class EditCommands(QObject):
                 session.do(output_toggled(session.network, session.library, name))
             except ImagechainError as error:
                 session.message.emit("error", str(error))
+
+    def group(self) -> None:
+        """Make one node of the selected ones, a macro, and select it."""
+        session = self._session
+        try:
+            name, operation = group(
+                session.network,
+                session.library,
+                session.selection,
+                where=session.head,
+                value_of=session.value,
+            )
+        except ImagechainError as error:
+            session.message.emit("error", str(error))
+            return
+        if session.do(operation):
+            session.select([name])
+
+    def ungroup(self) -> None:
+        """Put the nodes of the selected macro in its place, and select them."""
+        session = self._session
+        for macro in session.selection[-1:]:
+            try:
+                names, operation = ungroup(session.network, session.library, macro, session.head)
+            except ImagechainError as error:
+                session.message.emit("error", str(error))
+                return
+            if session.do(operation):
+                session.select(names)
 
     def backdrop(self) -> None:
         """Put a backdrop behind the selected nodes, or at the cursor; its title is typed."""

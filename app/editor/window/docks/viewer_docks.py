@@ -97,7 +97,7 @@ class ViewerDocks(QObject):
 
     def trade_off(self, node: str, parameter: str) -> None:
         """Show figures of merit as a parameter moves."""
-        self.tradeoff.trade_off(node, parameter)
+        self.tradeoff.trade_off(*self._session.plain.parameter_behind(node, parameter))
         self._show_trade_off()
 
     def toggle_trade_off(self) -> None:

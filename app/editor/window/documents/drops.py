@@ -9,7 +9,7 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QWidget
 
 from app.editor.canvas.canvas import Canvas
-from app.editor.session import Session
+from app.editor.level import Level
 from app.editor.widgets.copied_drop import accept_copy
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.opening import is_network_file
@@ -25,7 +25,7 @@ _STEP = 30.0  # from one file dropped to the next
 class Drops(QObject):
     """Modules and files that come in."""
 
-    def __init__(self, session: Session, files: Files, canvas: Canvas, window: QWidget) -> None:
+    def __init__(self, session: Level, files: Files, canvas: Canvas, window: QWidget) -> None:
         super().__init__(window)
         self._session = session
         self._files = files

@@ -1,0 +1,148 @@
+"""Macros to begin with: those that come with the program, and one's own.
+
+A preset is a network file with one macro in it. Put into a network it is a copy: the file is not
+looked at again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import networks
+from core.editing.clipboard import as_new, pasted
+from core.editing.nodes import Point
+from core.editing.operation import Operation
+from core.errors import FileError, ImagechainError, NetworkError
+from core.names import shown
+from core.network.file import read_network, read_text, save_network
+from core.network.linked_values import expression_text
+from core.network.network import Library, Network
+
+KEY = "preset:"
+"""What the key of a preset begins with; no module's key has a colon."""
+
+MOST_OWN = 500
+_BARRED = '/\\:*?"<>|'
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A macro in a file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    title, text : str
+        What it is called, and what it is.
+    own : bool
+        Whether the person saved it, and it does not come with the program.
+    problem : str
+        Why it cannot be used; empty if it can.
+    """
+
+    path: Path
+    title: str
+    text: str = ""
+    own: bool = False
+    problem: str = ""
+
+    @property
+    def key(self) -> str:
+        """What it is known by where modules are known by their keys."""
+        return f"{KEY}{'own' if self.own else 'shipped'}:{self.path.stem}"
+
+
+def shipped_presets(library: Library) -> tuple[Preset, ...]:
+    """Those that come with the program, by name."""
+    folder = Path(networks.__path__[0]) / "presets"
+    return tuple(_preset(path, library, own=False) for path in sorted(folder.glob("*.json")))
+
+
+def own_presets(folder: Path, library: Library) -> tuple[Preset, ...]:
+    """Those in a folder of the person's; none where there is no such folder.
+
+    A file that cannot be used is listed with its problem.
+    """
+    try:
+        paths = sorted(path for path in folder.glob("*.json") if path.is_file())
+    except OSError:
+        paths = []
+    return tuple(_preset(path, library, own=True) for path in paths[:MOST_OWN])
+
+
+def placed(
+    preset: Preset, network: Network, library: Library, at: Point | None
+) -> tuple[str, Operation]:
+    """What puts a preset into a network, under a name that is free; and that name.
+
+    Raises
+    ------
+    FileError, NetworkError
+        If its file cannot be read, or holds no macro.
+    """
+    problem = _preset(preset.path, library, own=preset.own).problem  # it may have changed
+    if problem:
+        raise NetworkError(problem)
+    (name,), operation = pasted(read_text(preset.path), network, library, at)
+    return name, operation
+
+
+def save_preset(network: Network, name: str, folder: Path, library: Library) -> Path:
+    """Write a macro of a network to a file of a folder; it has the macro's name.
+
+    Raises
+    ------
+    FileError
+        If there is such a preset already, or the file cannot be written.
+    NetworkError
+        If the node is no macro, its name can be none of a file, or a parameter follows others.
+    """
+    node = network.node(name)
+    if node.macro is None:
+        raise NetworkError(f"{shown(name)} is no macro: group nodes to make one (Ctrl+G)")
+    for parameter in node.linked:
+        raise NetworkError(
+            f"{shown(name)}.{parameter} follows {shown(expression_text(node.params[parameter]))}, "
+            "which has no value to be kept"
+        )
+    if any(letter in _BARRED for letter in node.id) or node.id.strip(" ") != node.id:
+        raise NetworkError(f"{shown(name)} can be no name of a file: rename the node first")
+    path = folder / f"{node.id}.json"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        there = path.exists()
+    except OSError as error:
+        raise FileError(f"cannot write {shown(str(path))}: {error.strerror or error}") from None
+    if there:
+        raise FileError(
+            f"there is a preset {shown(node.id)} already ({path}): rename the node first"
+        )
+    macro = as_new(node)
+    assert macro.macro is not None
+    macro = replace(macro, macro=replace(macro.macro, name=macro.macro.name or node.id))
+    alone = Network(
+        name=macro.macro.name if macro.macro else node.id,
+        nodes={node.id: macro},
+        layout={node.id: (0.0, 0.0)},
+    )
+    save_network(alone, path, library=library)
+    return path
+
+
+def preset_of(key: str, presets: Iterable[Preset]) -> Preset | None:
+    """The preset of a key."""
+    return next((preset for preset in presets if preset.key == key), None)
+
+
+def _preset(path: Path, library: Library, *, own: bool) -> Preset:
+    try:
+        nodes = tuple(read_network(path, library=library).nodes.values())
+        if len(nodes) != 1 or nodes[0].macro is None:
+            raise NetworkError(f"{path}: no preset, which is a network of one macro")
+    except ImagechainError as error:
+        return Preset(path, path.stem, error.message, own, error.message)
+    body = nodes[0].macro
+    return Preset(path, body.name or nodes[0].id, body.description, own)

@@ -1,0 +1,333 @@
+"""Macros in the window: grouped, opened, shown, left and ungrouped by keys and mouse."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QToolButton, QWidgetAction
+
+from app.editor.library.library_view import module_data
+from core.editing.fields import set_parameter
+from core.network.file import format_network
+from core.network.linked_values import resolved
+from panel_hands import type_in
+from window_hands import CTRL, KEY, SHIFT, WindowHands
+
+ALT = Qt.KeyboardModifier.AltModifier
+MEMBERS = ("init", "blur", "back")
+
+
+@pytest.fixture
+def hands(window, idle):
+    """On the first network, whose chain is a scene, a spectrum, a blur and the way back."""
+    window.files.open_now("first_steps")
+    idle(window)
+    made = WindowHands(window)
+    made.focus()
+    assert set(MEMBERS) <= set(window.session.network.nodes)
+    return made
+
+
+@pytest.fixture
+def grouped(hands, window, idle):
+    """The chain as one node, called lens."""
+    hands.select(*MEMBERS)
+    hands.key(KEY.Key_G, CTRL)
+    hands.type("lens")
+    hands.key(KEY.Key_Return)
+    hands.focus()
+    idle(window)
+    return hands
+
+
+def field(window, node, name):
+    return window.panels.panels[node].body.sections.field(name)
+
+
+def choose(window, node, name, action):
+    """Take an action of a field's menu, as the right button opens it."""
+    shown = field(window, node, name)
+    shown.open_menu(shown.mapToGlobal(QPoint(4, 4)))
+    menu = shown.findChild(QMenu, "field.menu")
+    entry = next(each for each in menu.actions() if each.objectName() == action)
+    entry.trigger()
+    menu.close()
+
+
+def text(window):
+    return format_network(window.session.document.network, library=window.session.library)
+
+
+def test_ctrl_g_makes_one_node_and_its_name_is_typed_in_place(hands, window, idle):
+    before, start = window.viewers.images[1].picture, text(window)
+    hands.select(*MEMBERS)
+    hands.key(KEY.Key_G, CTRL)
+    assert QApplication.focusWidget() is window.panels.panels["macro"].head.name
+    hands.type("lens")
+    hands.key(KEY.Key_Return)
+    idle(window)
+    assert set(window.level.network.nodes) == {"scene", "lens", "picture"}
+    assert set(window.canvas.content.nodes) == {"scene", "lens", "picture"}
+    assert window.canvas.content.nodes["lens"].face.macro
+    after = window.viewers.images[1].picture
+    assert np.array_equal(before.samples, after.samples)
+    hands.focus()
+    for _ in range(2):  # its name, and the group
+        hands.key(KEY.Key_Z, CTRL)
+    assert text(window) == start
+
+
+def test_ctrl_shift_g_puts_the_nodes_back(hands, window):
+    start = window.session.document.network
+    hands.select(*MEMBERS)
+    hands.key(KEY.Key_G, CTRL)
+    hands.focus()
+    hands.key(KEY.Key_G, CTRL | SHIFT)
+    assert window.session.document.network == start
+    assert set(window.session.selection) == set(MEMBERS)
+
+
+def test_a_double_click_shows_the_inside_and_the_bar_leads_back(grouped, window):
+    assert not window.crumbs.isVisible()
+    grouped.double_click(grouped.head("lens"))
+    assert window.level.path == ("lens",)
+    assert set(window.canvas.content.nodes) == set(MEMBERS)
+    assert window.crumbs.isVisible()
+    assert [button.text() for button in window.crumbs.steps] == ["First steps", "lens"]
+    for button in (window.crumbs.up, *window.crumbs.steps):
+        assert window.crumbs.rect().contains(button.geometry())
+        assert button.visibleRegion().boundingRect().size() == button.size()
+        assert button.accessibleName()
+        assert button.toolTip()
+    QTest.mouseClick(window.crumbs.steps[0], Qt.MouseButton.LeftButton)
+    assert window.level.path == ()
+    assert not window.crumbs.isVisible()
+    grouped.focus()
+    grouped.select("lens")
+    grouped.key(KEY.Key_Return)
+    assert window.level.path == ("lens",)
+    QTest.keyClick(window.canvas.view, KEY.Key_PageUp, ALT)
+    assert window.level.path == ()
+    assert window.session.selection == ("lens",)
+
+
+def test_work_inside_is_undone_across_levels(grouped, window):
+    grouped.double_click(grouped.head("lens"))
+    start = text(window)
+    grouped.select("blur")
+    grouped.key(KEY.Key_Delete)
+    assert set(window.level.network.nodes) == {"init", "back"}
+    QTest.mouseClick(window.findChild(QToolButton, "crumbs.up"), Qt.MouseButton.LeftButton)
+    grouped.focus()
+    grouped.key(KEY.Key_Z, CTRL)
+    assert text(window) == start
+    grouped.double_click(grouped.head("lens"))
+    for _ in range(2):
+        grouped.key(KEY.Key_Z, CTRL)
+    assert window.level.path == ()  # the macro is gone, so what lay around it is shown
+    assert set(window.canvas.content.nodes) == {"scene", "picture", *MEMBERS}
+
+
+def test_a_parameter_is_exposed_set_renamed_and_hidden_by_menus(grouped, window, idle):
+    grouped.double_click(grouped.head("lens"))
+    grouped.select("blur")
+    panel = window.panels.panels["lens/blur"]
+    assert panel.head.name.text() == "blur"
+    name = "sigma_x_mrad"
+    choose(window, "lens/blur", name, "expose")
+    QTest.keyClick(window.canvas.view, KEY.Key_PageUp, ALT)
+    shown = field(window, "lens", name)
+    inner = panel.declared.parameter(name)
+    assert shown.unit.text() == inner.param.unit
+    assert shown.parameter.param == inner.param
+    before = window.viewers.images[1].picture
+    shown.offer(3.0 * shown.value)
+    idle(window)
+    assert not np.array_equal(before.samples, window.viewers.images[1].picture.samples)
+    shown.open_menu(shown.mapToGlobal(QPoint(4, 4)))
+    line = shown.findChild(QLineEdit, "exposed_name")
+    assert any(isinstance(each, QWidgetAction) for each in line.window().actions())
+    line.setFocus()
+    line.selectAll()
+    QTest.keyClicks(line, "softness")
+    QTest.keyClick(line, KEY.Key_Return)
+    assert list(window.session.document.network.nodes["lens"].params) == ["softness"]
+    value = field(window, "lens", "softness").value
+    choose(window, "lens", "softness", "hide")
+    assert window.session.network.nodes["lens/blur"].params[name] == value
+
+
+def test_a_value_inside_follows_its_neighbour_by_the_name_it_has_there(grouped, window, idle):
+    """Shown as typed, computed as what it means in the whole network, unlinked and undone."""
+    session = window.session
+    grouped.double_click(grouped.head("lens"))
+    session.do(set_parameter("lens/init", "f_number", 2.0))
+    grouped.select("blur")
+    sigma = field(window, "lens/blur", "sigma_x_mrad")
+    type_in(sigma.edit, "= int.f_number * 0.2")
+    assert "did you mean" in sigma.message.text()
+    type_in(sigma.edit, "= init.f_number * 0.2")
+    assert sigma.edit.text() == "= init.f_number * 0.2"
+    assert sigma.linked_value.text().startswith("= 0.4 ")
+    inside = session.document.network.nodes["lens"].macro.nodes["blur"]
+    assert inside.params["sigma_x_mrad"] == {"expression": "init.f_number * 0.2"}
+    idle(window)
+    planned = resolved(session.document.network, library=session.library)
+    assert planned.value("lens/blur", "sigma_x_mrad") == 0.4
+    # What the macro shows may be followed, and follow.
+    grouped.select("init")
+    choose(window, "lens/init", "f_number", "expose")
+    QTest.keyClick(window.canvas.view, KEY.Key_PageUp, ALT)
+    stop = field(window, "lens", "f_number")
+    type_in(stop.edit, "= scene.width / 128")
+    width = resolved(session.document.network, library=session.library).value("scene", "width")
+    width = session.declared("scene").parameter("width").default if width is None else width
+    assert stop.linked_value.text().startswith(f"= {width / 128:g}")
+    assert session.valued("lens/blur").params["sigma_x_mrad"] == pytest.approx(width / 128 * 0.2)
+    type_in(stop.edit, "= scene.nothing")
+    assert "has no parameter" in stop.message.text()
+    QTest.keyClick(stop.edit, KEY.Key_Escape)
+    grouped.select("lens")
+    grouped.focus()
+    grouped.key(KEY.Key_G, CTRL | SHIFT)
+    nodes = session.document.network.nodes
+    assert nodes["blur"].params["sigma_x_mrad"] == {"expression": "init.f_number * 0.2"}
+    assert nodes["init"].params["f_number"] == {"expression": "scene.width / 128"}
+    idle(window)
+
+
+def test_a_viewer_shows_a_node_inside(grouped, window, idle):
+    grouped.double_click(grouped.head("lens"))
+    grouped.select("back")
+    grouped.key(KEY.Key_2)
+    idle(window)
+    assert window.viewers.images[2].choices.port == "lens/back.image"
+    assert window.viewers.images[2].picture is not None
+    grouped.key(KEY.Key_PageUp, ALT)
+    grouped.select("lens")
+    grouped.key(KEY.Key_1)
+    idle(window)
+    assert window.viewers.images[1].choices.port == "lens.image"
+    assert np.array_equal(
+        window.viewers.images[1].picture.samples, window.viewers.images[2].picture.samples
+    )
+
+
+def test_thumbnails_stand_below_a_macro_and_inside_of_it(grouped, window, idle, qtbot):
+    items = window.canvas.thumbnails.items
+    qtbot.waitUntil(lambda: "lens" in items and window.evaluator.idle)
+    outside = items["lens"].small.grey
+    grouped.double_click(grouped.head("lens"))
+    qtbot.waitUntil(lambda: "back" in items and window.evaluator.idle)
+    assert set(items) == {"blur", "back"}
+    assert np.array_equal(items["back"].small.grey, outside)
+
+
+def test_a_fault_inside_stands_on_the_macro(grouped, window, idle):
+    grouped.double_click(grouped.head("lens"))
+    link = next(link for link in window.level.network.links if link.target == "back")
+    grouped.click(grouped.wire(link))
+    grouped.key(KEY.Key_Delete)
+    idle(window)
+    assert window.canvas.content.nodes["back"].badge.kind == "incomplete"
+    grouped.key(KEY.Key_PageUp, ALT)
+    badge = window.canvas.content.nodes["lens"].badge
+    assert badge.kind == "incomplete"
+    assert badge.text.startswith("lens/back: not connected")
+
+
+def test_a_copy_of_a_macro_has_its_own_inside(grouped, window, idle):
+    grouped.select("lens")
+    grouped.key(KEY.Key_C, CTRL)
+    grouped.key(KEY.Key_V, CTRL)
+    idle(window)
+    assert set(window.level.network.nodes) == {"scene", "picture", "lens", "lens_2"}
+    grouped.double_click(grouped.head("lens_2"))
+    assert window.level.path == ("lens_2",)
+    grouped.select("blur")
+    grouped.key(KEY.Key_D)
+    network = window.session.document.network
+    assert network.nodes["lens_2"].macro.nodes["blur"].disabled
+    assert not network.nodes["lens"].macro.nodes["blur"].disabled
+
+
+def library_item(window, text):
+    tree = window.library_view.tree
+    return next(item for item in tree.modules.values() if item.text(0) == text)
+
+
+def click_twice(window, item):
+    tree = window.library_view.tree
+    tree.scrollToItem(item)
+    where = tree.visualItemRect(item).center()
+    QTest.mouseClick(tree.viewport(), Qt.MouseButton.LeftButton, pos=where)
+    QTest.mouseDClick(tree.viewport(), Qt.MouseButton.LeftButton, pos=where)
+
+
+def test_presets_stand_in_the_library_and_come_by_a_double_click(hands, window, idle):
+    item = library_item(window, "Kodak KIR-310")
+    assert item.parent().text(0) == "Presets"
+    assert "Tantalo 1996" in item.toolTip(0)
+    click_twice(window, item)
+    assert window.session.selection == ("camera",)
+    panel = window.panels.panels["camera"]
+    assert panel.head.bar.title.text() == "camera · Kodak KIR-310"
+    assert panel.body.sections.field("focal_length_mm").value == 200.0
+    window.library_view.filter.setText("tau germanium 50")
+    shown = [i.text(0) for i in window.library_view.tree.modules.values() if not i.isHidden()]
+    assert shown == ["FLIR Tau 2 lens, 50 mm F/1.2"]
+
+
+def test_a_preset_is_dragged_to_the_canvas(hands, window):
+    key = next(
+        key
+        for key, item in window.library_view.tree.modules.items()
+        if item.text(0) == "FLIR Tau 2 640 detector"
+    )
+    pos = window.canvas.view.viewport().rect().center()
+    assert hands.drop(window.canvas.view.viewport(), pos, module_data(key))
+    assert window.session.selection == ("detector",)
+    at = window.level.network.layout["detector"]
+    point = window.canvas.view.scene_point(pos)
+    # On free ground, which is beside the nodes there are.
+    assert abs(at[0] - point.x()) < 200
+    assert abs(at[1] - point.y()) < 200
+
+
+def test_an_own_macro_becomes_a_preset(grouped, window, settings):
+    grouped.select("lens")
+    window.actions_by_name["save_preset"].trigger()
+    folder = settings.path.parent / "presets"
+    assert [path.name for path in folder.iterdir()] == ["lens.json"]
+    assert str(folder) in window.status.currentMessage()
+    item = library_item(window, "lens")
+    assert item.parent().text(0) == "Own presets"
+    click_twice(window, item)
+    assert window.session.selection == ("lens_2",)
+    grouped.focus()
+    window.session.select(["lens"])
+    window.actions_by_name["save_preset"].trigger()
+    assert "there is a preset lens already" in window.status.error
+    assert [path.name for path in folder.iterdir()] == ["lens.json"]
+
+
+def test_parameters_are_saved_as_a_set_and_taken_again(hands, window, settings):
+    hands.select("blur")
+    panel = window.panels.panels["blur"]
+    params = dict(window.session.network.nodes["blur"].params)
+    menu = panel.sets_menu
+    menu.popup(panel.head.sets.mapToGlobal(QPoint(0, 0)))
+    line = menu.findChild(QLineEdit, "set_name")
+    line.setFocus()
+    QTest.keyClicks(line, "as shipped")
+    QTest.keyClick(line, KEY.Key_Return)
+    file = settings.path.parent / "presets" / "parameters" / "gaussian_mtf.json"
+    assert file.is_file()
+    field(window, "blur", "sigma_x_mrad").offer(3.0)
+    assert dict(window.session.network.nodes["blur"].params) != params
+    menu.popup(panel.head.sets.mapToGlobal(QPoint(0, 0)))
+    entry = next(each for each in menu.actions() if each.text() == "as shipped")
+    entry.trigger()
+    menu.close()
+    assert dict(window.session.network.nodes["blur"].params) == params
+    assert window.session.document.history.undo_text == "Set blur to as shipped"

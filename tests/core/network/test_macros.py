@@ -1,0 +1,313 @@
+"""Macros in a network file: read, written, written out, and what is wrong with bad ones."""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+
+import pytest
+
+from core.errors import NetworkError
+from core.network.expansion import expanded, unfolded
+from core.network.file import format_network, parse_network
+from core.network.network import Link
+from core.network.validation import problems
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+
+
+@pytest.fixture
+def document():
+    """A scene into a camera, whose inside was written by hand."""
+    return {
+        "format": "imagechain-network",
+        "version": 2,
+        "name": "with a camera",
+        "seed": 7,
+        "nodes": {
+            "scene": {"module": "test_scene", "params": {"width": 64, "height": 64}},
+            "camera": {
+                "module": "macro",
+                "params": {"blur": 0.5},
+                "macro": {
+                    "title": "Small camera",
+                    "description": "Blurs.",
+                    "nodes": {
+                        "init": {"module": "init_trans"},
+                        "jitter": {"module": "jitter_mtf", "params": {"sigma_mrad": 0.125}},
+                        "back": {"module": "back_transform"},
+                    },
+                    "links": [
+                        ["init.context", "jitter.context"],
+                        ["init.magnitude", "jitter.magnitude"],
+                        ["init.phase", "back.phase"],
+                        ["jitter.magnitude", "back.magnitude"],
+                    ],
+                    "layout": {"init": [0, 0], "jitter": [200, 0], "back": [400, 0]},
+                    "inputs": {"image": "init.image"},
+                    "outputs": {"image": "back.image"},
+                    "parameters": {"blur": "jitter.sigma_mrad"},
+                },
+            },
+            "save": {"module": "write_image", "params": {"path": "out.npy"}},
+        },
+        "links": [["scene.image", "camera.image"], ["camera.image", "save.image"]],
+    }
+
+
+def read(document):
+    return parse_network(json.dumps(document), library=LIBRARY)
+
+
+def inside(document):
+    return document["nodes"]["camera"]["macro"]
+
+
+def faults(document):
+    return [str(fault) for fault in problems(read(document), library=LIBRARY)]
+
+
+def test_a_macro_is_written_as_it_was_read(document):
+    network = read(document)
+    text = format_network(network, library=LIBRARY)
+    assert json.loads(text) == document
+    assert read(json.loads(text)) == network
+
+
+def test_a_file_has_the_least_version_that_suffices(document):
+    def version(nodes):
+        fields = {**document, "nodes": nodes, "links": []}
+        return json.loads(format_network(read(fields), library=LIBRARY))["version"]
+
+    plain = {"scene": document["nodes"]["scene"]}
+    assert version(plain) == 1
+    assert version(document["nodes"]) == 2
+    assert version({"noisy": {"module": "poisson_noise", "noise": "another"}}) == 2
+
+
+def test_shipped_networks_stay_of_version_1():
+    shipped = Path(__file__).parents[3] / "networks"
+    files = sorted(shipped.glob("*.json"))
+    assert files
+    for file in files:
+        text = file.read_text()
+        assert json.loads(text)["version"] == 1
+        assert format_network(parse_network(text, library=LIBRARY), library=LIBRARY) == text
+
+
+def test_a_macro_is_written_out_as_plain_nodes(document):
+    network = expanded(read(document), LIBRARY)
+    assert list(network.nodes) == ["scene", "camera/init", "camera/jitter", "camera/back", "save"]
+    assert network.nodes["camera/jitter"].params == {"sigma_mrad": 0.5}
+    assert set(network.links) == {
+        Link("scene", "image", "camera/init", "image"),
+        Link("camera/init", "context", "camera/jitter", "context"),
+        Link("camera/init", "magnitude", "camera/jitter", "magnitude"),
+        Link("camera/jitter", "magnitude", "camera/back", "magnitude"),
+        Link("camera/init", "phase", "camera/back", "phase"),
+        Link("camera/back", "image", "save", "image"),
+    }
+    assert network.port_names == {"camera.image": "camera/back.image"}
+    assert network.parameter_names == {"camera.blur": "camera/jitter.sigma_mrad"}
+
+
+def test_a_network_without_macros_is_the_same_object(document):
+    del document["nodes"]["camera"], document["links"]
+    network = read(document)
+    assert expanded(network, LIBRARY) is network
+    assert unfolded(network) is network
+
+
+def test_without_a_value_outside_that_inside_holds(document):
+    del document["nodes"]["camera"]["params"]
+    assert expanded(read(document), LIBRARY).nodes["camera/jitter"].params == {"sigma_mrad": 0.125}
+
+
+def test_a_disabled_macro_passes_its_picture_through(document):
+    document["nodes"]["camera"]["disabled"] = True
+    assert not faults(document)
+    network = expanded(read(document), LIBRARY)
+    assert list(network.nodes) == ["scene", "save"]
+    assert network.links == (Link("scene", "image", "save", "image"),)
+    assert network.port_names == {"camera.image": "scene.image"}
+
+
+def test_a_disabled_macro_with_nothing_to_pass_on(document):
+    document["nodes"]["camera"]["disabled"] = True
+    inside(document)["outputs"]["spectrum"] = "init.magnitude"
+    document["nodes"]["slices"] = {"module": "mtf_slices"}
+    document["links"].append(["camera.spectrum", "slices.transfer"])
+    assert faults(document)[0] == (
+        "camera: the link camera.spectrum → slices.transfer brings nothing: the macro is "
+        "disabled, and no input of its passes on as spectrum"
+    )
+
+
+def nested(document, deep):
+    """The camera inside of `deep` macros that each show all it shows."""
+    for number in range(deep):
+        inner = document["nodes"].pop("camera")
+        document["nodes"]["camera"] = {
+            "module": "macro",
+            "macro": {
+                "nodes": {"inner": inner},
+                "inputs": {"image": "inner.image"},
+                "outputs": {"image": "inner.image"},
+                "parameters": {"blur": "inner.blur"},
+            },
+        }
+        document["nodes"]["camera"]["params"] = {"blur": 0.25 + number}
+    return document
+
+
+def test_macros_inside_of_macros(document):
+    network = expanded(read(nested(document, 2)), LIBRARY)
+    name = "camera/inner/inner/jitter"
+    assert network.nodes[name].params == {"sigma_mrad": 1.25}  # of the outermost
+    assert network.port_names["camera.image"] == "camera/inner/inner/back.image"
+    assert network.parameter_names["camera.blur"] == f"{name}.sigma_mrad"
+    assert network.parameter_names["camera/inner.blur"] == f"{name}.sigma_mrad"
+    assert Link("scene", "image", "camera/inner/inner/init", "image") in network.links
+    assert not faults(document)
+
+
+def test_macros_lie_so_deep_at_most(document):
+    assert not faults(nested(copy.deepcopy(document), 7))
+    with pytest.raises(NetworkError, match="macros lie more than 8 deep one inside the other"):
+        read(nested(document, 8))
+
+
+def test_nodes_outside_of_a_macro_show_as_they_are_called_outside(document):
+    network = unfolded(read(document))
+    assert list(network.nodes) == [
+        *("scene", "camera", "camera/init", "camera/jitter", "camera/back", "save")
+    ]
+    assert network.nodes["camera/jitter"].params == {"sigma_mrad": 0.5}
+    assert Link("camera/init", "phase", "camera/back", "phase") in network.links
+
+
+def change(path, value):
+    def changed(document):
+        target = document
+        for step in path[:-1]:
+            target = target[step]
+        target[path[-1]] = value
+        return document
+
+    return changed
+
+
+MACRO = ("nodes", "camera", "macro")
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        (
+            change((*MACRO, "outputs", "image"), "back.picture"),
+            "camera: its output image names back.picture, but Back Transform has no output "
+            "picture: it has image",
+        ),
+        (
+            change((*MACRO, "inputs", "image"), "innit.image"),
+            "camera: its input image names innit.image, but there is no node innit inside; did "
+            "you mean init?",
+        ),
+        (
+            change((*MACRO, "parameters", "other"), "jitter.sigma"),
+            "camera: its parameter other names jitter.sigma, but Jitter MTF has no parameter "
+            "sigma; did you mean sigma_mrad?",
+        ),
+        (
+            change((*MACRO, "parameters", "again"), "jitter.sigma_mrad"),
+            "camera: the inner parameter jitter.sigma_mrad is set by 2 parameters of the macro: "
+            "it takes one",
+        ),
+        (
+            change((*MACRO, "inputs", "again"), "init.image"),
+            "camera: the inner input init.image is fed by 2 inputs of the macro: it takes one",
+        ),
+        (
+            change((*MACRO, "inputs", "phase"), "back.phase"),
+            "camera: its input phase feeds back.phase, which has a link inside already "
+            "(init.phase → back.phase)",
+        ),
+        (
+            change(("nodes", "camera", "params"), {"blurr": 1}),
+            "camera: blurr = 1 is not allowed: Small camera shows no such parameter; did you mean "
+            "blur?",
+        ),
+        (
+            change(("links", 1, 0), "camera.picture"),
+            "camera: the macro has no output picture (the link camera.picture → save.image): it "
+            "has image",
+        ),
+        (
+            change(("nodes", "camera/back"), {"module": "back_transform"}),
+            "camera/back is the name of 2 nodes, one of them inside of a macro: give one of them "
+            "another id",
+        ),
+        (
+            change((*MACRO, "nodes", "jitter", "params"), {"sigma_mrd": 1}),
+            "camera/jitter: sigma_mrd = 1 is not allowed: Jitter MTF has no such parameter; did "
+            "you mean sigma_mrad?",
+        ),
+        (
+            change((*MACRO, "links", 0), ["init.contxt", "jitter.context"]),
+            "camera/init: Init & Trans has no output contxt (the link camera/init.contxt → "
+            "camera/jitter.context); did you mean context?",
+        ),
+    ],
+)
+def test_bad_macros_give_one_clear_line(changed, message, document):
+    assert message in faults(changed(document))
+
+
+def test_a_cycle_through_a_macro(document):
+    document["nodes"]["camera"]["macro"]["inputs"]["light"] = "pixels.image"
+    inside(document)["nodes"]["pixels"] = {"module": "combine_pixels"}
+    inside(document)["outputs"]["other"] = "pixels.image"
+    document["nodes"]["between"] = {"module": "combine_pixels"}
+    document["links"] += [["camera.other", "between.image"], ["between.image", "camera.light"]]
+    assert "camera: the links form a cycle: camera → between → camera; take one of them away" in (
+        faults(document)
+    )
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        (
+            change(("nodes", "camera"), {"module": "macro"}),
+            "nodes.camera has the module macro and no field macro",
+        ),
+        (
+            change(("nodes", "scene", "macro"), {}),
+            "nodes.scene is no macro but has a field macro",
+        ),
+        (change(MACRO, []), "nodes.camera.macro must be an object, not a list"),
+        (change((*MACRO, "nodes"), 1), "nodes.camera.macro.nodes must be an object, not a whole"),
+        (
+            change((*MACRO, "outputs", "image"), 3),
+            "nodes.camera.macro.outputs.image must be a text, NODE.NAME, not 3",
+        ),
+        (
+            change((*MACRO, "parameters", "a.b"), "jitter.sigma_mrad"),
+            "nodes.camera.macro.parameters has the name 'a.b': it must not be blank, nor hold",
+        ),
+        (
+            change((*MACRO, "links", 0), ["init.context"]),
+            'nodes.camera.macro, link 1 must be two texts, ["NODE.PORT", "NODE.PORT"]',
+        ),
+        (
+            change((*MACRO, "nodes", "init"), {"params": {}}),
+            "nodes.camera.macro.nodes.init.module is missing: it must be a text",
+        ),
+    ],
+)
+def test_what_is_no_macro_is_refused_when_read(changed, message, document):
+    with pytest.raises(NetworkError) as refused:
+        read(changed(document))
+    assert message in refused.value.message
