@@ -34,6 +34,7 @@ from app.editor.window.documents.drops import Drops
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.first_look import first_look
 from app.editor.window.documents.preset_shelf import PresetShelf
+from app.editor.window.documents.recent_files import RecentMenu
 from app.editor.window.documents.recovery import Recovery
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.documents.share_question import ShareQuestion
@@ -108,6 +109,8 @@ class MainWindow(QMainWindow):
         self.layout_in_use.place()
         self.menus = self.actions_by_name.fill(self.menuBar())
         self._add_dock_toggles()
+        self.recent_menu = RecentMenu(settings, self.files.open, self._show_lists, self)
+        self.recent_menu.stand_after(self.actions_by_name["open"], self.menus["&File"])
         self.canvas.set_menus(
             [
                 self.actions_by_name[name]
@@ -170,9 +173,12 @@ class MainWindow(QMainWindow):
     def show_welcome(self) -> None:
         """Show the first page."""
         self.status.forget()
-        self.welcome.show_lists(self.settings.recent, self.recovery.unsaved_work())
+        self._show_lists()
         self.pages.setCurrentWidget(self.welcome)
         self.curtain.close()
+
+    def _show_lists(self) -> None:
+        self.welcome.show_lists(self.settings.recent, self.recovery.unsaved_work())
 
     def show_canvas(self) -> None:
         """Show the network."""
