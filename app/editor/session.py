@@ -195,6 +195,10 @@ class Session(QObject):
         """Do the step undone last again."""
         self._document.redo()
 
+    def go_to(self, position: int) -> None:
+        """Undo, or do again, as many steps as lead to a position of the history."""
+        self._document.go_to(position)
+
     def save(self, path: Path | None = None, *, over: bool = False) -> bool:
         """Save the document; whether that worked. If not, the work is kept and the reason shown.
 

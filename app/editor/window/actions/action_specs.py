@@ -163,6 +163,14 @@ ACTIONS: tuple[ActionSpec, ...] = (
         checkable=True,
     ),
     ActionSpec(
+        "history",
+        "&View",
+        "Hi&story",
+        "List the steps that undo and redo go through",
+        ("Ctrl+H",),
+        checkable=True,
+    ),
+    ActionSpec(
         "full_screen",
         "&View",
         "F&ull Screen",

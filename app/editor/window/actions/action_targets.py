@@ -16,6 +16,7 @@ from app.editor.window.actions.action_specs import VIEWERS
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.help import Help
 from app.editor.window.docks.full_screen import FullScreen
+from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import DEFAULT, LayoutName
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.files import Files
@@ -41,6 +42,7 @@ class Window(Protocol):
     full_screen: FullScreen
     shelf: PresetShelf
     tour: FirstTour
+    history: HistoryList
 
     def show_welcome(self) -> None:
         """Show the first page."""
@@ -104,6 +106,7 @@ def targets(window: Window) -> dict[str, Target]:
         "zoom_in": partial(canvas.zoom_by, 1.25),
         "zoom_out": partial(canvas.zoom_by, 0.8),
         "trade_off": window.viewers.toggle_trade_off,
+        "history": window.history.toggle,
         "full_screen": window.full_screen.toggle,
         "picture_below": partial(window.choose_layout, "picture_below"),
         "picture_beside": partial(window.choose_layout, "picture_beside"),
