@@ -119,6 +119,7 @@ class MainWindow(QMainWindow):
                     *("rename", "disable", "mark_output"),
                     *("duplicate", "copy", "cut", "delete", "connect", "group", "ungroup"),
                     "save_preset",
+                    *("copy_values", "paste_values"),
                 )
             ],
             [

@@ -75,6 +75,22 @@ ACTIONS: tuple[ActionSpec, ...] = (
     ),
     _edit("copy", "&Copy", "Copy the selected nodes as JSON", "Ctrl+C"),
     _edit("paste", "&Paste", "Put the clipboard's nodes at the mouse", "Ctrl+V", selection=False),
+    ActionSpec(
+        "copy_values",
+        "&Edit",
+        "Copy &Values",
+        "Copy the values of the selected node as JSON",
+        ("Ctrl+Shift+C",),
+        needs_selection=True,
+    ),
+    ActionSpec(
+        "paste_values",
+        "&Edit",
+        "Paste Va&lues",
+        "Give the selected nodes the copied values that fit them",
+        ("Ctrl+Shift+V",),
+        needs_selection=True,
+    ),
     _edit(
         "duplicate", "D&uplicate", "Copy the selected nodes to free ground beside them", "Ctrl+D"
     ),

@@ -82,6 +82,8 @@ def targets(window: Window) -> dict[str, Target]:
         "cut": edits.cut,
         "copy": edits.copy,
         "paste": edits.paste,
+        "copy_values": partial(_typed_first, window, edits.copy_values),
+        "paste_values": partial(_typed_first, window, edits.paste_values),
         "duplicate": edits.duplicate,
         "delete": edits.delete,
         "select_all": edits.select_all,
@@ -133,6 +135,12 @@ def _group(window: Window) -> None:
     window.edits.group()
     if window.session.document.history.position != steps:
         window.panels.edit_name()
+
+
+def _typed_first(window: Window, target: Target) -> None:
+    """Take what is being typed, then do it."""
+    window.panels.finish_typing()
+    target()
 
 
 def _view(window: Window, number: int) -> None:

@@ -9,6 +9,7 @@ from PySide6.QtGui import QGuiApplication
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.level import Level
+from app.editor.panels.values_clipboard import copy_values, paste_values
 from core.editing.backdrops import Backdrop, add, around
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import set_node_field
@@ -67,6 +68,17 @@ class EditCommands(QObject):
             return
         if session.do(operation):
             session.select(names)
+
+    def copy_values(self) -> None:
+        """Copy the values of the node selected last."""
+        whole = self._session.session
+        copy_values(whole, whole.selection)
+
+    def paste_values(self) -> None:
+        """Give the selected nodes the copied values that fit them."""
+        whole = self._session.session
+        if whole.selection:
+            paste_values(whole, whole.selection)
 
     def duplicate(self) -> None:
         """Copy the selected nodes on free ground near them, fed by the same wires."""
