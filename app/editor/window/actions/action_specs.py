@@ -121,6 +121,13 @@ ACTIONS: tuple[ActionSpec, ...] = (
         selection=False,
     ),
     _edit("note", "Add No&te", "Put a note at the mouse", "N", selection=False),
+    _edit(
+        "wire_dot",
+        "Bend Wi&re",
+        "Put a dot on the wire at the mouse, or the selected one, to bend it through",
+        "R",
+        selection=False,
+    ),
     ActionSpec("find_node", "&Edit", "&Find Node…", "Find a node by its name", ("Ctrl+F",)),
     _edit("align_left", "Align Le&ft", "Left edges of the selected nodes in line", "Alt+Left"),
     _edit("align_right", "Align Ri&ght", "Right edges of the nodes in line", "Alt+Right"),

@@ -94,6 +94,7 @@ def targets(window: Window) -> dict[str, Target]:
         "connect": canvas.connect_selected,
         "backdrop": edits.backdrop,
         "note": edits.note,
+        "wire_dot": canvas.add_dot,
         "find_node": canvas.find_node,
         **{f"align_{edge}": partial(edits.align, edge) for edge in EDGES},
         **{f"distribute_{way}": partial(edits.distribute, way) for way in WAYS},

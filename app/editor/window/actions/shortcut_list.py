@@ -47,6 +47,7 @@ MOUSE = (
     ("Mouse", "Add", "double-click", "Search a module and add it there"),
     ("Mouse", "Wire", "drag from a port", "On empty canvas: the modules that fit"),
     ("Mouse", "Insert", "drop a node on a wire", "Lead the wire through the node"),
+    ("Mouse", "Bend a wire", "double-click on it", "Put a dot there; drag it, Del deletes it"),
     ("Mouse", "Cut wires", "Alt+Shift and drag", "Disconnect what the line crosses"),
     ("Mouse", "Open", "drop a file", "A picture becomes Read Image, a network is opened"),
     ("Mouse", "Region", "⬚, or R on a picture", "Draw the region of the selected module"),
