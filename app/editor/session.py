@@ -112,12 +112,22 @@ class Session(QObject):
 
     def link_fault(self, node: str, parameter: str, raw: object) -> LinkError | None:
         """Why a parameter cannot follow that; None where it can."""
+        place = node, parameter
+        return self.link_faults(set_parameter(*place, raw), (place,)).get(place)
+
+    def link_faults(
+        self, setting: Operation, places: Iterable[tuple[str, str]]
+    ) -> dict[tuple[str, str], LinkError]:
+        """Which of these parameters, by node and name, would have no value after an operation."""
         document = self._document.network
-        trial = addressed(document, set_parameter(node, parameter, raw)).apply(document)
-        found = resolved(trial, library=self.library)
-        behind, name = found.network.parameter_behind(node, parameter)
-        faults = found.faults.get(behind, ())
-        return next((fault for fault in faults if fault.parameter == name), None)
+        trial = resolved(addressed(document, setting).apply(document), library=self.library)
+        faults = {}
+        for place in places:
+            behind, name = trial.network.parameter_behind(*place)
+            for fault in trial.faults.get(behind, ()):
+                if fault.parameter == name:
+                    faults[place] = fault
+        return faults
 
     def follows(self, name: str, parameters: Iterable[str]) -> str:
         """Which of a node's parameters follows others, so that no drag may set it; or empty."""
@@ -194,6 +204,10 @@ class Session(QObject):
     def redo(self) -> None:
         """Do the step undone last again."""
         self._document.redo()
+
+    def go_to(self, position: int) -> None:
+        """Undo, or do again, as many steps as lead to a position of the history."""
+        self._document.go_to(position)
 
     def save(self, path: Path | None = None, *, over: bool = False) -> bool:
         """Save the document; whether that worked. If not, the work is kept and the reason shown.

@@ -13,6 +13,8 @@ from core.editing.layout.room import free_places
 from core.editing.links import check_new_wires
 from core.editing.nodes import Add, Placed, Point, fresh_name
 from core.editing.operation import Operation, named
+from core.editing.references import WIRE_DOTS
+from core.editing.wire_dots import dots_along, dots_among, joined_fields
 from core.errors import NetworkError
 from core.expressions.grammar import ExpressionError
 from core.names import shown
@@ -56,7 +58,7 @@ def copied(
     """
     part = _part(network, names)
     document = json.loads(format_network(part, library=library))
-    copied_fields = ("version", "nodes", "links", "layout")
+    copied_fields = ("version", "nodes", "links", "layout", WIRE_DOTS)
     fields = {
         "format": NODES_FORMAT,
         **{key: document[key] for key in copied_fields if key in document},
@@ -129,7 +131,9 @@ def duplicated(
 def _part(network: Network, names: Iterable[str]) -> Network:
     """A network of these nodes, in the network's order."""
     chosen = {name: network.node(name) for name in names}
+    dots = dots_among(network, chosen)
     return Network(
+        extra=joined_fields({}, dots),
         nodes={name: node for name, node in network.nodes.items() if name in chosen},
         links=tuple(link for link in network.links if {link.source, link.target} <= chosen.keys()),
         layout={name: at for name, at in network.layout.items() if name in chosen},
@@ -237,4 +241,8 @@ def _adding(
     links += [replace(link, target=fresh[link.target]) for link in feeding]
     names = tuple(fresh.values())
     label = f"{verb} {named([shown(name) for name in part.nodes])}"
-    return names, Add(placed, tuple(links), label)
+    dots = {
+        replace(link, source=fresh[link.source], target=fresh[link.target]): at
+        for link, at in dots_along(part, points).items()
+    }
+    return names, Add(placed, tuple(links), label, joined_fields(network.extra, dots))

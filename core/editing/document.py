@@ -19,7 +19,9 @@ Listener = Callable[[Network, Network], None]
 
 
 class Document:
-    """A network being edited. Only `do`, `undo` and `redo` change it, and they call the listeners.
+    """A network being edited.
+
+    Only `do`, `undo`, `redo` and `go_to` change it, and they call the listeners.
 
     Parameters
     ----------
@@ -110,6 +112,16 @@ class Document:
     def redo(self) -> None:
         """Do again the step undone last, if there is one."""
         self._become(self.history.redo(self.network))
+
+    def go_to(self, position: int) -> None:
+        """Undo, or do again, until so many steps are done; the listeners are called once.
+
+        Raises
+        ------
+        NetworkError
+            If the history has not so many.
+        """
+        self._become(self.history.go_to(self.network, position))
 
     def disagreement(self) -> str:
         """What another program has done to its file since then; empty where it is unchanged."""

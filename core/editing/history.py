@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from core.editing.operation import Operation
-from core.network.network import Network
+from core.editing.fields import SetField
+from core.editing.operation import ABSENT, Operation
+from core.errors import NetworkError
+from core.names import in_line
+from core.network.network import EXPRESSION, Network
+
+_LONGEST = 32  # letters of a value
 
 
 @dataclass(frozen=True)
@@ -15,6 +21,15 @@ class Step:
 
     operation: Operation
     inverse: Operation
+
+    @property
+    def line(self) -> str:
+        """What it did, in one line; of one value also what it was before and after."""
+        match self.operation, self.inverse:
+            case SetField(path=("nodes", _, "params", _)) as after, SetField() as before:
+                values = f"{_value_text(before.value)} → {_value_text(after.value)}"
+                return in_line(f"{self.operation.text}: {values}")
+        return in_line(self.operation.text)
 
 
 class History:
@@ -51,6 +66,20 @@ class History:
     def position(self) -> int:
         """How many steps are done."""
         return self._done
+
+    @property
+    def last(self) -> int:
+        """The position after all steps, those included that were undone."""
+        return len(self._steps)
+
+    @property
+    def saved(self) -> int | None:
+        """The position that is saved; None where no step leads there."""
+        return self._saved
+
+    def line(self, position: int) -> str:
+        """What the step did that leads to a position from the one before it; of 0 nothing."""
+        return self._steps[position - 1].line if position else ""
 
     def mark_saved(self, saved: bool = True) -> None:
         """Record the present state as the saved one, or that no step leads to the saved one."""
@@ -97,6 +126,25 @@ class History:
         self._done -= 1
         return network
 
+    def go_to(self, network: Network, position: int) -> Network:
+        """The network with so many steps done: the others undone, or done again.
+
+        Raises
+        ------
+        NetworkError
+            If there are not so many.
+        """
+        if not 0 <= position <= len(self._steps):
+            raise NetworkError(
+                f"the history has no position {position}: it goes from 0 to {len(self._steps)}"
+            )
+        self.end_gesture()
+        while self._done > position:
+            network = self.undo(network)
+        while self._done < position:
+            network = self.redo(network)
+        return network
+
     def redo(self, network: Network) -> Network:
         """The network with the step done again that was undone last."""
         self.end_gesture()
@@ -105,3 +153,18 @@ class History:
         network = self._steps[self._done].operation.apply(network)
         self._done += 1
         return network
+
+
+def _value_text(value: Any) -> str:
+    """A parameter's value as a network file has it, in a few letters."""
+    if value is ABSENT:
+        return "default"
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, Mapping) and EXPRESSION in value:
+        text = f"= {value[EXPRESSION]}"
+    elif isinstance(value, list | tuple):
+        text = ", ".join(map(str, value)) or "none"
+    else:
+        text = str(value)
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, replace
 
-from core.editing.operation import Operation
+from core.editing.fields import set_network_field
+from core.editing.operation import Operation, Together
+from core.editing.references import WIRE_DOTS, without_dots
 from core.errors import NetworkError
 from core.modules.declaration import Declaration, Port
-from core.names import close, shown
+from core.names import close, shown, thaw
 from core.network.graph import cycles
 from core.network.macro import declared_node
 from core.network.network import Library, Link, Network, cycle_error
@@ -164,7 +166,8 @@ class Rewire(Operation):
             raise NetworkError(f"there is no link {missing[0]}")
         gone = {*self.remove, *displaced(network, self.add)}
         unchanged = [link for link in network.links if link not in gone and link not in self.add]
-        return replace(network, links=(*unchanged, *self.add))
+        extra = without_dots(network.extra, {link for link in gone if link not in self.add})
+        return replace(network, links=(*unchanged, *self.add), extra=extra)
 
     def inverse(self, network: Network) -> Operation:
         """Wire as before."""
@@ -172,7 +175,11 @@ class Rewire(Operation):
         pushed = [link for link in displaced(network, self.add) if link not in self.remove]
         new = tuple(link for link in self.add if link not in before)
         again = tuple(link for link in self.remove if link not in self.add)
-        return Rewire(add=(*again, *pushed), remove=new, label=self.text)
+        back = Rewire(add=(*again, *pushed), remove=new, label=self.text)
+        dots = network.extra.get(WIRE_DOTS)
+        if dots is None or self.apply(network).extra.get(WIRE_DOTS) == dots:
+            return back
+        return Together((back, set_network_field(WIRE_DOTS, thaw(dots))), self.text)
 
 
 def displaced(network: Network, links: tuple[Link, ...]) -> tuple[Link, ...]:

@@ -73,7 +73,7 @@ class Add(Operation):
         before = displaced(network, self.links)
         # Taking nodes out takes what mentions them along, be it from before they came.
         every = of_nodes(names, {placed.node.id: placed.node for placed in self.placed})
-        left = dropped({**network.extra, **self.extra}, every)
+        left = dropped(self.apply(network).extra, every)
         steps = _back_to(network.extra, left)
         others = [link for link in self.links if not {link.source, link.target} & set(names)]
         own = [link for link in others if link not in network.links]

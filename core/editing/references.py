@@ -1,15 +1,18 @@
-"""Where a network's other fields mention its nodes: `final`, `published` figures, macros' ports."""
+"""Where a network's other fields mention its nodes: output, figures, dots of wires, ports."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from core.errors import NetworkError
 from core.names import thaw
 from core.network.expansion import unfolded
 from core.network.interface import FIELDS, Interface, interface_of
-from core.network.network import Network, Node
+from core.network.network import Link, Network, Node
+
+WIRE_DOTS = "wire_dots"  # points that wires are bent through
 
 
 def of_nodes(names: Iterable[str], nodes: Mapping[str, Node]) -> set[str]:
@@ -28,6 +31,12 @@ def renamed(extra: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:
             {**row, "from": _moved(row["from"], new)} if _of(row.get("from")) == old else row
             for row in thaw(fields["published"])
         ]
+    links = _links_of_dots(fields)
+    if any(old in (link.source, link.target) for link in links if link is not None):
+        fields[WIRE_DOTS] = [
+            entry if link is None else {**entry, "link": _with_name(link, old, new).text()}
+            for entry, link in zip(thaw(fields[WIRE_DOTS]), links, strict=True)
+        ]
     return _with_face_of(extra, fields, lambda face: face.renamed(old, new))
 
 
@@ -39,7 +48,20 @@ def dropped(extra: Mapping[str, Any], gone: set[str]) -> dict[str, Any]:
     if any(_of(row.get("from")) in gone for row in _rows(fields)):
         rows = thaw(fields["published"])
         fields["published"] = [row for row in rows if _of(row.get("from")) not in gone]
+    links = (link for link in _links_of_dots(fields) if link is not None)
+    fields = without_dots(fields, {link for link in links if {link.source, link.target} & gone})
     return _with_face_of(extra, fields, lambda face: face.without(gone))
+
+
+def without_dots(extra: Mapping[str, Any], gone: Collection[Link]) -> dict[str, Any]:
+    """The fields without the dots of these wires."""
+    fields, links = dict(extra), _links_of_dots(extra)
+    if any(link in gone for link in links if link is not None):
+        entries = zip(thaw(fields[WIRE_DOTS]), links, strict=True)
+        fields[WIRE_DOTS] = [entry for entry, link in entries if link is None or link not in gone]
+        if not fields[WIRE_DOTS]:
+            del fields[WIRE_DOTS]
+    return fields
 
 
 def _with_face_of(
@@ -56,6 +78,33 @@ def _with_face_of(
     if new == face:
         return fields
     return {name: value for name, value in fields.items() if name not in FIELDS} | new.fields()
+
+
+def dots_entry_link(entry: Any) -> Link | None:
+    """The wire that an entry of the field of dots names; None where it names none."""
+    ends = entry.get("link") if isinstance(entry, Mapping) else None
+    if not isinstance(ends, tuple | list) or len(ends) != 2:
+        return None
+    try:
+        return Link.between(*ends)
+    except (NetworkError, AttributeError):  # no port, or no text
+        return None
+
+
+def _links_of_dots(fields: Mapping[str, Any]) -> list[Link | None]:
+    """The wire that each entry names."""
+    entries = fields.get(WIRE_DOTS)
+    if not isinstance(entries, tuple | list):
+        return []  # of another form: left as it is
+    return [dots_entry_link(entry) for entry in entries]
+
+
+def _with_name(link: Link, old: str, new: str) -> Link:
+    return replace(
+        link,
+        source=new if link.source == old else link.source,
+        target=new if link.target == old else link.target,
+    )
 
 
 def _rows(fields: Mapping[str, Any]) -> list[Mapping[str, Any]]:

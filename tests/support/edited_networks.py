@@ -7,7 +7,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from core.editing import backdrops
+from core.editing import backdrops, wire_dots
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import set_network_field, set_node_field, set_parameter
 from core.editing.layout.arrange import arranged
@@ -295,6 +295,22 @@ def _backdrop(e: Editor) -> Operation | None:
     return backdrops.add(e.network, made)
 
 
+def _dots(e: Editor) -> Operation | None:
+    if not e.network.links:
+        return None
+    link = e.random.choice(e.network.links)
+    here = len(wire_dots.dots_of(e.network).get(link, ()))
+    kind = e.random.choice(["add", "add", "move", "remove", "straighten"])
+    if kind == "straighten":
+        return wire_dots.straighten(e.network, e.random.sample(e.network.links, 1))
+    if kind == "add" or not here:
+        return wire_dots.add_dot(e.network, link, e.random.randint(0, here), e.point())
+    index = e.random.randrange(here)
+    if kind == "move":
+        return wire_dots.move_dot(e.network, link, index, e.point())
+    return wire_dots.remove_dot(e.network, link, index)
+
+
 def _paste(e: Editor) -> Operation | None:
     if not e.network.nodes or len(e.network.nodes) > 40:
         return None
@@ -343,11 +359,12 @@ def _several(e: Editor) -> Operation | None:
 MAKERS: tuple[Maker, ...] = (
     _add, _add_first, _remove, _healed, _continued, _made_way,
     _move, _rename, _connect, _disconnect, _redraw, _wired, _inserted,
-    _parameter, _switch, _output, _node_extra, _network_field, _extra_field, _backdrop, _paste,
+    _parameter, _switch, _output, _node_extra, _network_field, _extra_field, _backdrop, _dots,
+    _paste,
     _duplicate, _arrange, _picture, _rebase, _expression, _expression, _remove_leaders, _several,
 )  # fmt: skip
 
 # What a drag of the mouse or a slider does again and again.
 DRAGS: tuple[Maker, ...] = (
-    _move, _parameter, _expression, _backdrop, _several, _node_extra, _network_field,
+    _move, _parameter, _expression, _backdrop, _dots, _several, _node_extra, _network_field,
 )  # fmt: skip

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from app.editor.canvas.empty_hint import EmptyHint
 from app.editor.canvas.hands.adding import Adding
+from app.editor.canvas.hands.dots import Dots
 from app.editor.canvas.hands.dropping import Dropping
 from app.editor.canvas.hands.handling import Handling
 from app.editor.canvas.hands.keys import Keys
@@ -87,9 +88,10 @@ class Canvas(QWidget):
         self.popup = ChoicePopup(self.view)
         self.title_editor = TitleEditor(self.view)
         self.adding = Adding(surface, self.popup, self)
-        self.mouse = Mouse(surface, self.marks, self.adding.ask_for_wire, self)
-        self.keys = Keys(surface, self.marks, self)
-        self.menus = Menus(surface, self.marks, self)
+        self.dots = Dots(surface, self.marks)
+        self.mouse = Mouse(surface, self.marks, self.dots, self.adding.ask_for_wire, self)
+        self.keys = Keys(surface, self.marks, self.dots, self)
+        self.menus = Menus(surface, self.marks, self.dots, self)
         self.dropping = Dropping(surface, self)
         self.view.handler = Handling(self.mouse, self.keys, self.menus, self.dropping)
         layout = QVBoxLayout(self)
@@ -199,6 +201,10 @@ class Canvas(QWidget):
     def connect_selected(self) -> None:
         """Open the list of wires the selected nodes could have, or lose."""
         self.adding.connect_selected()
+
+    def add_dot(self) -> None:
+        """Bend the wire under the pointer, or the selected one, through a dot."""
+        self.dots.add(self.mouse.pos)
 
     def finish_typing(self) -> None:
         """Take what was typed and not taken yet, as before saving."""

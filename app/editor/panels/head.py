@@ -2,8 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtGui import QAction, QContextMenuEvent
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QMenu,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
 from app.editor.declared_text import flowing, tip, titled
 from app.editor.evaluation.queries import Badge
@@ -12,6 +24,7 @@ from app.editor.theme import Theme
 from app.editor.widgets.colours import set_ground, set_ink
 from app.editor.widgets.flow_layout import FlowLayout
 from app.editor.widgets.outlined import Toggle
+from app.editor.widgets.triggered import without_argument
 from core.network.network import Node
 
 
@@ -64,6 +77,23 @@ class TitleBar(QWidget):
         button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self._row.addWidget(button)
         return button
+
+    def offer(self, name: str, text: str, act: Callable[[], object]) -> None:
+        """Have an entry in the menu of the right button, or of the menu key."""
+        action = QAction(text, self)
+        action.setObjectName(name)
+        action.triggered.connect(partial(without_argument, act))
+        self.addAction(action)
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Open that menu without waiting for it."""
+        if self.actions():
+            menu = QMenu(self)
+            menu.setObjectName("head.menu")
+            menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+            menu.addActions(self.actions())
+            menu.popup(event.globalPos())
+            event.accept()
 
     def _fold(self, on: bool) -> None:
         self.fold.setArrowType(Qt.ArrowType.RightArrow if on else Qt.ArrowType.DownArrow)

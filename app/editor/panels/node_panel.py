@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import Qt, Signal
@@ -14,6 +16,7 @@ from app.editor.panels.head import PanelHead
 from app.editor.panels.module_body import ModuleBody
 from app.editor.panels.sets_menu import add_sets_menu
 from app.editor.panels.unknown_body import UnknownBody
+from app.editor.panels.values_clipboard import copy_values, paste_values
 from app.editor.session import Session
 from app.editor.theme import Theme
 from core.editing.fields import set_node_field
@@ -108,6 +111,8 @@ class NodePanel(QFrame):
         if sets_folder is not None:
             self.sets_menu = add_sets_menu(self.head.sets, session, node, sets_folder)
         self._connect()
+        if sets_folder is not None:
+            self.sets_menu.above = self.head.bar.actions()
         self.follow(None, session.network)
 
     def _connect(self) -> None:
@@ -121,6 +126,8 @@ class NodePanel(QFrame):
         head.disable.clicked.connect(self._set_disabled)
         head.output.clicked.connect(self._mark_output)
         head.generate.clicked.connect(self._generate)
+        head.bar.offer("copy_values", "Copy values", partial(self._with_values, copy_values))
+        head.bar.offer("paste_values", "Paste values", partial(self._with_values, paste_values))
 
     @property
     def folded(self) -> bool:
@@ -179,6 +186,11 @@ class NodePanel(QFrame):
     def _do(self, operation: Operation) -> None:
         if self.node in self._session.network.nodes:
             self._session.do(operation)
+
+    def _with_values(self, act: Callable[[Session, tuple[str, ...]], None]) -> None:
+        self.finish_typing()
+        if self.node in self._session.network.nodes:
+            act(self._session, (self.node,))
 
     def _rename(self, text: str) -> None:
         node = self._session.network.nodes.get(self.node)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -42,11 +44,15 @@ class SetsMenu(QMenu):
         self._session = session
         self._node = node
         self._folder = folder
+        self.above: Sequence[QAction] = ()
         self.aboutToShow.connect(self.fill)
 
     def fill(self) -> None:
         """Offer the sets there are now, and a line to keep another."""
         self.clear()
+        if self.above:
+            self.addActions(list(self.above))
+            self.addSeparator()
         node = self._session.network.nodes.get(self._node)
         if node is None:
             return

@@ -25,8 +25,9 @@ from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.focus import go_to_next
 from app.editor.window.actions.help import Help
 from app.editor.window.actions.menu_actions import Actions
-from app.editor.window.docks.dock_places import Curtain, add_dock
+from app.editor.window.docks.dock_places import Curtain, add_dock, stand_behind
 from app.editor.window.docks.full_screen import FullScreen
+from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import Docks, LayoutName
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.docks.window_layout import WindowLayout, first_size
@@ -34,6 +35,7 @@ from app.editor.window.documents.drops import Drops
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.first_look import first_look
 from app.editor.window.documents.preset_shelf import PresetShelf
+from app.editor.window.documents.recent_files import RecentMenu
 from app.editor.window.documents.recovery import Recovery
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.documents.share_question import ShareQuestion
@@ -108,6 +110,8 @@ class MainWindow(QMainWindow):
         self.layout_in_use.place()
         self.menus = self.actions_by_name.fill(self.menuBar())
         self._add_dock_toggles()
+        self.recent_menu = RecentMenu(settings, self.files.open, self._show_lists, self)
+        self.recent_menu.stand_after(self.actions_by_name["open"], self.menus["&File"])
         self.canvas.set_menus(
             [
                 self.actions_by_name[name]
@@ -115,6 +119,7 @@ class MainWindow(QMainWindow):
                     *("rename", "disable", "mark_output"),
                     *("duplicate", "copy", "cut", "delete", "connect", "group", "ungroup"),
                     "save_preset",
+                    *("copy_values", "paste_values"),
                 )
             ],
             [
@@ -130,6 +135,7 @@ class MainWindow(QMainWindow):
         if remembered:
             with self.layout_in_use.placing():
                 self._docks_remembered = settings.restore_window(self)
+                stand_behind(self, self.viewers.plot_dock, self.history_dock)
             if self._docks_remembered and self.layout_in_use.restore(settings.layout):
                 self._docks_remembered = False  # the layout sizes them
         self.show_welcome()
@@ -142,14 +148,8 @@ class MainWindow(QMainWindow):
         app = QApplication.instance()
         if isinstance(app, QApplication):
             app.setPalette(theme.palette())
-        for part in (
-            self.canvas,
-            self.crumbs,
-            self.library_view,
-            self.panels,
-            self.figures,
-            self.status,
-        ):
+        parts = (self.canvas, self.crumbs, self.library_view, self.panels, self.figures)
+        for part in (*parts, self.history, self.status):
             part.set_theme(theme)
         self.viewers.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
@@ -170,9 +170,12 @@ class MainWindow(QMainWindow):
     def show_welcome(self) -> None:
         """Show the first page."""
         self.status.forget()
-        self.welcome.show_lists(self.settings.recent, self.recovery.unsaved_work())
+        self._show_lists()
         self.pages.setCurrentWidget(self.welcome)
         self.curtain.close()
+
+    def _show_lists(self) -> None:
+        self.welcome.show_lists(self.settings.recent, self.recovery.unsaved_work())
 
     def show_canvas(self) -> None:
         """Show the network."""
@@ -200,10 +203,8 @@ class MainWindow(QMainWindow):
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""
         viewers = [*self.viewers.images.values(), self.viewers.plot, self.viewers.tradeoff]
-        card = self.tour.card
-        go_to_next(
-            [self.welcome, self.canvas, card, self.library_view, self.panels, *viewers], step
-        )
+        card, sides = self.tour.card, (self.library_view, self.panels)
+        go_to_next([self.welcome, self.canvas, card, *sides, self.history, *viewers], step)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Close, unless work would be lost: then ask first, and change nothing until answered."""
@@ -279,11 +280,15 @@ class MainWindow(QMainWindow):
         self.library_dock = add_dock(self, "Library", "dock.library", self.library_view, _LEFT)
         self.panel_dock = add_dock(self, "Control panels", "dock.panels", self.panels, _RIGHT)
         self.viewers = ViewerDocks(self.session, self.evaluator, self.theme, self)
+        self.history = HistoryList(self.session)
+        self.history_dock = add_dock(self, "History", "dock.history", self.history, _RIGHT)
+        self.history_dock.hide()
 
     def _docks(self) -> Docks:
         viewers = self.viewers
         return Docks(
             self.library_dock,
+            self.history_dock,
             self.panel_dock,
             viewers.plot_dock,
             viewers.tradeoff_dock,
@@ -297,8 +302,11 @@ class MainWindow(QMainWindow):
         for dock in (*docks, *self.viewers.docks.values()):
             self._add_toggle(dock)
         self.viewers.made.connect(self._add_toggle)
-        in_front = self.viewers.tradeoff_dock.visibilityChanged
-        in_front.connect(self.actions_by_name["trade_off"].setChecked)
+        for name, part in (
+            ("trade_off", self.viewers.tradeoff_dock),
+            ("history", self.history_dock),
+        ):
+            part.visibilityChanged.connect(self.actions_by_name[name].setChecked)
 
     def _add_toggle(self, dock: Any) -> None:
         self.menus["&View"].addAction(dock.toggleViewAction())

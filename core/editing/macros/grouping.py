@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -27,7 +27,8 @@ from core.editing.macros.macro_wires import (
 )
 from core.editing.nodes import Point, fresh_name
 from core.editing.operation import Operation, named
-from core.editing.references import of_nodes, renamed
+from core.editing.references import of_nodes, renamed, without_dots
+from core.editing.wire_dots import dots_among, dots_of, joined_fields, shifted
 from core.errors import NetworkError
 from core.names import shown, thaw
 from core.network.expansion import unfolded
@@ -42,7 +43,7 @@ from core.network.macro import (
     opened,
     with_face,
 )
-from core.network.network import MACRO, Library, Network, Node, cycle_error
+from core.network.network import MACRO, Library, Link, Network, Node, cycle_error
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ class Group(Operation):
                 link for link in network.links if {link.source, link.target} <= inner.keys()
             ),
             layout={name: at for name, at in network.layout.items() if name in inner},
-            extra=self.face.fields(),
+            extra={**self.face.fields(), **joined_fields({}, dots_among(network, inner))},
         )
         checked_depth(1 + depth(body), self.name)
         macro = Node(self.name, MACRO, params=lifted, macro=body)
@@ -108,7 +109,7 @@ class Group(Operation):
         layout = {name: at for name, at in network.layout.items() if name not in inner}
         if body.layout:
             layout[self.name] = _middle(body.layout)
-        extra: Mapping[str, Any] = network.extra
+        extra: Mapping[str, Any] = without_dots(network.extra, _links_at(network, inner))
         for old, new in moved.items():
             extra = renamed(extra, old, new)
         changed = replace(
@@ -173,7 +174,7 @@ class Ungroup(Operation):
         for name in names.values():
             if name in others:
                 raise NetworkError(f"there is a node {shown(name)} already")
-        extra: Mapping[str, Any] = network.extra
+        extra: Mapping[str, Any] = without_dots(network.extra, _links_at(network, {self.name}))
         moved = self.moved(network)
         for old, new in moved.items():
             extra = renamed(extra, old, new)
@@ -196,7 +197,7 @@ class Ungroup(Operation):
                     if name in names
                 },
             },
-            extra=_with_backdrops(network, body, shift, extra),
+            extra=_with_dots(body, names, shift, _with_backdrops(network, body, shift, extra)),
         )
         around = face_of_macro(network)
         if around == Interface():
@@ -374,3 +375,19 @@ def _with_backdrops(
         if isinstance(entry, dict) and {"x", "y"} <= entry.keys()
     ]
     return {**extra, BACKDROPS: [*thaw(network.extra.get(BACKDROPS, [])), *inside]}
+
+
+def _links_at(network: Network, names: Collection[str]) -> set[Link]:
+    """The links that begin or end at these nodes."""
+    return {link for link in network.links if link.source in names or link.target in names}
+
+
+def _with_dots(
+    body: Network, names: Mapping[str, str], shift: Point, extra: Mapping[str, Any]
+) -> Mapping[str, Any]:
+    """The network's fields with the dots of the wires that lay inside."""
+    dots = {
+        replace(link, source=names[link.source], target=names[link.target]): shifted(points, shift)
+        for link, points in dots_of(body).items()
+    }
+    return {**extra, **joined_fields(extra, dots)}

@@ -15,7 +15,8 @@ from app.editor.canvas.items.backdrop_item import SMALLEST, BackdropItem
 from app.editor.canvas.items.wire_item import WireItem
 from core.editing.backdrops import Backdrop, change
 from core.editing.nodes import Move
-from core.editing.operation import Operation, Together
+from core.editing.operation import Operation, Together, together
+from core.editing.wire_dots import moved_with_dots
 from core.network.network import Network
 
 
@@ -66,7 +67,8 @@ class DragNodes(Gesture):
         by = point - self.start
         session = self.surface.session
         places = {name: at + by for name, at in self._from.items()}
-        operation: Operation = Move({name: _whole(at) for name, at in places.items()})
+        moving = Move({name: _whole(at) for name, at in places.items()})
+        operation = moved_with_dots(session.network, moving)
         if self._backdrop is not None:
             frame = self._frame.translated(by)
             operation = moved_together(session.network, self._backdrop, frame, places)
@@ -136,7 +138,8 @@ def moved_together(
     """Move a backdrop, and nodes with it."""
     moved = change(network, backdrop.index, backdrop_at(backdrop.shown, frame))
     whole = {name: _whole(at) for name, at in places.items()}
-    return Together((moved, Move(whole)), f"Move {backdrop.title or 'backdrop'}")
+    moving = moved_with_dots(network, Move(whole))
+    return together((moved, moving), f"Move {backdrop.title or 'backdrop'}")
 
 
 def backdrop_at(backdrop: Backdrop, frame: QRectF) -> Backdrop:

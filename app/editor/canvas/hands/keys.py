@@ -7,12 +7,14 @@ from collections.abc import Mapping
 from PySide6.QtCore import QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 
+from app.editor.canvas.hands.dots import Dots
 from app.editor.canvas.hands.drag_nodes import backdrop_at, moved_together
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.backdrop_item import BackdropItem
 from app.editor.canvas.items.marks import Marks
 from core.editing.backdrops import change, nodes_on
 from core.editing.nodes import Move
+from core.editing.wire_dots import moved_with_dots
 
 _KEY = Qt.Key
 _ARROWS: Mapping[int, tuple[float, float]] = {
@@ -45,8 +47,9 @@ class Keys(QObject):
     title_wanted = Signal(int)
     search_wanted = Signal()
 
-    def __init__(self, surface: Surface, marks: Marks, parent: QObject) -> None:
+    def __init__(self, surface: Surface, marks: Marks, dots: Dots, parent: QObject) -> None:
         super().__init__(parent)
+        self._dots = dots
         self._surface = surface
         self._marks = marks
         self._nudging = False
@@ -79,10 +82,12 @@ class Keys(QObject):
         selected = self._surface.session.selection
         going = bool(keys & Qt.KeyboardModifier.ControlModifier)
         shift = bool(keys & Qt.KeyboardModifier.ShiftModifier)
-        if going or not (selected or self._marks.backdrop is not None):
+        step = _FINE if shift else _NUDGE
+        if not (going or selected) and self._dots.nudge(QPointF(*arrow) * step):
+            self._nudging = True
+        elif going or not (selected or self._marks.backdrop is not None):
             self._go(arrow, adding=shift)
         elif selected:
-            step = _FINE if shift else _NUDGE
             self._nudge(QPointF(*arrow) * step)
         elif self._marks.backdrop is not None:
             self._shift_backdrop(self._marks.backdrop, QPointF(*arrow) * _NUDGE, resize=shift)
@@ -93,7 +98,8 @@ class Keys(QObject):
             name: (nodes[name].x() + by.x(), nodes[name].y() + by.y()) for name in session.selection
         }
         self._nudging = True
-        session.do(Move(places), gesture=("nudge", session.selection))
+        moving = moved_with_dots(session.network, Move(places))
+        session.do(moving, gesture=("nudge", session.selection))
         self._surface.view.make_visible(self._surface.content.bounds(session.selection))
 
     def _shift_backdrop(self, backdrop: BackdropItem, by: QPointF, *, resize: bool) -> None:

@@ -10,11 +10,13 @@ from PySide6.QtCore import QObject, QPoint, Signal
 from PySide6.QtGui import QAction, QContextMenuEvent
 from PySide6.QtWidgets import QMenu, QWidget
 
+from app.editor.canvas.hands.dots import Dots
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.canvas_style import TINTS
 from app.editor.canvas.items.faces import COLOUR
 from app.editor.canvas.items.hits import Hit
 from app.editor.canvas.items.marks import Marks
+from app.editor.widgets.triggered import without_argument
 from core.editing.backdrops import change
 from core.editing.fields import set_node_field
 from core.editing.links import Rewire
@@ -35,8 +37,9 @@ class Menus(QObject):
     title_wanted = Signal(int)
     removal_wanted = Signal()
 
-    def __init__(self, surface: Surface, marks: Marks, parent: QWidget) -> None:
+    def __init__(self, surface: Surface, marks: Marks, dots: Dots, parent: QWidget) -> None:
         super().__init__(parent)
+        self._dots = dots
         self._surface = surface
         self._marks = marks
         self.node_menu = _menu("canvas.menu.node", parent)
@@ -49,6 +52,15 @@ class Menus(QObject):
             action = self._colours.addAction(name.capitalize() or "&As its group")
             action.triggered.connect(partial(self._colour, name))
         self.wire_menu.addAction("&Disconnect").triggered.connect(self._disconnect)
+        self._add_dot = self.wire_menu.addAction("&Add Dot")
+        self._add_dot.setToolTip("Bend the wire through a dot here (R, or double-click)")
+        self._add_dot.triggered.connect(self._put_dot)
+        self._delete_dot = self.wire_menu.addAction("D&elete Dot")
+        self._delete_dot.triggered.connect(partial(without_argument, dots.remove))
+        self._straighten = self.wire_menu.addAction("&Straighten")
+        self._straighten.setToolTip("Take all dots of the wire away")
+        self._straighten.triggered.connect(partial(without_argument, dots.straighten))
+        self._pos: QPoint | None = None
         self.backdrop_menu.addAction("&Edit Title").triggered.connect(self._edit_title)
         self.backdrop_menu.addAction("&Delete Backdrop").triggered.connect(self.removal_wanted)
         self.backdrop_menu.addMenu(self._colours)
@@ -67,6 +79,7 @@ class Menus(QObject):
         else:
             pos = event.pos()
             hit = self._surface.hit(self._surface.view.scene_point(pos))
+        self._pos = pos
         menu = self._menu_of(hit)
         if menu.actions():
             menu.popup(self._surface.view.viewport().mapToGlobal(pos))
@@ -80,7 +93,10 @@ class Menus(QObject):
             return self.node_menu
         if hit.wire is not None or hit.backdrop is not None:
             session.select(())
-            self._marks.choose(hit.wire.link if hit.wire else None, hit.backdrop)
+            self._marks.choose(hit.wire.link if hit.wire else None, hit.backdrop, hit.dot)
+            self._add_dot.setEnabled(hit.dot is None)
+            self._delete_dot.setEnabled(hit.dot is not None)
+            self._straighten.setEnabled(hit.wire is not None and bool(hit.wire.dots))
             return self.wire_menu if hit.wire is not None else self.backdrop_menu
         return self.canvas_menu
 
@@ -93,7 +109,9 @@ class Menus(QObject):
             return Hit(node=item), view.pixel(item.frame().center())
         if link is not None:
             wire = content.wires[link]
-            return Hit(wire=wire), view.pixel(wire.line()[len(wire.line()) // 2])
+            dot = self._marks.dot
+            middle = wire.line()[len(wire.line()) // 2] if dot is None else wire.dots[dot]
+            return Hit(wire=wire, dot=dot), view.pixel(middle)
         if backdrop is not None:
             return Hit(backdrop=backdrop), view.pixel(backdrop.head(view.zoom).center())
         return Hit(), view.viewport().rect().center()
@@ -113,6 +131,9 @@ class Menus(QObject):
         link = self._marks.link
         if link is not None:
             self._surface.session.do(Rewire(remove=(link,)))
+
+    def _put_dot(self) -> None:
+        self._dots.add(self._pos)
 
     def _edit_title(self) -> None:
         if self._marks.backdrop is not None:

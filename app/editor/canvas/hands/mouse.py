@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6.QtCore import QObject, QPoint, Qt, Signal
 from PySide6.QtGui import QMouseEvent
 
+from app.editor.canvas.hands.dots import Dots, DragDot
 from app.editor.canvas.hands.drag_nodes import DragNodes, ResizeBackdrop
 from app.editor.canvas.hands.drag_wire import DragWire, Dropped
 from app.editor.canvas.hands.gestures import Cut, Gesture, Pan, RubberBand
@@ -27,6 +28,8 @@ class Mouse(QObject):
         What it works with.
     marks : Marks
         The selected wire or backdrop, and what the pointer is over.
+    dots : Dots
+        What puts a dot on a wire.
     dropped : callable
         Called when a wire ends on empty ground.
     parent : QObject
@@ -46,8 +49,11 @@ class Mouse(QObject):
     search_wanted = Signal(QPoint)
     title_wanted = Signal(int)
 
-    def __init__(self, surface: Surface, marks: Marks, dropped: Dropped, parent: QObject) -> None:
+    def __init__(
+        self, surface: Surface, marks: Marks, dots: Dots, dropped: Dropped, parent: QObject
+    ) -> None:
         super().__init__(parent)
+        self._dots = dots
         self._dropped = dropped
         self._surface = surface
         self._marks = marks
@@ -109,6 +115,8 @@ class Mouse(QObject):
             self.title_wanted.emit(hit.backdrop.index)
         elif hit.wire is None:
             self.search_wanted.emit(pos)
+        elif hit.dot is None:
+            self._dots.add_at(hit.wire, self._surface.view.scene_point(pos))
 
     def _begun(self, event: QMouseEvent, pos: QPoint) -> Gesture | None:
         surface, keys = self._surface, event.modifiers()
@@ -123,10 +131,10 @@ class Mouse(QObject):
             return DragWire(surface, pos, hit.port, self._dropped)
         if hit.node is not None:
             return self._on_node(hit.node.id, pos, adding)
-        self._marks.choose(hit.wire.link if hit.wire else None, hit.backdrop)
+        self._marks.choose(hit.wire.link if hit.wire else None, hit.backdrop, hit.dot)
         if hit.wire is not None:
             surface.session.select(())
-            return None
+            return None if hit.dot is None else DragDot(surface, pos, hit.wire, hit.dot)
         if hit.backdrop is not None:
             surface.session.select(())
             if hit.handle:

@@ -14,10 +14,11 @@ from app.editor.canvas.items.faces import face_of
 from app.editor.canvas.items.node_item import NodeItem
 from app.editor.canvas.items.points import points_of
 from app.editor.canvas.items.routing import Box
-from app.editor.canvas.items.wire_item import WireItem
+from app.editor.canvas.items.wire_item import DOT_RADIUS, WireItem
 from app.editor.evaluation.queries import Badge
 from core.editing.backdrops import Backdrop, backdrops_of
 from core.editing.nodes import Point
+from core.editing.wire_dots import dots_of
 from core.network.macro import SEPARATOR, declared_node
 from core.network.network import Library, Link, Network, Node
 
@@ -47,6 +48,7 @@ class Content:
         self._points: dict[str, Point] = {}
         self._frames: list[QRectF] = []
         self._extra: Mapping[str, Any] | None = None
+        self._dots: Mapping[Link, tuple[Point, ...]] = {}
         self._badges: Mapping[str, Badge] = {}
         self._at: dict[str, list[WireItem]] = {}
         self._selected: frozenset[str] = frozenset()
@@ -63,6 +65,7 @@ class Content:
         self._follow_backdrops(())
         self._extra = None
         self._links = ()
+        self._dots = {}
         self._points = {}
         self._badges = {}
 
@@ -87,6 +90,10 @@ class Content:
         if links_differ or len(self.wires) != len(network.links):
             self._follow_links(network)
             moved = True
+        if network.extra is not self._extra or links_differ:
+            dots = dots_of(network)
+            moved = moved or dots != self._dots
+            self._dots = dots
         if moved:
             self.route()
         if network.extra is not self._extra:
@@ -105,7 +112,7 @@ class Content:
         if moved:
             boxes = self.boxes()
             for wire in {wire for name in moved for wire in self.wires_at(name)}:
-                wire.redraw(boxes)
+                self._lead(wire, boxes)
             if self.on_placed is not None:
                 self.on_placed()
 
@@ -125,7 +132,20 @@ class Content:
         """Lead every wire anew past the nodes."""
         boxes = self.boxes()
         for wire in self.wires.values():
-            wire.redraw(boxes)
+            self._lead(wire, boxes)
+
+    def place_dot(self, link: Link, index: int, at: QPointF) -> None:
+        """Put a dot somewhere; its wire follows."""
+        wire = self.wires[link]
+        wire.lead((*wire.dots[:index], at, *wire.dots[index + 1 :]))
+
+    def _lead(self, wire: WireItem, boxes: list[Box]) -> None:
+        """Draw a wire anew. Its dots go along where both its nodes stand elsewhere alike."""
+        dots = self._dots.get(wire.link, ())
+        ends = (wire.link.source, wire.link.target)
+        one, other = (self.nodes[name].pos() - QPointF(*self._points[name]) for name in ends)
+        by = one if one == other else QPointF()
+        wire.lead([QPointF(*at) + by for at in dots], boxes)
 
     def boxes(self) -> list[Box]:
         """Where the nodes are."""
@@ -139,6 +159,9 @@ class Content:
             whole = whole.united(self.nodes[name].frame())
         for backdrop in self.backdrops if names is None else ():
             whole = whole.united(backdrop.frame())
+        for wire in self.wires.values() if names is None else ():
+            for dot in wire.dots:
+                whole = whole.united(_around(dot))
         return whole
 
     def mark_selected(self, names: Iterable[str]) -> None:
@@ -239,6 +262,11 @@ class Content:
 
     def _links_of(self, name: str) -> list[Link]:
         return [wire.link for wire in self.wires_at(name)]
+
+
+def _around(dot: QPointF) -> QRectF:
+    reach = QPointF(DOT_RADIUS, DOT_RADIUS)
+    return QRectF(dot - reach, dot + reach)
 
 
 def links_at(network: Network) -> dict[str, list[Link]]:

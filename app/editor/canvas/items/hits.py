@@ -11,22 +11,24 @@ from PySide6.QtCore import QPointF, QRectF
 from app.editor.canvas.items.backdrop_item import BackdropItem
 from app.editor.canvas.items.content import Content
 from app.editor.canvas.items.node_item import NodeItem, NodePort
-from app.editor.canvas.items.wire_item import WireItem
+from app.editor.canvas.items.wire_item import DOT_RADIUS, WireItem
 
 _PORT_PX, _PORT_LEAST, _PORT_MOST = 9.0, 9.0, 26.0
 _PORTS_FROM = 0.25  # below this zoom ports are too small to be picked
 _WIRE_PX = 6.0
+_DOT_PX = 8.0
 
 
 @dataclass(frozen=True)
 class Hit:
-    """The foremost item under a point, or none. A port comes with its node."""
+    """The foremost item under a point, or none. A port comes with its node, a dot with its wire."""
 
     port: NodePort | None = None
     node: NodeItem | None = None
     wire: WireItem | None = None
     backdrop: BackdropItem | None = None
     handle: bool = False
+    dot: int | None = None
 
 
 def hit(content: Content, point: QPointF, zoom: float) -> Hit:
@@ -37,6 +39,9 @@ def hit(content: Content, point: QPointF, zoom: float) -> Hit:
         return Hit(port=port, node=port.node)
     if node is not None:
         return Hit(node=node)
+    dotted = dot_near(content, point, max(_DOT_PX / zoom, DOT_RADIUS))
+    if dotted is not None:
+        return Hit(wire=dotted[0], dot=dotted[1])
     wire = wire_near(content, point, _WIRE_PX / zoom)
     if wire is not None:
         return Hit(wire=wire)
@@ -68,6 +73,28 @@ def port_near(content: Content, point: QPointF, zoom: float) -> NodePort | None:
             if away <= reach and (best is None or away < best[0]):
                 best = (away, port)
     return best[1] if best is not None else None
+
+
+def dot_near(content: Content, point: QPointF, reach: float) -> tuple[WireItem, int] | None:
+    """The nearest dot within reach: its wire, and its place on it."""
+    near = [
+        (away, wire, index)
+        for wire in content.wires.values()
+        if wire.isVisible()
+        for index, dot in enumerate(wire.dots)
+        if (away := _length(dot - point)) <= reach
+    ]
+    return min(near, key=itemgetter(0))[1:] if near else None
+
+
+def place_on_wire(wire: WireItem, point: QPointF) -> int:
+    """Before which of its dots a point of a wire lies; their number where behind all."""
+    line = wire.line()
+    nearest = min(range(len(line)), key=lambda place: _length(line[place] - point))
+    places = [
+        min(range(len(line)), key=lambda place: _length(line[place] - dot)) for dot in wire.dots
+    ]
+    return sum(place < nearest for place in places)
 
 
 def wire_near(content: Content, point: QPointF, reach: float) -> WireItem | None:

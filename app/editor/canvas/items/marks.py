@@ -13,12 +13,13 @@ from core.network.network import Link
 
 
 class Marks:
-    """At most one wire or one backdrop is selected; nodes are selected in the session."""
+    """At most one wire, one dot of it, or one backdrop is selected; nodes are in the session."""
 
     def __init__(self, content: Content) -> None:
         self._content = content
         self._link: Link | None = None
         self._backdrop: int | None = None
+        self._dot: int | None = None
         self._over_port: tuple[str, Side, str] | None = None
         self._over_wire: Link | None = None
 
@@ -34,10 +35,19 @@ class Marks:
         index = self._backdrop
         return backdrops[index] if index is not None and index < len(backdrops) else None
 
-    def choose(self, link: Link | None, backdrop: BackdropItem | None) -> None:
-        """Select a wire, a backdrop, or neither."""
+    @property
+    def dot(self) -> int | None:
+        """Which dot of the selected wire is selected, while it is there."""
+        wire = self._content.wires.get(self._link) if self._link is not None else None
+        there = wire is not None and self._dot is not None and self._dot < len(wire.dots)
+        return self._dot if there else None
+
+    def choose(
+        self, link: Link | None, backdrop: BackdropItem | None, dot: int | None = None
+    ) -> None:
+        """Select a wire or a dot of it, a backdrop, or neither."""
         self._show_chosen(False)
-        self._link = link
+        self._link, self._dot = link, dot
         self._backdrop = backdrop.index if backdrop is not None else None
         self._show_chosen(True)
 
@@ -58,7 +68,9 @@ class Marks:
     def _show_chosen(self, on: bool) -> None:
         wire = self._content.wires.get(self._link) if self._link is not None else None
         if wire is not None:
+            wire.chosen_dot = self._dot if on else None
             wire.set_state(chosen=on)
+            wire.update()
         if self.backdrop is not None:
             self.backdrop.setSelected(on)
             self.backdrop.update()

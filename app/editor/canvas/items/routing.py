@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 
 from PySide6.QtCore import QPointF
 from PySide6.QtGui import QPainterPath
@@ -14,6 +16,7 @@ _LEAVE = 32.0  # units across in which a wire changes to its lane: less than the
 _TURN = 40.0  # units aside in which a wire turns back
 _BELOW = 16.0  # a lane back is this much further below nodes than others are beside them
 _TRIES = 5
+_SHARE = 0.35  # of the way to the next dot that a wire keeps its direction
 _FAVOUR = 80.0  # for the lane above
 
 
@@ -33,6 +36,29 @@ def wire_path(start: QPointF, end: QPointF, lane: float | None = None) -> QPaint
     path.lineTo(down)
     path.cubicTo(down + half, end - half, end)
     return path
+
+
+def dotted_path(start: QPointF, end: QPointF, dots: Sequence[QPointF]) -> QPainterPath:
+    """A wire that is bent through dots: level at its ends, and without a corner at the dots."""
+    points = [start, *dots, end]
+    path = QPainterPath(start)
+    for number, (one, other) in enumerate(pairwise(points)):
+        length = _length(other - one)
+        ways = [_way(points, place, _SHARE * length) for place in (number, number + 1)]
+        path.cubicTo(one + ways[0], other - ways[1], other)
+    return path
+
+
+def _way(points: Sequence[QPointF], place: int, length: float) -> QPointF:
+    """Where a wire goes at one of its points, of that length."""
+    if place in (0, len(points) - 1):
+        return QPointF(length, 0)
+    way = points[place + 1] - points[place - 1]
+    return way * (length / max(_length(way), 1e-6))
+
+
+def _length(way: QPointF) -> float:
+    return math.hypot(way.x(), way.y())
 
 
 def _go_back(path: QPainterPath, start: QPointF, end: QPointF, lane: float) -> None:

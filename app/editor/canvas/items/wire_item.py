@@ -16,13 +16,15 @@ from PySide6.QtWidgets import (
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.node_item import NodePort
 from app.editor.canvas.items.nodegraphqt import PipeItem
-from app.editor.canvas.items.routing import Box, lane_for, wire_path
+from app.editor.canvas.items.routing import Box, dotted_path, lane_for, wire_path
 from core.network.network import Link
 
 Z_WIRE, Z_LIT, Z_LIVE = -1.0, -0.5, 5.0
 _WIDTH, _LIT, _STRONG = 1.7, 2.4, 3.2
 _LEAST_PX = 1.1  # on the screen, however small the picture
 _SAMPLES = 24
+DOT_RADIUS = 5.0
+_LEAST_DOT_PX, _LARGEST_DOT = 2.0, 12.0
 
 
 class WireItem(PipeItem):
@@ -37,6 +39,8 @@ class WireItem(PipeItem):
         self.link = link
         self.style_of_canvas = style
         self.lit = self.chosen = self.hovered = self.target = False
+        self.dots: tuple[QPointF, ...] = ()
+        self.chosen_dot: int | None = None
         self._line: list[QPointF] = []
         self.setCacheMode(QGraphicsItem.CacheMode.NoCache)
         self.setAcceptHoverEvents(False)
@@ -48,12 +52,21 @@ class WireItem(PipeItem):
         self.restyle()
 
     def redraw(self, boxes: Sequence[Box] = ()) -> None:
-        """Follow the ports, past the nodes in these boxes."""
+        """Follow the ports, through its dots or else past the nodes in these boxes."""
         start, end = self.output_port.centre(), self.input_port.centre()
+        self._line = []
+        if self.dots:
+            self.setPath(dotted_path(start, end, self.dots))
+            return
         ends = (start.x(), start.y()), (end.x(), end.y())
         lane = lane_for(*ends, boxes, self.style_of_canvas.lane(self.output_port.face.types))
-        self._line = []
         self.setPath(wire_path(start, end, lane))
+
+    def lead(self, dots: Sequence[QPointF], boxes: Sequence[Box] = ()) -> None:
+        """Follow the ports, through these dots."""
+        self.prepareGeometryChange()  # dots reach beyond the curve
+        self.dots = tuple(dots)
+        self.redraw(boxes)
 
     def restyle(self) -> None:
         """Take the colour and width of the state."""
@@ -96,13 +109,14 @@ class WireItem(PipeItem):
     def line(self) -> list[QPointF]:
         """Points along the wire, from its output to its input."""
         if not self._line:
-            path = self.path()
-            self._line = [path.pointAtPercent(n / _SAMPLES) for n in range(_SAMPLES + 1)]
+            path, samples = self.path(), _SAMPLES * (len(self.dots) + 1)
+            self._line = [path.pointAtPercent(n / samples) for n in range(samples + 1)]
         return self._line
 
     def boundingRect(self) -> QRectF:
         """The curve with the widest pen."""
-        return self.path().controlPointRect().adjusted(-6, -6, 6, 6)
+        reach = _LARGEST_DOT + 2 if self.dots else 6.0
+        return self.path().controlPointRect().adjusted(-reach, -reach, reach, reach)
 
     def shape(self) -> QPainterPath:
         """The line itself, for the pointer: Qt's own would be the area under it."""
@@ -127,6 +141,13 @@ class WireItem(PipeItem):
         painter.setPen(pen)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.drawPath(self.path())
+        radius = min(max(DOT_RADIUS, _LEAST_DOT_PX / zoom), _LARGEST_DOT)
+        for index, dot in enumerate(self.dots):
+            chosen = index == self.chosen_dot
+            colour = self.style_of_canvas.accent if chosen else self._pen_colour
+            painter.setPen(QPen(self.style_of_canvas.text, 1.6 / zoom) if chosen else colour)
+            painter.setBrush(colour)
+            painter.drawEllipse(dot, radius, radius)
 
     # What the base calls of itself; its colours and its arrow are not ours.
 

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QSizePolicy, QVBoxLayo
 
 from app.editor.declared_text import about, label_of, shown_value, tip
 from app.editor.panels.fields.drag_label import DragLabel
+from app.editor.panels.fields.one_value import add_value_actions, chosen
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.theme import Theme
 from app.editor.widgets.after_release import AfterRelease
@@ -192,6 +193,15 @@ class Field(QWidget):
         if self.standing:
             self._show_problem(f"{error.message} (still {self.standing})")
 
+    @property
+    def link_text(self) -> str:
+        """The expression it follows; empty for none."""
+        return self.link.text if self.link is not None else ""
+
+    def take(self, text: str) -> None:
+        """Offer the choice, or the state of a switch, that a text names."""
+        self.offer(chosen(self.parameter, text))
+
     def restore(self) -> None:
         """Show the document's value again."""
         self._show_problem("")
@@ -240,6 +250,8 @@ class Field(QWidget):
         action.setObjectName("reset")
         action.setEnabled(self.stored)
         action.triggered.connect(self._reset)
+        menu.addSeparator()
+        add_value_actions(menu, self)
         self.menu_opening.emit(self.parameter.name, menu)
         menu.popup(at)
 

@@ -75,6 +75,22 @@ ACTIONS: tuple[ActionSpec, ...] = (
     ),
     _edit("copy", "&Copy", "Copy the selected nodes as JSON", "Ctrl+C"),
     _edit("paste", "&Paste", "Put the clipboard's nodes at the mouse", "Ctrl+V", selection=False),
+    ActionSpec(
+        "copy_values",
+        "&Edit",
+        "Copy &Values",
+        "Copy the values of the selected node as JSON",
+        ("Ctrl+Shift+C",),
+        needs_selection=True,
+    ),
+    ActionSpec(
+        "paste_values",
+        "&Edit",
+        "Paste Va&lues",
+        "Give the selected nodes the copied values that fit them",
+        ("Ctrl+Shift+V",),
+        needs_selection=True,
+    ),
     _edit(
         "duplicate", "D&uplicate", "Copy the selected nodes to free ground beside them", "Ctrl+D"
     ),
@@ -105,6 +121,13 @@ ACTIONS: tuple[ActionSpec, ...] = (
         selection=False,
     ),
     _edit("note", "Add No&te", "Put a note at the mouse", "N", selection=False),
+    _edit(
+        "wire_dot",
+        "Bend Wi&re",
+        "Put a dot on the wire at the mouse, or the selected one, to bend it through",
+        "R",
+        selection=False,
+    ),
     ActionSpec("find_node", "&Edit", "&Find Node…", "Find a node by its name", ("Ctrl+F",)),
     _edit("align_left", "Align Le&ft", "Left edges of the selected nodes in line", "Alt+Left"),
     _edit("align_right", "Align Ri&ght", "Right edges of the nodes in line", "Alt+Right"),
@@ -160,6 +183,14 @@ ACTIONS: tuple[ActionSpec, ...] = (
         "&Trade-off",
         "Show figures of merit as a parameter moves",
         ("Ctrl+T",),
+        checkable=True,
+    ),
+    ActionSpec(
+        "history",
+        "&View",
+        "Hi&story",
+        "List the steps that undo and redo go through",
+        ("Ctrl+H",),
         checkable=True,
     ),
     ActionSpec(

@@ -16,6 +16,7 @@ from app.editor.window.actions.action_specs import VIEWERS
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.help import Help
 from app.editor.window.docks.full_screen import FullScreen
+from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import DEFAULT, LayoutName
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.files import Files
@@ -41,6 +42,7 @@ class Window(Protocol):
     full_screen: FullScreen
     shelf: PresetShelf
     tour: FirstTour
+    history: HistoryList
 
     def show_welcome(self) -> None:
         """Show the first page."""
@@ -80,6 +82,8 @@ def targets(window: Window) -> dict[str, Target]:
         "cut": edits.cut,
         "copy": edits.copy,
         "paste": edits.paste,
+        "copy_values": partial(_typed_first, window, edits.copy_values),
+        "paste_values": partial(_typed_first, window, edits.paste_values),
         "duplicate": edits.duplicate,
         "delete": edits.delete,
         "select_all": edits.select_all,
@@ -90,6 +94,7 @@ def targets(window: Window) -> dict[str, Target]:
         "connect": canvas.connect_selected,
         "backdrop": edits.backdrop,
         "note": edits.note,
+        "wire_dot": canvas.add_dot,
         "find_node": canvas.find_node,
         **{f"align_{edge}": partial(edits.align, edge) for edge in EDGES},
         **{f"distribute_{way}": partial(edits.distribute, way) for way in WAYS},
@@ -104,6 +109,7 @@ def targets(window: Window) -> dict[str, Target]:
         "zoom_in": partial(canvas.zoom_by, 1.25),
         "zoom_out": partial(canvas.zoom_by, 0.8),
         "trade_off": window.viewers.toggle_trade_off,
+        "history": window.history.toggle,
         "full_screen": window.full_screen.toggle,
         "picture_below": partial(window.choose_layout, "picture_below"),
         "picture_beside": partial(window.choose_layout, "picture_beside"),
@@ -130,6 +136,12 @@ def _group(window: Window) -> None:
     window.edits.group()
     if window.session.document.history.position != steps:
         window.panels.edit_name()
+
+
+def _typed_first(window: Window, target: Target) -> None:
+    """Take what is being typed, then do it."""
+    window.panels.finish_typing()
+    target()
 
 
 def _view(window: Window, number: int) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from PySide6.QtCore import QObject
 from PySide6.QtGui import QGuiApplication
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.level import Level
+from app.editor.panels.values_clipboard import copy_values, paste_values
 from core.editing.backdrops import Backdrop, add, around
 from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import set_node_field
@@ -20,6 +21,7 @@ from core.editing.macros.grouping import group, ungroup
 from core.editing.nodes import Move, keeping_values
 from core.editing.operation import Operation, together
 from core.editing.output_mark import output_toggled
+from core.editing.wire_dots import dots_of, moved_with_dots, straighten
 from core.editing.wiring.healing import deleted, dissolved
 from core.errors import ImagechainError
 
@@ -68,6 +70,17 @@ class EditCommands(QObject):
         if session.do(operation):
             session.select(names)
 
+    def copy_values(self) -> None:
+        """Copy the values of the node selected last."""
+        whole = self._session.session
+        copy_values(whole, whole.selection)
+
+    def paste_values(self) -> None:
+        """Give the selected nodes the copied values that fit them."""
+        whole = self._session.session
+        if whole.selection:
+            paste_values(whole, whole.selection)
+
     def duplicate(self) -> None:
         """Copy the selected nodes on free ground near them, fed by the same wires."""
         session = self._session
@@ -82,11 +95,13 @@ class EditCommands(QObject):
                 session.select(names)
 
     def delete(self) -> None:
-        """Delete the selected nodes, else the selected wire or backdrop.
+        """Delete the selected dot or nodes, else the selected wire or backdrop.
 
         Where there is one way through the nodes, the wire is led past them.
         """
         session, link = self._session, self._canvas.selected_link()
+        if self._canvas.dots.remove():
+            return
         if session.selection:
             self._take_out(deleted(session.network, session.library, session.selection))
         elif link is not None:
@@ -182,10 +197,17 @@ class EditCommands(QObject):
         drawn, room = canvas.sizes_with_thumbnails(), canvas.room()
         if len(session.selection) > 1:
             places = arranged(session.network, drawn, only=session.selection, room=room)
-            session.do(Move(places, "Lay out"))
+            session.do(self._without_dots(Move(places, "Lay out"), session.selection))
         elif session.network.nodes:
-            session.do(laid_out(session.network, canvas.sizes(), room, drawn))
+            moving = laid_out(session.network, canvas.sizes(), room, drawn)
+            session.do(self._without_dots(moving, session.network.nodes))
         self._canvas.frame_all()
+
+    def _without_dots(self, moving: Operation, names: Collection[str]) -> Operation:
+        """Wires at nodes that are laid out find their own way: dots are of another picture."""
+        network = self._session.network
+        bent = [link for link in dots_of(network) if {link.source, link.target} & set(names)]
+        return together((moving, straighten(network, bent)), moving.text) if bent else moving
 
     def align(self, edge: Edge) -> None:
         """Bring the selected nodes to one line."""
@@ -199,7 +221,7 @@ class EditCommands(QObject):
         session = self._session
         points = places(session.network, session.selection, self._canvas.sizes(), how)
         if points:
-            session.do(Move(dict(points), label))
+            session.do(moved_with_dots(session.network, Move(dict(points), label)))
         else:
             session.message.emit("note", f"{label.lower()}: select two nodes or more")
 

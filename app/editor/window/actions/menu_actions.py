@@ -9,6 +9,7 @@ from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu, QMenuBar, QWidget
 
 from app.editor.window.actions.action_specs import ACTIONS, ActionSpec, starts_a_group, viewer_specs
+from app.editor.window.actions.shortcut_search import OR
 
 _SCOPES = {
     "application": Qt.ShortcutContext.ApplicationShortcut,
@@ -75,7 +76,7 @@ class Actions:
             if keys:
                 plain = action.text().replace("&", "").rstrip("…")
                 menu = spec.menu.replace("&", "")
-                rows.append((menu, plain, "  or  ".join(keys), action.toolTip()))
+                rows.append((menu, plain, OR.join(keys), action.toolTip()))
         return rows
 
 

@@ -1,19 +1,45 @@
-"""The list of all shortcuts, made from the actions themselves."""
+"""The page of all shortcuts, made from the actions themselves, with a search."""
 
 from __future__ import annotations
 
+from PySide6.QtCore import QEvent, QKeyCombination, QSize, Qt, Signal
+from PySide6.QtGui import QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
+    QHBoxLayout,
     QHeaderView,
+    QLineEdit,
+    QPushButton,
     QTableWidget,
     QTableWidgetItem,
     QVBoxLayout,
     QWidget,
 )
 
+from app.editor.widgets.elided_label import centred_hint
 from app.editor.window.actions.menu_actions import Actions
+from app.editor.window.actions.shortcut_search import OR, ShortcutRow, rows_for, rows_of_keys
 
+_KEY = Qt.Key
+_MODIFIERS = (_KEY.Key_Control, _KEY.Key_Shift, _KEY.Key_Alt, _KEY.Key_Meta, _KEY.Key_AltGr)
+_ARROWS = ("Left", "Right", "Up", "Down")
+
+# What keys do on the canvas without being an action.
+CANVAS = (
+    ShortcutRow(
+        "Canvas", "Move what is selected", "arrow keys", "Shift: by one unit; a backdrop: its size",
+        (*_ARROWS, *(f"Shift+{arrow}" for arrow in _ARROWS)),
+    ),
+    ShortcutRow(
+        "Canvas", "Go to the next node", "Ctrl with arrow keys", "Shift: and add it",
+        (*(f"Ctrl+{arrow}" for arrow in _ARROWS), *(f"Ctrl+Shift+{arrow}" for arrow in _ARROWS)),
+    ),
+    ShortcutRow(
+        "Canvas", "Open", "Return", "The panel of the selected node, or a backdrop's title",
+        ("Return", "Enter"),
+    ),
+)  # fmt: skip
 # What the mouse does has no action to be read from.
 MOUSE = (
     ("Mouse", "Pan", "middle button", "Drag the canvas"),
@@ -21,6 +47,7 @@ MOUSE = (
     ("Mouse", "Add", "double-click", "Search a module and add it there"),
     ("Mouse", "Wire", "drag from a port", "On empty canvas: the modules that fit"),
     ("Mouse", "Insert", "drop a node on a wire", "Lead the wire through the node"),
+    ("Mouse", "Bend a wire", "double-click on it", "Put a dot there; drag it, Del deletes it"),
     ("Mouse", "Cut wires", "Alt+Shift and drag", "Disconnect what the line crosses"),
     ("Mouse", "Open", "drop a file", "A picture becomes Read Image, a network is opened"),
     ("Mouse", "Region", "⬚, or R on a picture", "Draw the region of the selected module"),
@@ -30,34 +57,170 @@ MOUSE = (
 
 
 class ShortcutList(QDialog):
-    """A window with every shortcut."""
+    """A window with every shortcut, and a line to search them."""
 
     def __init__(self, actions: Actions, parent: QWidget) -> None:
         super().__init__(parent)
         self.setObjectName("shortcuts")
         self.setWindowTitle("Shortcuts")
-        rows = [*actions.listed(), *MOUSE]
-        table = QTableWidget(len(rows), 4, self)
-        table.setObjectName("shortcuts.table")
-        table.setAccessibleName("Shortcuts")
-        table.setHorizontalHeaderLabels(["", "Action", "Keys", "What it does"])
-        table.verticalHeader().hide()
-        table.setEditTriggers(QTableWidget.EditTrigger.NoEditTriggers)
-        table.setSelectionBehavior(QTableWidget.SelectionBehavior.SelectRows)
-        table.setShowGrid(False)
-        table.setAlternatingRowColors(True)
-        before = ""
-        for number, row in enumerate(rows):
-            shown = (row[0] if row[0] != before else "", *row[1:])
-            before = row[0]
-            for column, text in enumerate(shown):
-                table.setItem(number, column, QTableWidgetItem(text))
-        table.resizeColumnsToContents()
-        table.horizontalHeader().setSectionResizeMode(3, QHeaderView.ResizeMode.Stretch)
+        listed = [ShortcutRow(*row, _sequences(row[2])) for row in actions.listed()]
+        self._rows = [*listed, *CANVAS, *(ShortcutRow(*row) for row in MOUSE)]
+        self.search = QLineEdit(self)
+        self.search.setObjectName("shortcuts.search")
+        self.search.setAccessibleName("Search the shortcuts")
+        self.search.setPlaceholderText("Words of an action, or its keys")
+        self.search.setToolTip("Words of an action, or its keys; Down goes to the list")
+        self.search.setClearButtonEnabled(True)
+        self.catcher = KeyCatcher(self)
+        self.table = _table(self)
+        self.none = centred_hint("", self)
+        self.none.setObjectName("shortcuts.none")
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, self)
         buttons.rejected.connect(self.reject)
+        for button in buttons.buttons():
+            if isinstance(button, QPushButton):
+                button.setAutoDefault(False)  # Enter in the search closes nothing
+                button.setDefault(False)
+        above = QHBoxLayout()
+        above.addWidget(self.search, 1)
+        above.addWidget(self.catcher)
         layout = QVBoxLayout(self)
-        layout.addWidget(table)
+        layout.addLayout(above)
+        layout.addWidget(self.table, 1)
+        layout.addWidget(self.none, 1)
         layout.addWidget(buttons)
+        self.search.textEdited.connect(self._search)
+        self.search.textChanged.connect(self._cleared)
+        self.catcher.pressed_keys.connect(self._search_keys)
         metrics = self.fontMetrics()
         self.resize(metrics.averageCharWidth() * 110, metrics.height() * 28)
+        self._show(self._rows, "")
+        self.table.resizeColumnsToContents()
+        self.table.horizontalHeader().setSectionResizeMode(3, QHeaderView.ResizeMode.Stretch)
+        self.search.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Down leads from the search to the list."""
+        if event.key() == _KEY.Key_Down and self.search.hasFocus() and self.table.rowCount():
+            self.table.setFocus(Qt.FocusReason.TabFocusReason)
+            self.table.selectRow(0)
+            event.accept()
+        elif event.key() not in (_KEY.Key_Return, _KEY.Key_Enter):
+            super().keyPressEvent(event)
+
+    def _search(self, text: str) -> None:
+        self._show(rows_for(self._rows, text), f"No shortcut has “{text}”")
+
+    def _cleared(self, text: str) -> None:
+        if not text:
+            self._show(self._rows, "")
+
+    def _search_keys(self, pressed: tuple[str, ...]) -> None:
+        rows = rows_of_keys(self._rows, pressed)
+        native = QKeySequence(pressed[0]).toString(QKeySequence.SequenceFormat.NativeText)
+        self.search.setText(native)
+        self._show(rows, f"Nothing has the keys {native}")
+        self.search.setFocus(Qt.FocusReason.OtherFocusReason)
+        self.search.selectAll()
+
+    def _show(self, rows: list[ShortcutRow], none: str) -> None:
+        before = ""
+        self.table.setRowCount(len(rows))
+        for number, row in enumerate(rows):
+            menu = row.menu if row.menu != before else ""
+            before = row.menu
+            for column, text in enumerate((menu, row.action, row.keys, row.meaning)):
+                self.table.setItem(number, column, QTableWidgetItem(text))
+        self.table.setVisible(bool(rows))
+        self.none.setVisible(not rows)
+        self.none.setText(none)
+
+
+class KeyCatcher(QPushButton):
+    """A button after which the next key combination is taken as such: it does nothing else.
+
+    Signals
+    -------
+    pressed_keys(sequences)
+        A tuple of texts: the combination, and what it is called where Shift belongs to the letter.
+    """
+
+    pressed_keys = Signal(tuple)
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__("Press a &Key", parent)
+        self.setObjectName("shortcuts.press")
+        self.setAccessibleName("Press a key combination to see what it does")
+        self.setToolTip("Then press a key combination: the list shows what it does")
+        self.setAutoDefault(False)
+        self.setCheckable(True)
+        self.toggled.connect(self._say)
+
+    def sizeHint(self) -> QSize:
+        """Room for either text."""
+        return (
+            super()
+            .sizeHint()
+            .expandedTo(
+                QSize(self.fontMetrics().averageCharWidth() * 22, super().sizeHint().height())
+            )
+        )
+
+    def event(self, event: QEvent) -> bool:
+        """Take every key before shortcuts, and before Tab moves the focus."""
+        if not self.isChecked() or not isinstance(event, QKeyEvent):
+            if event.type() == QEvent.Type.FocusOut:
+                self.setChecked(False)
+            return super().event(event)
+        if event.type() == QEvent.Type.ShortcutOverride:
+            event.accept()
+            return True
+        if event.type() == QEvent.Type.KeyPress and event.key() not in _MODIFIERS:
+            self.setChecked(False)
+            self.pressed_keys.emit(_pressed(event))
+        event.accept()
+        return True
+
+    def _say(self, on: bool) -> None:
+        self.setText("Now press the keys…" if on else "Press a &Key")
+        if on:
+            self.setFocus(Qt.FocusReason.OtherFocusReason)
+
+
+def _pressed(event: QKeyEvent) -> tuple[str, ...]:
+    key, keys = _KEY(event.key()), event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
+    shift = Qt.KeyboardModifier.ShiftModifier
+    if key == _KEY.Key_Backtab:
+        key, keys = _KEY.Key_Tab, keys | shift
+    ways = [keys]
+    text = event.text().strip()
+    if keys & shift and text and text.isprintable() and not text.isalnum():
+        ways.insert(0, keys & ~shift)  # of ? and + Shift is only how they are typed
+    return tuple(
+        QKeySequence(QKeyCombination(way, key)).toString(QKeySequence.SequenceFormat.PortableText)
+        for way in ways
+    )
+
+
+def _sequences(keys: str) -> tuple[str, ...]:
+    """The combinations that a text of the list names."""
+    native, portable = (
+        QKeySequence.SequenceFormat.NativeText,
+        QKeySequence.SequenceFormat.PortableText,
+    )
+    return tuple(QKeySequence.fromString(one, native).toString(portable) for one in keys.split(OR))
+
+
+def _table(parent: QWidget) -> QTableWidget:
+    table = QTableWidget(0, 4, parent)
+    table.setObjectName("shortcuts.table")
+    table.setAccessibleName("Shortcuts")
+    table.setHorizontalHeaderLabels(["", "Action", "Keys", "What it does"])
+    table.verticalHeader().hide()
+    table.setEditTriggers(QTableWidget.EditTrigger.NoEditTriggers)
+    table.setSelectionBehavior(QTableWidget.SelectionBehavior.SelectRows)
+    table.setSelectionMode(QTableWidget.SelectionMode.SingleSelection)
+    table.setShowGrid(False)
+    table.setAlternatingRowColors(True)
+    table.setTabKeyNavigation(False)
+    return table

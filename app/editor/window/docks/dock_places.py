@@ -17,6 +17,15 @@ def add_dock(
     return dock
 
 
+def stand_behind(window: QMainWindow, front: QDockWidget, dock: QDockWidget) -> None:
+    """Have a dock that is closed open behind another one.
+
+    What a window of an earlier version has stored has no place for it.
+    """
+    if dock.isHidden() and not front.isFloating():
+        window.tabifyDockWidget(front, dock)
+
+
 class Curtain(QObject):
     """Hides the docks while the first page is shown."""
 

@@ -27,7 +27,7 @@ class Docks:
 
     Parameters
     ----------
-    library, panels, curves, tradeoff : QDockWidget
+    library, history, panels, curves, tradeoff : QDockWidget
         One of each.
     viewers : sequence of QDockWidget
         Those of pictures, by number.
@@ -36,6 +36,7 @@ class Docks:
     """
 
     library: QDockWidget
+    history: QDockWidget
     panels: QDockWidget
     curves: QDockWidget
     tradeoff: QDockWidget
@@ -45,7 +46,10 @@ class Docks:
     @property
     def all(self) -> tuple[QDockWidget, ...]:
         """Every dock."""
-        return (self.library, self.panels, *self.viewers, self.curves, self.tradeoff)
+        return (
+            *(self.library, self.history, self.panels),
+            *(*self.viewers, self.curves, self.tradeoff),
+        )
 
 
 def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
@@ -53,7 +57,8 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
 
     Which of the other docks are open stays.
     """
-    was_open = [dock for dock in (*docks.viewers[1:], docks.tradeoff) if not dock.isHidden()]
+    may_be_open = (docks.history, *docks.viewers[1:], docks.tradeoff)
+    was_open = [dock for dock in may_be_open if not dock.isHidden()]
     for dock in docks.all:
         dock.setFloating(False)
         window.removeDockWidget(dock)
@@ -74,6 +79,7 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
             way = (docks.panels, docks.curves, _Along)
         window.splitDockWidget(*way)
     window.tabifyDockWidget(docks.curves, docks.tradeoff)
+    window.tabifyDockWidget(docks.tradeoff, docks.history)
     for before, dock in zip(docks.viewers, docks.viewers[1:], strict=False):
         window.tabifyDockWidget(before, dock)
     for dock in (docks.library, docks.panels, first, docks.curves, *was_open):

@@ -158,4 +158,4 @@ class ViewerDocks(QObject):
         if not isValid(self._window):  # type: ignore[no-untyped-call] # they vanish with the window
             return
         for bar in self._window.findChildren(QTabBar):
-            bar.setAccessibleName(bar.accessibleName() or "Viewers behind one another")
+            bar.setAccessibleName(bar.accessibleName() or "Parts behind one another")

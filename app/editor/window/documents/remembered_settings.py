@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from pathlib import Path
 
 from PySide6.QtCore import QByteArray, QSettings, QStandardPaths
@@ -9,7 +10,8 @@ from PySide6.QtWidgets import QMainWindow
 
 from app.editor.theme import THEMES, Look
 
-MOST_RECENT = 12
+MOST_RECENT = 10  # files that are offered
+_MOST_STORED = 30  # of them and those that are not there: a disk may be put in again
 _DOCKS_VERSION = 2  # of the docks' stored places; of an earlier one the default layout is taken
 
 
@@ -54,19 +56,26 @@ class Settings:
 
     @property
     def recent(self) -> tuple[Path, ...]:
-        """Files opened or saved lately that are still there, the last one first."""
-        stored = self._stored.value("recent", [])
-        texts = [stored] if isinstance(stored, str) else stored
-        if not isinstance(texts, list):
-            return ()
-        paths = [Path(text) for text in texts if isinstance(text, str) and text]
-        return tuple(path for path in paths if path.is_file())
+        """The ten files opened or saved last that are there, the last one first."""
+        there = (path for path in map(Path, self._stored_recent()) if path.is_file())
+        return tuple(islice(there, MOST_RECENT))
 
     def add_recent(self, path: Path) -> None:
         """Store a file as the last one opened."""
         text = str(path.absolute())
-        others = [str(other) for other in self.recent if str(other) != text]
-        self._stored.setValue("recent", [text, *others][:MOST_RECENT])
+        others = [other for other in self._stored_recent() if other != text]
+        self._stored.setValue("recent", [text, *others][:_MOST_STORED])
+
+    def forget_recent(self) -> None:
+        """Forget which files were opened or saved."""
+        self._stored.remove("recent")
+
+    def _stored_recent(self) -> list[str]:
+        stored = self._stored.value("recent", [])
+        texts = [stored] if isinstance(stored, str) else stored
+        if not isinstance(texts, list):
+            return []
+        return [text for text in texts if isinstance(text, str) and text]
 
     @property
     def layout(self) -> str:

@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.recovery.recovery_files import Recovered
 from app.editor.window.documents.network_card import NetworkCard
+from app.editor.window.documents.recent_files import folder_text
 from app.run.shipped import shipped_networks
 from core.errors import ImagechainError
 from core.modules.library_type import Library
@@ -132,7 +133,7 @@ class WelcomePage(QScrollArea):
         return card
 
     def _recent_row(self, path: Path) -> QPushButton:
-        row = QPushButton(f"{path.stem}\n{_short(path.parent)}")
+        row = QPushButton(f"{path.stem}\n{folder_text(path.parent)}")
         row.setObjectName(f"welcome.recent.{path.name}")
         row.setFlat(True)
         row.setStyleSheet("text-align: left; padding: 4px;")
@@ -184,14 +185,6 @@ def _faint(text: str) -> QLabel:
     label.setWordWrap(True)
     label.setEnabled(False)
     return label
-
-
-def _short(path: Path) -> str:
-    home = Path.home()
-    text = str(path)
-    if path.is_relative_to(home):
-        text = f"~/{path.relative_to(home)}"
-    return text if len(text) <= 44 else f"…{text[-43:]}"
 
 
 def _clear(layout: QVBoxLayout) -> None:

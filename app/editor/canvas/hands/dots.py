@@ -1,0 +1,133 @@
+"""Dots of wires: dragged with the mouse, moved by the arrows, put in by double-click or key."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPoint, QPointF
+
+from app.editor.canvas.hands.gestures import Gesture
+from app.editor.canvas.hands.surface import Surface
+from app.editor.canvas.items.hits import place_on_wire, wire_near
+from app.editor.canvas.items.marks import Marks
+from app.editor.canvas.items.wire_item import WireItem
+from core.editing.wire_dots import add_dot, move_dot, remove_dot, straighten
+
+_REACH_PX = 12.0
+
+
+class DragDot(Gesture):
+    """Move a dot; its wire follows.
+
+    Parameters
+    ----------
+    surface : Surface
+        What it works with.
+    pos : QPoint
+        The pixel of the view that was pressed.
+    wire : WireItem
+        The wire.
+    index : int
+        Which of its dots.
+    """
+
+    def __init__(self, surface: Surface, pos: QPoint, wire: WireItem, index: int) -> None:
+        super().__init__(surface, pos)
+        self._link, self._index = wire.link, index
+        self._from = wire.dots[index]
+
+    def drag(self, _pos: QPoint, point: QPointF) -> None:
+        """It follows the pointer."""
+        at = self._from + point - self.start
+        self.surface.content.place_dot(self._link, self._index, at)
+
+    def drop(self, _pos: QPoint, point: QPointF) -> None:
+        """Put it there."""
+        session, at = self.surface.session, self._from + point - self.start
+        session.do(move_dot(session.network, self._link, self._index, _whole(at)))
+
+    def leave(self) -> None:
+        """Where the document has it."""
+        self.surface.content.restore()
+
+
+class Dots:
+    """What is done with dots at once, without a drag.
+
+    Parameters
+    ----------
+    surface : Surface
+        What it works with.
+    marks : Marks
+        The selected wire and dot.
+    """
+
+    def __init__(self, surface: Surface, marks: Marks) -> None:
+        self._surface = surface
+        self._marks = marks
+
+    def add_at(self, wire: WireItem, point: QPointF) -> None:
+        """Bend a wire through a point, and select the dot."""
+        index = place_on_wire(wire, point)
+        session, link = self._surface.session, wire.link
+        if session.do(add_dot(session.network, link, index, _whole(point))):
+            session.select(())
+            self._marks.choose(link, None, index)
+
+    def add(self, pos: QPoint | None) -> None:
+        """Put a dot on the wire under the pointer, else in the middle of the selected wire.
+
+        Else of the first wire that leaves the selected node: so it can be done by keys alone.
+        """
+        surface = self._surface
+        if pos is not None:
+            point = surface.view.scene_point(pos)
+            wire = wire_near(surface.content, point, _REACH_PX / surface.view.zoom)
+            if wire is not None:
+                self.add_at(wire, point)
+                return
+        wire = self._chosen_wire()
+        if wire is None:
+            session = surface.session
+            session.message.emit("note", "point at a wire, or select one, to bend it through a dot")
+            return
+        line = wire.line()
+        self.add_at(wire, line[len(line) // 2])
+
+    def remove(self) -> bool:
+        """Take the selected dot away; whether there was one."""
+        session, link, dot = self._surface.session, self._marks.link, self._marks.dot
+        if link is None or dot is None:
+            return False
+        self._marks.choose(link, None)
+        session.do(remove_dot(session.network, link, dot))
+        return True
+
+    def straighten(self) -> None:
+        """Take all dots of the selected wire away."""
+        session, link = self._surface.session, self._marks.link
+        if link is not None:
+            self._marks.choose(link, None)
+            session.do(straighten(session.network, (link,), f"Straighten {link}"))
+
+    def nudge(self, by: QPointF) -> bool:
+        """Move the selected dot, with others of the same key as one step; whether there is one."""
+        session, link, dot = self._surface.session, self._marks.link, self._marks.dot
+        if link is None or dot is None:
+            return False
+        at = self._surface.content.wires[link].dots[dot] + by
+        moving = move_dot(session.network, link, dot, (at.x(), at.y()))
+        session.do(moving, gesture=("dot", link, dot))
+        return True
+
+    def _chosen_wire(self) -> WireItem | None:
+        content = self._surface.content
+        if self._marks.link is not None:
+            return content.wires[self._marks.link]
+        for name in self._surface.session.selection[-1:]:
+            wires = content.wires_at(name)
+            leaving = [wire for wire in wires if wire.link.source == name]
+            return next(iter((*leaving, *wires)), None)
+        return None
+
+
+def _whole(point: QPointF) -> tuple[float, float]:
+    return float(round(point.x())), float(round(point.y()))

@@ -1,0 +1,176 @@
+"""The list of the history, by mouse and keys in the window."""
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from core.editing.fields import set_parameter
+from window_hands import CTRL, KEY, WindowHands, add
+
+LEFT = Qt.MouseButton.LeftButton
+ROLE = Qt.ItemDataRole
+
+
+@pytest.fixture
+def hand(window):
+    made = WindowHands(window)
+    made.begin()
+    return made
+
+
+@pytest.fixture
+def steps(window, hand):
+    """A node, and its parameter set three times; the list is open."""
+    name = add(window, "jitter_mtf")
+    for value in (0.1, 0.2, 0.3):
+        window.session.do(set_parameter(name, "sigma_mrad", value))
+    hand.focus()
+    hand.key(KEY.Key_H, CTRL)
+    return name
+
+
+def rows(window):
+    model = window.history.model()
+    return [model.index(row).data() for row in range(model.rowCount())]
+
+
+def looks(window, role):
+    model = window.history.model()
+    return [model.index(row).data(role) for row in range(model.rowCount())]
+
+
+def click(window, row):
+    view = window.history
+    spot = view.visualRect(view.model().index(row)).center()
+    QTest.mouseClick(view.viewport(), LEFT, pos=spot)
+
+
+def sigma(window, name):
+    return window.session.network.nodes[name].params.get("sigma_mrad")
+
+
+def test_ctrl_h_shows_it_with_the_focus_and_puts_it_away(window, hand, steps):
+    assert window.history.isVisible()
+    assert window.history.hasFocus()
+    assert window.actions_by_name["history"].isChecked()
+    hand.key(KEY.Key_H, CTRL)
+    assert not window.history.isVisible()
+    assert not window.actions_by_name["history"].isChecked()
+
+
+def test_it_lists_the_steps_in_words(window, steps):
+    assert rows(window) == [
+        "Start",
+        "Add jitter_mtf",
+        "Set jitter_mtf.sigma_mrad: default → 0.1",
+        "Set jitter_mtf.sigma_mrad: 0.1 → 0.2",
+        "Set jitter_mtf.sigma_mrad: 0.2 → 0.3",
+    ]
+    assert [font.bold() for font in looks(window, ROLE.FontRole)] == [False] * 4 + [True]
+
+
+def test_a_click_goes_back_several_steps_at_once_and_forth_again(window, steps):
+    calls = []
+    window.session.changed.connect(lambda *_: calls.append(1))
+    click(window, 2)
+    assert sigma(window, steps) == 0.1
+    assert len(calls) == 1
+    assert [font.italic() for font in looks(window, ROLE.FontRole)] == [False] * 3 + [True] * 2
+    assert looks(window, ROLE.FontRole)[2].bold()
+    assert "does it again" in looks(window, ROLE.ToolTipRole)[4]
+    click(window, 4)
+    assert sigma(window, steps) == 0.3
+    assert len(calls) == 2
+
+
+def test_arrows_and_enter_go_without_the_mouse(window, hand, steps):
+    for _ in range(4):
+        hand.key(KEY.Key_Up)
+    assert sigma(window, steps) == 0.3, "to look is not to go"
+    hand.key(KEY.Key_Return)
+    assert not window.session.network.nodes
+    assert not window.isWindowModified()
+    hand.key(KEY.Key_End)
+    hand.key(KEY.Key_Return)
+    assert sigma(window, steps) == 0.3
+
+
+def test_the_saved_position_is_marked(window, steps, tmp_path):
+    window.session.save(tmp_path / "mine.json")
+    assert [row.endswith("(saved)") for row in rows(window)] == [False] * 4 + [True]
+    click(window, 1)
+    assert rows(window)[4].endswith("(saved)")
+    assert window.isWindowModified()
+
+
+def test_it_follows_undo_and_another_edit(window, hand, steps):
+    hand.key(KEY.Key_Z, CTRL)
+    hand.key(KEY.Key_Z, CTRL)
+    assert window.history.currentIndex().row() == 2
+    window.session.do(set_parameter(steps, "sigma_mrad", 0.9))
+    assert rows(window)[3:] == ["Set jitter_mtf.sigma_mrad: 0.1 → 0.9"]
+
+
+def test_it_shows_what_was_done_while_it_was_hidden(window, hand, steps):
+    hand.key(KEY.Key_H, CTRL)
+    window.session.do(set_parameter(steps, "sigma_mrad", 0.9))
+    hand.key(KEY.Key_H, CTRL)
+    assert len(rows(window)) == 6
+    assert window.history.currentIndex().row() == 5
+
+
+def test_another_document_has_a_list_of_its_own(window, steps):
+    window.files.open_now("first_steps")
+    assert rows(window) == ["Start"], "a shipped one is a copy that no file holds"
+
+
+def test_what_is_being_typed_is_taken_before_the_click_goes_back(window, hand, steps, idle):
+    window.session.select([steps])
+    idle(window)
+    field = window.panels.panels[steps].body.sections.field("sigma_mrad")
+    field.edit.setFocus()
+    field.edit.selectAll()
+    QTest.keyClicks(field.edit, "0.75")
+    click(window, 3)
+    assert rows(window)[-1] == "Set jitter_mtf.sigma_mrad: 0.3 → 0.75"
+    assert sigma(window, steps) == 0.2
+
+
+def test_it_stands_with_the_curves_in_every_layout(window, steps):
+    for name in ("picture_beside", "canvas_first", "reset_layout"):
+        window.actions_by_name[name].trigger()
+        behind = window.tabifiedDockWidgets(window.viewers.plot_dock)
+        assert window.history_dock in behind, name
+        assert not window.history_dock.isHidden()
+
+
+def test_it_stands_there_in_a_window_remembered_before_there_was_one(make_window, settings):
+    """The stored state is that of a window without the dock."""
+    window = make_window()
+    window.files.open_now("first_steps")
+    window.removeDockWidget(window.history_dock)
+    window.history_dock.setParent(None)
+    window.close_for_good()
+    again = make_window()
+    again.files.open_now("first_steps")
+    assert not again.history.isVisible()
+    again.actions_by_name["history"].trigger()
+    assert again.history.isVisible()
+    assert again.history_dock in again.tabifiedDockWidgets(again.viewers.plot_dock)
+
+
+def test_thousands_of_steps_are_listed_as_they_are_seen(window, hand, steps):
+    """Lines are read when they are drawn: here some dozens of 3000."""
+    for number in range(3000):
+        window.session.document.do(set_parameter(steps, "sigma_mrad", 1e-4 * (number + 1)))
+    history = window.session.document.history
+    read = []
+    line = type(history).line
+    try:
+        type(history).line = lambda self, position: read.append(position) or line(self, position)
+        window.session.state_changed.emit()
+        QTest.qWait(50)
+    finally:
+        type(history).line = line
+    assert window.history.model().rowCount() == 3005
+    assert len(set(read)) < 200

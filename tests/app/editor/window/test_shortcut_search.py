@@ -1,0 +1,155 @@
+"""The page of shortcuts: searched by words and by keys, without the mouse."""
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QLabel, QPushButton
+from shiboken6 import isValid
+
+from app.editor.window.actions.shortcut_list import ShortcutList
+from window_hands import CTRL, KEY, SHIFT, WindowHands
+
+ALT = Qt.KeyboardModifier.AltModifier
+
+
+@pytest.fixture
+def hand(window, qtbot):
+    made = WindowHands(window)
+    made.begin()
+    made.wait_until = qtbot.waitUntil
+    return made
+
+
+@pytest.fixture
+def page(window, hand, qtbot):
+    hand.key(KEY.Key_Question)
+    made = window.findChild(ShortcutList, "shortcuts")
+    qtbot.waitUntil(made.search.hasFocus)
+    yield made
+    if isValid(made):  # else a test has closed it
+        made.reject()
+
+
+def actions(page):
+    table = page.table
+    return [table.item(row, 1).text() for row in range(table.rowCount())]
+
+
+def press(hand, page, key, keys=Qt.KeyboardModifier.NoModifier):
+    """Press a key in the mode, begun by its letter; a button is down for a moment first."""
+    hand.key(KEY.Key_K, ALT)
+    hand.wait_until(page.catcher.isChecked)
+    hand.key(key, keys)
+
+
+def test_it_begins_with_every_action_and_the_search(page, window):
+    shown = actions(page)
+    assert {row[1] for row in window.actions_by_name.listed()} <= set(shown)
+    assert QApplication.focusWidget() is page.search
+
+
+@pytest.mark.parametrize(
+    ("typed", "first", "all_of_them"),
+    [
+        ("lay out", "Lay Out", True),
+        ("LAY OUT", "Lay Out", True),
+        ("ctrl+shift+s", "Save As", True),
+        ("ctrl+s", "Save", False),
+        ("viewer 3", "Show in Viewer 3", True),
+        ("del", "Delete", False),
+        ("pan", "Pan", False),
+    ],
+)
+def test_words_and_keys_are_found(hand, page, typed, first, all_of_them):
+    hand.type(typed)
+    assert actions(page)[0] == first
+    if all_of_them:
+        assert actions(page) == [first]
+
+
+def test_every_action_is_found_by_its_words_and_by_its_keys(page, window):
+    for _, action, keys, _ in window.actions_by_name.listed():
+        for text in (action, *keys.split("  or  ")):
+            page.search.clear()
+            QTest.keyClicks(page.search, text)
+            assert action in actions(page), text
+            if text != action:
+                assert actions(page)[0] == action, text
+
+
+def test_what_is_not_there_is_one_line(hand, page):
+    hand.type("espresso")
+    assert page.none.isVisible()
+    assert page.none.text() == "No shortcut has “espresso”"
+    assert not page.table.isVisible()
+    hand.key(KEY.Key_A, CTRL)
+    hand.key(KEY.Key_Delete)
+    assert page.table.isVisible()
+    assert len(actions(page)) > 40
+
+
+@pytest.mark.parametrize(
+    ("key", "keys", "action"),
+    [
+        (KEY.Key_S, CTRL, "Save"),
+        (KEY.Key_S, CTRL | SHIFT, "Save As"),
+        (KEY.Key_F, None, "Frame"),
+        (KEY.Key_Escape, None, "Cancel"),
+        (KEY.Key_Tab, None, "Add Module"),
+        (KEY.Key_F6, SHIFT, "Previous Part"),
+        (KEY.Key_Q, CTRL, "Quit"),
+        (KEY.Key_Left, ALT, "Align Left"),
+        (KEY.Key_Up, None, "Move what is selected"),
+        (KEY.Key_Question, SHIFT, "Shortcuts"),
+        (KEY.Key_Plus, CTRL | SHIFT, "Zoom In"),
+        (KEY.Key_Return, CTRL, "Generate Image"),
+    ],
+)
+def test_pressed_keys_find_their_action_and_do_nothing_else(window, hand, page, key, keys, action):
+    before = window.session.network
+    press(hand, page, key, keys or Qt.KeyboardModifier.NoModifier)
+    assert actions(page) == [action]
+    assert not page.catcher.isChecked()
+    assert page.search.hasFocus()
+    assert page.isVisible()
+    assert window.isVisible()
+    assert window.session.network is before
+
+
+def test_keys_of_nothing_are_named(hand, page):
+    press(hand, page, KEY.Key_F9, CTRL | ALT)
+    assert page.none.text() == "Nothing has the keys Ctrl+Alt+F9"
+
+
+def test_typing_on_after_a_key_searches_words_again(hand, page):
+    press(hand, page, KEY.Key_F)
+    hand.type("frame")
+    assert "Frame" in actions(page)
+    assert page.search.text() == "frame"
+
+
+def test_arrows_go_into_the_list_and_escape_closes(hand, page, qtbot):
+    hand.type("align")
+    hand.key(KEY.Key_Down)
+    assert page.table.hasFocus()
+    assert page.table.currentRow() == 0
+    hand.key(KEY.Key_Down)
+    assert page.table.currentRow() == 1
+    hand.key(KEY.Key_Escape)
+    assert not page.isVisible()
+
+
+def test_enter_in_the_search_closes_nothing(hand, page):
+    hand.type("align")
+    hand.key(KEY.Key_Return)
+    assert page.isVisible()
+    assert len(actions(page)) == 4
+
+
+def test_every_control_says_what_it_is(page):
+    for widget in (page.search, page.catcher, page.table):
+        assert widget.accessibleName()
+    for widget in (page.search, page.catcher):
+        assert widget.toolTip()
+    assert isinstance(page.none, QLabel)
+    assert page.findChildren(QPushButton)

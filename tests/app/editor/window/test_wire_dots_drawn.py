@@ -1,0 +1,265 @@
+"""Dots on wires, put in, dragged and deleted with real events in the window."""
+
+import pytest
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtWidgets import QMenu
+
+from canvas_networks import chain_and_free_blur
+from core.editing.document import Document
+from core.editing.wire_dots import add_dot, dots_of
+from core.network.network import Link
+from window_hands import CTRL, KEY, SHIFT, WindowHands
+
+ALT = Qt.KeyboardModifier.AltModifier
+WIRE = Link.between("init.magnitude", "back.magnitude")
+OTHER = Link.between("scene.image", "init.image")
+
+
+@pytest.fixture
+def hand(window):
+    made = WindowHands(window)
+    made.begin()
+    return made
+
+
+@pytest.fixture
+def chain(window, hand, library):
+    """A short chain and a free blur, laid out, in a document that counts as saved."""
+    window.session.open(Document(chain_and_free_blur(), library=library))
+    window.canvas.frame_all()
+    hand.focus()
+    return window.session
+
+
+@pytest.fixture
+def bent(window, chain):
+    """A dot below the wire."""
+    chain.do(add_dot(chain.network, WIRE, 0, (500.0, 120.0)))
+    window.canvas.frame_all()
+    return chain
+
+
+def dots(session, link=WIRE):
+    return dots_of(session.network).get(link, ())
+
+
+def steps(session):
+    return session.document.history.position
+
+
+def drawn(window, link=WIRE):
+    return window.canvas.content.wires[link]
+
+
+def nearest(wire, x, y):
+    """How near to a point the ends of the curve's pieces lie."""
+    path = wire.path()
+    ends = (path.elementAt(n) for n in range(path.elementCount()))
+    return min((QPointF(end.x, end.y) - QPointF(x, y)).manhattanLength() for end in ends)
+
+
+def test_a_double_click_on_a_wire_puts_a_dot_there_and_selects_it(window, hand, chain):
+    spot = hand.wire(WIRE)
+    hand.double_click(spot)
+    ((x, y),) = dots(chain)
+    at = window.canvas.view.scene_point(spot)
+    assert abs(x - at.x()) <= 1
+    assert abs(y - at.y()) <= 1
+    assert window.canvas.marks.dot == 0
+    assert steps(chain) == 1
+    assert not window.canvas.search_is_open()
+    hand.key(KEY.Key_Z, CTRL)
+    assert not dots(chain)
+
+
+def test_a_dot_is_dragged_and_the_wire_goes_through_it(window, hand, bent):
+    before = steps(bent)
+    hand.drag(hand.at(500, 120), hand.at(480, 190))
+    ((x, y),) = dots(bent)
+    assert abs(x - 480) <= 3
+    assert abs(y - 190) <= 3
+    assert nearest(drawn(window), x, y) < 1
+    assert steps(bent) == before + 1
+    hand.key(KEY.Key_Z, CTRL)
+    assert dots(bent) == ((500.0, 120.0),)
+    assert nearest(drawn(window), 500, 120) < 1
+
+
+def test_escape_gives_a_drag_up(window, hand, bent):
+    hand.press(hand.at(500, 120))
+    hand.move(hand.at(500, 120), hand.at(480, 190))
+    assert nearest(drawn(window), 500, 120) > 20
+    hand.key(KEY.Key_Escape)
+    hand.release(hand.at(480, 190))
+    assert dots(bent) == ((500.0, 120.0),)
+    assert nearest(drawn(window), 500, 120) < 1
+
+
+def test_del_deletes_the_selected_dot_then_the_wire(window, hand, bent):
+    straight = chain_and_free_blur()
+    hand.click(hand.at(500, 120))
+    assert window.canvas.marks.dot == 0
+    hand.key(KEY.Key_Delete)
+    assert bent.network == straight
+    assert window.canvas.selected_link() == WIRE
+    hand.key(KEY.Key_Delete)
+    assert WIRE not in bent.network.links
+    hand.key(KEY.Key_Z, CTRL)
+    hand.key(KEY.Key_Z, CTRL)
+    assert dots(bent) == ((500.0, 120.0),)
+
+
+def test_a_deleted_wire_comes_back_bent(window, hand, bent):
+    hand.drag(hand.at(440, 60), hand.at(440, 160), keys=ALT | SHIFT)
+    assert WIRE not in bent.network.links
+    hand.key(KEY.Key_Z, CTRL)
+    assert dots(bent) == ((500.0, 120.0),)
+    assert nearest(drawn(window), 500, 120) < 1
+
+
+def test_r_bends_the_wire_under_the_pointer(window, hand, chain):
+    spot = hand.wire(OTHER)
+    hand.click(spot)
+    hand.key(KEY.Key_R)
+    assert len(dots(chain, OTHER)) == 1
+
+
+def test_keys_alone_bend_move_and_straighten_a_wire(window, hand, chain):
+    """From a selected node: R puts a dot on its wire, arrows move it, Del deletes it."""
+    window.canvas.mouse.leave()
+    chain.select(["scene"])
+    hand.key(KEY.Key_R)
+    ((x, y),) = dots(chain, OTHER)
+    assert not chain.selection
+    hand.key(KEY.Key_Down)
+    hand.key(KEY.Key_Down)
+    ((moved_x, moved_y),) = dots(chain, OTHER)
+    assert (moved_x - x, moved_y - y) == (0, 24)
+    hand.key(KEY.Key_Delete)
+    assert not dots(chain, OTHER)
+
+
+def test_r_where_there_is_no_wire_says_what_to_do(window, hand, chain):
+    hand.click(hand.at(300, 500))
+    hand.key(KEY.Key_R)
+    assert chain.network == chain_and_free_blur()
+    assert "point at a wire" in window.status.currentMessage()
+
+
+def test_a_second_dot_comes_before_or_behind_the_first_where_it_is_put(window, hand, bent):
+    line = drawn(window).line()
+    before, behind = line[len(line) // 4], line[3 * len(line) // 4]
+    for point in (behind, before):
+        hand.double_click(window.canvas.view.pixel(point))
+    xs = [x for x, _ in dots(bent)]
+    assert len(xs) == 3
+    assert xs == sorted(xs)
+    assert xs[1] == 500
+
+
+def test_dots_go_along_with_both_nodes_and_stay_with_one(window, hand, bent):
+    hand.drag(hand.head("back"), hand.head("back") + QPoint(30, 0))
+    assert dots(bent) == ((500.0, 120.0),)
+    hand.select("init", "back")
+    before = bent.network.layout
+    steps_before = steps(bent)
+    hand.press(hand.head("back"))
+    hand.move(hand.head("back"), hand.head("back") + QPoint(0, 60))
+    shown = drawn(window).dots[0].y()
+    assert shown > 130
+    hand.release(hand.head("back"))
+    by = bent.network.layout["back"][1] - before["back"][1]
+    assert by > 10
+    assert dots(bent)[0] == (500.0, 120.0 + by)
+    assert steps(bent) == steps_before + 1
+    hand.key(KEY.Key_Z, CTRL)
+    assert dots(bent) == ((500.0, 120.0),)
+
+
+def test_copied_nodes_bring_their_dots(window, hand, bent):
+    hand.select("init", "back")
+    hand.key(KEY.Key_C, CTRL)
+    hand.key(KEY.Key_V, CTRL)
+    new = Link("init_2", "magnitude", "back_2", "magnitude")
+    assert len(dots(bent, new)) == 1
+    assert len(drawn(window, new).dots) == 1
+
+
+def test_laying_out_leads_the_wires_anew_as_one_step(window, hand, bent):
+    before = steps(bent)
+    hand.click(hand.at(300, 500))
+    hand.key(KEY.Key_L)
+    assert not dots(bent)
+    assert steps(bent) == before + 1
+    hand.key(KEY.Key_Z, CTRL)
+    assert dots(bent) == ((500.0, 120.0),)
+
+
+def test_laying_out_some_nodes_leaves_the_dots_of_others(window, hand, bent):
+    bent.do(add_dot(bent.network, OTHER, 0, (200.0, 90.0)))
+    bent.select(["back", "blur"])
+    hand.focus()
+    hand.key(KEY.Key_L)
+    assert not dots(bent)
+    assert dots(bent, OTHER) == ((200.0, 90.0),)
+
+
+def test_the_menu_of_a_wire_adds_deletes_and_straightens(window, hand, bent):
+    def entry(pos, text):
+        hand.ask_for_menu(pos)
+        menu = window.findChild(QMenu, "canvas.menu.wire")
+        assert menu.isVisible()
+        action = next(a for a in menu.actions() if a.text().replace("&", "") == text)
+        menu.hide()
+        return action
+
+    assert not entry(hand.at(500, 120), "Add Dot").isEnabled()
+    entry(hand.wire(WIRE), "Add Dot").trigger()
+    assert len(dots(bent)) == 2
+    entry(hand.at(500, 120), "Delete Dot").trigger()
+    assert len(dots(bent)) == 1
+    entry(hand.wire(WIRE), "Straighten").trigger()
+    assert not dots(bent)
+    assert not entry(hand.wire(WIRE), "Straighten").isEnabled()
+
+
+def test_they_are_saved_and_opened(window, hand, bent, tmp_path):
+    window.files.save_to(tmp_path / "bent.json")
+    window.files.new()
+    window.files.open_now(str(tmp_path / "bent.json"))
+    assert dots(window.session) == ((500.0, 120.0),)
+    assert drawn(window).dots == (QPointF(500, 120),)
+
+
+def test_a_dot_far_out_is_framed(window, hand, bent):
+    bent.do(add_dot(bent.network, WIRE, 0, (400.0, 900.0)))
+    window.canvas.frame_all()
+    assert window.canvas.view.visible_rect().contains(QPointF(400, 900))
+
+
+def test_renaming_a_node_keeps_its_wires_bent(window, hand, bent):
+    hand.select("back")
+    hand.key(KEY.Key_F2)
+    hand.key(KEY.Key_A, CTRL)
+    hand.type("result")
+    hand.key(KEY.Key_Return)
+    new = Link("init", "magnitude", "result", "magnitude")
+    assert dots(bent, new) == ((500.0, 120.0),)
+    assert nearest(drawn(window, new), 500, 120) < 1
+
+
+def test_a_wire_inside_of_a_macro_is_bent_there(window, hand, chain):
+    chain.select(["init", "back"])
+    window.actions_by_name["group"].trigger()
+    (macro,) = (name for name, node in chain.network.nodes.items() if node.macro is not None)
+    window.level.enter(macro)
+    window.canvas.frame_all()
+    hand.focus()
+    hand.double_click(hand.wire(WIRE))
+    assert len(dots_of(chain.document.network.nodes[macro].macro)[WIRE]) == 1
+    assert "wire_dots" not in chain.document.network.extra
+    assert len(drawn(window).dots) == 1
+    hand.key(KEY.Key_Down)
+    hand.key(KEY.Key_Z, CTRL)
+    hand.key(KEY.Key_Z, CTRL)
+    assert not dots_of(chain.document.network.nodes[macro].macro)
