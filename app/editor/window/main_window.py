@@ -28,6 +28,7 @@ from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.docks.dock_places import Curtain, add_dock
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.layouts import Docks, LayoutName
+from app.editor.window.docks.snapshot_dock import SnapshotDock
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.docks.window_layout import WindowLayout, first_size
 from app.editor.window.documents.drops import Drops
@@ -100,9 +101,11 @@ class MainWindow(QMainWindow):
         )
         self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
         self.curtain = Curtain(self)
+        actions = self.actions_by_name
         self.viewers.set_picture_actions(
-            self.actions_by_name["full_screen"], self.actions_by_name["export"]
+            *(actions[name] for name in ("keep_snapshot", "flip", "wipe", "full_screen", "export"))
         )
+        self.kept.follow_actions(actions)
         for name in ("minimap", "thumbnails"):
             self.actions_by_name[name].setChecked(True)
         self.layout_in_use.place()
@@ -152,6 +155,7 @@ class MainWindow(QMainWindow):
         ):
             part.set_theme(theme)
         self.viewers.set_theme(theme)
+        self.kept.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
 
     def toggle_light(self) -> None:
@@ -199,7 +203,8 @@ class MainWindow(QMainWindow):
 
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""
-        viewers = [*self.viewers.images.values(), self.viewers.plot, self.viewers.tradeoff]
+        beside = (self.viewers.plot, self.viewers.tradeoff, self.kept.view)
+        viewers = [*self.viewers.images.values(), *beside]
         card = self.tour.card
         go_to_next(
             [self.welcome, self.canvas, card, self.library_view, self.panels, *viewers], step
@@ -279,6 +284,7 @@ class MainWindow(QMainWindow):
         self.library_dock = add_dock(self, "Library", "dock.library", self.library_view, _LEFT)
         self.panel_dock = add_dock(self, "Control panels", "dock.panels", self.panels, _RIGHT)
         self.viewers = ViewerDocks(self.session, self.evaluator, self.theme, self)
+        self.kept = SnapshotDock(self.session, self.evaluator, self.theme, self.viewers, self)
 
     def _docks(self) -> Docks:
         viewers = self.viewers
@@ -287,6 +293,7 @@ class MainWindow(QMainWindow):
             self.panel_dock,
             viewers.plot_dock,
             viewers.tradeoff_dock,
+            self.kept.dock,
             tuple(viewers.docks.values()),
             viewers.images[1],
         )

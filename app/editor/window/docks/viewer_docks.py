@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QWidget
@@ -40,6 +42,7 @@ class ViewerDocks(QObject):
         self._theme = theme
         self._window = window
         self.picture_actions: tuple[QAction, ...] = ()
+        self._keys: tuple[QAction, ...] = ()
         self.images: dict[int, ImageViewer] = {}
         self.docks: dict[int, QDockWidget] = {}
         self.plot = PlotViewer(session, evaluator, theme)
@@ -54,6 +57,13 @@ class ViewerDocks(QObject):
         self.picture_actions = actions
         for viewer in self.images.values():
             viewer.window_actions = actions
+
+    def add_keys(self, actions: Sequence[QAction]) -> None:
+        """Let the keys of these actions of the window work where a picture or curves are."""
+        self._keys = tuple(actions)
+        self.plot.canvas.addActions(self._keys)
+        for viewer in self.images.values():
+            viewer.canvas.addActions(self._keys)
 
     def look_at(self, number: int, port: str) -> None:
         """Show what is on ``node.port`` in an image viewer, and bring that to the front."""
@@ -139,6 +149,7 @@ class ViewerDocks(QObject):
         if viewer is None:
             viewer = ImageViewer(self._session, self._evaluator, self._theme, number)
             viewer.window_actions = self.picture_actions
+            viewer.canvas.addActions(self._keys)
             dock = self._dock(f"Viewer {number}", f"dock.viewer_{number}", viewer)
             if self.docks:
                 self._window.tabifyDockWidget(list(self.docks.values())[-1], dock)
