@@ -7,6 +7,7 @@ from typing import Any, Protocol
 from PySide6.QtCore import QObject, QTimer
 
 from app.editor.evaluation.queries import Query
+from app.editor.session import Session
 from app.editor.snapshots.kept_state import KeptState
 from app.editor.snapshots.snapshots import Snapshots
 from app.editor.viewers.picture.image_viewer import ImageViewer
@@ -31,14 +32,17 @@ class Comparing(QObject):
 
     Parameters
     ----------
+    session : Session
+        The open document.
     snapshots : Snapshots
         The states.
     viewers : Viewers
         The viewers by number, and the plot.
     """
 
-    def __init__(self, snapshots: Snapshots, viewers: Viewers) -> None:
+    def __init__(self, session: Session, snapshots: Snapshots, viewers: Viewers) -> None:
         super().__init__(snapshots)
+        self._session = session
         self._snapshots = snapshots
         self._viewers = viewers
         self._followed: set[int] = set()
@@ -52,15 +56,22 @@ class Comparing(QObject):
 
     def keep(self) -> None:
         """Keep the present state, with what the viewers show of it."""
+        if not self._session.network.nodes:
+            self._session.message.emit("advice", "the network is empty: there is nothing to keep")
+            return
         self._snapshots.keep(self._ports(), self._curves())
 
     def follow(self, *_: object) -> None:
         """Show beside the present what A has of it; what it lacks is computed in a quiet moment."""
-        for number, viewer in self._viewers.images.items():
+        images = self._viewers.images
+        self._snapshots.shown = frozenset(self._ports())
+        for number, viewer in images.items():
             if number not in self._followed:
                 self._followed.add(number)
                 viewer.posted.connect(self.follow)
             viewer.compare_kept(self._side(viewer))
+            if self._snapshots.chosen is None:
+                viewer.forget_kept()
         self._viewers.plot.compare_kept(*self._kept_curves())
 
     def _follow_soon(self, _made: object) -> None:

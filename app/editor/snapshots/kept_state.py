@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
@@ -15,6 +15,9 @@ from app.editor.viewers.pixels.kept_picture import KeptPicture
 from app.editor.viewers.plot.plot_export import Data
 from core.chain.engine import Plan
 from core.network.network import Network
+
+MOST_CURVES = 8
+"""Of a plot turned to many angles, the curves of the last ones are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,18 +58,20 @@ class KeptResults:
     missing: Mapping[str, str] = field(default_factory=dict)
 
     def joined(self, more: KeptResults) -> KeptResults:
-        """With what was computed later."""
+        """With what was computed later; of curves the last few."""
+        curves = {**self.curves, **more.curves}
         return KeptResults(
             more.source,
             {**self.pictures, **more.pictures},
-            {**self.curves, **more.curves},
+            dict(list(curves.items())[-MOST_CURVES:]),
             self.figures if more.figures is None else more.figures,
             {**self.missing, **more.missing},
         )
 
-    def without_pictures(self) -> KeptResults:
-        """With all but the pictures."""
-        return replace(self, pictures={})
+    def with_pictures(self, ports: Collection[str]) -> KeptResults:
+        """With no other pictures than these."""
+        pictures = {port: kept for port, kept in self.pictures.items() if port in ports}
+        return replace(self, pictures=pictures)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,18 +126,25 @@ def _owner(array: np.ndarray) -> np.ndarray:
 
 
 def bounded(
-    states: tuple[KeptState, ...], capacity_bytes: int, chosen: int | None
+    states: tuple[KeptState, ...],
+    capacity_bytes: int,
+    chosen: int | None,
+    shown: Collection[str] = (),
 ) -> tuple[tuple[KeptState, ...], tuple[str, ...]]:
-    """The states within so many bytes, and the names of those whose pictures are dropped.
+    """The states within so many bytes, and the names of those of which pictures are dropped.
 
-    The oldest lose theirs first, the one that is compared with never.
+    The oldest lose theirs first; the one that is compared with comes last, and keeps those of the
+    ports that are `shown`.
     """
     dropped: list[str] = []
     kept = list(states)
-    for place, state in enumerate(states):
+    places = sorted(range(len(states)), key=lambda place: states[place].number == chosen)
+    for place in places:
         if held_bytes(kept) <= capacity_bytes:
             break
-        if state.number != chosen and state.results.pictures:
-            kept[place] = replace(state, results=state.results.without_pictures())
+        state = states[place]
+        less = state.results.with_pictures(shown if state.number == chosen else ())
+        if len(less.pictures) < len(state.results.pictures):
+            kept[place] = replace(state, results=less)
             dropped.append(state.name)
     return tuple(kept), tuple(dropped)

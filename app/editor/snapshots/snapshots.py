@@ -40,6 +40,11 @@ class Snapshots(QObject):
     capacity_bytes : int, optional
         Most bytes of pictures that are kept; by default a quarter of what computed values may take.
 
+    Attributes
+    ----------
+    shown : frozenset of str
+        Ports that are on display: their pictures of A are not dropped.
+
     Signals
     -------
     changed
@@ -64,6 +69,7 @@ class Snapshots(QObject):
         self._numbers = 0
         self._way: Way | None = None
         self._wanted: dict[KeepQuery, int] = {}
+        self.shown: frozenset[str] = frozenset()
         session.opened.connect(self._forget)
         evaluator.answered.connect(self._answered)
 
@@ -177,6 +183,9 @@ class Snapshots(QObject):
         if state is None or query in state.results.curves:
             return
         if not any(query in wanted.curves for wanted in self._of(state)):
+            for other in self._of(state):  # of an angle that is turned only the last one counts
+                if not (other.ports or other.figures):
+                    del self._wanted[other]
             self._want(state, KeepQuery(state.results.source, (), (query,)))
 
     def _compare(self, way: Way | None) -> None:
@@ -225,13 +234,13 @@ class Snapshots(QObject):
 
     def _bound(self) -> None:
         """Drop pictures beyond what may be kept, and say so."""
-        self._states, dropped = bounded(self._states, self.capacity_bytes, self._chosen)
+        self._states, dropped = bounded(self._states, self.capacity_bytes, self._chosen, self.shown)
         if dropped:
             names = ", ".join(dropped)
             self._session.message.emit(
                 "note",
-                f"snapshots keep {self.capacity_bytes / 2**20:.0f} MiB of pictures: those of "
-                f"{names} are dropped, and computed again when compared; all else of it stays",
+                f"snapshots keep {self.capacity_bytes / 2**20:.0f} MiB of pictures: some of "
+                f"{names} are dropped, and computed again when compared",
             )
 
     def _forget(self) -> None:

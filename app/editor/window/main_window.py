@@ -101,11 +101,10 @@ class MainWindow(QMainWindow):
         )
         self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
         self.curtain = Curtain(self)
-        actions = self.actions_by_name
         self.viewers.set_picture_actions(
-            *(actions[name] for name in ("keep_snapshot", "flip", "wipe", "full_screen", "export"))
+            self.actions_by_name["full_screen"], self.actions_by_name["export"]
         )
-        self.kept.follow_actions(actions)
+        self.kept.follow_actions(self.actions_by_name)
         for name in ("minimap", "thumbnails"):
             self.actions_by_name[name].setChecked(True)
         self.layout_in_use.place()

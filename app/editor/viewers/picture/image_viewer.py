@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -96,6 +96,12 @@ class ImageViewer(Viewer):
         """Compare with another wire: "wipe" or "difference"; None ends it."""
         self._choose(other=port, mode="alone" if port is None else mode)
 
+    def add_compare_actions(self, actions: Sequence[QAction]) -> None:
+        """Offer these actions of the window under Compare, and let their keys work here."""
+        self.canvas.addActions(actions)
+        self.bar.compare.menu.addSection("With a snapshot")
+        self.bar.compare.menu.addActions(actions)
+
     @property
     def kept_side(self) -> KeptSide | None:
         """What was kept of the wire, as it is compared now; None where it is not."""
@@ -113,6 +119,10 @@ class ImageViewer(Viewer):
                 picture = self._prepared.beside(picture, side.kept)
             self._show(picture)
         self.ask()
+
+    def forget_kept(self) -> None:
+        """Hold nothing of an earlier state any more."""
+        self._prepared = None
 
     def link_to(self, other: ImageViewer, on: bool = True) -> None:
         """Show the same part of the picture as another viewer does, and the other way round."""

@@ -62,6 +62,7 @@ class PlotViewer(Viewer):
         self.log: bool | None = None
         self.data: Data | None = None
         self._kept: tuple[Data | None, str] = (None, "")
+        self._made_of_kept: tuple[tuple[Data, bool, str], Drawing] | None = None
         self._lost: str | None = None
         self._switched: dict[str, bool] = {}
         self._build()
@@ -98,6 +99,8 @@ class PlotViewer(Viewer):
     def compare_kept(self, data: Data | None, name: str = "") -> None:
         """Draw the curves of a kept state, of that name, beside the present ones; None: no more."""
         before, self._kept = self._kept, (data, name)
+        if data is None:
+            self._made_of_kept = None
         if before[0] is not data or before[1] != name:
             self._draw()
 
@@ -279,7 +282,7 @@ class PlotViewer(Viewer):
         self._pages.setCurrentWidget(self._curves)
         drawing = self._drawing(data, log)
         if (kept := self._kept[0]) is not None and type(kept) is type(data):
-            drawing = with_kept(drawing, self._drawing(kept, log), self._kept[1])
+            drawing = with_kept(drawing, self._drawing_of_kept(kept, log), self._kept[1])
         before = self.canvas.drawing
         shown = self._shown(drawing)
         self.canvas.show_drawing(drawing, shown)
@@ -293,6 +296,15 @@ class PlotViewer(Viewer):
         if isinstance(data, TransferCurves):
             return transfer_drawing(data, self.parts, log=log)
         return curve_drawing(data, log=log) if isinstance(data, CurveData) else Drawing("")
+
+    def _drawing_of_kept(self, kept: Data, log: bool) -> Drawing:
+        """Made once, not with each edit."""
+        how = kept, log, self.parts
+        if self._made_of_kept is None or any(
+            one is not other for one, other in zip(self._made_of_kept[0], how, strict=True)
+        ):
+            self._made_of_kept = how, self._drawing(kept, log)
+        return self._made_of_kept[1]
 
     def _fill_list(self) -> None:
         drawing = self.canvas.drawing

@@ -51,7 +51,7 @@ class SnapshotDock(QObject):
         super().__init__(window)
         self._viewers = viewers
         self.snapshots = Snapshots(session, evaluator, self)
-        self.comparing = Comparing(self.snapshots, viewers)
+        self.comparing = Comparing(session, self.snapshots, viewers)
         self.view = SnapshotsView(session, evaluator, theme, self.snapshots, self.comparing)
         area = Qt.DockWidgetArea.BottomDockWidgetArea
         self.dock = add_dock(window, "Snapshots", "dock.snapshots", self.view, area)
@@ -73,7 +73,7 @@ class SnapshotDock(QObject):
     def follow_actions(self, actions: ByName) -> None:
         """Let the keys work on pictures, curves and the list, too; mark what is shown."""
         keys = [actions[name] for name in _KEYS]
-        self._viewers.add_keys(keys)
+        self._viewers.add_compare_actions(keys)
         for widget in (self.view.list, self.view.table):
             widget.addActions(keys)
         self.dock.visibilityChanged.connect(actions["snapshots"].setChecked)

@@ -42,7 +42,7 @@ class ViewerDocks(QObject):
         self._theme = theme
         self._window = window
         self.picture_actions: tuple[QAction, ...] = ()
-        self._keys: tuple[QAction, ...] = ()
+        self._compare_actions: tuple[QAction, ...] = ()
         self.images: dict[int, ImageViewer] = {}
         self.docks: dict[int, QDockWidget] = {}
         self.plot = PlotViewer(session, evaluator, theme)
@@ -58,12 +58,12 @@ class ViewerDocks(QObject):
         for viewer in self.images.values():
             viewer.window_actions = actions
 
-    def add_keys(self, actions: Sequence[QAction]) -> None:
-        """Let the keys of these actions of the window work where a picture or curves are."""
-        self._keys = tuple(actions)
-        self.plot.canvas.addActions(self._keys)
+    def add_compare_actions(self, actions: Sequence[QAction]) -> None:
+        """Offer these actions under Compare, and let their keys work on pictures and curves."""
+        self._compare_actions = tuple(actions)
+        self.plot.canvas.addActions(self._compare_actions)
         for viewer in self.images.values():
-            viewer.canvas.addActions(self._keys)
+            viewer.add_compare_actions(self._compare_actions)
 
     def look_at(self, number: int, port: str) -> None:
         """Show what is on ``node.port`` in an image viewer, and bring that to the front."""
@@ -149,7 +149,7 @@ class ViewerDocks(QObject):
         if viewer is None:
             viewer = ImageViewer(self._session, self._evaluator, self._theme, number)
             viewer.window_actions = self.picture_actions
-            viewer.canvas.addActions(self._keys)
+            viewer.add_compare_actions(self._compare_actions)
             dock = self._dock(f"Viewer {number}", f"dock.viewer_{number}", viewer)
             if self.docks:
                 self._window.tabifyDockWidget(list(self.docks.values())[-1], dock)
