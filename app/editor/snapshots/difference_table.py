@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QColor, QGuiApplication, QKeyEvent, QKeySequence
+from PySide6.QtGui import QAction, QColor, QGuiApplication, QKeyEvent, QKeySequence, QResizeEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHeaderView,
@@ -42,8 +42,9 @@ class DifferenceTable(QTableWidget):
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setTabKeyNavigation(False)
         self.setShowGrid(False)
+        self.setWordWrap(True)
         self.verticalHeader().hide()
-        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
+        self.verticalHeader().setMinimumSectionSize(self.fontMetrics().height() + 4)
         head = self.horizontalHeader()
         head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
         head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
@@ -87,6 +88,7 @@ class DifferenceTable(QTableWidget):
                 self._show_row(number, line)
         self._lines = tuple(lines)
         self._paint()
+        self.resizeRowsToContents()
 
     def _show_node(self, number: int, name: str) -> None:
         item = QTableWidgetItem(name)
@@ -127,6 +129,11 @@ class DifferenceTable(QTableWidget):
             self.copy()
         else:
             super().keyPressEvent(event)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Break the names anew."""
+        super().resizeEvent(event)
+        self.resizeRowsToContents()
 
     def keyboardSearch(self, search: str) -> None:
         """Letters are shortcuts here, and look nothing up."""

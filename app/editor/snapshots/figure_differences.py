@@ -14,6 +14,7 @@ from app.run.readout_tables import number_text
 
 Way = Literal["same", "up", "down", "other", "only A", "only B", "unit"]
 _ARROWS = {"up": "▲", "down": "▼"}
+_LEAST_PERCENT = 0.001  # written as a number
 
 
 @dataclass(frozen=True)
@@ -165,5 +166,13 @@ def _number_difference(a: float, b: float, unit: str) -> tuple[Way, str, str]:
     about = f"B \N{MINUS SIGN} A = {sign}{figure_text(difference, unit)}"
     if not (math.isfinite(difference) and a):
         return way, f"{_ARROWS[way]} {sign}{figure_text(difference, unit)}", about
-    share = f"{100.0 * difference / abs(a):+.3g} %".replace("-", "\N{MINUS SIGN}")
-    return way, f"{_ARROWS[way]} {share}", about
+    return way, f"{_ARROWS[way]} {_share_text(100.0 * difference / abs(a))}", about
+
+
+def _share_text(percent: float) -> str:
+    """A share in as many digits as one looks at."""
+    size = abs(percent)
+    if size < _LEAST_PERCENT:
+        return f"< {_LEAST_PERCENT:g} %"
+    digits = 3 if size >= 1.0 else 2
+    return f"{percent:+.{digits}g} %".replace("-", "\N{MINUS SIGN}")

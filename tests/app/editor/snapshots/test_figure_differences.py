@@ -27,7 +27,9 @@ def one(a, b):
         (0.0, 0.25, "up", "▲ +250 mK"),  # no share of nothing
         (0.25, 0.25, "same", "="),
         (1.0, 1.0 + 1e-9, "same", "="),  # nothing that six digits show
-        (1.0, 1.00001, "up", "▲ +0.001 %"),
+        (1.0, 1.00002, "up", "▲ +0.002 %"),
+        (1.0, 1.000005, "up", "▲ < 0.001 %"),
+        (1.0, 0.998766, "down", "▼ −0.12 %"),
         (math.inf, math.inf, "same", "="),
         (math.nan, math.nan, "same", "="),
         (1.0, math.nan, "other", "≠"),

@@ -7,6 +7,8 @@ from PySide6.QtGui import QPalette
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit
 
+from app.editor.snapshots.all_figures import AllFiguresQuery
+from app.editor.snapshots.keep_query import KeepQuery
 from app.editor.theme import THEMES
 from app.editor.viewers.pixels.grey_levels import grey_levels
 from colour_sight import contrast
@@ -222,9 +224,15 @@ def test_of_an_empty_network_nothing_is_kept(window, idle):
 
 def test_only_references_are_kept_and_in_a_quiet_moment(person):
     samples = person.viewer.picture.samples
+    viewers = person.window.viewers
+    queries = [person.viewer.queries(), viewers.plot.queries()]
     person.keep()
     (state,) = person.kept.snapshots.states
     assert state.results.pictures[PORT].samples is samples
+    # A pass after an edit has to answer what it had before, and waits for nothing else.
+    assert [person.viewer.queries(), viewers.plot.queries()] == queries
+    assert KeepQuery.waits
+    assert AllFiguresQuery.waits
     assert state.network is person.window.session.document.network
 
 
