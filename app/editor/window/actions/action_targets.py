@@ -116,7 +116,7 @@ def targets(window: Window) -> dict[str, Target]:
         "light": window.toggle_light,
         "generate": window.generate,
         "cancel": window.cancel,
-        "keep_snapshot": window.kept.comparing.keep,
+        "keep_snapshot": partial(_keep, window),
         "flip": window.kept.snapshots.flip,
         "wipe": window.kept.snapshots.wipe,
         "go_back": window.kept.snapshots.go_back,
@@ -137,6 +137,12 @@ def _group(window: Window) -> None:
     window.edits.group()
     if window.session.document.history.position != steps:
         window.panels.edit_name()
+
+
+def _keep(window: Window) -> None:
+    """Keep the present state, with what is still being typed."""
+    window.panels.finish_typing()
+    window.kept.comparing.keep()
 
 
 def _view(window: Window, number: int) -> None:

@@ -212,6 +212,20 @@ def test_the_keys_work_on_a_picture_over_the_whole_screen(person):
     assert person.window.full_screen.page is None
 
 
+def test_what_is_still_being_typed_is_kept(person):
+    session = person.window.session
+    session.select(["blur"])
+    person.idle()
+    field = person.window.panels.panels["blur"].findChild(QLineEdit, "value.sigma_x_mrad")
+    give_focus(field)
+    field.selectAll()
+    QTest.keyClicks(field, "7")
+    person.key(KEY.Key_K, CTRL)
+    (state,) = person.kept.snapshots.states
+    assert state.network.nodes["blur"].params["sigma_x_mrad"] == 7
+    assert field.text() == "7"
+
+
 def test_of_an_empty_network_nothing_is_kept(window, idle):
     window.files.new()
     idle(window)
