@@ -113,6 +113,7 @@ class SnapshotsView(Viewer):
         """Show what has changed meanwhile."""
         super().showEvent(event)
         self._fill_list()
+        self._fill_table()
 
     def _build(self) -> None:
         name = self.owner

@@ -78,6 +78,7 @@ class ImageViewer(Viewer):
         self._lost: Choices | None = None
         self._side: KeptSide | None = None
         self._prepared: Prepared | None = None
+        self._failed = False
         self._colours = "grey"
         self._full: tuple[Any, Facts] | None = None
         self.setAccessibleName(f"Image viewer {number}")
@@ -113,7 +114,7 @@ class ImageViewer(Viewer):
             return
         self._side = side
         picture = self.picture
-        if picture is not None:
+        if picture is not None and not self._failed:
             picture = replace(picture, other=None, refused="")
             if side is not None and side.kept is not None and self._prepared is not None:
                 picture = self._prepared.beside(picture, side.kept)
@@ -216,6 +217,7 @@ class ImageViewer(Viewer):
 
     def take(self, answer: Answer) -> None:
         """Show a picture, or the last one faintly with the reason why there is none."""
+        self._failed = answer.error is not None
         if isinstance(answer.value, Picture):
             picture = self._placed(answer.value)
             if picture.other is not None and self._side and self._side.kept is not None:

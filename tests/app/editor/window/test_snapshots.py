@@ -13,6 +13,7 @@ from app.editor.theme import THEMES
 from app.editor.viewers.pixels.grey_levels import grey_levels
 from colour_sight import contrast
 from core.editing.fields import set_parameter
+from core.editing.links import Rewire
 from core.editing.nodes import Remove
 from region_hands import PictureHand
 from window_hands import CTRL, KEY, SHIFT, give_focus
@@ -301,6 +302,27 @@ def test_the_list_has_name_time_and_what_changed_since(person):
     person.idle()
     assert rows.topLevelItem(0).text(2) == "as now"
     assert person.kept.snapshots.states == (state,)  # undo leaves snapshots alone
+
+
+def test_the_empty_list_says_what_to_do_first(person):
+    person.at_picture()
+    person.open_list()
+    assert person.kept.view.title.text() == "nothing is kept yet: Ctrl+K keeps the present state"
+    assert not person.kept.view.flip.isEnabled()
+    person.open_list()
+    assert not person.kept.view.isVisible()
+
+
+def test_a_picture_that_fails_stays_faint_while_keys_are_pressed(person):
+    person.keep()
+    link = next(link for link in person.window.session.network.links if link.target == "back")
+    person.window.session.do(Rewire((), (link,)))
+    person.idle()
+    why = person.viewer.status.title.text()
+    for key in (KEY.Key_K, KEY.Key_K, KEY.Key_W):
+        person.key(key)
+        assert person.viewer.canvas.first.opacity() < 0.5
+        assert person.viewer.status.title.text() == why
 
 
 def test_a_name_is_typed_without_flipping(person):
