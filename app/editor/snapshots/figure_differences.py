@@ -9,8 +9,8 @@ from typing import Any, Literal
 
 from app.editor.number_text import shown_figure
 from app.editor.snapshots.all_figures import NodeFigure
-from app.editor.viewers.figures.figures_strip import NONE, figure_text
-from app.run.readout_tables import number_text
+from app.editor.viewers.figures.figures_strip import NONE, figure_text, prefixed
+from app.run.readout_tables import number_text, without_rounding
 
 Way = Literal["same", "up", "down", "other", "only A", "only B", "unit"]
 _ARROWS = {"up": "▲", "down": "▼"}
@@ -100,34 +100,26 @@ def _value(figure: NodeFigure | None) -> Any:
 
 def _shown(a: NodeFigure | None, b: NodeFigure | None) -> tuple[str, str, str]:
     """Both values in four digits with one prefix, that of the larger, and the unit with it."""
-    units = {figure.unit for figure in (a, b) if figure is not None}
-    values = [_value(a), _value(b)]
-    numbers = [float(value) for value in values if _is_number(value)]
-    finite = [abs(number) for number in numbers if math.isfinite(number)]
-    unit = units.pop() if len(units) == 1 else ""
-    scale = 1.0
-    if finite and len(numbers) == len([value for value in values if value is not None]):
-        # The strip's own choice of a prefix, read off its text.
-        largest = max(finite)
-        text = figure_text(largest, unit).split(" ", 1)
-        if unit and len(text) == 2 and text[1] != unit and largest:
-            prefix = text[1].removesuffix(unit)
-            scale, unit = _SCALES[prefix], text[1]
-    return _plain(a, scale), _plain(b, scale), unit
+    figures = [figure for figure in (a, b) if figure is not None]
+    numbers = [float(figure.value) for figure in figures if _is_number(figure.value)]
+    sizes = [abs(number) for number in numbers if math.isfinite(number)]
+    factor, unit = 1.0, figures[0].unit
+    if any(figure.unit != unit for figure in figures):
+        unit = ""  # each is in its own, which the tooltip has
+    elif sizes:
+        factor, unit = prefixed(max(sizes), unit)
+    return _plain(a, factor), _plain(b, factor), unit
 
 
-_SCALES = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
-
-
-def _plain(figure: NodeFigure | None, scale: float) -> str:
+def _plain(figure: NodeFigure | None, factor: float) -> str:
     value = _value(figure)
     if value is None:
         return NONE
     if not _is_number(value):
         return shown_figure(value)
-    if isinstance(value, int) and scale == 1.0:
+    if isinstance(value, int) and factor == 1.0:
         return str(value).replace("-", "\N{MINUS SIGN}")
-    return f"{float(value) / scale:.4g}".replace("-", "\N{MINUS SIGN}")
+    return f"{float(value) / factor:.4g}".replace("-", "\N{MINUS SIGN}")
 
 
 def _difference(a: NodeFigure | None, b: NodeFigure | None) -> tuple[Way, str, str]:
@@ -140,7 +132,8 @@ def _difference(a: NodeFigure | None, b: NodeFigure | None) -> tuple[Way, str, s
     if not (_is_number(a.value) and _is_number(b.value)):
         same = type(a.value) is type(b.value) and bool(a.value == b.value)
         return ("same", "=", "the same") if same else ("other", "≠", "not the same")
-    return _number_difference(float(a.value), float(b.value), a.unit)
+    one, other = (float(without_rounding(float(f.value), f.unit)) for f in (a, b))
+    return _number_difference(one, other, a.unit)
 
 
 def _is_number(value: Any) -> bool:

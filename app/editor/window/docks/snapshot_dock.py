@@ -56,6 +56,7 @@ class SnapshotDock(QObject):
         area = Qt.DockWidgetArea.BottomDockWidgetArea
         self.dock = add_dock(window, "Snapshots", "dock.snapshots", self.view, area)
         self.dock.hide()
+        self.dock.visibilityChanged.connect(viewers.name_tabs)
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""

@@ -47,6 +47,11 @@ def test_no_difference_is_by_colour_alone():
     assert texts == {"▼", "=", "▲", "≠"}
 
 
+def test_what_rounding_leaves_of_zero_is_no_difference():
+    assert one(figure(1e-17, ""), figure(3e-17, "")).text == "="
+    assert one(figure(1e-17, "W/m²/sr"), figure(3e-17, "W/m²/sr")).text == "▲ +200 %"
+
+
 def test_to_infinity():
     row = one(figure(1.0), figure(math.inf))
     assert row.way == "up"

@@ -5,7 +5,7 @@ import pytest
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QPalette
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QLineEdit
+from PySide6.QtWidgets import QApplication, QLineEdit, QTabBar
 
 from app.editor.snapshots.all_figures import AllFiguresQuery
 from app.editor.snapshots.keep_query import KeepQuery
@@ -309,6 +309,9 @@ def test_the_empty_list_says_what_to_do_first(person):
     person.open_list()
     assert person.kept.view.title.text() == "nothing is kept yet: Ctrl+K keeps the present state"
     assert not person.kept.view.flip.isEnabled()
+    names = [bar.accessibleName() for bar in person.window.findChildren(QTabBar)]
+    assert names
+    assert all(names)
     person.open_list()
     assert not person.kept.view.isVisible()
 
