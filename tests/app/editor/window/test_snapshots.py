@@ -1,5 +1,8 @@
 """Snapshots in the window, by keys and mouse: kept, flipped, wiped, read, gone back to."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, Qt
@@ -249,6 +252,25 @@ def test_only_references_are_kept_and_in_a_quiet_moment(person):
     assert KeepQuery.waits
     assert AllFiguresQuery.waits
     assert state.network is person.window.session.document.network
+
+
+def test_of_what_was_computed_nothing_else_is_held(person):
+    person.window.files.open_now("kodak_kir310")
+    person.idle()
+    person.keep()
+    session, store = person.window.session, person.window.evaluator._runner._engine.store
+    computed = [entry[0] for entry in (*store._values.values(), *store._pinned.values())]
+    arrays = [weakref.ref(value) for value in computed if isinstance(value, np.ndarray)]
+    del computed
+    session.do(Remove(tuple(session.network.nodes)))
+    person.idle()
+    store.clear()
+    gc.collect()
+    (state,) = person.kept.snapshots.states
+    kept = {id(picture.samples) for picture in state.results.pictures.values()}
+    left = {id(array()) for array in arrays if array() is not None}
+    assert left == kept
+    assert len(left) < len(arrays)
 
 
 def test_an_edit_right_after_the_key_is_not_in_the_snapshot(person):
