@@ -1,4 +1,4 @@
-"""The operation that puts an earlier state of the whole network in the place of the present one."""
+"""The operation that puts a whole network in the place of the present one."""
 
 from __future__ import annotations
 
@@ -9,29 +9,33 @@ from core.network.network import Network
 
 
 @dataclass(frozen=True)
-class GoBack(Operation):
-    """Give the document a network that was kept.
+class Restored(Operation):
+    """The network as it was: undoes what changes nodes, links and mentions of them at once.
 
     Parameters
     ----------
     network : Network
         The state to go back to: nodes, wires, places, all of it.
-    name : str
-        What the state is called, for the undo menu.
+    label : str
+        Text in the undo menu.
     """
 
     network: Network
-    name: str
+    label: str
 
     @property
     def text(self) -> str:
         """What it does."""
-        return f"Go back to {self.name}"
+        return self.label
 
     def apply(self, network: Network) -> Network:  # noqa: ARG002 - whatever it has become
-        """The network that was kept."""
+        """That network."""
         return self.network
 
     def inverse(self, network: Network) -> Operation:
         """Back to the one before."""
-        return GoBack(network, self.name)
+        return Restored(network, self.label)
+
+    def joined(self, later: Operation) -> Operation | None:
+        """The later network."""
+        return later if isinstance(later, Restored) else None

@@ -15,7 +15,7 @@ from app.editor.session import Session
 from app.editor.snapshots.keep_query import KeepQuery
 from app.editor.snapshots.kept_state import KeptResults, KeptState, Source, bounded
 from app.editor.viewers.picture.kept_side import Way
-from core.editing.restoring import GoBack
+from core.editing.restoring import Restored
 from core.memory import store_bytes
 
 OWNER = "snapshots.kept"
@@ -96,7 +96,7 @@ class Snapshots(QObject):
         """Keep the present state with these pictures and curves; it is A from now on."""
         session, evaluator = self._session, self._evaluator
         posted, plan = evaluator.posted, evaluator.plan
-        network = session.network if posted is None else posted
+        network = session.plain if posted is None else posted
         planned = plan if plan is not None and plan.network is network else None
         source = Source(network, session.folder, planned)
         self._numbers += 1
@@ -153,7 +153,7 @@ class Snapshots(QObject):
         session = self._session
         if state is None:
             self._say_none()
-        elif session.do(GoBack(state.network, state.name)):
+        elif session.do(Restored(state.network, f"Go back to {state.name}")):
             session.message.emit("note", f"back at {state.name}; Ctrl+Z undoes it")
         else:
             session.message.emit("note", f"the network is as in {state.name} already")

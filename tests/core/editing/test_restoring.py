@@ -4,7 +4,7 @@ from app.run.shipped import shipped_networks
 from core.editing.document import Document
 from core.editing.fields import set_parameter
 from core.editing.nodes import Remove
-from core.editing.restoring import GoBack
+from core.editing.restoring import Restored
 from core.network.file import load_network
 from nodes.library import standard_library
 
@@ -17,7 +17,7 @@ def test_going_back_is_one_step_with_its_inverse():
     document.do(Remove(("blur",)))
     changed = document.text()
     steps = document.history.position
-    assert document.do(GoBack(kept, "Snapshot 1"))
+    assert document.do(Restored(kept, "Go back to Snapshot 1"))
     assert document.network is kept
     assert document.history.position == steps + 1
     assert document.history.undo_text == "Go back to Snapshot 1"
@@ -25,4 +25,4 @@ def test_going_back_is_one_step_with_its_inverse():
     assert document.text() == changed
     document.redo()
     assert document.network == kept
-    assert not document.do(GoBack(kept, "Snapshot 1"))  # it is there already
+    assert not document.do(Restored(kept, "Go back to Snapshot 1"))  # it is there already

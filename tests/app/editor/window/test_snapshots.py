@@ -403,6 +403,44 @@ def test_going_back_is_a_step_that_undo_takes_back(person):
     assert "as in Snapshot 1 already" in person.status
 
 
+def test_a_macro_is_grouped_compared_and_gone_back_from(person):
+    session, viewer = person.window.session, person.viewer
+    kept = session.document.text()
+    before = viewer.picture.samples
+    person.keep()
+    session.select(["init", "blur", "back"])
+    give_focus(person.window.canvas.view)
+    person.key(KEY.Key_G, CTRL)
+    QTest.keyClicks(QApplication.focusWidget(), "lens")
+    person.key(KEY.Key_Return)
+    grouped = session.document.text()
+    assert session.do(set_parameter("lens/blur", "sigma_x_mrad", 12.0))
+    person.idle()
+    person.keep()
+    person.window.viewers.look_at(1, "lens/back.image")
+    person.idle()
+    assert session.do(set_parameter("lens/blur", "sigma_x_mrad", 3.0))
+    person.idle()
+    person.at_picture()
+    person.key(KEY.Key_W)
+    person.idle()
+    assert viewer.canvas.wipe.isVisible()  # the wire inside was computed for A
+    rows = person.open_list()
+    assert rows.topLevelItem(0).text(2) == "lens/blur σ x 12 → 3 mrad"
+    assert "lens" in rows.topLevelItem(1).toolTip(2)
+    person.kept.snapshots.go_back(1)
+    person.idle()
+    assert session.document.text() == kept
+    session.undo()
+    session.undo()
+    session.undo()
+    assert session.document.text() == grouped
+    person.kept.snapshots.go_back(1)
+    viewer.look_at(PORT)
+    person.idle()
+    assert (viewer.picture.samples == before).all()
+
+
 def test_curves_of_a_stand_dashed_beside_those_of_b(person):
     plot = person.window.viewers.plot
     before = {curve.name: curve.mtf for curve in plot.data.curves}
