@@ -59,7 +59,7 @@ class KeepQuery(Query):
             plan = passing.engine.plan(source.network, folder=source.folder)
         of_state = replace(passing, plan=plan, work=SideWork(passing.work), reduced=1)
         pictures: dict[str, KeptPicture] = {}
-        curves: dict[Query, Data] = {}
+        curves: dict[Query, Data | None] = {}
         missing: dict[str, str] = {}
         for port in self.ports:
             try:
@@ -74,7 +74,7 @@ class KeepQuery(Query):
             except Cancelled:
                 raise
             except ImagechainError:  # the plot then has the present curves alone
-                continue
+                curves[query] = None
         figures = all_figures(of_state, of_state.work) if self.figures else None
         known = replace(source, plan=plan)
         return KeptResults(known, pictures, curves, figures, missing)

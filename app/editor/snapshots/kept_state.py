@@ -44,7 +44,7 @@ class KeptResults:
     pictures : mapping of str to KeptPicture
         By ``NODE.PORT``.
     curves : mapping of Query to data
-        What the plot viewer shows for each of its queries.
+        What the plot viewer shows for each of its queries; None where there is nothing.
     figures : tuple of NodeFigure, or None
         All figures; None until they are computed.
     missing : mapping of str to str
@@ -53,7 +53,7 @@ class KeptResults:
 
     source: Source
     pictures: Mapping[str, KeptPicture] = field(default_factory=dict)
-    curves: Mapping[Query, Data] = field(default_factory=dict)
+    curves: Mapping[Query, Data | None] = field(default_factory=dict)
     figures: tuple[NodeFigure, ...] | None = None
     missing: Mapping[str, str] = field(default_factory=dict)
 

@@ -221,8 +221,12 @@ class Snapshots(QObject):
             return
         results = answer.value
         if not isinstance(results, KeptResults):  # the network as a whole cannot be planned
-            why = dict.fromkeys(query.ports, str(answer.error))
-            results = KeptResults(state.results.source, missing=why)
+            results = KeptResults(
+                state.results.source,
+                curves=dict.fromkeys(query.curves),
+                figures=() if query.figures else None,
+                missing=dict.fromkeys(query.ports, str(answer.error)),
+            )
         self._put(replace(state, results=state.results.joined(results)))
         self._bound()
         self.changed.emit()

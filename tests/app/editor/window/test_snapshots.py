@@ -19,7 +19,7 @@ from core.editing.fields import set_parameter
 from core.editing.links import Rewire
 from core.editing.nodes import Remove
 from region_hands import PictureHand
-from window_hands import CTRL, KEY, SHIFT, give_focus
+from window_hands import CTRL, KEY, SHIFT, add, give_focus
 
 PORT = "back.image"
 PLAIN = Qt.KeyboardModifier.NoModifier
@@ -456,6 +456,21 @@ def test_curves_of_a_stand_dashed_beside_those_of_b(person):
     titles = [entry.title for entry in plot.canvas.drawing.entries]
     assert "A: Total" not in titles  # along η nothing has changed
     assert len(person.kept.snapshots.states[0].results.curves) == 2
+
+
+def test_what_a_has_not_is_looked_for_once(person, qtbot):
+    window = person.window
+    person.keep()
+    curve = add(window, "mtf_slices")
+    window.viewers.plot.look_at(f"{curve}.curve")
+    window.viewers.look_at(1, f"{add(window, 'test_scene')}.image")
+    person.at_picture()
+    person.key(KEY.Key_W)
+    person.idle()
+    assert "Snapshot 1 has no" in person.viewer.status.title.text()
+    generation = window.evaluator.generation
+    qtbot.wait(400)
+    assert window.evaluator.generation == generation
 
 
 @pytest.mark.parametrize("look", ["dark", "light"])
