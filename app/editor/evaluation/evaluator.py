@@ -23,6 +23,7 @@ from app.editor.session import Session
 from core.chain.engine import Plan
 from core.evaluation.policy import Policy
 from core.evaluation.store import Store
+from core.network.network import Network
 
 PATIENCE_S = 0.33
 LOOK_MS = 100
@@ -109,6 +110,7 @@ class Evaluator(QObject):
         self._document = self._edits = self._generates = self._gestures = 0
         self._edited_at = time.perf_counter()
         self._plan: Plan | None = None
+        self._posted: Network | None = None
         self._badges: Mapping[str, Badge] = {}
         self._shown_badges: dict[str, Badge] = {}
         self._busy: Busy | None = None
@@ -128,6 +130,11 @@ class Evaluator(QObject):
     def plan(self) -> Plan | None:
         """The network as it was planned last; None before the first pass."""
         return self._plan
+
+    @property
+    def posted(self) -> Network | None:
+        """The network as it is computed, of the newest state; `plan` has it once it is planned."""
+        return self._posted
 
     @property
     def idle(self) -> bool:
@@ -227,6 +234,7 @@ class Evaluator(QObject):
             self._start()
         session = self._session
         network, barred = session.shares.without_barred(session.plain, session.library)
+        self._posted = network
         self._inbox.post(
             Snapshot(
                 self._generation,

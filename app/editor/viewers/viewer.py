@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from PySide6.QtCore import Signal
 from PySide6.QtGui import QCloseEvent, QHideEvent, QShowEvent
 from PySide6.QtWidgets import QWidget
 
@@ -35,7 +36,14 @@ class Viewer(QWidget):
         The viewer's name, unique in the window.
     parent : QWidget, optional
         Qt's owner.
+
+    Signals
+    -------
+    posted
+        Its queries have been posted: it may show something else.
     """
+
+    posted = Signal()
 
     def __init__(
         self,
@@ -82,6 +90,7 @@ class Viewer(QWidget):
         self._posted = tuple(self.queries())
         if self.evaluator is not None:
             self.evaluator.ask(self.owner, self._posted)
+        self.posted.emit()
 
     def showEvent(self, event: QShowEvent) -> None:
         """Post queries from now on."""

@@ -29,6 +29,7 @@ from app.editor.window.docks.dock_places import Curtain, add_dock, stand_behind
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import Docks, LayoutName
+from app.editor.window.docks.snapshot_dock import SnapshotDock
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.docks.window_layout import WindowLayout, first_size
 from app.editor.window.documents.drops import Drops
@@ -105,6 +106,7 @@ class MainWindow(QMainWindow):
         self.viewers.set_picture_actions(
             self.actions_by_name["full_screen"], self.actions_by_name["export"]
         )
+        self.kept.follow_actions(self.actions_by_name)
         for name in ("minimap", "thumbnails"):
             self.actions_by_name[name].setChecked(True)
         self.layout_in_use.place()
@@ -152,6 +154,7 @@ class MainWindow(QMainWindow):
         for part in (*parts, self.history, self.status):
             part.set_theme(theme)
         self.viewers.set_theme(theme)
+        self.kept.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
 
     def toggle_light(self) -> None:
@@ -202,9 +205,10 @@ class MainWindow(QMainWindow):
 
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""
-        viewers = [*self.viewers.images.values(), self.viewers.plot, self.viewers.tradeoff]
+        beside = (self.viewers.plot, self.viewers.tradeoff, self.kept.view, self.history)
+        viewers = [*self.viewers.images.values(), *beside]
         card, sides = self.tour.card, (self.library_view, self.panels)
-        go_to_next([self.welcome, self.canvas, card, *sides, self.history, *viewers], step)
+        go_to_next([self.welcome, self.canvas, card, *sides, *viewers], step)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Close, unless work would be lost: then ask first, and change nothing until answered."""
@@ -283,6 +287,7 @@ class MainWindow(QMainWindow):
         self.history = HistoryList(self.session)
         self.history_dock = add_dock(self, "History", "dock.history", self.history, _RIGHT)
         self.history_dock.hide()
+        self.kept = SnapshotDock(self.session, self.evaluator, self.theme, self.viewers, self)
 
     def _docks(self) -> Docks:
         viewers = self.viewers
@@ -292,6 +297,7 @@ class MainWindow(QMainWindow):
             self.panel_dock,
             viewers.plot_dock,
             viewers.tradeoff_dock,
+            self.kept.dock,
             tuple(viewers.docks.values()),
             viewers.images[1],
         )

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from core.editing.fields import set_network_field, set_parameter
-from core.editing.macros.inside import Restored, addressed, at_level, parameters_of
+from core.editing.macros.inside import addressed, at_level, parameters_of
 from core.editing.nodes import fresh_name
 from core.editing.operation import ABSENT, Operation, Together
+from core.editing.restoring import Restored
 from core.errors import NetworkError
 from core.expressions.grammar import ExpressionError, Reference, readable
 from core.names import close, shown, thaw

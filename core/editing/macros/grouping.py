@@ -16,7 +16,6 @@ from core.editing.macros.border_links import (
     with_lifted,
     with_moved_names,
 )
-from core.editing.macros.inside import Restored
 from core.editing.macros.macro_wires import (
     inner_links,
     inputs_of,
@@ -28,6 +27,7 @@ from core.editing.macros.macro_wires import (
 from core.editing.nodes import Point, fresh_name
 from core.editing.operation import Operation, named
 from core.editing.references import of_nodes, renamed, without_dots
+from core.editing.restoring import Restored
 from core.editing.wire_dots import dots_among, dots_of, joined_fields, shifted
 from core.errors import NetworkError
 from core.names import shown, thaw

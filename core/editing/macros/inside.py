@@ -14,6 +14,7 @@ from core.editing.nodes import Move, Remove, Rename
 from core.editing.operation import ABSENT, Operation, Together, together
 from core.editing.output_mark import SetOutput
 from core.editing.references import dropped, renamed
+from core.editing.restoring import Restored
 from core.errors import NetworkError
 from core.names import shown, thaw
 from core.network.expansion import unfolded
@@ -28,31 +29,6 @@ from core.network.macro import (
     with_face,
 )
 from core.network.network import Link, Network, Node
-
-
-@dataclass(frozen=True)
-class Restored(Operation):
-    """The network as it was: undoes what changes nodes, links and mentions of them at once."""
-
-    network: Network
-    label: str
-
-    @property
-    def text(self) -> str:
-        """What it does."""
-        return self.label
-
-    def apply(self, network: Network) -> Network:  # noqa: ARG002 - whatever it has become
-        """That network."""
-        return self.network
-
-    def inverse(self, network: Network) -> Operation:
-        """Back to the one before."""
-        return Restored(network, self.label)
-
-    def joined(self, later: Operation) -> Operation | None:
-        """The later network."""
-        return later if isinstance(later, Restored) else None
 
 
 @dataclass(frozen=True)

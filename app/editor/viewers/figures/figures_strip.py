@@ -33,11 +33,17 @@ def figure_text(value: Any, unit: str) -> str:
         return NONE
     if not isinstance(value, int | float):
         return str(value)
-    text = f"{value:.4g} {unit}"
+    factor, shown_unit = prefixed(value, unit)
+    text = f"{value / factor:.4g} {shown_unit}"
+    return text.strip().replace("-", "\N{MINUS SIGN}")
+
+
+def prefixed(value: float, unit: str) -> tuple[float, str]:
+    """What a figure is divided by to be read well, and its unit with the prefix for that."""
     if unit in _PREFIXED and value and math.isfinite(value):
         power = min(9, max(-9, 3 * math.floor(math.log10(abs(float(f"{value:.4g}"))) / 3)))
-        text = f"{value / 10.0**power:.4g} {_PREFIXES[power]}{unit}"
-    return text.strip().replace("-", "\N{MINUS SIGN}")
+        return 10.0**power, f"{_PREFIXES[power]}{unit}"
+    return 1.0, unit
 
 
 class FiguresStrip(Viewer):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,13 @@ from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.neighbours import neighbours
 from app.editor.viewers.network_ports import ports_by_node
+from app.editor.viewers.picture.kept_side import (
+    KeptSide,
+    Prepared,
+    as_drawn,
+    query_beside,
+    sides_of,
+)
 from app.editor.viewers.picture.picture_bar import PictureBar
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.picture.picture_context_menu import open_context_menu
@@ -33,13 +40,14 @@ from app.editor.viewers.viewer import Viewer
 from app.editor.widgets.elided_label import centred_hint
 from core.errors import UsageError
 from core.network.network import Network
+from nodes.files.formats import PNG
 
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
 
 
 class ImageViewer(Viewer):
-    """Shows one wire, or two compared.
+    """Shows one wire, or two compared, or one as it is beside what was kept of it.
 
     Parameters
     ----------
@@ -68,6 +76,9 @@ class ImageViewer(Viewer):
         self.choices = Choices()
         self.picture: Picture | None = None
         self._lost: Choices | None = None
+        self._side: KeptSide | None = None
+        self._prepared: Prepared | None = None
+        self._failed = False
         self._colours = "grey"
         self._full: tuple[Any, Facts] | None = None
         self.setAccessibleName(f"Image viewer {number}")
@@ -85,6 +96,34 @@ class ImageViewer(Viewer):
     def compare_with(self, port: str | None, mode: str = "wipe") -> None:
         """Compare with another wire: "wipe" or "difference"; None ends it."""
         self._choose(other=port, mode="alone" if port is None else mode)
+
+    def add_compare_actions(self, actions: Sequence[QAction]) -> None:
+        """Offer these actions of the window under Compare, and let their keys work here."""
+        self.canvas.addActions(actions)
+        self.bar.compare.menu.addSection("With a snapshot")
+        self.bar.compare.menu.addActions(actions)
+
+    @property
+    def kept_side(self) -> KeptSide | None:
+        """What was kept of the wire, as it is compared now; None where it is not."""
+        return self._side
+
+    def compare_kept(self, side: KeptSide | None) -> None:
+        """Compare with an earlier state of the wire; None ends it."""
+        if side == self._side:
+            return
+        self._side = side
+        picture = self.picture
+        if picture is not None and not self._failed:
+            picture = replace(picture, other=None, refused="")
+            if side is not None and side.kept is not None and self._prepared is not None:
+                picture = self._prepared.beside(picture, side.kept)
+            self._show(picture)
+        self.ask()
+
+    def forget_kept(self) -> None:
+        """Hold nothing of an earlier state any more."""
+        self._prepared = None
 
     def link_to(self, other: ImageViewer, on: bool = True) -> None:
         """Show the same part of the picture as another viewer does, and the other way round."""
@@ -110,14 +149,18 @@ class ImageViewer(Viewer):
         """
         if self.picture is None:
             raise UsageError("the viewer shows no picture")
-        save_picture(self.picture, path, colour_table(self._colours), self.canvas.split)
+        picture, side = self.picture, self._side
+        if side is not None and (PNG.matches(path) or side.way == "flip"):
+            picture = as_drawn(picture, side)
+        save_picture(picture, path, colour_table(self._colours), self.canvas.split)
 
     def copy(self) -> None:
         """Copy the picture as it looks to the clipboard."""
         if self.picture is not None:
             table = colour_table(self._colours)
+            picture = as_drawn(self.picture, self._side)
             QApplication.clipboard().setImage(
-                QImage.fromData(shown_png(self.picture, table, self.canvas.split))
+                QImage.fromData(shown_png(picture, table, self.canvas.split))
             )
 
     def set_theme(self, theme: Theme) -> None:
@@ -160,12 +203,12 @@ class ImageViewer(Viewer):
 
     def queries(self) -> tuple[Query, ...]:
         """The picture that is chosen."""
-        query = self.choices.query
+        query = self._query
         return () if query is None else (query,)
 
     def accepts(self, query: Query) -> bool:
         """Whether it is what is chosen; while levels are dragged, also with those of before."""
-        chosen = self.choices.query
+        chosen = self._query
         return (
             isinstance(query, PictureQuery)
             and chosen is not None
@@ -174,12 +217,13 @@ class ImageViewer(Viewer):
 
     def take(self, answer: Answer) -> None:
         """Show a picture, or the last one faintly with the reason why there is none."""
+        self._failed = answer.error is not None
         if isinstance(answer.value, Picture):
-            self.picture = picture = self._placed(answer.value)
+            picture = self._placed(answer.value)
+            if picture.other is not None and self._side and self._side.kept is not None:
+                self._prepared = Prepared(self._side.kept, picture)
             self._pages.setCurrentWidget(self.canvas)
-            self.canvas.show_picture(picture)
-            self.status.show_text(facts_text(picture, self.choices))
-            self.probe.show_picture(picture, self.choices)
+            self._show(picture)
             self.region.show_picture(picture, self.choices.port)
         else:
             self.canvas.make_faint()
@@ -197,7 +241,23 @@ class ImageViewer(Viewer):
 
     def follow_opening(self) -> None:
         """Show nothing of another document."""
+        self._side = self._prepared = None
         self.look_at(None)
+
+    @property
+    def _query(self) -> PictureQuery | None:
+        return query_beside(self.choices, self._side)
+
+    def _show(self, picture: Picture) -> None:
+        """Show a picture and its other half, with what they are."""
+        self.picture, side = picture, self._side
+        self.canvas.show_sides(*sides_of(self.choices, side))
+        self.canvas.show_picture(picture)
+        against = (side.name, side.way) if side is not None else ()
+        text = picture.refused or (side.missing if side is not None else "")
+        text = text or facts_text(picture, self.choices, *against)
+        self.status.show_text(text, failed=bool(picture.refused))
+        self.probe.show_picture(picture, self.choices, kept=side is not None)
 
     def _build(self) -> None:
         self.bar = PictureBar(self.session, self.owner, self)

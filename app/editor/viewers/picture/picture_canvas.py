@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, Qt, Signal
@@ -13,12 +13,15 @@ from app.editor.theme import Theme
 from app.editor.viewers.picture.levels_bar import LevelsBar
 from app.editor.viewers.picture.picture_item import PictureItem, extent
 from app.editor.viewers.picture.profile_line import ProfileLine
+from app.editor.viewers.picture.side_names import SideNames
 from app.editor.viewers.pixels.colour_maps import colour_table
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.plot.plot_looks import bare, paint_axes
 from app.editor.viewers.region.region_overlay import RegionOverlay
 
 Zoom = tuple[float, ...]
+Sides = Literal["first left", "second left", "second alone", "first alone"]
+"""Which of two pictures lies on which side of the wipe, or covers all."""
 _STEPS = {
     Qt.Key.Key_Left: (-1, 0),
     Qt.Key.Key_Right: (1, 0),
@@ -26,6 +29,7 @@ _STEPS = {
     Qt.Key.Key_Down: (0, 1),
 }
 _FAINT = 0.35
+_WIPE_STEP = 0.01  # of the width, for a key
 
 
 class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
@@ -65,6 +69,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.cross = pg.ScatterPlotItem(symbol="crosshair", size=17)
         for item in (self.first, self.second, self.wipe, self.cross):
             self.plot.addItem(item)
+        self.names = SideNames(self.view, self, theme)
         self.levels = LevelsBar(theme)
         self.addItem(self.levels, row=0, col=1)
         self.profile = ProfileLine(self.plot, self.ci, self)
@@ -73,6 +78,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._picture: Picture | None = None
         self._place = QRectF()
         self._split = 0.5
+        self._sides: Sides = "first left"
         self._wanted: Zoom | None = None
         self._colours = "grey"
         self._moving = False
@@ -91,6 +97,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.levels.set_theme(theme)
         self.profile.set_theme(theme)
         self.region.set_theme(theme)
+        self.names.set_theme(theme)
         self.wipe.setPen(theme.accent, width=2)
         self.wipe.setHoverPen(theme.changed, width=3)
         self.cross.setPen(theme.accent, width=2)
@@ -108,9 +115,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.first.show_picture(picture, table, place)
         if picture.other is not None:
             self.second.show_picture(picture.other, table, place)
-            self.second.show_from(self._split)
-        self.second.setVisible(picture.other is not None)
-        self.wipe.setVisible(picture.other is not None)
+        self._divide()
         for item in (self.first, self.second):
             item.setOpacity(1.0)
         self.levels.show_spread(picture.spread, picture.levels)
@@ -126,9 +131,18 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.fitted = True
         for item in (self.first, self.second):
             item.clear()
-        self.wipe.setVisible(False)
+        self._divide()
         self.mark(None)
         self.profile.clear()
+
+    def show_sides(self, sides: Sides, left: str = "", right: str = "") -> None:
+        """Show two pictures so, with the names of what is on the left and on the right.
+
+        What covers all has its name on the left.
+        """
+        self._sides = sides
+        self.names.show(left, right)
+        self._divide()
 
     def show_histogram(self, shown: bool) -> None:
         """Show the histogram or not."""
@@ -219,11 +233,17 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
             super().contextMenuEvent(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Move the probe by the arrows; zoom by plus, minus, 0 or F (all) and 1 (dot by dot)."""
+        """Move the probe by the arrows; zoom by plus, minus, 0 or F (all) and 1 (dot by dot).
+
+        With Ctrl the arrows move the wipe.
+        """
         key = Qt.Key(event.key())
         step = _STEPS.get(key)
-        if step is not None:
-            far = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
+        far = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
+        if step is not None and event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            if self.wipe.isVisible():
+                self.set_split(self._split + step[0] * far * _WIPE_STEP)
+        elif step is not None:
             self.stepped.emit(step[0] * far, step[1] * far)
         elif key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
             self.zoom_by(1.25)
@@ -261,12 +281,29 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.wipe.setBounds((left, right))
         self.wipe.setValue(left + self._split * (right - left))
         self._moving = False
-        self.second.show_from(self._split)
+        self._divide()
 
     def _wiped(self) -> None:
         if not self._moving and self._place.width() > 0:
             self._split = (self.wipe.value() - self._place.left()) / self._place.width()
-            self.second.show_from(self._split)
+            self._divide()
+
+    def _divide(self) -> None:
+        """Show of the second picture what its side has."""
+        picture, split = self._picture, self._split
+        both = picture is not None and picture.other is not None
+        parts: dict[Sides, tuple[float, float]] = {
+            "first left": (split, 1.0),
+            "second left": (0.0, split),
+            "second alone": (0.0, 1.0),
+            "first alone": (1.0, 1.0),
+        }
+        start, end = parts[self._sides]
+        divided = both and self._sides in ("first left", "second left")
+        self.second.show_part(start, end)
+        self.second.setVisible(both and end > start)
+        self.wipe.setVisible(divided)
+        self.names.place(self._place if both else QRectF(), split if divided else 1.0)
 
     @property
     def split(self) -> float:

@@ -22,11 +22,11 @@ def extent(facts: Facts) -> QRectF:
 
 
 class PictureItem(pg.ImageItem):  # type: ignore[misc]
-    """Shows a picture from a share of its width on: 0 all of it, 1 nothing."""
+    """Shows a picture between two shares of its width: 0 and 1, all of it."""
 
     def __init__(self) -> None:
         super().__init__(axisOrder="row-major")
-        self._from = 0.0
+        self._part = (0.0, 1.0)
 
     def show_picture(self, picture: Picture, table: Table, place: QRectF) -> None:
         """Show this picture at this place."""
@@ -37,18 +37,21 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
         """Show it in other colours."""
         self.setLookupTable(_lookup(table))
 
-    def show_from(self, share: float) -> None:
-        """Show it from there on."""
-        self._from = share
-        self.update()
+    def show_part(self, start: float, end: float) -> None:
+        """Show it from there to there."""
+        if (start, end) != self._part:
+            self._part = start, end
+            self.update()
 
     def paint(self, painter: QPainter, *args: Any) -> None:
         """Draw what is to be seen of it."""
-        if self._from <= 0:
+        if self._part == (0.0, 1.0):
             super().paint(painter, *args)
             return
-        bounds = self.boundingRect()
-        bounds.setLeft(bounds.left() + self._from * bounds.width())
+        bounds, (start, end) = self.boundingRect(), self._part
+        left, width = bounds.left(), bounds.width()
+        bounds.setLeft(left + start * width)
+        bounds.setRight(left + end * width)
         painter.save()
         painter.setClipRect(bounds)
         super().paint(painter, *args)

@@ -94,6 +94,7 @@ class CompareMenu(QObject):
 
     def __init__(self, menu: QMenu) -> None:
         super().__init__(menu)
+        self.menu = menu
         menu.addSection("Show")
         self.mode = Radio(menu, MODES)
         menu.addSeparator()

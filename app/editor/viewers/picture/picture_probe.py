@@ -31,12 +31,18 @@ class PictureProbe(QObject):
         self._status = status
         self._picture: Picture | None = None
         self._choices = Choices()
+        self._kept = False
         self._place: tuple[int, int] | None = None
         canvas.pointed.connect(self._point_at)
         canvas.stepped.connect(self._step)
 
-    def show_picture(self, picture: Picture | None, choices: Choices) -> None:
-        """Show the sample of another picture; at the same place, if it has such axes."""
+    def show_picture(
+        self, picture: Picture | None, choices: Choices, *, kept: bool = False
+    ) -> None:
+        """Show the sample of another picture; at the same place, if it has such axes.
+
+        With `kept` its other half is what was kept of it, and both samples are named.
+        """
         before = self._picture
         if self._place and before and picture and before.facts.kind == picture.facts.kind:
             row, column = self._place
@@ -44,7 +50,7 @@ class PictureProbe(QObject):
             self._place = index_at(picture.facts, x, y)
         else:
             self._place = None
-        self._picture, self._choices = picture, choices
+        self._picture, self._choices, self._kept = picture, choices, kept
         self._show_sample()
 
     def _point_at(self, place: Any) -> None:
@@ -68,4 +74,5 @@ class PictureProbe(QObject):
         self._show_sample()
 
     def _show_sample(self) -> None:
-        self._status.show_more(sample_text(self._picture, self._place, self._choices))
+        text = sample_text(self._picture, self._place, self._choices, kept=self._kept)
+        self._status.show_more(text)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.pixels import picture_steps as steps
-from app.editor.viewers.pixels.grey_levels import Range, Spread, grey_levels
+from app.editor.viewers.pixels.grey_levels import Range, Spread, grey_levels, spread_of
+from app.editor.viewers.pixels.kept_picture import KeptPicture, why_not_compared
 from app.editor.viewers.pixels.picture_facts import (
     Facts,
     check_is_picture,
@@ -58,6 +59,8 @@ class Picture:
         The other half of a wipe.
     reduced : int
         Above 1 in a preview.
+    refused : str
+        Why the kept picture it was to be compared with is not its other half, in one line.
     """
 
     facts: Facts
@@ -69,6 +72,7 @@ class Picture:
     value: Any
     other: Picture | None = None
     reduced: int = 1
+    refused: str = ""
 
     @property
     def logarithmic(self) -> bool:
@@ -95,6 +99,8 @@ class PictureQuery(Query):
     levels : "extremes", "percentiles" or (low, high)
         What becomes black and white: the extremes, the quantiles of 0.5 % and 99.5 %, or these
         mapped values. A linear difference has automatic levels that put 0 in the middle.
+    kept : KeptPicture or None
+        An earlier state's picture, as the other half: mapped as the present one is, to its levels.
     """
 
     urgency: ClassVar[int] = 0
@@ -105,6 +111,7 @@ class PictureQuery(Query):
     mode: Mode = "alone"
     mapping: Scale = "linear"
     levels: Levels = "extremes"
+    kept: KeptPicture | None = None
 
     def key(self, plan: Plan) -> Hashable:
         """The question and the content of the wires."""
@@ -113,6 +120,8 @@ class PictureQuery(Query):
     def answer(self, passing: Passing) -> Picture:
         """The picture."""
         first = self._source(passing, self.port)
+        if self.kept is not None:
+            return self._beside(passing, self._shown(passing, first, self.levels), self.kept)
         if self.mode == "alone" or self.other is None:
             return self._shown(passing, first, self.levels)
         second = self._source(passing, self.other)
@@ -123,6 +132,46 @@ class PictureQuery(Query):
         automatic: Levels = self.levels if isinstance(self.levels, str) else "extremes"
         right = self._shown(passing, second, left.levels if same else automatic)
         return replace(left, other=right)
+
+    def kept_picture(self, passing: Passing) -> KeptPicture:
+        """What is on the wire now, to be compared with what will be.
+
+        Raises
+        ------
+        ImagechainError
+            If it cannot be shown.
+        """
+        source = self._source(passing, self.port)
+        node = self.port.rpartition(".")[0]
+        try:
+            with watched(node):
+                samples = passing.work.value(source.recipe)
+                spread = passing.work.value(Step.of(steps.spread, source.recipe, name=self.port))
+        except ImagechainError as error:
+            raise error.at(node) from error
+        return KeptPicture(self.port, source.value, samples, source.facts, spread)
+
+    def _beside(self, passing: Passing, now: Picture, kept: KeptPicture) -> Picture:
+        """The present picture with the kept one as its other half, where they compare."""
+        work, samples, facts = passing.work, kept.samples, kept.facts
+        if self.mapping == "spectrum" and isinstance(kept.value, Image):
+            samples, facts = steps.centred_modulus(work, samples), spectrum_facts(kept.value)
+        shown = now.facts
+        if passing.reduced > 1:  # a preview has fewer samples: their number is known later
+            shown = replace(shown, rows=facts.rows, columns=facts.columns)
+        refused = why_not_compared(facts, shown)
+        if refused:
+            return replace(now, refused=refused)
+        log = self.mapping == "log" or samples is not kept.samples
+        mapped = steps.logarithm(work, samples) if log else samples
+        work.check()
+        grey = grey_levels(mapped, *now.levels, for_each=work.for_each)
+        grey.flags.writeable = False
+        spread = kept.spread
+        if mapped is not kept.samples:
+            spread = spread_of(mapped, for_each=work.for_each)
+        other = Picture(facts, samples, grey, now.levels, spread, self.mapping, kept.value)
+        return replace(now, other=other)
 
     @property
     def _ports(self) -> tuple[str, ...]:

@@ -4,16 +4,27 @@ from __future__ import annotations
 
 from app.editor.viewers.pixels.picture_choices import Choices
 from app.editor.viewers.pixels.picture_query import Picture
-from app.editor.viewers.pixels.probing import probe, probe_text
+from app.editor.viewers.pixels.probing import (
+    other_probe,
+    place_text,
+    probe,
+    probe_text,
+    value_text,
+)
 
 
-def facts_text(picture: Picture, choices: Choices) -> str:
-    """Size, quantity and unit, and what it is compared with."""
+def facts_text(picture: Picture, choices: Choices, kept: str = "", way: str = "") -> str:
+    """Size, quantity and unit, and what it is compared with: another wire, or what was kept."""
     facts = picture.facts
     parts = [f"{facts.columns} × {facts.rows}", facts.title]
     if picture.logarithmic:
         parts[1] = f"log₁₀ {parts[1]}"
-    if picture.other is not None:
+    if picture.other is not None and kept:
+        parts.insert(0, f"left A {kept}, right B now" if way == "wipe" else f"A {kept}")
+        bands = picture.other.facts.band_um, facts.band_um
+        if bands[0] != bands[1]:
+            parts.append(f"A in {_band(bands[0])}, B in {_band(bands[1])}")
+    elif picture.other is not None:
         parts.insert(0, f"left {choices.port}, right {choices.other}")
     elif choices.compares and choices.mode == "difference":
         parts.insert(0, f"{choices.port} − {choices.other}")
@@ -22,16 +33,28 @@ def facts_text(picture: Picture, choices: Choices) -> str:
     return " · ".join(parts)
 
 
-def sample_text(picture: Picture | None, place: tuple[int, int] | None, choices: Choices) -> str:
-    """The sample at a row and column; of a wipe, those of both sides."""
+def _band(band_um: tuple[float, float] | None) -> str:
+    return "no band" if band_um is None else f"{band_um[0]:g} to {band_um[1]:g} µm"
+
+
+def sample_text(
+    picture: Picture | None, place: tuple[int, int] | None, choices: Choices, *, kept: bool = False
+) -> str:
+    """The sample at a row and column; of a wipe, those of both sides.
+
+    With `kept` the other one is A, from before, and stands first.
+    """
     if picture is None or place is None or (sample := probe(picture, *place)) is None:
         return ""
-    difference = choices.compares and choices.mode == "difference"
-    text = probe_text(picture, sample, difference=difference)
-    if picture.other is not None:
-        facts, other = picture.facts, picture.other.facts
-        row = int((place[0] + 0.5) * other.rows / facts.rows)
-        column = int((place[1] + 0.5) * other.columns / facts.columns)
-        value = float(picture.other.samples[row, column])
-        text += f"  |  {value:.6g} {other.unit}".replace("-", "\N{MINUS SIGN}")
+    if picture.other is None:
+        difference = choices.compares and choices.mode == "difference"
+        return probe_text(picture, sample, difference=difference)
+    other = other_probe(picture, picture.other, *place)
+    if not kept:
+        return f"{probe_text(picture, sample)}  |  {value_text(picture.other, other)}"
+    text = f"{place_text(picture, sample)}:  A {value_text(picture.other, other)}"
+    text += f"  |  B {value_text(picture, sample)}"
+    if sample.temperature_K is not None and other.temperature_K is not None:
+        difference_K = sample.temperature_K - other.temperature_K
+        text += f"  |  B \N{MINUS SIGN} A {difference_K:+.3f} K".replace("-", "\N{MINUS SIGN}")
     return text

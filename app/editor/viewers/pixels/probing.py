@@ -55,21 +55,40 @@ def index_at(facts: Facts, x: float, y: float) -> tuple[int, int]:
     return round(facts.along.index(y)), round(facts.across.index(x))
 
 
+def other_probe(picture: Picture, other: Picture, row: int, column: int) -> Probe:
+    """The sample of the other half of a wipe, which is laid over all of the picture."""
+    facts, its = picture.facts, other.facts
+    row = int((row + 0.5) * its.rows / facts.rows)
+    sample = probe(other, row, int((column + 0.5) * its.columns / facts.columns))
+    assert sample is not None  # inside the one is inside the other
+    return sample
+
+
+def place_text(picture: Picture, sample: Probe) -> str:
+    """For people: where a sample lies."""
+    facts = picture.facts
+    x, y = facts.across.at(sample.column), facts.along.at(sample.row)
+    if facts.kind == "plane":
+        text = f"{facts.across.label} {x:.4g}  {facts.along.label} {y:.4g} {facts.across.unit}"
+    else:
+        text = f"row {y:.10g}  column {x:.10g}"
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def value_text(picture: Picture, sample: Probe, *, difference: bool = False) -> str:
+    """For people: what a sample is, and how warm it seems."""
+    text = f"{sample.value:.6g} {picture.facts.unit}".rstrip()
+    if sample.temperature_K is not None and not difference:
+        text += f"  {sample.temperature_K:.2f} K"
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
 def probe_text(picture: Picture, sample: Probe, *, difference: bool = False) -> str:
     """For people: where, what, and how warm it seems.
 
     The temperature of a difference means nothing.
     """
-    facts = picture.facts
-    x, y = facts.across.at(sample.column), facts.along.at(sample.row)
-    if facts.kind == "plane":
-        where = f"{facts.across.label} {x:.4g}  {facts.along.label} {y:.4g} {facts.across.unit}"
-    else:
-        where = f"row {y:.10g}  column {x:.10g}"
-    text = f"{where}:  {sample.value:.6g} {facts.unit}".rstrip()
-    if sample.temperature_K is not None and not difference:
-        text += f"  {sample.temperature_K:.2f} K"
-    return text.replace("-", "\N{MINUS SIGN}")
+    return f"{place_text(picture, sample)}:  {value_text(picture, sample, difference=difference)}"
 
 
 def along_line(samples: NDArray[Any], start: Place, end: Place) -> tuple[Vector, Vector]:

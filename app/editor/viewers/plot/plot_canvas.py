@@ -141,7 +141,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     def _curve(self, plot: pg.PlotItem, line: Line) -> pg.PlotDataItem:
         curve = plot.plot(pen=self.pen(line.name))
         entry = next(entry for entry in self.drawing.entries if entry.name == line.name)
-        curve.setZValue(1 if entry.bound else 2 if entry.total else 3)
+        curve.setZValue(1 if entry.bound or entry.of else 2 if entry.total else 3)
         return curve
 
     def _follow_marks(self) -> None:

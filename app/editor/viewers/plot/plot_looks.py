@@ -20,6 +20,7 @@ _DASHES = (
     Qt.PenStyle.DashDotLine,
 )
 _PIECE = 9.0  # dots of a curve before what is beneath is seen
+_KEPT = (5.0, 4.0)  # dots of a kept curve, and of its gaps
 _FAINT = 200  # of 255, the opacity of a limit
 _PLAIN = range(-4, 5)  # powers of ten that are written out
 
@@ -72,10 +73,14 @@ def entry_pen(entries: Sequence[Entry], name: str, theme: Theme) -> QPen:
     """The pen of an entry of the legend.
 
     Products have the text's colour, a limit that of the curve it is around; what lies on other
-    curves is dashed.
+    curves is dashed, and so is a kept curve, in the colour of the present one.
     """
     place = next(place for place, entry in enumerate(entries) if entry.name == name)
     entry, colours = entries[place], theme.curves
+    if entry.of:
+        kept = entry_pen(entries, entry.of, theme)
+        kept.setDashPattern([length / kept.widthF() for length in _KEPT])
+        return kept
     if entry.total:
         before = sum(earlier.total for earlier in entries[:place])
         return thick(theme.text, 2, _DASHES[min(before, 1)])

@@ -19,6 +19,7 @@ from app.editor.viewers.network_ports import followed
 from app.editor.viewers.plot.bar_chart import BarChart
 from app.editor.viewers.plot.curve_list import CurveList
 from app.editor.viewers.plot.curves_query import CurvesQuery, PortDataQuery, TransferCurves
+from app.editor.viewers.plot.kept_lines import with_kept
 from app.editor.viewers.plot.plot_bar import PlotBar
 from app.editor.viewers.plot.plot_canvas import PlotCanvas
 from app.editor.viewers.plot.plot_export import Data, export
@@ -60,6 +61,8 @@ class PlotViewer(Viewer):
         self.parts: Parts = "mtf"
         self.log: bool | None = None
         self.data: Data | None = None
+        self._kept: tuple[Data | None, str] = (None, "")
+        self._made_of_kept: tuple[tuple[Data, bool, str], Drawing] | None = None
         self._lost: str | None = None
         self._switched: dict[str, bool] = {}
         self._build()
@@ -92,6 +95,14 @@ class PlotViewer(Viewer):
         """Plot with a logarithmic ordinate or not; None: as the data are best seen."""
         self.log = log
         self._draw()
+
+    def compare_kept(self, data: Data | None, name: str = "") -> None:
+        """Draw the curves of a kept state, of that name, beside the present ones; None: no more."""
+        before, self._kept = self._kept, (data, name)
+        if data is None:
+            self._made_of_kept = None
+        if before[0] is not data or before[1] != name:
+            self._draw()
 
     def export(self, path: Path) -> None:
         """Write what is shown (``.png``, ``.svg``), or all of its numbers (``.csv``).
@@ -176,7 +187,7 @@ class PlotViewer(Viewer):
 
     def follow_opening(self) -> None:
         """Plot the chain of another document."""
-        self.data = None
+        self.data, self._kept = None, (None, "")
         self.canvas.framed = True
         self._switched.clear()
         self.look_at(None)
@@ -269,11 +280,9 @@ class PlotViewer(Viewer):
             self._pages.setCurrentWidget(self.table)
             return
         self._pages.setCurrentWidget(self._curves)
-        drawing = Drawing("")
-        if isinstance(data, TransferCurves):
-            drawing = transfer_drawing(data, self.parts, log=log)
-        elif isinstance(data, CurveData):
-            drawing = curve_drawing(data, log=log)
+        drawing = self._drawing(data, log)
+        if (kept := self._kept[0]) is not None and type(kept) is type(data):
+            drawing = with_kept(drawing, self._drawing_of_kept(kept, log), self._kept[1])
         before = self.canvas.drawing
         shown = self._shown(drawing)
         self.canvas.show_drawing(drawing, shown)
@@ -283,14 +292,32 @@ class PlotViewer(Viewer):
         if (drawing.entries, drawing.note) != (before.entries, before.note):
             self._fill_list()
 
+    def _drawing(self, data: Data | None, log: bool) -> Drawing:
+        if isinstance(data, TransferCurves):
+            return transfer_drawing(data, self.parts, log=log)
+        return curve_drawing(data, log=log) if isinstance(data, CurveData) else Drawing("")
+
+    def _drawing_of_kept(self, kept: Data, log: bool) -> Drawing:
+        """Made once, not with each edit."""
+        how = kept, log, self.parts
+        if self._made_of_kept is None or any(
+            one is not other for one, other in zip(self._made_of_kept[0], how, strict=True)
+        ):
+            self._made_of_kept = how, self._drawing(kept, log)
+        return self._made_of_kept[1]
+
     def _fill_list(self) -> None:
         drawing = self.canvas.drawing
         self.list.fill(drawing.entries, self._shown(drawing), self.canvas.pen, drawing.note)
         self._fit_list()
 
     def _shown(self, drawing: Drawing) -> set[str]:
+        """What is ticked; a kept curve comes and goes with the present one."""
+        switched = self._switched
         return {
-            entry.name for entry in drawing.entries if self._switched.get(entry.name, entry.shown)
+            entry.name
+            for entry in drawing.entries
+            if switched.get(entry.name, switched.get(entry.of or entry.name, entry.shown))
         }
 
     def _show_transfer_status(self, curves: TransferCurves) -> None:

@@ -39,6 +39,8 @@ class Entry:
         Whether it is a limit around the entry before it.
     over : int
         On how many of the entries before it it lies: these are to be seen through it.
+    of : str
+        The entry of the present state, where it is the same curve of a kept one; else empty.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Entry:
     shown: bool = True
     bound: bool = False
     over: int = 0
+    of: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,7 @@ from app.editor.window.actions.help import Help
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import DEFAULT, LayoutName
+from app.editor.window.docks.snapshot_dock import SnapshotDock
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.files import Files
 from app.editor.window.documents.preset_shelf import PresetShelf
@@ -41,6 +42,7 @@ class Window(Protocol):
     evaluator: Evaluator
     full_screen: FullScreen
     shelf: PresetShelf
+    kept: SnapshotDock
     tour: FirstTour
     history: HistoryList
 
@@ -120,6 +122,11 @@ def targets(window: Window) -> dict[str, Target]:
         "light": window.toggle_light,
         "generate": window.generate,
         "cancel": window.cancel,
+        "keep_snapshot": partial(_typed_first, window, window.kept.comparing.keep),
+        "flip": window.kept.snapshots.flip,
+        "wipe": window.kept.snapshots.wipe,
+        "go_back": window.kept.snapshots.go_back,
+        "snapshots": window.kept.toggle,
         "shortcuts": window.help.shortcuts,
         "module_help": window.help.module,
         "first_tour": window.tour.begin,

@@ -52,6 +52,7 @@ MOUSE = (
     ("Mouse", "Open", "drop a file", "A picture becomes Read Image, a network is opened"),
     ("Mouse", "Region", "⬚, or R on a picture", "Draw the region of the selected module"),
     ("Mouse", "Move a region", "drag, or arrow keys", "Shift: by 10; Ctrl: its last edges; Esc"),
+    ("Mouse", "Move a wipe", "drag, or Ctrl+arrow", "Of A and B, or two wires; Shift: by more"),
     ("Mouse", "Default", "right-click on a value", "Reset it to its default"),
 )
 

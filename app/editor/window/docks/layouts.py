@@ -27,7 +27,7 @@ class Docks:
 
     Parameters
     ----------
-    library, history, panels, curves, tradeoff : QDockWidget
+    library, history, panels, curves, tradeoff, snapshots : QDockWidget
         One of each.
     viewers : sequence of QDockWidget
         Those of pictures, by number.
@@ -40,16 +40,19 @@ class Docks:
     panels: QDockWidget
     curves: QDockWidget
     tradeoff: QDockWidget
+    snapshots: QDockWidget
     viewers: Sequence[QDockWidget]
     picture: ImageViewer
 
     @property
     def all(self) -> tuple[QDockWidget, ...]:
         """Every dock."""
-        return (
-            *(self.library, self.history, self.panels),
-            *(*self.viewers, self.curves, self.tradeoff),
-        )
+        return (self.library, self.panels, *self.viewers, *self.beside)
+
+    @property
+    def beside(self) -> tuple[QDockWidget, ...]:
+        """Those of curves and figures, and the history, one behind another."""
+        return (self.curves, self.tradeoff, self.snapshots, self.history)
 
 
 def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
@@ -57,8 +60,8 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
 
     Which of the other docks are open stays.
     """
-    may_be_open = (docks.history, *docks.viewers[1:], docks.tradeoff)
-    was_open = [dock for dock in may_be_open if not dock.isHidden()]
+    others = (*docks.viewers[1:], *docks.beside[1:])
+    was_open = [dock for dock in others if not dock.isHidden()]
     for dock in docks.all:
         dock.setFloating(False)
         window.removeDockWidget(dock)
@@ -78,8 +81,8 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
         if layout == "picture_below":
             way = (docks.panels, docks.curves, _Along)
         window.splitDockWidget(*way)
-    window.tabifyDockWidget(docks.curves, docks.tradeoff)
-    window.tabifyDockWidget(docks.tradeoff, docks.history)
+    for before, dock in zip(docks.beside, docks.beside[1:], strict=False):
+        window.tabifyDockWidget(before, dock)
     for before, dock in zip(docks.viewers, docks.viewers[1:], strict=False):
         window.tabifyDockWidget(before, dock)
     for dock in (docks.library, docks.panels, first, docks.curves, *was_open):
@@ -105,9 +108,7 @@ def size(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
         window.resizeDocks([docks.curves, docks.panels], [round(0.5 * left)] * 2, _Across)
         return
     needed = [
-        dock.minimumSizeHint().width()
-        for dock in (docks.panels, docks.curves, docks.tradeoff)
-        if dock.isVisible()
+        dock.minimumSizeHint().width() for dock in (docks.panels, *docks.beside) if dock.isVisible()
     ]
     side = max(round(min(max(45 * unit, 0.235 * width), 90 * unit)), *needed, 0)
     if layout == "canvas_first":

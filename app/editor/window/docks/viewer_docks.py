@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QWidget
@@ -40,6 +42,7 @@ class ViewerDocks(QObject):
         self._theme = theme
         self._window = window
         self.picture_actions: tuple[QAction, ...] = ()
+        self._compare_actions: tuple[QAction, ...] = ()
         self.images: dict[int, ImageViewer] = {}
         self.docks: dict[int, QDockWidget] = {}
         self.plot = PlotViewer(session, evaluator, theme)
@@ -54,6 +57,13 @@ class ViewerDocks(QObject):
         self.picture_actions = actions
         for viewer in self.images.values():
             viewer.window_actions = actions
+
+    def add_compare_actions(self, actions: Sequence[QAction]) -> None:
+        """Offer these actions under Compare, and let their keys work on pictures and curves."""
+        self._compare_actions = tuple(actions)
+        self.plot.canvas.addActions(self._compare_actions)
+        for viewer in self.images.values():
+            viewer.add_compare_actions(self._compare_actions)
 
     def look_at(self, number: int, port: str) -> None:
         """Show what is on ``node.port`` in an image viewer, and bring that to the front."""
@@ -139,6 +149,7 @@ class ViewerDocks(QObject):
         if viewer is None:
             viewer = ImageViewer(self._session, self._evaluator, self._theme, number)
             viewer.window_actions = self.picture_actions
+            viewer.add_compare_actions(self._compare_actions)
             dock = self._dock(f"Viewer {number}", f"dock.viewer_{number}", viewer)
             if self.docks:
                 self._window.tabifyDockWidget(list(self.docks.values())[-1], dock)
@@ -149,11 +160,11 @@ class ViewerDocks(QObject):
 
     def _dock(self, title: str, name: str, widget: QWidget) -> QDockWidget:
         dock = add_dock(self._window, title, name, widget, _BOTTOM)
-        dock.visibilityChanged.connect(self._name_tabs)
+        dock.visibilityChanged.connect(self.name_tabs)
         self.made.emit(dock)
         return dock
 
-    def _name_tabs(self, _visible: bool) -> None:
+    def name_tabs(self, _visible: bool) -> None:
         """Tabs of docks behind one another are Qt's own, made when needed."""
         if not isValid(self._window):  # type: ignore[no-untyped-call] # they vanish with the window
             return

@@ -1,0 +1,1 @@
+"""Snapshots: kept states of the network, compared with the present one in pictures and figures."""
