@@ -25,6 +25,7 @@ from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.focus import go_to_next
 from app.editor.window.actions.help import Help
 from app.editor.window.actions.menu_actions import Actions
+from app.editor.window.background.background_runs import BackgroundRuns
 from app.editor.window.docks.dock_places import Curtain, add_dock
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.layouts import Docks, LayoutName
@@ -152,6 +153,7 @@ class MainWindow(QMainWindow):
         ):
             part.set_theme(theme)
         self.viewers.set_theme(theme)
+        self.runs.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
 
     def toggle_light(self) -> None:
@@ -200,19 +202,24 @@ class MainWindow(QMainWindow):
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""
         viewers = [*self.viewers.images.values(), self.viewers.plot, self.viewers.tradeoff]
-        card = self.tour.card
-        go_to_next(
-            [self.welcome, self.canvas, card, self.library_view, self.panels, *viewers], step
-        )
+        parts = [self.welcome, self.canvas, self.tour.card, self.library_view, self.panels]
+        go_to_next([*parts, *viewers, self.runs.view], step)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Close, unless work would be lost: then ask first, and change nothing until answered."""
         if not self._ended and self.files.has_unsaved_work():
             event.ignore()
-            self.files.ask_to_save(self.close_for_good)
+            self.files.ask_to_save(self._close_with_runs)
+        elif not self._ended and self.runs.go_on(self.close_for_good):
+            event.ignore()
         else:
             self._end()
             event.accept()
+
+    def _close_with_runs(self) -> None:
+        """Close, once it is answered whether what runs in the background is to end."""
+        if not self.runs.go_on(self.close_for_good):
+            self.close_for_good()
 
     def finish_typing(self) -> None:
         """Take what was typed and not taken yet, wherever that is."""
@@ -251,6 +258,7 @@ class MainWindow(QMainWindow):
         for other in self.findChildren(QWidget):
             if other.isWindow():
                 other.hide()
+        self.runs.close()
         self.evaluator.close()
         self.autosaver.close()
 
@@ -279,6 +287,7 @@ class MainWindow(QMainWindow):
         self.library_dock = add_dock(self, "Library", "dock.library", self.library_view, _LEFT)
         self.panel_dock = add_dock(self, "Control panels", "dock.panels", self.panels, _RIGHT)
         self.viewers = ViewerDocks(self.session, self.evaluator, self.theme, self)
+        self.runs = BackgroundRuns(self.session, self.theme, self, self.finish_typing)
 
     def _docks(self) -> Docks:
         viewers = self.viewers
@@ -287,6 +296,7 @@ class MainWindow(QMainWindow):
             self.panel_dock,
             viewers.plot_dock,
             viewers.tradeoff_dock,
+            self.runs.dock,
             tuple(viewers.docks.values()),
             viewers.images[1],
         )
@@ -299,6 +309,8 @@ class MainWindow(QMainWindow):
         self.viewers.made.connect(self._add_toggle)
         in_front = self.viewers.tradeoff_dock.visibilityChanged
         in_front.connect(self.actions_by_name["trade_off"].setChecked)
+        self.runs.dock.visibilityChanged.connect(self.actions_by_name["runs"].setChecked)
+        self.runs.dock.visibilityChanged.connect(self.viewers.name_tabs)
 
     def _add_toggle(self, dock: Any) -> None:
         self.menus["&View"].addAction(dock.toggleViewAction())

@@ -27,7 +27,7 @@ class Docks:
 
     Parameters
     ----------
-    library, panels, curves, tradeoff : QDockWidget
+    library, panels, curves, tradeoff, runs : QDockWidget
         One of each.
     viewers : sequence of QDockWidget
         Those of pictures, by number.
@@ -39,13 +39,14 @@ class Docks:
     panels: QDockWidget
     curves: QDockWidget
     tradeoff: QDockWidget
+    runs: QDockWidget
     viewers: Sequence[QDockWidget]
     picture: ImageViewer
 
     @property
     def all(self) -> tuple[QDockWidget, ...]:
         """Every dock."""
-        return (self.library, self.panels, *self.viewers, self.curves, self.tradeoff)
+        return (self.library, self.panels, *self.viewers, self.curves, self.tradeoff, self.runs)
 
 
 def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
@@ -53,7 +54,8 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
 
     Which of the other docks are open stays.
     """
-    was_open = [dock for dock in (*docks.viewers[1:], docks.tradeoff) if not dock.isHidden()]
+    beside = (*docks.viewers[1:], docks.tradeoff, docks.runs)
+    was_open = [dock for dock in beside if not dock.isHidden()]
     for dock in docks.all:
         dock.setFloating(False)
         window.removeDockWidget(dock)
@@ -74,6 +76,7 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
             way = (docks.panels, docks.curves, _Along)
         window.splitDockWidget(*way)
     window.tabifyDockWidget(docks.curves, docks.tradeoff)
+    window.tabifyDockWidget(docks.tradeoff, docks.runs)
     for before, dock in zip(docks.viewers, docks.viewers[1:], strict=False):
         window.tabifyDockWidget(before, dock)
     for dock in (docks.library, docks.panels, first, docks.curves, *was_open):
@@ -100,7 +103,7 @@ def size(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
         return
     needed = [
         dock.minimumSizeHint().width()
-        for dock in (docks.panels, docks.curves, docks.tradeoff)
+        for dock in (docks.panels, docks.curves, docks.tradeoff, docks.runs)
         if dock.isVisible()
     ]
     side = max(round(min(max(45 * unit, 0.235 * width), 90 * unit)), *needed, 0)

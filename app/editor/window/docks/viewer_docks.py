@@ -149,11 +149,11 @@ class ViewerDocks(QObject):
 
     def _dock(self, title: str, name: str, widget: QWidget) -> QDockWidget:
         dock = add_dock(self._window, title, name, widget, _BOTTOM)
-        dock.visibilityChanged.connect(self._name_tabs)
+        dock.visibilityChanged.connect(self.name_tabs)
         self.made.emit(dock)
         return dock
 
-    def _name_tabs(self, _visible: bool) -> None:
+    def name_tabs(self, _visible: bool) -> None:
         """Tabs of docks behind one another are Qt's own, made when needed."""
         if not isValid(self._window):  # type: ignore[no-untyped-call] # they vanish with the window
             return
