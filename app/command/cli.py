@@ -6,7 +6,7 @@ import gc
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from app.options.stopping import Stop, Stopped, stoppable
 from app.options.terminal_streams import discard, print_error, usable_streams
@@ -41,13 +41,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         warnings.catch_warnings(),
     ):
         warnings.simplefilter("ignore")
-        return _exit_code(words, stop)
+        return exit_code(stop, _carry_out, words, stop)
 
 
-def _exit_code(words: list[str], stop: Stop) -> int:
-    """Carry out the words; what goes wrong becomes a line on stderr."""
+def exit_code(stop: Stop, carry_out: Callable[..., object], *words: object) -> int:
+    """Call a function that a signal may stop; what goes wrong becomes a line on stderr."""
     try:
-        stop.during(_carry_out, words, stop)
+        stop.during(carry_out, *words)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         discard(sys.stdout)

@@ -7,6 +7,7 @@ import os
 import threading
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -78,25 +79,66 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
     check_folder(folder)
     rules = write_rules(options, place, folder)
     with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
-        sinks = sink_targets(plan, place.folder)
-        writers = _claim(plan, options, staging)
-        _claim_guarded(own_files(plan, folder), sinks, rules, staging)
         with Progress(len(plan.nodes)) as progress:
-            work = TimedWork(_policy(options), engine.store, progress, cancel)
-            work.check()
-            ports = [port for _, port, _ in writers]
-            with work.hold(needed_later(plan, ports, report=bool(options.reports))):
-                evaluation = evaluate(engine, plan, work, place.folder)
-                evaluation.seconds["total"] = time.perf_counter() - start
-                _write(evaluation, writers, staging, folder, options.frames, rules)
-                skipped = skips(plan, work)  # before the reports, whose pictures need more
-                _write_reports(evaluation, skipped, options, staging)
+            work = TimedWork(policy_of(options), engine.store, progress, cancel)
+            stage = Stage(folder, staging, rules)
+            evaluation, skipped = stage.prepare(engine, plan, work, options, start=start)
         work.check()
         too_late(cancel)
         forgotten = rules.commit(staging)
-    _print(evaluation, skipped, folder, options, sinks)
+    _print(evaluation, skipped, folder, options, sink_targets(plan, place.folder))
     if forgotten:
         print(in_line(f"not remembered for the next run, which needs {OPTION}: {forgotten}"))
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Where the files of a run are prepared: their folder, and what they may be.
+
+    Parameters
+    ----------
+    folder : Path
+        The output folder.
+    staging : Staging
+        Collects the files until all of them are put in place.
+    rules : WriteRules
+        What the network may write.
+    done : callable, optional
+        Called with the number of frames written, after each.
+    look : callable, optional
+        Called with the evaluation while its pictures are held.
+    """
+
+    folder: Path
+    staging: Staging
+    rules: WriteRules
+    done: Callable[[int], None] | None = None
+    look: Callable[[Evaluation], object] | None = None
+
+    def prepare(
+        self, engine: Engine, plan: Plan, work: TimedWork, options: Options, *, start: float
+    ) -> tuple[Evaluation, tuple[Skip, ...]]:
+        """Evaluate a network and write its files on the stage; `start` is when all began.
+
+        Raises
+        ------
+        ImagechainError
+            The first fault.
+        """
+        staging, place = self.staging, plan.folder
+        writers = _claim(plan, options, staging)
+        _claim_guarded(own_files(plan, self.folder), sink_targets(plan, place), self.rules, staging)
+        work.check()
+        ports = [port for _, port, _ in writers]
+        with work.hold(needed_later(plan, ports, report=bool(options.reports))):
+            evaluation = evaluate(engine, plan, work, place)
+            evaluation.seconds["total"] = time.perf_counter() - start
+            _write(evaluation, writers, self, options.frames)
+            if self.look is not None:
+                self.look(evaluation)
+            skipped = skips(plan, work)  # before the reports, whose pictures need more
+            _write_reports(evaluation, skipped, options, staging)
+        return evaluation, skipped
 
 
 def open_network(place: Place, options: Options, library: Library) -> Network:
@@ -108,6 +150,17 @@ def open_network(place: Place, options: Options, library: Library) -> Network:
         If it is not.
     """
     network = read_network(place.path, library=library)
+    return with_options(network, place, options, library)
+
+
+def with_options(network: Network, place: Place, options: Options, library: Library) -> Network:
+    """A network that has been read, with the command line's changes, valid.
+
+    Raises
+    ------
+    ImagechainError
+        If it is not.
+    """
     if not network.nodes:
         raise NetworkError(f"{shown(str(place.path))}: the network has no nodes")
     network = plain_network(network, library=library)
@@ -126,7 +179,8 @@ def open_network(place: Place, options: Options, library: Library) -> Network:
     return network
 
 
-def _policy(options: Options) -> Policy:
+def policy_of(options: Options) -> Policy:
+    """Precision, tolerance and threads as the command line gives them."""
     return Policy(options.precision, options.tolerance, options.threads)
 
 
@@ -217,15 +271,14 @@ def _region(save: Save, value: Any) -> Region | None:
 def _write(
     evaluation: Evaluation,
     saves: list[tuple[Path, str, Region | None]],
-    staging: Staging,
-    folder: Path,
+    stage: Stage,
     frames: int | None,
-    rules: WriteRules,
 ) -> None:
+    staging, folder = stage.staging, stage.folder
     for path, port, region in saves:
-        staging.write(path, partial(_save, evaluation, port, region, frames))
-    for node, path, writer in _sink_files(evaluation):
-        staging.write(path, writer, partial(rules.check, node))
+        staging.write(path, partial(_save, evaluation, port, region, (frames, stage.done)))
+    for node, path, writer in sink_files(evaluation):
+        staging.write(path, writer, partial(stage.rules.check, node))
     if evaluation.chain.final is not None:
         staging.write(folder / FINAL, partial(_final_png, evaluation, evaluation.chain.final))
     staging.write(folder / MTF, partial(write_text, content=mtf_csv(evaluation.responses)))
@@ -252,19 +305,31 @@ def _write_reports(
 
 
 def _save(
-    evaluation: Evaluation, port: str, region: Region | None, frames: int | None, path: Path
+    evaluation: Evaluation,
+    port: str,
+    region: Region | None,
+    counted: tuple[int | None, Callable[[int], None] | None],
+    path: Path,
 ) -> None:
     value = evaluation.plan.output(port)
+    (frames, done), work = counted, evaluation.work
     try:
         if frames is not None and isinstance(value, Image):
-            save_frames(value, path, evaluation.work, port=port, frames=frames, region=region)
+            save_frames(value, path, work, port=port, frames=frames, region=region, done=done)
         else:
-            save_value(value, path, evaluation.work, port=port, region=region)
+            save_value(value, path, work, port=port, region=region)
     except ImagechainError as error:
         raise error.at(port.rpartition(".")[0]) from error
 
 
-def _sink_files(evaluation: Evaluation) -> list[tuple[str, Path, Callable[[Path], None]]]:
+def sink_files(evaluation: Evaluation) -> list[tuple[str, Path, Callable[[Path], None]]]:
+    """Files that nodes write, their pictures computed: node, file, and what writes it.
+
+    Raises
+    ------
+    ImagechainError
+        Of the node.
+    """
     files: list[tuple[str, Path, Callable[[Path], None]]] = []
     for name, node in evaluation.plan.nodes.items():
         if not node.declaration.sink or node.node.disabled:

@@ -68,11 +68,11 @@ def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
         if not options.figures:
             figures = changing_figures([f for f in figures if f.text != varied.text], curves)
         results = Results(
-            network.name or place.name, varied, second, figures, curves, _present(plan, varied)
+            network.name or place.name, varied, second, figures, curves, present_value(plan, varied)
         )
         _check_figures(results)
         for path in options.outputs:
-            staging.write(path, partial(_write, results))
+            staging.write(path, partial(write_results, results))
         if cancel is not None and cancel.is_set():
             raise Cancelled("stopped on request")
         warnings = engine.warnings(plan, engine.work(_policy(options)), known_only=True)
@@ -158,7 +158,8 @@ def _points(
     return sweep.points(engine, engine.plan(network, folder=plan.folder, previous=plan), work)
 
 
-def _present(plan: Plan, varied: Variation) -> Any:
+def present_value(plan: Plan, varied: Variation) -> Any:
+    """The value of a parameter in the network as it stands."""
     default = None if varied.parameter.required else varied.parameter.default
     return plan.node(varied.node).node.params.get(varied.parameter.name, default)
 
@@ -174,7 +175,8 @@ def _check_figures(results: Results) -> None:
     raise UsageError(f"{OPTION} {results.varied.text}: no value of it gives a figure{why}")
 
 
-def _write(results: Results, path: Path) -> None:
+def write_results(results: Results, path: Path) -> None:
+    """Write a trade-off in the format of the path's suffix."""
     if CSV.matches(path):
         write_text(path, printable(csv_text(results)))
     elif JSON.matches(path):

@@ -13,6 +13,11 @@ class ChosenOutputs:
     def __init__(self) -> None:
         self._files: set[Path] = set()
 
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """What was chosen while this document was open."""
+        return tuple(sorted(self._files))
+
     def forget(self) -> None:
         """Another document has been opened."""
         self._files.clear()

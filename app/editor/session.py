@@ -225,6 +225,11 @@ class Session(QObject):
             self._keep(partial(self._outputs.saved, before, self._document.path))
         return True
 
+    @property
+    def chosen_outputs(self) -> tuple[Path, ...]:
+        """Files to be written that were chosen while the document was open."""
+        return self._outputs.files
+
     def choose_output(self, file: Path) -> None:
         """The person has chosen a file to be written: a run of this network may write it."""
         self._keep(partial(self._outputs.add, file.absolute(), self._document.path))

@@ -43,12 +43,15 @@ class WriteRules:
         Nodes whose file the user has named on the command line.
     record : WriteRecord
         What it has written before.
+    how_to_allow : str
+        What lifts the rule where there is no command line.
     """
 
     folders: tuple[Path, ...]
     allowed: tuple[Path, ...]
     given: frozenset[str]
     record: WriteRecord
+    how_to_allow: str = ""
 
     def check(self, node: str, target: Path) -> None:
         """Refuse a file that the network may not write.
@@ -72,7 +75,7 @@ class WriteRules:
             return
         if any(_within(real, folder) for folder in self.allowed):
             return
-        lift = f"{OPTION} {shlex.quote(str(real.parent))} allows it"
+        lift = self.how_to_allow or f"{OPTION} {shlex.quote(str(real.parent))} allows it"
         leads = f" (a link to {real})" if target.is_symlink() else ""
         if not any(_within(real, folder) for folder in self.folders):
             why = "it lies outside the network's folder and the output folder"

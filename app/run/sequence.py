@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -19,9 +20,18 @@ MOST_FRAMES = 1_000_000
 
 
 def save_frames(
-    image: Image, path: Path, work: Work, *, port: str, frames: int, region: Region | None = None
+    image: Image,
+    path: Path,
+    work: Work,
+    *,
+    port: str,
+    frames: int,
+    region: Region | None = None,
+    done: Callable[[int], None] | None = None,
 ) -> None:
     """Write a ``.npy`` of shape (frames, rows, columns), one frame after the other.
+
+    `done` is called after each with the number of frames that are written.
 
     Raises
     ------
@@ -34,10 +44,12 @@ def save_frames(
         # Not mapped into memory: a disk that is full then ends the process (SIGBUS).
         with path.open("wb") as file:
             write_npy_header(file, (frames, rows, columns), work.policy.dtype)
-            for made in work.one_by_one(recipes, region):
+            for number, made in enumerate(work.one_by_one(recipes, region), start=1):
                 work.check()
                 frame = real_array(made, work)
                 check_finite(frame, port)
                 file.write(np.ascontiguousarray(frame).data)
+                if done is not None:
+                    done(number)
     except OSError as error:
         raise FileError(f"cannot write {path}: {error.strerror or error}") from error

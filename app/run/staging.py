@@ -146,6 +146,18 @@ class Staging:
             raise
         self._staged.append(_Staged(file, real, target))
 
+    def protect(self, path: Path) -> None:
+        """No output may replace this file either."""
+        self._inputs.add(real_target(path))
+
+    def drop(self, folder: Path) -> None:
+        """Give up every file below a folder: none of them is put in place."""
+        real = real_target(folder)
+        self._staged = [file for file in self._staged if not file.target.is_relative_to(real)]
+        for target in [file for file in self._claimed if file.is_relative_to(real)]:
+            del self._claimed[target]
+            self._guards.pop(target, None)
+
     def guarded(self) -> list[tuple[Path, Path]]:
         """Targets that have a guard, links resolved, each with the file prepared for it."""
         return [

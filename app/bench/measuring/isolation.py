@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from pathlib import Path
 
 from app.options.command_options import Options
+from app.run import own_process
 
 # Every block a measurement frees would else go back to the system, and its pages be faulted in
 # again by the next one: half of the time of a transform, at the kernel's whim.
@@ -23,21 +23,17 @@ def isolate(options: Options) -> None:
         return
     sys.stdout.flush()
     os.execve(
-        sys.executable, command("app.command.cli", *_words(options)), {**environment(), **STEADY}
+        sys.executable,
+        own_process.command("app.command.cli", *_words(options)),
+        {**environment(), **STEADY},
     )
-
-
-def command(module: str, *words: str) -> list[str]:
-    """Words that run one of our modules in a new process, wherever that starts."""
-    return [sys.executable, "-P", "-m", module, *words]
 
 
 def environment() -> dict[str, str]:
     """Environment of a child as a user would have it, but able to find our packages."""
-    root = str(Path(__file__).resolve().parents[3])
-    variables = {name: value for name, value in os.environ.items() if name not in STEADY}
-    path = [root, *filter(None, [variables.get("PYTHONPATH")])]
-    return {**variables, "PYTHONPATH": os.pathsep.join(path)}
+    return own_process.environment(
+        {name: value for name, value in os.environ.items() if name not in STEADY}
+    )
 
 
 def _words(options: Options) -> list[str]:

@@ -9,7 +9,8 @@ from typing import Any
 
 from app.bench.measuring.bench_settings import Settings
 from app.bench.measuring.bench_tables import Table, verdict
-from app.bench.measuring.isolation import command, environment
+from app.bench.measuring.isolation import environment
+from app.run.own_process import command
 
 FIRST_PICTURE_S = 2.5
 PICTURES_PER_S = {1024: 15.0, 512: 30.0}

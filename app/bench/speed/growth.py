@@ -21,7 +21,8 @@ from typing import Any
 
 from app.bench.measuring.bench_settings import Settings
 from app.bench.measuring.bench_tables import Chart, Table, verdict
-from app.bench.measuring.isolation import STEADY, command, environment
+from app.bench.measuring.isolation import STEADY, environment
+from app.run.own_process import command
 
 ELECTRONICS = "electronics"
 MEMORY_REACH, MEMORY_AIM = 3.0, 2.0

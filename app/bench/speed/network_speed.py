@@ -10,11 +10,12 @@ from typing import Any
 
 from app.bench.measuring.bench_settings import Settings
 from app.bench.measuring.bench_tables import Chart, Table, verdict
-from app.bench.measuring.isolation import command, environment
+from app.bench.measuring.isolation import environment
 from app.bench.measuring.kodak import FINAL, NAME, PIXELS, SHIPPED_SIZE, Kodak
 from app.bench.measuring.timing import paired, round_trip, seconds
 from app.bench.speed.growth import growth
 from app.bench.truth.stage_by_stage import whole_chain
+from app.run.own_process import command
 
 HEADS = {
     "subject": "subject",

@@ -25,6 +25,7 @@ from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.focus import go_to_next
 from app.editor.window.actions.help import Help
 from app.editor.window.actions.menu_actions import Actions
+from app.editor.window.background.background_runs import BackgroundRuns
 from app.editor.window.docks.dock_places import Curtain, add_dock, stand_behind
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
@@ -155,6 +156,7 @@ class MainWindow(QMainWindow):
             part.set_theme(theme)
         self.viewers.set_theme(theme)
         self.kept.set_theme(theme)
+        self.runs.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
 
     def toggle_light(self) -> None:
@@ -205,8 +207,8 @@ class MainWindow(QMainWindow):
 
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""
-        beside = (self.viewers.plot, self.viewers.tradeoff, self.kept.view, self.history)
-        viewers = [*self.viewers.images.values(), *beside]
+        beside = (self.viewers.plot, self.viewers.tradeoff, self.kept.view)
+        viewers = [*self.viewers.images.values(), *beside, self.runs.view, self.history]
         card, sides = self.tour.card, (self.library_view, self.panels)
         go_to_next([self.welcome, self.canvas, card, *sides, *viewers], step)
 
@@ -214,10 +216,17 @@ class MainWindow(QMainWindow):
         """Close, unless work would be lost: then ask first, and change nothing until answered."""
         if not self._ended and self.files.has_unsaved_work():
             event.ignore()
-            self.files.ask_to_save(self.close_for_good)
+            self.files.ask_to_save(self._close_with_runs)
+        elif not self._ended and self.runs.go_on(self.close_for_good):
+            event.ignore()
         else:
             self._end()
             event.accept()
+
+    def _close_with_runs(self) -> None:
+        """Close, once it is answered whether what runs in the background is to end."""
+        if not self.runs.go_on(self.close_for_good):
+            self.close_for_good()
 
     def finish_typing(self) -> None:
         """Take what was typed and not taken yet, wherever that is."""
@@ -256,6 +265,7 @@ class MainWindow(QMainWindow):
         for other in self.findChildren(QWidget):
             if other.isWindow():
                 other.hide()
+        self.runs.close()
         self.evaluator.close()
         self.autosaver.close()
 
@@ -288,6 +298,7 @@ class MainWindow(QMainWindow):
         self.history_dock = add_dock(self, "History", "dock.history", self.history, _RIGHT)
         self.history_dock.hide()
         self.kept = SnapshotDock(self.session, self.evaluator, self.theme, self.viewers, self)
+        self.runs = BackgroundRuns(self.session, self.theme, self, self.finish_typing)
 
     def _docks(self) -> Docks:
         viewers = self.viewers
@@ -298,6 +309,7 @@ class MainWindow(QMainWindow):
             viewers.plot_dock,
             viewers.tradeoff_dock,
             self.kept.dock,
+            self.runs.dock,
             tuple(viewers.docks.values()),
             viewers.images[1],
         )
@@ -310,9 +322,11 @@ class MainWindow(QMainWindow):
         self.viewers.made.connect(self._add_toggle)
         for name, part in (
             ("trade_off", self.viewers.tradeoff_dock),
+            ("runs", self.runs.dock),
             ("history", self.history_dock),
         ):
             part.visibilityChanged.connect(self.actions_by_name[name].setChecked)
+        self.runs.dock.visibilityChanged.connect(self.viewers.name_tabs)
 
     def _add_toggle(self, dock: Any) -> None:
         self.menus["&View"].addAction(dock.toggleViewAction())

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from app.bench.measuring.bench_settings import PARTS, TABLES, Settings
-from app.bench.measuring.isolation import STEADY, command, environment
+from app.bench.measuring.isolation import STEADY, environment
 from app.bench.measuring.kodak import FINAL, Kodak
 from app.bench.measuring.loaded_network import SCENE
 from app.bench.pages import markdown
@@ -20,6 +20,7 @@ from app.bench.peers.peer_imports import load
 from app.bench.peers.peer_self import OURS
 from app.bench.truth import truth_laws
 from app.command.cli import main
+from app.run.own_process import command
 from child_process import finished
 from core.errors import FileError, UsageError
 

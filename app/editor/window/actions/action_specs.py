@@ -63,6 +63,13 @@ ACTIONS: tuple[ActionSpec, ...] = (
         "save_as", "&File", "Save &As…", "Save the network to another file", ("Ctrl+Shift+S",)
     ),
     ActionSpec("export", "&File", "&Export…", "Write what the last used viewer shows", ("Ctrl+E",)),
+    ActionSpec(
+        "report",
+        "&File",
+        "Re&port…",
+        "Write a report of the network as it stands, as a page for the browser",
+        ("Ctrl+Shift+R",),
+    ),
     ActionSpec("welcome", "&File", "&Welcome Page", "Shipped networks, recent files, lost work"),
     ActionSpec("quit", "&File", "&Quit", "Close the window", ("Ctrl+Q",), "application"),
     ActionSpec("undo", "&Edit", "&Undo", "Undo the last step", ("Ctrl+Z",)),
@@ -220,6 +227,15 @@ ACTIONS: tuple[ActionSpec, ...] = (
         "Compute everything afresh, held nodes too",
         ("Ctrl+Return", "Ctrl+Enter"),
     ),
+    ActionSpec(
+        "runs",
+        "&Run",
+        "&Runs in the Background",
+        "Show the queue of sweeps, frames and lists of pictures",
+        ("Ctrl+Shift+T",),
+        checkable=True,
+    ),
+    ActionSpec("add_run", "&Run", "&Add to the Queue…", "Queue a sweep, frames, or pictures"),
     ActionSpec("cancel", "&Run", "&Cancel", "Stop the computation", ("Esc",)),
     ActionSpec(
         "keep_snapshot",

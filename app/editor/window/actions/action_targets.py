@@ -15,6 +15,7 @@ from app.editor.widgets.triggered import without_argument
 from app.editor.window.actions.action_specs import VIEWERS
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.help import Help
+from app.editor.window.background.background_runs import BackgroundRuns
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import DEFAULT, LayoutName
@@ -45,6 +46,7 @@ class Window(Protocol):
     kept: SnapshotDock
     tour: FirstTour
     history: HistoryList
+    runs: BackgroundRuns
 
     def show_welcome(self) -> None:
         """Show the first page."""
@@ -77,6 +79,7 @@ def targets(window: Window) -> dict[str, Target]:
         "save": files.save,
         "save_as": files.save_as,
         "export": window.help.export,
+        "report": window.runs.report,
         "welcome": window.show_welcome,
         "quit": window.close,
         "undo": session.undo,
@@ -121,6 +124,8 @@ def targets(window: Window) -> dict[str, Target]:
         "previous_part": partial(window.go_to_part, -1),
         "light": window.toggle_light,
         "generate": window.generate,
+        "runs": window.runs.toggle,
+        "add_run": window.runs.add,
         "cancel": window.cancel,
         "keep_snapshot": partial(_typed_first, window, window.kept.comparing.keep),
         "flip": window.kept.snapshots.flip,

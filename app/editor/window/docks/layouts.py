@@ -27,7 +27,7 @@ class Docks:
 
     Parameters
     ----------
-    library, history, panels, curves, tradeoff, snapshots : QDockWidget
+    library, history, panels, curves, tradeoff, snapshots, runs : QDockWidget
         One of each.
     viewers : sequence of QDockWidget
         Those of pictures, by number.
@@ -41,6 +41,7 @@ class Docks:
     curves: QDockWidget
     tradeoff: QDockWidget
     snapshots: QDockWidget
+    runs: QDockWidget
     viewers: Sequence[QDockWidget]
     picture: ImageViewer
 
@@ -51,8 +52,8 @@ class Docks:
 
     @property
     def beside(self) -> tuple[QDockWidget, ...]:
-        """Those of curves and figures, and the history, one behind another."""
-        return (self.curves, self.tradeoff, self.snapshots, self.history)
+        """Those of curves, figures, runs and history, one behind another."""
+        return (self.curves, self.tradeoff, self.snapshots, self.runs, self.history)
 
 
 def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox, QWidget
 
-Answer = Literal["save", "discard", "reload", "overwrite", "save_as", "cancel"]
+Answer = Literal["save", "discard", "reload", "overwrite", "save_as", "stop", "cancel"]
 _ROLE = QMessageBox.ButtonRole
 
 
@@ -39,6 +41,7 @@ class Question(QMessageBox):
             "reload": "reload",
             "overwrite": "overwrite",
             "save_as": "save_as",
+            "stop": "stop",
         }
         return names.get(button.objectName(), "cancel") if button is not None else "cancel"
 
@@ -73,4 +76,16 @@ def changed_file(parent: QWidget, file: str, done: str) -> Question:
         box.offer("reload", "&Reload", _ROLE.DestructiveRole)
     box.offer("overwrite", "&Overwrite", _ROLE.DestructiveRole)
     box.offer("cancel", "Cancel", _ROLE.RejectRole)
+    return box
+
+
+def runs_go_on(parent: QWidget, runs: Sequence[str]) -> Question:
+    """Whether runs in the background are to end with the window."""
+    box = Question(parent, "runs_go_on", "Stop the runs?")
+    number = f"{len(runs)} runs are" if len(runs) > 1 else "A run is"
+    box.setText(f"{number} not done yet: {runs[0]}{' …' if len(runs) > 1 else ''}")
+    box.setTextFormat(Qt.TextFormat.PlainText)
+    box.setInformativeText("Quitting stops them; what they have not written yet is lost.")
+    box.offer("cancel", "&Keep Running", _ROLE.RejectRole)
+    box.offer("stop", "&Stop and Quit", _ROLE.DestructiveRole)
     return box

@@ -189,6 +189,8 @@ DIALOGS = {
     "shortcuts": ("shortcuts", "shortcuts"),
     "module": ("module_help", "module_help"),
     "about": ("about", "message"),
+    "report": ("report", "report_dialog"),
+    "add run": ("add_run", "add_run"),
 }
 
 

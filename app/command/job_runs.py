@@ -1,0 +1,321 @@
+"""Carrying out the job of a background run: all of its files appear at the end, or none."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import threading
+import time
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path, PurePath
+
+import numpy as np
+
+from app.command.run import (
+    KEPT_BYTES,
+    Stage,
+    input_files,
+    policy_of,
+    sink_files,
+    with_options,
+)
+from app.command.tradeoff import present_value, write_results
+from app.options.command_options import Options
+from app.options.option_values import Assignment, Save
+from app.options.overrides import named_parameter
+from app.options.stopping import too_late
+from app.permission.shares import named_shares
+from app.permission.write_record import WriteRecord, read_record
+from app.permission.write_rules import WriteRules
+from app.report import write_report
+from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
+from app.run.job import FRAMES, REPORT, Job, Variant
+from app.run.job_messages import Preview, Result, Steps
+from app.run.output import find_output
+from app.run.png import encode_png, grey_levels, robust_limits
+from app.run.readout_tables import warning_lines
+from app.run.shipped import Place
+from app.run.staging import Staging, check_folder, real_target
+from app.tradeoff.sweep import TradeOff
+from app.tradeoff.tradeoff_figures import default_figures
+from app.tradeoff.tradeoff_results import Curve, Results, changing_figures, shown_value
+from app.tradeoff.values import Variation
+from core.atomic import write_text
+from core.chain.engine import Engine
+from core.chain.realize import realize
+from core.chain.skipped import skips
+from core.errors import ImagechainError, InputError, UsageError
+from core.evaluation.store import Store
+from core.modules.declaration import declaration
+from core.modules.library_type import Library
+from core.names import printable
+from core.network.network import Network
+from core.network.parsing import parse_network
+from core.network.validation import plain_network
+from nodes.library import standard_library
+
+UNSAVED = "network that was never saved"
+TRADE_OFF_PAGE, TRADE_OFF_TABLE, READOUT_TABLE = "tradeoff.html", "tradeoff.csv", "readouts.csv"
+MOST_PREVIEWS, PREVIEW_PX = 24, 256
+_FIGURES = 0.2  # of what a picture takes, at the same value
+_HOW_TO_ALLOW = "choose the file by Browse… on its control panel, or another output folder"
+
+
+def carry_out(job: Job, cancel: threading.Event | None, steps: Steps) -> Result:
+    """Make all that a job asks for.
+
+    Parameters
+    ----------
+    job : Job
+        What to do.
+    cancel : threading.Event, optional
+        Set to stop before the next node.
+    steps : Steps
+        Takes how far it is.
+
+    Raises
+    ------
+    ImagechainError
+        The first fault; nothing has been written then. Of several runs, some may fail: only where
+        all do it is raised.
+    """
+    library = standard_library()
+    path = job.path if job.path is not None else job.folder / UNSAVED
+    place = Place(path, path.stem)
+    document = parse_network(job.network, library=library, name_of_source=str(path))
+    network = plain_network(document, library=library)
+    running = _Running(replace(job, output=job.output.absolute()), place, library, cancel, steps)
+    return running.report(network) if job.kind == "report" else running.runs(network)
+
+
+class _Made:
+    """What the runs have made so far."""
+
+    def __init__(self) -> None:
+        self.failures: list[tuple[str, str]] = []
+        self.errors: list[ImagechainError] = []
+        self.warnings: list[str] = []
+        self.previews: list[Preview] = []
+        self._figures: dict[str, dict[str, float]] = {}
+
+    def look(self, name: str, evaluation: Evaluation) -> None:
+        """A run's picture has been made."""
+        if len(self.previews) < MOST_PREVIEWS and evaluation.chain.final is not None:
+            self.previews.append(_preview(name, evaluation))
+
+    def done(self, name: str, evaluation: Evaluation) -> None:
+        """All of a run has been made."""
+        lines = warning_lines(evaluation.cautions)
+        self.warnings += [f"{name}: {line}" if name else line for line in lines]
+        self._figures[name] = {
+            f"{node}.{readout}": value
+            for node, values in evaluation.readouts.items()
+            for readout, value in values.items()
+            if isinstance(value, int | float) and not isinstance(value, bool)
+        }
+
+    def failed(self, name: str, error: ImagechainError) -> None:
+        """A run could not be made."""
+        self.previews = [preview for preview in self.previews if preview.name != name]
+        self.errors.append(error)
+        self.failures.append((name, str(error)))
+
+    def table(self) -> str:
+        """The numbers among the read-outs as CSV, a row for each run."""
+        columns = dict.fromkeys(name for row in self._figures.values() for name in row)
+        stream = io.StringIO()
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(["run", *columns])
+        for name, row in self._figures.items():
+            writer.writerow([name, *(row.get(column, "") for column in columns)])
+        return printable(stream.getvalue())
+
+
+@dataclass(frozen=True)
+class _Running:
+    job: Job
+    place: Place
+    library: Library
+    cancel: threading.Event | None
+    steps: Steps
+
+    def report(self, network: Network) -> Result:
+        """Write the report, and nothing else."""
+        start = time.perf_counter()
+        file, options = self.job.output, Options("run", reports=(self.job.output,))
+        engine = Engine(self.library)
+        plan = planned(engine, self._with(network, options), self.place.folder)
+        made = _Made()
+        self.steps.expect(2)
+        self.steps.part("", nodes=len(plan.nodes))
+        with Staging(None, [self.place.path, *input_files(plan, plan.folder)]) as staging:
+            staging.claim(file)
+            work = self._work(engine)
+            with work.hold(needed_later(plan, (), report=True)):
+                evaluation = evaluate(engine, plan, work, plan.folder)
+                evaluation.seconds["total"] = time.perf_counter() - start
+                sink_files(evaluation)  # made as a run does, which counts what was left out
+                skipped = skips(plan, work)
+                self.steps.part("writing the report")
+                staging.write(file, partial(write_report, evaluation, skipped))
+                made.look("", evaluation)
+                made.done("", evaluation)
+            work.check()
+            too_late(self.cancel)
+            staging.commit()
+        return Result(1, (), tuple(made.warnings), file, tuple(made.previews))
+
+    def runs(self, network: Network) -> Result:
+        """Write what each run makes, in one folder or one for each of several."""
+        job, made, variants = self.job, _Made(), self.job.variants
+        check_folder(job.output)
+        rules = self._rules()
+        engine = Engine(self.library, None if job.report else Store(KEPT_BYTES))
+        figures = 0.0 if job.kind != "sweep" else _FIGURES if variants else 1.0
+        self.steps.expect(len(variants) + job.frames + figures * len(job.values))
+        with Staging(job.output, [self.place.path, *self._chosen_inputs()]) as staging:
+            for variant in variants:
+                folder, look = job.output / variant.name, partial(made.look, variant.name)
+                stage = Stage(folder, staging, rules, self._frame_done, look)
+                try:
+                    made.done(variant.name, self._run(network, variant, engine, stage))
+                except InputError as error:
+                    if not variant.name:
+                        raise
+                    staging.drop(folder)
+                    made.failed(variant.name, error)
+            if variants and len(made.failures) == len(variants):
+                raise made.errors[0]
+            page = self._trade_off(network, engine, staging, figures)
+            if job.kind == "files":
+                table = partial(write_text, content=made.table())
+                staging.write(job.output / READOUT_TABLE, table)
+            self._work(engine).check()
+            too_late(self.cancel)
+            forgotten = self._commit(rules, staging)
+        if forgotten:
+            made.warnings.append(f"not remembered for the next run: {forgotten}")
+        if page is None and job.report and not variants[0].name:
+            page = job.output / REPORT
+        failures, warnings = tuple(made.failures), tuple(made.warnings)
+        return Result(max(1, len(variants)), failures, warnings, page, tuple(made.previews))
+
+    def _run(self, network: Network, variant: Variant, engine: Engine, stage: Stage) -> Evaluation:
+        start = time.perf_counter()
+        settings = (Assignment(node, n, json.dumps(value)) for node, n, value in variant.settings)
+        reports = (stage.folder / REPORT,) if self.job.report else ()
+        options = Options("run", settings=tuple(settings), reports=reports)
+        network = self._with(network, options)
+        if variant.name:
+            network = _writing_to(network, self.library, stage.folder)
+        plan = planned(engine, network, self.place.folder)
+        for path in input_files(plan, plan.folder):
+            stage.staging.protect(path)
+        if self.job.frames:
+            port = find_output(plan)
+            if port.port is None:
+                raise UsageError(f"{port.missing}: mark the picture whose frames are meant (O)")
+            node, _, name = port.port.rpartition(".")
+            save = Save(node, name, str(stage.folder / FRAMES))
+            options = replace(options, frames=self.job.frames, saves=(save,))
+        self.steps.part(variant.name, nodes=len(plan.nodes))
+        evaluation, _ = stage.prepare(engine, plan, self._work(engine), options, start=start)
+        return evaluation
+
+    def _trade_off(
+        self, network: Network, engine: Engine, staging: Staging, weight: float
+    ) -> Path | None:
+        """Write the figures of a sweep as page and table; gives the page."""
+        job = self.job
+        if job.kind != "sweep":
+            return None
+        network = self._with(network, Options("run"))
+        node, _, name = job.target.rpartition(".")
+        setting = Assignment(node, name, "")
+        parameter = named_parameter("sweep", setting, network, library=self.library)
+        assert parameter is not None  # the network has been checked
+        varied = Variation(node, parameter, job.values, job.log)
+        plan, work = engine.plan(network, folder=self.place.folder), self._work(engine)
+        figures = default_figures(network, self.library)
+        points = []
+        shown = [f"{varied.text} = {shown_value(value, varied.unit)}" for value in job.values]
+        self.steps.part(f"figures at {shown[0]}", nodes=len(plan.nodes), weight=weight)
+        for point in TradeOff(node, name, job.values, figures).points(engine, plan, work):
+            points.append(point)
+            if len(points) < len(shown):
+                doing = f"figures at {shown[len(points)]}"
+                self.steps.part(doing, nodes=len(plan.nodes), weight=weight)
+        curves = (Curve(None, tuple(points)),)
+        figures = changing_figures([each for each in figures if each.text != varied.text], curves)
+        present = present_value(plan, varied)
+        results = Results(network.name or self.place.name, varied, None, figures, curves, present)
+        if not any(figure.text in point.figures for figure in figures for point in points):
+            if job.pictures:
+                return None  # there are the pictures
+            why = next(iter(results.failures()), ("", ""))[1]
+            raise UsageError(f"no value of {varied.text} gives a figure{why and f': {why}'}")
+        for file in (TRADE_OFF_PAGE, TRADE_OFF_TABLE):
+            staging.write(job.output / file, partial(write_results, results))
+        return job.output / TRADE_OFF_PAGE
+
+    def _with(self, network: Network, options: Options) -> Network:
+        # The window has asked about other computers: what was not allowed is in no job.
+        shares = named_shares(network, self.library)
+        allowed = tuple(Path(str(network.nodes[node].params[name])) for node, name in shares)
+        places = replace(options, output_dir=self.job.output, allowed=allowed)
+        return with_options(network, self.place, places, self.library)
+
+    def _work(self, engine: Engine) -> TimedWork:
+        policy = policy_of(Options("run"))
+        return TimedWork(policy, engine.store, self.steps.node, self.cancel)
+
+    def _rules(self) -> WriteRules:
+        """What the network may write: as a run's, and what was chosen in the window's dialogs."""
+        job, path = self.job, self.place.path
+        record = WriteRecord(path) if job.path is None else read_record(path)
+        output = real_target(job.output)
+        own = () if job.path is None else (real_target(self.place.folder),)
+        return WriteRules(
+            folders=(*own, output),
+            allowed=(output,) if job.kind in ("sweep", "files") else (),  # no node names the file
+            given=frozenset(),
+            record=replace(record, chosen=record.chosen | {*map(real_target, job.chosen)}),
+            how_to_allow=_HOW_TO_ALLOW,
+        )
+
+    def _commit(self, rules: WriteRules, staging: Staging) -> str:
+        """Put the files in place; why what nodes wrote could not be recorded, or empty."""
+        if self.job.path is None:  # there is no network to record it of
+            staging.commit()
+            return ""
+        return rules.commit(staging)
+
+    def _chosen_inputs(self) -> list[Path]:
+        values = self.job.values if self.job.kind == "files" else ()
+        return [self.place.folder / value for value in values]
+
+    def _frame_done(self, number: int) -> None:
+        if number == 1:
+            self.steps.part("frames", weight=self.job.frames)
+        self.steps.piece(number, self.job.frames)
+
+
+def _writing_to(network: Network, library: Library, folder: Path) -> Network:
+    """The network with its nodes' files in a folder, under their own names."""
+    for node in network.nodes.values():
+        path = node.params.get("path")
+        sink = node.module in library and declaration(library[node.module]).sink
+        if sink and isinstance(path, str) and path:
+            network = network.with_parameter(node.id, "path", str(folder / PurePath(path).name))
+    return network
+
+
+def _preview(name: str, evaluation: Evaluation) -> Preview:
+    """The delivered picture, every so many samples, as a run's PNG shows it."""
+    assert evaluation.chain.final is not None
+    samples = realize(evaluation.plan.output(evaluation.chain.final), evaluation.work)
+    step = max(1, -(-max(samples.shape) // PREVIEW_PX))
+    levels = grey_levels(*robust_limits(samples), np.ascontiguousarray(samples[::step, ::step]))
+    return Preview(name, encode_png(levels))

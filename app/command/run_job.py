@@ -1,0 +1,66 @@
+"""A background run of the editor, in a process of its own: ``python -m app.command.run_job``.
+
+The job comes as one line on standard input, which stays open: its end, by whatever end of the
+editor, stops the run. Standard output has lines of progress and the result, standard error one line
+if the run fails; exit codes are those of the command.
+"""
+
+from __future__ import annotations
+
+import _thread
+import contextlib
+import gc
+import os
+import signal
+import sys
+import threading
+import warnings
+
+from app.command.cli import exit_code
+from app.options.stopping import Stop, stoppable
+from app.options.terminal_streams import usable_streams
+
+_NICE = 5  # the window comes first
+
+
+def main() -> int:
+    """Carry out the job on standard input; gives the exit code."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    gc.set_threshold(50_000, 10, 10)
+    with stoppable(to_the_end=True) as stop, usable_streams(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return exit_code(stop, _carry_out, stop)
+
+
+def _carry_out(stop: Stop) -> None:
+    from app.command.job_runs import carry_out
+    from app.run.job import read_job
+    from app.run.job_messages import Steps, result_line, step_line
+
+    with contextlib.suppress(AttributeError, OSError):
+        os.nice(_NICE)
+    text = sys.stdin.buffer.readline().decode("ascii", "replace")
+    threading.Thread(target=_stop_at_end_of_input, args=(stop,), daemon=True).start()
+
+    def write(line: str) -> None:
+        with contextlib.suppress(OSError):  # nobody reads it any more: the input's end stops it
+            print(line, flush=True)
+
+    result = carry_out(read_job(text), stop, Steps(lambda step: write(step_line(step))))
+    write(result_line(result))
+
+
+def _stop_at_end_of_input(stop: Stop) -> None:
+    """Stop when who started this has gone, or wants it to."""
+    with contextlib.suppress(OSError):
+        while os.read(0, 4096):  # not by `sys.stdin`, whose lock the interpreter's end needs
+            pass
+    stop.set()
+    if os.name == "posix":
+        os.kill(os.getpid(), signal.SIGTERM)  # it wakes what waits, too
+    else:
+        _thread.interrupt_main()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Reports and queued runs in the window."""

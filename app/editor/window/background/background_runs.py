@@ -1,0 +1,196 @@
+"""Reports and queued runs as the window has them: dialogs, the dock, the question at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import QObject, Qt
+from PySide6.QtWidgets import QDialog, QDockWidget, QMainWindow
+
+from app.editor.runs.add_run import AddRun
+from app.editor.runs.report_status import ReportStatus
+from app.editor.runs.run_queue import RunQueue
+from app.editor.runs.run_words import failures_text
+from app.editor.runs.runs_view import RunsView
+from app.editor.runs.snapshot import file_stem, job_of
+from app.editor.session import Session
+from app.editor.theme import Theme
+from app.editor.window.docks.dock_places import add_dock
+from app.editor.window.documents.questions import Question, runs_go_on
+from app.editor.window.documents.save_dialog import SaveDialog
+from app.options.option_values import REPORTS
+from core.errors import ImagechainError
+from core.names import shown
+from nodes.files.common.file_format import HTML, dialog_filter, suffixes
+
+Next = Callable[[], object]
+
+
+class BackgroundRuns(QObject):
+    """What goes on beside the window.
+
+    Parameters
+    ----------
+    session : Session
+        The document.
+    theme : Theme
+        Colours.
+    window : QMainWindow
+        Gets the dock.
+    finish_typing : callable
+        Takes what is being typed, before the document is read.
+    """
+
+    def __init__(
+        self, session: Session, theme: Theme, window: QMainWindow, finish_typing: Next
+    ) -> None:
+        super().__init__(window)
+        self._session = session
+        self._theme = theme
+        self._window = window
+        self._finish_typing = finish_typing
+        self._question: Question | None = None
+        self._next: Next | None = None
+        self.queue = RunQueue(self)
+        self.view = RunsView(self.queue, theme)
+        self.dock: QDockWidget = add_dock(
+            window, "Runs", "dock.runs", self.view, Qt.DockWidgetArea.BottomDockWidgetArea
+        )
+        self.dock.hide()
+        self.status = ReportStatus(self.queue, window.statusBar())
+        window.statusBar().addPermanentWidget(self.status)
+        self.status.hide()
+        self.status.message.connect(session.message)
+        self.view.add_wanted.connect(self.add)
+        self.queue.changed.connect(self._say_end)
+        session.opened.connect(self._drop_dialogs)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self._theme = theme
+        self.view.set_theme(theme)
+
+    # --- the report --------------------------------------------------------------------------
+
+    def report(self) -> None:
+        """Ask the person where to write the report of the network as it stands."""
+        path = self._session.document.path
+        folder = path.parent if path is not None else Path.cwd()
+        kinds = dialog_filter("Reports", HTML)
+        dialog = SaveDialog(self._window, "Write the report", str(folder.absolute()), kinds)
+        dialog.setObjectName("report_dialog")
+        dialog.setDefaultSuffix(HTML.suffixes[0].removeprefix("."))
+        dialog.selectFile(f"{path.stem if path is not None else file_stem(self._session)}.html")
+        dialog.fileSelected.connect(self.report_to)
+        self._show(dialog)
+
+    def report_to(self, text: str) -> None:
+        """Write the report to that file, in the background."""
+        self._finish_typing()
+        file = Path(text)
+        if not any(form.matches(file) for form in REPORTS):
+            ends = " or ".join(suffixes(*REPORTS))
+            self._say("error", f"no report {shown(file.name)}: its name must end in {ends}")
+            return
+        if any(entry.job.output == file.absolute() for entry in self.queue.unfinished):
+            self._say("note", f"{shown(file.name)} is being written already")
+            return
+        try:
+            job = job_of(self._session, "report", file)
+        except ImagechainError as error:
+            self._say("error", f"no report: {error}")
+            return
+        self.status.follow(self.queue.add(f"Report {file.name}", job))
+
+    # --- the queue ---------------------------------------------------------------------------
+
+    def toggle(self) -> None:
+        """Show the runs, or hide them where they are in front."""
+        if self.view.isVisible():
+            self.dock.hide()
+        else:
+            self.show()
+
+    def show(self) -> None:
+        """Show the runs, and give them the focus."""
+        self.dock.show()
+        self.dock.raise_()
+        self.view.take_focus()
+
+    def add(self) -> None:
+        """Open the dialog that adds a run."""
+        dialog = AddRun(self._session, self._theme, self._taken, self._window)
+        dialog.about_to_add.connect(self._finish_typing)
+        dialog.added.connect(self._added)
+        self._show(dialog)
+        dialog.kinds.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    # --- the end -----------------------------------------------------------------------------
+
+    def go_on(self, following: Next) -> bool:
+        """Ask whether to end what runs, then go on with `following`; False where nothing runs.
+
+        Of two calls the later one goes on.
+        """
+        unfinished = self.queue.unfinished
+        if not unfinished:
+            return False
+        self._next = following
+        if self._question is None:
+            self._question = runs_go_on(self._window, [entry.title for entry in unfinished])
+            self._question.finished.connect(self._answered)
+            self._question.open()
+        else:
+            self._question.raise_()
+            self._question.activateWindow()
+        return True
+
+    def close(self) -> None:
+        """End what runs; returns once no process is left."""
+        self.queue.close()
+
+    def _answered(self) -> None:
+        question, self._question = self._question, None
+        following, self._next = self._next, None
+        if question is not None and question.answer == "stop" and following is not None:
+            following()
+
+    def _added(self, title: str, job: object) -> None:
+        number = self.queue.add(title, job)  # type: ignore[arg-type]
+        self._window.activateWindow()
+        self.show()
+        self.view.mark(number)
+
+    def _say_end(self, number: int) -> None:
+        """Say how a run has ended where the list does not show it."""
+        entry = self.queue.entry(number)
+        if entry is None or entry.job.kind == "report" or self.view.isVisible():
+            return
+        if entry.state == "failed":
+            self._say("error", f"{entry.title}: failed: {entry.text}")
+        elif entry.state == "done":
+            failures = failures_text(entry)
+            self._say("error" if failures else "note", f"{entry.title}: {failures or 'done'}")
+
+    def _taken(self) -> set[Path]:
+        return {entry.job.output for entry in self.queue.unfinished}
+
+    def _say(self, kind: str, text: str) -> None:
+        self._session.message.emit(kind, text)
+
+    def _show(self, dialog: QDialog) -> None:
+        """Show it beside the work, in the place of another of its kind."""
+        for other in self._window.findChildren(QDialog, dialog.objectName()):
+            if other is not dialog:
+                other.reject()
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.setModal(False)
+        dialog.show()
+        dialog.activateWindow()
+
+    def _drop_dialogs(self) -> None:
+        """They are about a document that is closed."""
+        for name in ("add_run", "report_dialog"):
+            for dialog in self._window.findChildren(QDialog, name):
+                dialog.reject()

@@ -1,0 +1,152 @@
+"""The queue with its real processes: one after the other, stopped, failed, and none left over."""
+
+import os
+import signal
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QObject
+
+from app.editor.runs.run_queue import RunQueue
+from app.editor.runs.snapshot import job_of, proposed_folder
+from core.editing.document import Document
+from core.editing.fields import set_parameter
+from core.errors import ImagechainError
+from core.network.network import Network
+
+LONG = 100_000  # frames
+
+
+@pytest.fixture
+def queue(qtbot):
+    parent = QObject()
+    made = RunQueue(parent)
+    yield made
+    made.close()
+    parent.deleteLater()
+
+
+@pytest.fixture
+def small(opened):
+    """First steps, small."""
+    session = opened("first_steps")
+    session.open(Document(session.network, library=session.library))
+    for name in ("width", "height"):
+        session.do(set_parameter("scene", name, 64))
+    return session
+
+
+def waits(queue, qtbot, number, state):
+    qtbot.waitUntil(lambda: queue.entry(number).state == state)
+    return queue.entry(number)
+
+
+def computing(queue, qtbot, number):
+    """Wait until a long run writes frames; gives its process's number."""
+    qtbot.waitUntil(lambda: queue.entry(number).doing.startswith("frames"))
+    (pid,) = queue.pids()
+    return pid
+
+
+def is_running(pid):
+    return Path(f"/proc/{pid}").exists()
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_runs_go_one_after_the_other_and_reports_at_once(queue, qtbot, small, tmp_path):
+    states = []
+    queue.changed.connect(lambda n: states.append((n, queue.entry(n).state)))
+    first = queue.add("one", job_of(small, "run", tmp_path / "one"))
+    second = queue.add("two", job_of(small, "run", tmp_path / "two"))
+    report = queue.add("report", job_of(small, "report", tmp_path / "r.html"))
+    assert [entry.state for entry in queue.entries] == ["running", "waiting", "running"]
+    assert len(queue.pids()) == 2
+    for number in (first, second, report):
+        waits(queue, qtbot, number, "done")
+    assert queue.unfinished == ()
+    assert states.index((first, "done")) < states.index((second, "running"))
+    assert names(tmp_path / "two") == ["final.png", "mtf.csv", "readouts.json"]
+    assert queue.entry(report).page == tmp_path / "r.html"
+    assert queue.entry(first).seconds > 0
+
+
+def test_a_job_is_the_network_as_it_was(queue, qtbot, small, tmp_path):
+    first = queue.add("before", job_of(small, "run", tmp_path / "before"))
+    second = queue.add("the same", job_of(small, "run", tmp_path / "same"))
+    small.do(set_parameter("blur", "sigma_x_mrad", 3.0))
+    third = queue.add("after", job_of(small, "run", tmp_path / "after"))
+    for number in (first, second, third):
+        waits(queue, qtbot, number, "done")
+    before, same, after = (
+        (tmp_path / name / "mtf.csv").read_text() for name in ("before", "same", "after")
+    )
+    assert before == same != after
+
+
+def test_cancelled_while_it_runs_nothing_of_it_stays(queue, qtbot, small, tmp_path):
+    long = queue.add("long", job_of(small, "frames", tmp_path / "long", frames=LONG))
+    after = queue.add("after", job_of(small, "run", tmp_path / "after"))
+    pid = computing(queue, qtbot, long)
+    queue.cancel(long)
+    assert queue.entry(long).state in ("stopping", "cancelled")
+    waits(queue, qtbot, long, "cancelled")
+    assert not is_running(pid)
+    waits(queue, qtbot, after, "done")  # the next one goes on
+    assert names(tmp_path) == ["after"]
+
+
+def test_cancelled_while_it_waits_it_never_begins(queue, qtbot, small, tmp_path):
+    first = queue.add("first", job_of(small, "run", tmp_path / "first"))
+    waiting = queue.add("waiting", job_of(small, "run", tmp_path / "waiting"))
+    queue.cancel(waiting)
+    assert queue.entry(waiting).state == "cancelled"
+    waits(queue, qtbot, first, "done")
+    qtbot.wait(100)
+    assert names(tmp_path) == ["first"]
+    queue.remove(waiting)
+    queue.remove(first)
+    assert queue.entries == ()
+
+
+def test_a_process_that_is_killed_is_a_failure_in_one_line(queue, qtbot, small, tmp_path):
+    """As by the system, where memory runs out: its hidden folder is cleared away."""
+    number = queue.add("long", job_of(small, "frames", tmp_path / "long", frames=LONG))
+    os.kill(computing(queue, qtbot, number), signal.SIGKILL)
+    entry = waits(queue, qtbot, number, "failed")
+    assert entry.text == "its process was ended by the system (signal 9): is the memory full?"
+    assert names(tmp_path) == []
+
+
+def test_a_failure_is_the_commands_line(queue, qtbot, small, tmp_path):
+    (tmp_path / "file").write_text("")
+    number = queue.add("bad", job_of(small, "run", tmp_path / "file"))
+    entry = waits(queue, qtbot, number, "failed")
+    assert entry.text == f"cannot write to {tmp_path / 'file'}: it is not a folder"
+
+
+def test_closing_leaves_no_process(queue, qtbot, small, tmp_path):
+    long = queue.add("long", job_of(small, "frames", tmp_path / "long", frames=LONG))
+    queue.add("waiting", job_of(small, "run", tmp_path / "waiting"))
+    pid = computing(queue, qtbot, long)
+    queue.close()
+    assert not is_running(pid)
+    assert queue.pids() == ()
+    assert names(tmp_path) == []
+
+
+def test_folders_are_proposed_that_are_free(small, tmp_path):
+    small.save(tmp_path / "mine.json")
+    first = proposed_folder(small, "sweep", set())
+    assert first == tmp_path / "mine-sweep"
+    first.mkdir()
+    taken = {tmp_path / "mine-sweep-2"}
+    assert proposed_folder(small, "sweep", taken) == tmp_path / "mine-sweep-3"
+
+
+def test_an_empty_network_is_no_job(session, library, tmp_path):
+    session.open(Document(Network(), library=library))
+    with pytest.raises(ImagechainError, match="no nodes"):
+        job_of(session, "run", tmp_path / "out")

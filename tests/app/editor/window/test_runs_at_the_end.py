@@ -1,0 +1,104 @@
+"""The end of a real editor while a run goes on: no process of it is left, and no half of a file."""
+
+import json
+import signal
+from pathlib import Path
+
+import pytest
+
+from app.run.shipped import shipped_networks
+from editor_process import EditorProcess
+from virtual_screen import virtual_screen
+
+SMALL = 256
+
+
+@pytest.fixture(scope="module")
+def screen():
+    with virtual_screen(1100, 800) as display:
+        yield display
+
+
+@pytest.fixture
+def editor(tmp_path, screen):
+    """An editor that computes frames in the background."""
+    network = json.loads(shipped_networks()["first_steps"].read_text())
+    network["nodes"]["scene"]["params"] |= {"width": SMALL, "height": SMALL}
+    with EditorProcess(tmp_path, screen, network) as started:
+        started.keys("ctrl+shift+t", "space")
+        started.wait(lambda: started.window("^Add a run"), "the dialog")
+        started.focus(started.window("^Add a run"))
+        started.keys("Down", "alt+n", "ctrl+a", *"100000", "Return")
+        started.wait(lambda: not started.window("^Add a run"), "the run to be queued")
+        started.focus(started.main)
+        started.wait(lambda: hidden(tmp_path), "files that are being prepared")
+        yield started
+
+
+def children(pid):
+    """The processes that a process has started."""
+    return [int(text) for text in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def hidden(folder):
+    return [path.name for path in folder.glob(".imagechain-*")]
+
+
+def is_running(pid):
+    """Not one that has ended and is not waited for yet."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return "State:\tZ" not in status
+
+
+def runs_of(editor):
+    (run,) = children(editor.process.pid)
+    return run
+
+
+def assert_nothing_left(editor, run):
+    editor.wait(lambda: not is_running(run), "the end")
+    editor.wait(lambda: not hidden(editor.folder), "the end")
+    assert not list(editor.folder.glob("mine-*"))
+
+
+def test_a_signal_ends_the_editor_and_its_run(editor):
+    run = runs_of(editor)
+    editor.process.send_signal(signal.SIGTERM)
+    assert editor.process.wait(120) == 0
+    assert not is_running(run)
+    assert_nothing_left(editor, run)
+    assert editor.said == ""
+
+
+def test_a_killed_editor_takes_its_run_along(editor):
+    """It can do nothing itself: its run's input ends with it."""
+    run = runs_of(editor)
+    editor.process.kill()
+    editor.process.wait(120)
+    assert_nothing_left(editor, run)
+
+
+@pytest.mark.parametrize("way", ["keys", "window manager"])
+def test_quitting_asks_and_the_answer_holds(editor, way):
+    run = runs_of(editor)
+
+    def quit_it():
+        editor.focus(editor.main)
+        editor.keys("ctrl+q") if way == "keys" else editor.press_close_button()
+        editor.wait(lambda: editor.window("^Stop the runs"), "the question")
+        editor.focus(editor.window("^Stop the runs"))
+
+    quit_it()
+    editor.keys("Escape")
+    editor.wait(lambda: not editor.window("^Stop the runs"), "the question to go")
+    assert not editor.gone
+    assert is_running(run)
+    quit_it()
+    editor.keys("alt+s")
+    assert editor.process.wait(120) == 0
+    assert not is_running(run)
+    assert_nothing_left(editor, run)
+    assert editor.said == ""

@@ -1,0 +1,105 @@
+"""Jobs of background runs, as text and as the runs they consist of; and what they report."""
+
+from pathlib import Path
+
+import pytest
+
+from app.run.job import Job, job_text, read_job
+from app.run.job_messages import Preview, Result, Step, Steps, read_message, result_line, step_line
+from core.errors import UsageError
+
+HERE = Path("/home/me")
+
+
+def job(kind, **given):
+    return Job(kind, "{}", HERE, HERE / "net.json", HERE / "out", **given)
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        job("run"),
+        job("frames", frames=12),
+        job("sweep", target="blur.sigma_x_mrad", values=(0.1, 0.25, 3), log=True, report=True),
+        job("files", target="scene.path", values=("a.tif", "b\u00fc\udcff.tif")),
+        Job("report", "line\nline", HERE, None, HERE / "r.html", chosen=(HERE / "\udcfe.tif",)),
+    ],
+    ids=lambda made: made.kind,
+)
+def test_a_job_is_one_line_and_comes_back_the_same(made):
+    text = job_text(made)
+    assert "\n" not in text
+    assert text.isascii()
+    assert read_job(text) == made
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "null", '{"kind": "run"}', '{"kind": "no"}'])
+def test_what_is_no_job_is_refused(text):
+    with pytest.raises(UsageError, match="no job"):
+        read_job(text)
+
+
+def test_a_single_run_has_no_name():
+    (variant,) = job("frames", frames=3).variants
+    assert (variant.name, variant.settings) == ("", ())
+
+
+def test_a_sweep_has_a_folder_for_each_value():
+    variants = job("sweep", target="blur.sigma_x_mrad", values=(0.1, 1 / 3, 2)).variants
+    assert [variant.name for variant in variants] == [
+        "blur.sigma_x_mrad=0.1",
+        "blur.sigma_x_mrad=0.333333",
+        "blur.sigma_x_mrad=2",
+    ]
+    assert [variant.settings for variant in variants] == [
+        (("blur", "sigma_x_mrad", value),) for value in (0.1, 1 / 3, 2)
+    ]
+    assert job("sweep", target="blur.sigma_x_mrad", values=(1,), pictures=False).variants == ()
+
+
+def test_folders_of_files_are_apart_and_can_be_made_anywhere():
+    """Of one stem in several folders, or in large letters, which some systems take for small."""
+    values = ("a/scene.tif", "b/Scene.png", "scene-1.exr", "c/what?:now.tif", "c/dot..tif", "d/.x")
+    names = [variant.name for variant in job("files", target="in.path", values=values).variants]
+    assert names == ["scene-2", "Scene-3", "scene-1", "what__now", "dot", "x"]
+    inside = job("sweep", target="camera/blur.sigma", values=(0.5,)).variants
+    assert [variant.name for variant in inside] == ["camera_blur.sigma=0.5"]
+
+
+def test_messages_come_back_the_same():
+    step = Step(0.25, "blur")
+    assert read_message(step_line(step)) == step
+    result = Result(
+        3, (("a", "no such file"),), ("noisy",), HERE / "r.html", (Preview("a", b"\x89PNG"),)
+    )
+    assert read_message(result_line(result)) == result
+    assert read_message(result_line(Result())) == Result()
+
+
+@pytest.mark.parametrize(
+    "line", ["", "hello", "imagechain-job", "imagechain-job {", '{"share": 1}']
+)
+def test_other_lines_say_nothing(line):
+    assert read_message(line) is None
+
+
+def test_steps_count_what_is_done_by_weight(monkeypatch):
+    monkeypatch.setattr("app.run.job_messages._INTERVAL_S", -1.0)
+    written = []
+    steps = Steps(written.append)
+    steps.expect(4)
+    steps.part("one", nodes=3)
+    steps.node("a")
+    steps.node("b")
+    steps.node("b")
+    steps.part("frames", weight=3)
+    steps.node("a")  # of a frame: counted by pieces
+    steps.piece(1, 4)
+    assert [(round(step.share, 6), step.doing) for step in written] == [
+        (0.0, "one"),
+        (0.0625, "one · a"),
+        (0.125, "one · b"),
+        (0.125, "one · b"),
+        (0.25, "frames"),
+        (0.4375, "frames · 1 of 4"),
+    ]
