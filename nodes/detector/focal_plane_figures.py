@@ -33,6 +33,7 @@ from core.physics.electrons.photon_conversion import (
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
 
 Array = NDArray[Any]
+_TOLERANCE = {"single": 1e-8, "double": 2e-14}  # of electrons, below the samples' rounding
 
 
 @dataclass(frozen=True)
@@ -174,15 +175,18 @@ def electron_levels(work: Work, seen: PictureRange, *, collection: Collection) -
         electrons_per_photon=collection.per_photon,
         low=seen.low,
         high=seen.high,
+        tolerance=_TOLERANCE[work.policy.precision],
     )
     kelvin = None
     if weights.is_thermal and seen.mean > 0.0:
         low, high = weights.band_um
         kelvin = float(brightness_temperature(radiance=seen.mean, cut_on_um=low, cut_off_um=high))
-    signal = float(conversion.electrons(np.array([seen.mean]))[0])
     if seen.mean > 0.0:
+        ratio = weights.per_radiance(np.array([seen.mean]))
+        signal = collection.per_photon * float(ratio[0]) * seen.mean
         slope = collection.per_photon * weights.slope(seen.mean)
     else:
+        signal = float(conversion.electrons(np.array([seen.mean]))[0])
         slope = float(conversion.electrons(np.array([seen.high or 1.0]))[0]) / (seen.high or 1.0)
     return ElectronLevels(
         conversion,

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.results import TableData, TableRow
-from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
+from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.lineage.linear_change import Linear
 from core.lineage.step_lineage import picture_step
@@ -18,7 +19,7 @@ from core.lineage.step_noise import AtStep, Noise
 from core.noise.noise_power import NoisePower
 from core.noise.random_fields import Stream
 from core.physics.electronics.rounding_noise import rounding_variances
-from core.physics.electrons.bad_pixels import DEAD, HOT, bad_pixel_map
+from core.physics.electrons.bad_pixels import DEAD, GOOD, HOT, bad_pixel_map
 from core.physics.electrons.nonlinear_response import bent_response
 from core.physics.electrons.poisson_quantile import poisson_of_normal
 from nodes.detector.focal_plane_figures import (
@@ -66,15 +67,15 @@ class Amplified(Linear):
         return power.scaled(self.factor)
 
 
-def _by_rows(work: Work, picture: Array, function: Callable[[slice], Array]) -> Array:
-    """A picture of that shape made of blocks of rows, in threads."""
+def _by_rows(work: Work, picture: Array, function: Callable[[slice, Array], object]) -> Array:
+    """A picture of that shape, blocks of whose rows the function fills in, in threads."""
     made = np.empty(picture.shape, picture.dtype)
     rows, columns = picture.shape
     step = max(1, _BLOCK_SAMPLES // columns)
 
     def one(top: int) -> None:
         block = slice(top, top + step)
-        made[block] = function(block)
+        function(block, made[block])
 
     work.for_each(one, range(0, rows, step))
     return made
@@ -89,7 +90,11 @@ def _photons(image: Recipe, levels: Recipe) -> AboutLevel:
 def expected_electrons(work: Work, image: Array, levels: ElectronLevels) -> Array:
     """Mean number of electrons, of the scene and of all that is there without it."""
     pedestal = image.dtype.type(levels.pedestal_e)
-    return _by_rows(work, image, lambda rows: levels.conversion.electrons(image[rows]) + pedestal)
+
+    def block(rows: slice, made: Array) -> None:
+        np.add(levels.conversion.electrons(image[rows]), pedestal, out=made)
+
+    return _by_rows(work, image, block)
 
 
 def _collected_noises(
@@ -126,22 +131,20 @@ def collected(
 ) -> Array:
     """Electrons in one frame, or the average of several: shot noise, then PRNU, then DSNU."""
     number = mean.dtype.type
-    spreads = [number(prnu_percent / 100.0)] if prnu_percent else []
+    prnu = patterns[0] if prnu_percent else None
+    dsnu = patterns[-1] if dsnu_e else None
 
-    def block(rows: slice) -> Array:
-        if frames == 1:
-            electrons = poisson_of_normal(mean[rows], shot[rows])
-        else:
-            electrons = poisson_of_normal(mean[rows] * number(frames), shot[rows])
+    def block(rows: slice, electrons: Array) -> None:
+        expected = mean[rows] if frames == 1 else mean[rows] * number(frames)
+        poisson_of_normal(expected, shot[rows], out=electrons)
+        if frames != 1:
             electrons /= number(frames)
-        left = list(patterns)
-        for spread in spreads:
-            factor = left.pop(0)[rows] * spread
+        if prnu is not None:
+            factor = prnu[rows] * number(prnu_percent / 100.0)
             factor += number(1.0)
             electrons *= factor
-        if dsnu_e:
-            electrons += left.pop(0)[rows] * number(dsnu_e)
-        return electrons
+        if dsnu is not None:
+            electrons += dsnu[rows] * number(dsnu_e)
 
     return _by_rows(work, mean, block)
 
@@ -161,15 +164,15 @@ def bent(
     nonlinearity_percent: float,
 ) -> Array:
     """The electrons of a response that is not straight."""
-    return _by_rows(
-        work,
-        picture,
-        lambda rows: bent_response(
+
+    def block(rows: slice, made: Array) -> None:
+        made[:] = bent_response(
             electrons=picture[rows],
             full_well_e=full_well_e,
             nonlinearity_percent=nonlinearity_percent,
-        ),
-    )
+        )
+
+    return _by_rows(work, picture, block)
 
 
 def _read_noise(
@@ -186,23 +189,37 @@ def read_out(
     """With read noise, and no more electrons than the well holds."""
     number = picture.dtype.type
 
-    def block(rows: slice) -> Array:
-        electrons = picture[rows]
+    def block(rows: slice, electrons: Array) -> None:
         if deviates:
-            electrons = deviates[0][rows] * number(sigma_e)
+            np.multiply(deviates[0][rows], number(sigma_e), out=electrons)
             electrons += picture[rows]
+        else:
+            electrons[:] = picture[rows]
         if full_well_e is not None:
-            electrons = np.minimum(electrons, number(full_well_e))
-        return electrons
+            np.minimum(electrons, number(full_well_e), out=electrons)
 
     return _by_rows(work, picture, block)
 
 
+@dataclass(frozen=True, eq=False)
+class BadPixels:
+    """Rows and columns of the pixels that are dead, and of those that are hot."""
+
+    dead: tuple[Array, Array]
+    hot: tuple[Array, Array]
+
+
 @ends_lineage
-def bad_pixels(work: Work, *, stream: Stream, shape: tuple[int, int], percent: float) -> Array:
+def bad_pixels(work: Work, *, stream: Stream, shape: tuple[int, int], percent: float) -> BadPixels:
     """Which pixels are dead and which hot."""
     rows, columns = shape
-    return bad_pixel_map(rows=rows, columns=columns, percent=percent, generator=stream.generator(0))
+    kinds = bad_pixel_map(
+        rows=rows, columns=columns, percent=percent, generator=stream.generator(0)
+    )
+    places = np.flatnonzero(kinds != GOOD)
+    found = kinds.reshape(-1)[places]
+    dead, hot = (np.divmod(places[found == kind], columns) for kind in (DEAD, HOT))
+    return BadPixels(dead, hot)
 
 
 def _bad(
@@ -211,16 +228,40 @@ def _bad(
     return [at.known("bad pixels")]
 
 
+def _bad_part(
+    work: Work,
+    region: Region,
+    picture: Recipe,
+    bad: Recipe,
+    levels: Recipe,
+    *,
+    hot_e: float | None,
+) -> Array:
+    pixels: BadPixels = work.value(bad)
+    inside = BadPixels(_within(pixels.dead, region), _within(pixels.hot, region))
+    return _replaced(work.part(picture, region), inside, work.value(levels), hot_e)
+
+
+def _within(places: tuple[Array, Array], region: Region) -> tuple[Array, Array]:
+    """Those in the region, counted from its corner."""
+    rows, columns = places[0] - region.top, places[1] - region.left
+    inside = (rows >= 0) & (rows < region.rows) & (columns >= 0) & (columns < region.columns)
+    return rows[inside], columns[inside]
+
+
 @picture_step(noise=_bad)
-@pointwise
+@in_parts(_bad_part)
 def with_bad_pixels(
-    work: Work, picture: Array, bad: Array, levels: ElectronLevels, *, hot_e: float | None
+    work: Work, picture: Array, bad: BadPixels, levels: ElectronLevels, *, hot_e: float | None
 ) -> Array:
     """Dead pixels give nothing, hot ones the most there is, in every frame."""
-    most = 2.0 * levels.brightest_e if hot_e is None else hot_e
+    return _replaced(picture, bad, levels, hot_e)
+
+
+def _replaced(picture: Array, bad: BadPixels, levels: ElectronLevels, hot_e: float | None) -> Array:
     changed = picture.copy()
-    changed[bad == DEAD] = 0.0
-    changed[bad == HOT] = most
+    changed[bad.dead] = 0.0
+    changed[bad.hot] = 2.0 * levels.brightest_e if hot_e is None else hot_e
     return changed
 
 
@@ -233,9 +274,12 @@ def _counts(picture: Recipe, *, gain_e_per_dn: float, **how: float) -> Amplified
 def counted(work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float) -> Array:
     """Digital numbers that are not rounded."""
     number = picture.dtype.type
-    return _by_rows(
-        work, picture, lambda rows: picture[rows] / number(gain_e_per_dn) + number(offset_dn)
-    )
+
+    def block(rows: slice, made: Array) -> None:
+        np.divide(picture[rows], number(gain_e_per_dn), out=made)
+        made += number(offset_dn)
+
+    return _by_rows(work, picture, block)
 
 
 def _rounding(at: AtStep, picture: Recipe, **how: float) -> list[Noise]:
@@ -262,18 +306,25 @@ def digitized(
     """Whole digital numbers from 0 to 2^bits − 1."""
     kind = picture.dtype if bits <= _EXACT_BITS else np.dtype(np.float64)
 
-    def block(rows: slice) -> Array:
-        numbers = _numbers(picture[rows], kind, gain_e_per_dn, offset_dn)
-        return np.clip(numbers, 0.0, kind.type(2.0**bits - 1.0), out=numbers)
+    def block(rows: slice, made: Array) -> None:
+        numbers = _numbers(picture[rows], kind, gain_e_per_dn, offset_dn, out=made)
+        np.clip(numbers, 0.0, kind.type(2.0**bits - 1.0), out=numbers)
+        if numbers is not made:
+            made[:] = numbers
 
     return _by_rows(work, picture, block)
 
 
 def _numbers(
-    electrons: Array, kind: np.dtype[Any], gain_e_per_dn: float, offset_dn: float
+    electrons: Array,
+    kind: np.dtype[Any],
+    gain_e_per_dn: float,
+    offset_dn: float,
+    out: Array | None = None,
 ) -> Array:
-    """Rounded, of any size."""
-    numbers = electrons / kind.type(gain_e_per_dn)
+    """Rounded, of any size; in `out` where that is of the kind."""
+    place = out if out is not None and out.dtype == kind else None
+    numbers = np.divide(electrons, kind.type(gain_e_per_dn), out=place)
     numbers += kind.type(offset_dn)
     return np.asarray(np.rint(numbers, out=numbers))
 
@@ -289,9 +340,12 @@ def electrons_of_counts(
 ) -> Array:
     """Electrons that digital numbers stand for."""
     number = picture.dtype.type
-    return _by_rows(
-        work, picture, lambda rows: (picture[rows] - number(offset_dn)) * number(gain_e_per_dn)
-    )
+
+    def block(rows: slice, made: Array) -> None:
+        np.subtract(picture[rows], number(offset_dn), out=made)
+        made *= number(gain_e_per_dn)
+
+    return _by_rows(work, picture, block)
 
 
 def _radiance_again(picture: Recipe, levels: Recipe) -> AboutLevel:
@@ -303,9 +357,11 @@ def _radiance_again(picture: Recipe, levels: Recipe) -> AboutLevel:
 def radiance_of_electrons(work: Work, picture: Array, levels: ElectronLevels) -> Array:
     """Radiance of the scene that electrons stand for, less what is there without it."""
     pedestal = picture.dtype.type(levels.pedestal_e)
-    return _by_rows(
-        work, picture, lambda rows: levels.conversion.radiance(picture[rows] - pedestal)
-    )
+
+    def block(rows: slice, made: Array) -> None:
+        made[:] = levels.conversion.radiance(picture[rows] - pedestal)
+
+    return _by_rows(work, picture, block)
 
 
 @ends_lineage

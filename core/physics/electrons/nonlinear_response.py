@@ -43,8 +43,11 @@ def bent_response(
         return electrons
     curvature = percent / 100.0 / well
     bounded: Any = np.minimum(electrons, 0.5 / curvature)
-    bent: FloatOrArray = bounded - bounded * bounded * curvature
-    return bent
+    bent: Any = bounded * -curvature
+    bent += 1.0
+    bent *= bounded
+    result: FloatOrArray = bent
+    return result
 
 
 def bent_slope(*, electrons: float, full_well_e: float, nonlinearity_percent: float) -> float:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from core.errors import DataError
 from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
-from core.physics.numerics.chebyshev import chebyshev_fit, chebyshev_sum
+from core.physics.numerics.chebyshev import chebyshev_sum
 from core.physics.radiometry.planck import (
     band_radiance,
     band_radiance_derivative,
@@ -34,6 +34,10 @@ SHORTEST_THERMAL_UM = 2.5
 
 _DEEPEST = 1e-9  # of the largest radiance; below it electrons are in proportion to the radiance
 _FLAT = 1e-14  # of ln L: a picture of one value
+_FINEST = 2e-14
+_FIT_SIZES = (8, 16, 32, 64)
+_STEPS = 80
+_HORNER = 10  # terms up to which powers are as accurate as the recurrence
 
 
 @dataclass(frozen=True)
@@ -109,38 +113,96 @@ class PhotonWeights:
 
 
 @dataclass(frozen=True)
-class Conversion:
-    """Electrons of radiances between two limits, and back.
+class SmoothRatio:
+    """A ratio over the logarithm of what it multiplies; beyond its limits as at them.
 
     Parameters
     ----------
-    coefficients, inverse : ndarray
-        Chebyshev coefficients of electrons over radiance, over the logarithm of the radiance, and
-        of radiance over electrons, over that of the electrons.
+    coefficients : ndarray
+        Of Chebyshev polynomials.
     middle, half : float
-        Of the logarithm of the radiance.
-    inverse_middle, inverse_half : float
-        Of the logarithm of the electrons.
+        Of the logarithm; a half of 0 where the ratio is one number.
     """
 
     coefficients: FloatArray
     middle: float
     half: float
-    inverse: FloatArray
-    inverse_middle: float
-    inverse_half: float
+
+    def times(self, values: Array) -> Array:
+        """Values times their ratio."""
+        number = values.dtype.type
+        if self.half == 0.0:
+            return np.asarray(values * number(self.coefficients[0]))
+        least, greatest = np.exp([self.middle - self.half, self.middle + self.half])
+        places = np.maximum(values, max(number(least), np.finfo(values.dtype).tiny))
+        np.minimum(places, number(greatest), out=places)
+        np.log(places, out=places)
+        places -= number(self.middle)
+        if len(self.coefficients) <= _HORNER:
+            total = places * number(self._powers[-1])
+            for power in self._powers[-2:0:-1]:
+                total += number(power)
+                total *= places
+            total += number(self._powers[0])
+        else:
+            places *= number(1.0 / self.half)
+            np.clip(places, -1.0, 1.0, out=places)
+            total = chebyshev_sum(self.coefficients.astype(values.dtype), places)
+        total *= values
+        return np.asarray(total)
+
+    @cached_property
+    def _powers(self) -> FloatArray:
+        """Coefficients of the powers of the logarithm less its middle."""
+        powers = np.polynomial.chebyshev.cheb2poly(self.coefficients)
+        return np.asarray(powers / self.half ** np.arange(len(powers)))
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """Electrons of radiances, and back; the `ratio` is that of electrons to radiance."""
+
+    ratio: SmoothRatio
 
     def electrons(self, radiance: Array) -> Array:
         """Electrons of radiances; in proportion to it below and beyond the limits."""
-        return _scaled(radiance, self.coefficients, self.middle, self.half)
+        return self.ratio.times(radiance)
 
     def radiance(self, electrons: Array) -> Array:
         """Radiance of electrons: the inverse of `electrons`."""
-        return _scaled(electrons, self.inverse, self.inverse_middle, self.inverse_half)
+        return self._inverse.times(electrons)
+
+    @cached_property
+    def _inverse(self) -> SmoothRatio:
+        """Radiance over electrons, over the logarithm of the electrons."""
+        coefficients, middle, half = self.ratio.coefficients, self.ratio.middle, self.ratio.half
+        if half == 0.0:
+            ratio = float(coefficients[0])
+            return SmoothRatio(np.array([1.0 / ratio if ratio > 0.0 else 0.0]), 0.0, 0.0)
+        ends = np.array([-1.0, 1.0])
+        logs = middle + half * ends + np.log(chebyshev_sum(coefficients, ends))
+        target_middle, target_half = float(logs.mean()), float(logs[1] - logs[0]) / 2.0
+
+        def ratio_at(places: FloatArray) -> FloatArray:
+            target = target_middle + target_half * places
+            scaled = places
+            for _ in range(_STEPS):  # each leaves less than a half of the error
+                logs = target - np.log(chebyshev_sum(coefficients, scaled))
+                before, scaled = scaled, np.clip((logs - middle) / half, -1.0, 1.0)
+                if np.abs(scaled - before).max() < _FLAT:
+                    break
+            return np.asarray(1.0 / chebyshev_sum(coefficients, scaled))
+
+        return SmoothRatio(_fit(ratio_at, _FINEST), target_middle, target_half)
 
 
 def conversion_between(
-    *, weights: PhotonWeights, electrons_per_photon: float, low: float, high: float
+    *,
+    weights: PhotonWeights,
+    electrons_per_photon: float,
+    low: float,
+    high: float,
+    tolerance: float = _FINEST,
 ) -> Conversion:
     """The conversion for radiances from `low` to `high`, W/m²/sr.
 
@@ -152,84 +214,37 @@ def conversion_between(
         What ∫ QE·L_q dλ is multiplied by, m² sr s.
     low, high : float
         Least and greatest radiance; what is below 1e-9 of the greatest is taken in proportion.
+    tolerance : float
+        Largest relative error between the limits.
 
     Returns
     -------
     Conversion
-        To rounding between the limits.
+        Exact at the one radiance where there is only one.
     """
     if not high > 0.0:
         low = high = 1.0  # a picture without light
     ends = np.log([max(low, high * _DEEPEST), high])
     middle, half = float(ends.mean()), float(ends[1] - ends[0]) / 2.0
-    if half <= _FLAT or weights.used != "scene":
-        half = 0.0
 
     def forward(places: FloatArray) -> FloatArray:
         radiance = np.exp(middle + half * places)
         return np.asarray(electrons_per_photon * weights.per_radiance(radiance))
 
-    if half == 0.0:
-        ratio = float(forward(np.zeros(1))[0])
-        back = 1.0 / ratio if ratio > 0.0 else 0.0
-        return Conversion(np.array([ratio]), middle, 0.0, np.array([back]), 0.0, 0.0)
-    coefficients = _short(chebyshev_fit(forward))
-    logs = ends + np.log(chebyshev_sum(coefficients, np.array([-1.0, 1.0])))
-    inverse_middle, inverse_half = float(logs.mean()), float(logs[1] - logs[0]) / 2.0
-    inverse = _short(
-        chebyshev_fit(_inverse(coefficients, (middle, half), (inverse_middle, inverse_half)))
-    )
-    return Conversion(coefficients, middle, half, inverse, inverse_middle, inverse_half)
+    if half <= _FLAT or weights.used != "scene":
+        return Conversion(SmoothRatio(forward(np.zeros(1)), middle, 0.0))
+    return Conversion(SmoothRatio(_fit(forward, tolerance), middle, half))
 
 
-def _inverse(
-    coefficients: FloatArray, logs: tuple[float, float], inverse: tuple[float, float]
-) -> Callable[[FloatArray], FloatArray]:
-    """Radiance over electrons, over the scaled logarithm of the electrons."""
-    (middle, half), (target_middle, target_half) = logs, inverse
-
-    def function(places: FloatArray) -> FloatArray:
-        target = target_middle + target_half * places
-        log_radiance = middle + half * places
-        for _ in range(60):  # each step leaves less than a half of the error
-            position = np.clip((log_radiance - middle) / half, -1.0, 1.0)
-            log_radiance = target - np.log(chebyshev_sum(coefficients, position))
-        return np.asarray(np.exp(log_radiance - target))
-
-    return function
-
-
-def _short(coefficients: FloatArray) -> FloatArray:
-    """Without the last ones, which add less than rounding."""
+def _fit(function: Callable[[FloatArray], FloatArray], tolerance: float) -> FloatArray:
+    """Chebyshev coefficients, as many as the tolerance needs."""
+    for size in _FIT_SIZES:
+        angles = np.pi * (np.arange(size) + 0.5) / size
+        values = function(np.cos(angles))
+        coefficients = 2.0 / size * (np.cos(np.outer(np.arange(size), angles)) @ values)
+        coefficients[0] /= 2.0
+        floor = 0.1 * tolerance * abs(coefficients[0])
+        if np.abs(coefficients[-3:]).max() <= floor:
+            break
     rest = np.cumsum(np.abs(coefficients[::-1]))[::-1]
-    used = np.flatnonzero(rest > 1e-15 * abs(coefficients[0]))
-    return coefficients[: int(used[-1]) + 1 if used.size else 1]
-
-
-def _scaled(values: Array, coefficients: FloatArray, middle: float, half: float) -> Array:
-    """Values times a Chebyshev sum over their logarithm."""
-    number = values.dtype.type
-    if half == 0.0:
-        return np.asarray(values * number(coefficients[0]))
-    # In single precision the last terms are below rounding.
-    floor = float(np.finfo(values.dtype).eps) / 8.0 * abs(coefficients[0])
-    rest = np.cumsum(np.abs(coefficients[::-1]))[::-1]
-    length = max(1, int(np.count_nonzero(rest > floor)))
-    least = max(number(np.exp(middle - half)), np.finfo(values.dtype).tiny)
-    places = np.log(np.clip(values, least, number(np.exp(middle + half))))
-    places -= number(middle)
-    places *= number(1.0 / half)
-    np.clip(places, -1.0, 1.0, out=places)
-    if length <= _HORNER:
-        powers = np.polynomial.chebyshev.cheb2poly(coefficients[:length])
-        total = np.full_like(places, number(powers[-1]))
-        for power in powers[-2::-1]:
-            total *= places
-            total += number(power)
-    else:
-        total = chebyshev_sum(coefficients[:length].astype(values.dtype), places)
-    total *= values
-    return np.asarray(total)
-
-
-_HORNER = 12  # terms up to which powers are as accurate as the recurrence
+    return np.asarray(coefficients[: max(1, int(np.count_nonzero(rest > floor)))])

@@ -33,7 +33,7 @@ def poisson_of_normal(mean: Array, deviates: Array, *, out: Array | None = None)
     deviates : ndarray
         Standard normal, of the same shape and type.
     out : ndarray, optional
-        Where to put the counts; may be one of the two.
+        Where to put the counts; contiguous, and neither of the two.
 
     Returns
     -------
@@ -47,29 +47,29 @@ def poisson_of_normal(mean: Array, deviates: Array, *, out: Array | None = None)
     approximation of the inverse Poisson cumulative distribution function, ACM Transactions on
     Mathematical Software 42, 7; after Temme 1979.
     """
+    if mean.size == 0 or mean.min() >= LARGE_MEAN:
+        return _of_large(mean, deviates, out)
     few = np.flatnonzero(mean.reshape(-1) < LARGE_MEAN)
-    small = _of_small(mean.reshape(-1)[few], deviates.reshape(-1)[few]) if few.size else None
-    counts = _of_large(mean, deviates, out)
-    if small is not None:
-        counts.reshape(-1)[few] = small
+    small = _of_small(mean.reshape(-1)[few], deviates.reshape(-1)[few])
+    counts = _of_large(np.maximum(mean, mean.dtype.type(LARGE_MEAN)), deviates, out)
+    counts.reshape(-1)[few] = small
     return counts
 
 
 def _of_large(mean: Array, deviates: Array, out: Array | None) -> Array:
     number = mean.dtype.type
+    root = np.sqrt(mean)
+    # m + z·(√m − (z² + 2)/(72·√m)) + (z² + 2)/6
     square = deviates * deviates
-    root = np.sqrt(np.maximum(mean, number(LARGE_MEAN)))
-    # √m·z + (z² − 1)/6 − z·(z² + 2)/(72·√m), and rounding in place of the floor less one half
-    change = square + number(2.0)
-    change /= root
-    change *= number(-1.0 / 72.0)
-    change += root
-    change *= deviates
-    square -= number(1.0)
+    square += number(2.0)
+    counts = np.divide(square, root, out=out)
+    counts *= number(-1.0 / 72.0)
+    counts += root
+    counts *= deviates
     square *= number(1.0 / 6.0)
-    change += square
-    counts = np.add(mean, change, out=out)
-    return np.asarray(np.rint(counts, out=counts))
+    counts += square
+    counts += mean
+    return np.asarray(np.floor(counts, out=counts))
 
 
 def _of_small(mean: Array, deviates: Array) -> Array:
