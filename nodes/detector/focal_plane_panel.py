@@ -39,12 +39,23 @@ class FocalPlanePanel(SeededModule):
     """Parameters of a focal plane; what they come to is made of the context too."""
 
     integration_time_s: Annotated[
-        float, Param("integration time of one stage", unit="s", low=0, high=1e4, above=True)
+        float,
+        Param(
+            "integration time of one stage", unit="s", low=0, high=1e4, above=True, slider=(0, 0.05)
+        ),
     ] = 0.001
     tdi_stages: Annotated[
-        int, Param("stages of time delay and integration that add their charge", low=1, high=10000)
+        int,
+        Param(
+            "stages of time delay and integration that add their charge",
+            low=1,
+            high=10000,
+            slider=(1, 128),
+        ),
     ] = 1
-    frames_averaged: Annotated[int, Param("frames that are averaged", low=1, high=1000000)] = 1
+    frames_averaged: Annotated[
+        int, Param("frames that are averaged", low=1, high=1000000, slider=(1, 64))
+    ] = 1
     quantum_efficiency: Annotated[
         float, Param("electrons per photon within the band", low=0, high=1, above=True)
     ] = 0.7
@@ -65,37 +76,67 @@ class FocalPlanePanel(SeededModule):
         Param("photons of a radiance: as of its own temperature, of the source, of the middle"),
     ] = "scene"
     source_K: Annotated[
-        float, Param("temperature of the source of light", unit="K", low=0, high=1e6, above=True)
+        float,
+        Param(
+            "temperature of the source of light",
+            unit="K",
+            low=0,
+            high=1e6,
+            above=True,
+            slider=(1000, 6500),
+        ),
     ] = 5800.0
     optics_transmission: Annotated[
         float, Param("transmission of the optics", low=0, high=1, above=True)
     ] = 1.0
     optics_K: Annotated[
         float | None,
-        Param("temperature of the optics; empty: no emission", unit="K", low=0, high=1e4),
+        Param(
+            "temperature of the optics; empty: no emission",
+            unit="K",
+            low=0,
+            high=1e4,
+            slider=(200, 340),
+        ),
     ] = None
     cold_shield_efficiency: Annotated[
         float, Param("share of the housing that the cold shield hides", low=0, high=1)
     ] = 1.0
     housing_K: Annotated[
         float | None,
-        Param("temperature of the housing past the cold shield", unit="K", low=0, high=1e4),
+        Param(
+            "temperature of the housing past the cold shield",
+            unit="K",
+            low=0,
+            high=1e4,
+            slider=(200, 340),
+        ),
     ] = None
     dark_current_e_per_s: Annotated[
-        float, Param("dark current of a pixel", unit="e-/s", low=0, high=1e18)
+        float, Param("dark current of a pixel", unit="e-/s", low=0, high=1e18, slider=(0, 1e7))
     ] = 0.0
     rule_07: Annotated[bool, Param("dark current of HgCdTe by Rule 07 in place of the number")] = (
         False
     )
     detector_K: Annotated[
-        float | None, Param("temperature of the detector, for Rule 07", unit="K", low=0, high=1e3)
+        float | None,
+        Param(
+            "temperature of the detector, for Rule 07", unit="K", low=0, high=1e3, slider=(60, 200)
+        ),
     ] = None
     material_cutoff_um: Annotated[
         float | None,
-        Param("cutoff of the detector material, for Rule 07", unit="µm", low=0, high=100),
+        Param(
+            "cutoff of the detector material, for Rule 07",
+            unit="µm",
+            low=0,
+            high=100,
+            slider=(2, 16),
+        ),
     ] = None
     full_well_e: Annotated[
-        float | None, Param("electrons a pixel holds; empty: any number", unit="e-", low=0)
+        float | None,
+        Param("electrons a pixel holds; empty: any number", unit="e-", low=0, slider=(0, 1e7)),
     ] = None
     nonlinearity_percent: Annotated[
         float,
@@ -112,7 +153,10 @@ class FocalPlanePanel(SeededModule):
         Param("spread of the response among pixels", unit="%", low=0, high=100, slider=(0, 5)),
     ] = 0.0
     dsnu_e: Annotated[
-        float, Param("spread of the dark level among pixels", unit="e-", low=0, high=1e12)
+        float,
+        Param(
+            "spread of the dark level among pixels", unit="e-", low=0, high=1e12, slider=(0, 2000)
+        ),
     ] = 0.0
     bad_pixel_percent: Annotated[
         float, Param("dead and hot pixels, some in clusters", unit="%", low=0, high=100,
@@ -121,10 +165,16 @@ class FocalPlanePanel(SeededModule):
     bits: Annotated[int, Param("bits of the converter, 0 for none", unit="bit", low=0, high=24)] = 0
     gain_e_per_dn: Annotated[
         float | None,
-        Param("electrons of one number; empty: the full well is the last", unit="e-/DN", low=0),
+        Param(
+            "electrons of one number; empty: the full well is the last",
+            unit="e-/DN",
+            low=0,
+            slider=(0, 1000),
+        ),
     ] = None
     offset_dn: Annotated[
-        float, Param("number of no electrons", unit="DN", low=-(2.0**24), high=2.0**24)
+        float,
+        Param("number of no electrons", unit="DN", low=-(2.0**24), high=2.0**24, slider=(0, 1000)),
     ] = 0.0
     units: Annotated[
         Literal["dn", "electrons", "radiance"],
