@@ -56,8 +56,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     that of `source_K`, or by the band's middle; the table shows what each makes of the signal. A
     band that begins below 2.5 µm holds no thermal scene: there `scene` is `source`. NETD, SNR and
     well fill are those of the picture's mean. `frames_averaged`: shot and read noise fall with the
-    root of their number, and the average is rounded once. Sources: Dereniak and Boreman 1996;
-    Janesick 2007, Photon Transfer; EMVA 1288; Tennant et al. 2008 (Rule 07).
+    root of their number, and the average is rounded once. `saturated` is 1 where the well is full
+    or the converter beyond its last number. Sources: Dereniak and Boreman 1996; Janesick 2007,
+    Photon Transfer; EMVA 1288; Tennant et al. 2008 (Rule 07).
     """
 
     def run(self, image: Image, context: Context, here: NodeContext) -> FocalPlaneOutputs:
@@ -225,6 +226,12 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     )
     gain_figure = _figure("gain_e_per_dn", "e-/DN", "Electrons of one digital number.")
     mean_dn = _figure("mean_dn", "DN", "Digital number of the picture's mean.")
+    weighting_figure = _figure(
+        "photon_weighting", "", "The spectrum that photons are counted by: scene, source, middle."
+    )
+    weighting_worth_percent = _figure(
+        "weighting_worth_percent", "%", "How far the signal differs among these spectra."
+    )
 
     @readout()
     def saturated_pixels(self, outputs: FocalPlaneOutputs) -> Any:

@@ -296,8 +296,8 @@ def figures(
 def _worth(
     levels: ElectronLevels, collection: Collection
 ) -> tuple[tuple[str, float | None, str, str], ...]:
-    """What each other weighting would make of the signal."""
-    rows = []
+    """What each other weighting would make of the signal, and by how much they differ."""
+    rows: list[tuple[str, float | None, str, str]] = []
     for weighting in WEIGHTINGS:
         signal: float | None = None
         weights = replace(collection.weights, weighting=weighting)
@@ -310,6 +310,11 @@ def _worth(
                 signal = collection.per_photon * float(ratio[0]) * levels.seen.mean
         meaning = f"signal with photons weighted by {weighting}"
         rows.append((f"signal_by_{weighting}_e", signal, "e-", meaning))
+    known = [signal for _, signal, _, _ in rows if signal is not None]
+    worth = None
+    if len(known) > 1 and levels.signal_e > 0.0:
+        worth = 100.0 * (max(known) - min(known)) / levels.signal_e
+    rows.append(("weighting_worth_percent", worth, "%", "largest of these less the least"))
     return tuple(rows)
 
 

@@ -78,6 +78,8 @@ def test_shares_of_the_noise_budget(tmp_path):
     gain = own["gain_e_per_dn"]
     assert found["sigma_temporal"] == pytest.approx(own["temporal_noise_e"] / gain, rel=1e-6)
     assert found["sigma_fixed"] == pytest.approx(own["fixed_pattern_e"] / gain, rel=1e-3)
+    bars = bench.value("budget.noise").bars
+    assert {"Shot", "PRNU", "DSNU", "Read", "Quantization"} == {bar.split(" (")[0] for bar in bars}
 
 
 @pytest.mark.parametrize(
