@@ -19,6 +19,7 @@ from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
 from nodes.detector.charge_eff_mtf import ChargeEffMTF
 from nodes.detector.charge_eff_phase import ChargeEffPhase
 from nodes.detector.detector_mtf import DetectorMTF
+from nodes.detector.focal_plane import FocalPlane
 from nodes.electronics.electronics_noise import ElectronicsNoise
 from nodes.electronics.noise_file import NoiseFile
 from nodes.electronics.periodic_noise import PeriodicNoise
@@ -66,6 +67,7 @@ MODULES: tuple[type[Module], ...] = (
     DetectorMTF,
     ChargeEffMTF,
     ChargeEffPhase,
+    FocalPlane,
     ElectronicsNoise,
     PeriodicNoise,
     NoiseFile,

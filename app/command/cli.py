@@ -104,6 +104,11 @@ def _carry_out(words: list[str], stop: Stop) -> None:
 
         _stop_if(stop)
         trade_off(options, stop)
+    elif options.command == "solve":
+        from app.command.solve import solve_readout
+
+        _stop_if(stop)
+        solve_readout(options, stop)
     elif options.command == "bench":
         from app.bench import bench
 

@@ -16,6 +16,7 @@ from app.options.command_words import (
     network_words,
     place_words,
     run_words,
+    solve_words,
     tradeoff_words,
 )
 from app.options.option_values import (
@@ -54,7 +55,7 @@ Look = Literal["dark", "light"]
 class Options:
     """What the command line gives."""
 
-    command: Literal["edit", "run", "check", "tradeoff", "modules", "networks", "bench"]
+    command: Literal["edit", "run", "check", "tradeoff", "solve", "modules", "networks", "bench"]
     network: str = ""
     settings: tuple[Assignment, ...] = ()
     final: str | None = None
@@ -66,6 +67,8 @@ class Options:
     vary: tuple[str, ...] = ()
     figures: tuple[str, ...] = ()
     outputs: tuple[Path, ...] = ()
+    solve_for: str = ""
+    until: str = ""
     precision: Precision = "single"
     seed: int | None = None
     tolerance: float | None = None
@@ -172,6 +175,14 @@ def parse(argv: list[str]) -> Options:
             outputs=tuple(output_path(text) for text in arguments.output),
             **common,
         )
+    if arguments.command == "solve":
+        return Options(
+            "solve",
+            arguments.network,
+            solve_for=arguments.solve_for,
+            until=arguments.until,
+            **common,
+        )
     return Options(
         "run",
         arguments.network,
@@ -255,6 +266,7 @@ _COMMANDS: Mapping[str, tuple[str, Callable[[argparse.ArgumentParser], object]]]
         "run": ("evaluate a network", run_words),
         "check": ("validate a network", _check_words),
         "tradeoff": ("figures of merit as a parameter moves", tradeoff_words),
+        "solve": ("the value of a parameter at which a read-out is as wanted", solve_words),
         "networks": ("list the shipped networks", lambda _: None),
         "modules": ("list the library", _modules_words),
         "bench": ("time against error", bench_words),

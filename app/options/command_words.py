@@ -126,6 +126,28 @@ def run_words(parser: argparse.ArgumentParser) -> None:
     _numerical_words(parser)
 
 
+def solve_words(parser: argparse.ArgumentParser) -> None:
+    """``imagechain solve``."""
+    network_words(parser)
+    add: Any = parser.add_argument
+    add(
+        "--for",
+        action=Once,
+        required=True,
+        dest="solve_for",
+        metavar="NODE.PARAM[=LOW:HIGH]",
+        help="the parameter that is sought, in its own range or the one given",
+    )
+    add(
+        "--until",
+        action=Once,
+        required=True,
+        metavar="NODE.READOUT=VALUE",
+        help="the read-out, and the value that it is to have, in the read-out's unit",
+    )
+    _numerical_words(parser)
+
+
 def tradeoff_words(parser: argparse.ArgumentParser) -> None:
     """``imagechain tradeoff``."""
     network_words(parser)

@@ -21,6 +21,7 @@ from core.errors import UsageError
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from nodes.files.arrays import write_curves, write_matrix
+from nodes.files.common.digital_numbers import integer_type
 from nodes.files.common.file_format import CSV, Format, suffixes
 from nodes.files.curve_text import columns_text, is_plain
 from nodes.files.formats import PNG, SAVED, WRITTEN, written_format
@@ -89,6 +90,8 @@ def real_array(made: Array, work: Work) -> Array:
 def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
     """Write a real array in the format of the suffix; integers from its least to greatest sample.
 
+    Digital numbers are written as they are, in TIFF as integers.
+
     Raises
     ------
     ImagechainError
@@ -98,6 +101,10 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
     if kind is None:
         write_matrix(path, array)
     elif kind.stores_floats:
+        whole = integer_type(array, metadata.get("unit", ""), kind.dtypes)
+        if whole is not None:
+            write_picture(path, array, dtype=whole, metadata=metadata)
+            return
         double = array.dtype == np.float64 and "double" in kind.dtypes
         write_picture(path, array, dtype="double" if double else "float", metadata=metadata)
     else:

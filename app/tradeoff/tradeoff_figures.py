@@ -21,6 +21,7 @@ from core.network.linked_values import following
 from core.network.network import Network
 
 ELECTRONICS = "electronics_noise"
+SENSORS = (ELECTRONICS, "focal_plane")
 _PLACES: Mapping[str, tuple[Axis, float, str]] = MappingProxyType(
     {
         "mtf_nyquist_x": ("x", 1.0, "at the Nyquist frequency across"),
@@ -88,9 +89,7 @@ def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
         if node.module in library
     }
     usual = [
-        figure
-        for figure in known.values()
-        if figure.is_total or groups[figure.node].key == ELECTRONICS
+        figure for figure in known.values() if figure.is_total or groups[figure.node].key in SENSORS
     ]
     if not usual:
         usual = [f for f in known.values() if groups[f.node].group == "Analysis"]

@@ -14,6 +14,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from core.evaluation.recipes import Recipe
 from core.evaluation.work import Work
 from core.noise.noise_power import NoisePower
 from core.physics.sampling.interpolation import block_mean_mtf
@@ -25,8 +26,32 @@ Vector = NDArray[np.float64]
 Axis = Literal["x", "y"]
 
 
+@dataclass(frozen=True)
+class LevelChange:
+    """What a change does about the level of its picture, where that depends on the picture.
+
+    Parameters
+    ----------
+    gain : float
+        Of small differences about the mean.
+    mean : float
+        Of the picture before.
+    signal : float
+        What the mean becomes, less what is there without any scene.
+    """
+
+    gain: float
+    mean: float
+    signal: float
+
+
 class Linear:
     """A linear change of a picture; here none at all."""
+
+    @property
+    def level(self) -> Recipe | None:
+        """Recipe of the `LevelChange` of a change that is linear in small differences alone."""
+        return None
 
     @property
     def gain(self) -> float:

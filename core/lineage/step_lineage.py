@@ -55,12 +55,15 @@ class Noises:
         What takes its place on a picture without noise.
     picture : Recipe
         What they are added to.
+    leaves_change : bool
+        Whether what takes its place makes the step's linear change too.
     """
 
     at: Callable[[AtStep], list[Noise]]
     on: Callable[[Recipe], Recipe]
     free: Callable[[Recipe], Recipe]
     picture: Recipe
+    leaves_change: bool = False
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ class Lineage:
     Raises
     ------
     ValueError
-        Where a step adds noise and filters: without its noise the filter would be lost.
+        Where a step adds noise and filters, and nothing filters without its noise.
     """
 
     picture: Recipe | None
@@ -93,8 +96,13 @@ class Lineage:
     area_means: bool = False
 
     def __post_init__(self) -> None:
-        if self.noise and type(self.linear) is not Linear and not self.linear.by_chance:
-            raise ValueError("a step that adds noise makes no linear change: make it two steps")
+        if not self.noise or type(self.linear) is Linear or self.linear.by_chance:
+            return
+        if not self.noise.leaves_change:
+            raise ValueError(
+                "a step that adds noise makes no linear change: make it two steps, or give it a "
+                "noise_free that makes it too"
+            )
 
 
 def lineage_of(recipe: Recipe) -> Lineage | None:
@@ -155,7 +163,7 @@ def picture_step(
                     return made
                 return replace(made, node=step.node)
 
-            return Noises(at, on, free, inputs[place])
+            return Noises(at, on, free, inputs[place], leaves_change=noise_free is not None)
 
         function.lineage = lineage  # type: ignore[attr-defined]
         return function

@@ -44,6 +44,7 @@ _MATERIALS = tuple(
     (region, (*(material.name for material in materials), MANUAL))
     for region, materials in MATERIALS_BY_REGION.items()
 )
+_CONVERTER_BITS = (*range(1, 25), 32, 64)
 
 
 class ElectronicsOutputs(NamedTuple):
@@ -139,7 +140,7 @@ class ElectronicsNoise(
     post_poles: Annotated[int, Param("poles of the post filter", low=1, high=100)] = 1
     post_gain: Annotated[float, Param("gain of the boost", low=1, high=1e6)] = 2.0
     bits: Annotated[
-        Literal[0, 4, 6, 8, 12, 16, 24, 32, 64], Param("bits per pixel, 0 for none", unit="bit")
+        int, Param("bits per pixel, 0 for none", unit="bit", choices=(0, *_CONVERTER_BITS))
     ] = 0
     range_low: Annotated[
         float | None,
@@ -193,7 +194,7 @@ class ElectronicsNoise(
             "Range",
             ("range_low", "range_high"),
             page="Quantizer",
-            shown_when=("bits", (4, 6, 8, 12, 16, 24, 32, 64)),
+            shown_when=("bits", _CONVERTER_BITS),
         ),
         *SEED_SECTIONS,
     )

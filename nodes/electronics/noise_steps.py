@@ -21,13 +21,14 @@ from core.lineage.linear_change import Filtering, Linear
 from core.lineage.step_lineage import picture_step
 from core.lineage.step_noise import AtStep, Noise
 from core.noise.noise_power import NoisePower
-from core.noise.random_fields import BLOCK, Stream, normal_field, normal_part
+from core.noise.random_fields import Stream
 from core.physics.electronics.gain_bias import apply_gain_bias
 from core.physics.electronics.quantization import quantization_rms, quantize
 from core.physics.electronics.rounding_noise import rounding_variances
 from core.transfer.factors import Separable
 from core.transfer.grid import Edges, Grid
 from nodes.electronics.detector_figures import DetectorFigures, Statistics
+from nodes.shared.unit_deviates import unit_deviates
 
 Array = NDArray[Any]
 STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
@@ -132,22 +133,6 @@ class NoisePlan:
             return Step.of(quantized, picture, node=self.node, bits=bits, limits=(low, high))
         limits = Step.of(value_range, picture, node=self.node, low=low, high=high)
         return Step.of(quantized, picture, limits, node=self.node, bits=bits)
-
-
-def _deviates_part(work: Work, region: Region, *, stream: Stream, shape: tuple[int, int]) -> Array:
-    wanted = region.broadcast(shape)
-    return normal_part(stream, shape, wanted, dtype=work.policy.dtype, for_each=work.for_each)
-
-
-def _deviates_share(region: Region, shape: tuple[int, int]) -> float:
-    return len(region.blocks(shape[1], BLOCK)) / -(-shape[0] * shape[1] // BLOCK)
-
-
-@ends_lineage
-@in_parts(_deviates_part, _deviates_share)
-def unit_deviates(work: Work, *, stream: Stream, shape: tuple[int, int]) -> Array:
-    """Standard normal deviates."""
-    return normal_field(stream, shape, dtype=work.policy.dtype, for_each=work.for_each)
 
 
 @ends_lineage

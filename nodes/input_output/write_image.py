@@ -18,6 +18,7 @@ from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
+from nodes.files.common.digital_numbers import DIGITAL_NUMBER, integer_type
 from nodes.files.common.file_format import suffixes
 from nodes.files.common.picture_info import MetadataValue
 from nodes.files.formats import WRITTEN, written_format
@@ -36,8 +37,9 @@ class WriteImage(
     """Write the picture to a file, only when a run asks for outputs.
 
     Integer types map `range_low` … `range_high` (empty: the picture's least and greatest sample)
-    to the type's whole range. `automatic` is the evaluation's precision where the format holds
-    it, and 16-bit integers for PNG.
+    to the type's whole range; a picture in digital numbers, DN, is not stretched where both are
+    empty: 12 bits are 0 to 4095 in the file. `automatic` is the evaluation's precision where the
+    format holds it, and 16-bit integers for PNG and for digital numbers up to 65535.
     """
 
     path: Annotated[Path | None, Param("file to write, relative to the network file's folder")] = (
@@ -107,16 +109,24 @@ class WriteImage(
         target = self.target(here)
         samples = realize(image, work)
         check_finite(samples, target.name)
-        dtype = self._stored(_dtypes(target), samples)
-        low, high = self._range(samples) if dtype.startswith("uint") else (None, None)
+        dtype = self._stored(_dtypes(target), samples, image.unit)
+        low, high = (None, None)
+        if dtype.startswith("uint") and not self._as_they_are(image.unit):
+            low, high = self._range(samples)
         writer = partial(
             write_picture, array=samples, dtype=dtype, low=low, high=high, metadata=_metadata(image)
         )
         return [(target, writer)]
 
-    def _stored(self, held: tuple[str, ...], samples: NDArray[Any]) -> str:
+    def _as_they_are(self, unit: str) -> bool:
+        """Whether integers are the samples themselves: digital numbers, and no range is given."""
+        return unit == DIGITAL_NUMBER and self.range_low is None and self.range_high is None
+
+    def _stored(self, held: tuple[str, ...], samples: NDArray[Any], unit: str) -> str:
         if self.dtype != "automatic":
             return self.dtype
+        if self._as_they_are(unit) and (whole := integer_type(samples, unit, held)):
+            return whole
         if "float" not in held:
             return held[-1]
         return "double" if samples.dtype == np.float64 and "double" in held else "float"

@@ -19,6 +19,7 @@ PURE_NUMBERS = {
     "columns", "rows", "strips", "fill_value",
     "snr_threshold", "n50_detection", "n50_recognition", "n50_identification", "v50",
     "magnification", "nodes", "tolerance", "frames",
+    "tdi_stages", "frames_averaged", "quantum_efficiency", "cold_shield_efficiency",
 }  # fmt: skip
 # Numbers of either sign without a natural limit.
 UNBOUNDED = {
@@ -80,7 +81,8 @@ class TestDeclared:
             "_mrad": "mrad", "_um": "µm", "_mm": "mm", "_m": "m", "_cm": "cm", "_K": "K",
             "_Hz": "Hz", "_s": "s", "_deg": "deg", "_percent": "%", "_per_km": "1/km",
             "_m_per_s": "m/s", "_mrad_per_s": "mrad/s", "_cyc_per_mrad": "cyc/mrad", "_px": "px",
-            "_waves": None,
+            "_waves": None, "_e": "e-", "_e_per_s": "e-/s", "_e_per_dn": "e-/DN", "_dn": "DN",
+            "_dB": "dB", "_e_per_K": "e-/K",
         }  # fmt: skip
         declared = DECLARED[key]
         named = [(p.name, p.param.unit) for p in declared.parameters]

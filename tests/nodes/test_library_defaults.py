@@ -59,6 +59,13 @@ RECORDED = {
     "detector_mtf": FREE,
     "charge_eff_mtf": CHARGE,
     "charge_eff_phase": CHARGE,
+    "focal_plane": {
+        **SEED, "integration_time_s": 0.001, "tdi_stages": 1, "frames_averaged": 1,
+        "quantum_efficiency": 0.7, "photon_weighting": "scene", "source_K": 5800.0,
+        "optics_transmission": 1.0, "cold_shield_efficiency": 1.0, "dark_current_e_per_s": 0.0,
+        "rule_07": False, "nonlinearity_percent": 0.0, "read_noise_e": 0.0, "prnu_percent": 0.0,
+        "dsnu_e": 0.0, "bad_pixel_percent": 0.0, "bits": 0, "offset_dn": 0.0, "units": "dn",
+    },
     "electronics_noise": {
         **SEED, "region": "VIS", "material": "HgCdTe", "optics_transmission": 1.0,
         "filter_transmission": 1.0, "snr_reference": "mean", "gain_percent": 0.0,

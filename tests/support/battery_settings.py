@@ -35,6 +35,12 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "detector_mtf": {},
     "charge_eff_mtf": {"efficiency": 0.999},
     "charge_eff_phase": {"efficiency": 0.999},
+    "focal_plane": {
+        "integration_time_s": 1e-5, "optics_K": 290, "cold_shield_efficiency": 0.9,
+        "housing_K": 300, "dark_current_e_per_s": 1e5, "full_well_e": 4e6, "read_noise_e": 300,
+        "prnu_percent": 1, "dsnu_e": 200, "nonlinearity_percent": 1, "bad_pixel_percent": 3,
+        "bits": 12, "offset_dn": 10,
+    },
     "electronics_noise": {
         "region": "LWIR", "scan_mirror_rate_Hz": 1, "amplifier_snr": 30, "gain_percent": 1,
         "bias_percent": 1, "noise_variability_percent": 10, "use_mtf": True,
@@ -82,6 +88,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
 NEVER_NEUTRAL = {
     "detector_mtf": "a detector always has an area",
     "electronics_noise": "a detector always has noise",
+    "focal_plane": "photons come one by one",
     "compare_images": "what it gives is a difference",
     "camera_geometry": "a camera's samples lie where it looks",
 }

@@ -16,7 +16,7 @@ PARTS = {
     "editor": "The window",
 }
 TABLES = {
-    "speed": ("networks", "one_thread", "growth", "fresh_process"),
+    "speed": ("networks", "one_thread", "cameras", "growth", "fresh_process"),
     "precision": (
         "precision",
         "edges",
@@ -26,6 +26,7 @@ TABLES = {
         "wavelengths",
         "charge_transfer",
         "poisson",
+        "poisson_quantile",
         "skipping",
         "scanning",
         "spatial",

@@ -7,6 +7,7 @@ from app.bench.precision.precision_low_rank import MEASURES as LOW_RANK
 from app.bench.precision.precision_pictures import MEASURES as PICTURES
 from app.bench.precision.precision_poisson import MEASURES as POISSON
 from app.bench.precision.precision_pupils import MEASURES as PUPILS
+from app.bench.precision.precision_quantile import MEASURES as QUANTILES
 from app.bench.precision.precision_scanning import MEASURES as SCANNING
 from app.bench.precision.precision_skip import MEASURES as SKIPPING
 from app.bench.precision.precision_spatial import MEASURES as SPATIAL
@@ -19,6 +20,7 @@ MEASURES = (
     *WAVELENGTHS,
     *CHARGE_TRANSFER,
     *POISSON,
+    *QUANTILES,
     *SKIPPING,
     *SCANNING,
     *SPATIAL,

@@ -15,6 +15,7 @@ _ALSO: Mapping[str, str] = MappingProxyType(
         "read_image": f"load import DIRSIG {readable_formats()}",
         "poisson_noise": "photon shot noise",
         "periodic_noise": "banding striping coherent",
+        "focal_plane": "FPA camera electrons QE well ADC NETD NEI PRNU DSNU dark current TDI",
         "electronics_noise": "banding striping fixed pattern FPN NUC ADC",
         "mtf_slices": "OTF plot",
         "measured_mtf": "ROI region of interest knife edge ESF LSF SFR ISO 12233",

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from app.editor.declared_text import label_of
 from app.run.responses import SYSTEM, TOTAL
-from app.tradeoff.tradeoff_figures import ELECTRONICS, Figure
+from app.tradeoff.tradeoff_figures import SENSORS, Figure
 from core.network.network import Network
 
 _PLACES: Mapping[str, str] = MappingProxyType(
@@ -19,7 +19,7 @@ _PLACES: Mapping[str, str] = MappingProxyType(
         "mtf_half_nyquist_y": "MTF η, ½ Nyquist",
     }
 )
-_FIRST = ("netd_system_K", "snr")
+_FIRST = ("netd_system_K", "netd_K", "snr")
 _RANGES = ("mrtd_x_K", "detection_range_km", "ttp_range_km")
 _MOST_FIRST = 2
 
@@ -50,7 +50,7 @@ def in_order(known: Mapping[str, Figure], network: Network) -> dict[str, Figure]
     def place(figure: Figure) -> int:
         if figure.is_total:
             return 1 if figure.node == TOTAL else 2
-        return 0 if network.nodes[figure.node].module == ELECTRONICS else 3
+        return 0 if network.nodes[figure.node].module in SENSORS else 3
 
     return {figure.text: figure for figure in sorted(known.values(), key=place)}
 
@@ -67,7 +67,7 @@ def first_figures(
     if own:
         ranges = [name for name in own if name.rpartition(".")[2] in _RANGES]
         return frozenset(ranges or own[:_MOST_FIRST])
-    electronics = [node.id for node in network.nodes.values() if node.module == ELECTRONICS]
+    electronics = [node.id for node in network.nodes.values() if node.module in SENSORS]
     names = [f"{electronics[-1]}.{name}" for name in _FIRST] if electronics else []
     names += [f"{TOTAL}.mtf_nyquist_x"]
     if not electronics:

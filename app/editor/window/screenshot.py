@@ -15,6 +15,7 @@ from app.editor.theme import THEMES, Look
 from app.editor.window.documents.opening import open_named
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.main_window import MainWindow
+from app.tradeoff.tradeoff_figures import SENSORS
 from core.atomic import write_bytes
 from core.errors import FileError, UsageError
 from nodes.library import standard_library
@@ -72,7 +73,7 @@ def _select_node_with_figures(window: MainWindow) -> None:
     if window.session.selection:
         return
     nodes = window.session.network.nodes.values()
-    electronics = [node.id for node in nodes if node.module == "electronics_noise"]
+    electronics = [node.id for node in nodes if node.module in SENSORS]
     window.session.select((electronics or [node.id for node in nodes])[:1])
 
 

@@ -103,6 +103,15 @@ def band_photon_radiance(
     return _evaluated(BandIntegral(cut_on_um, cut_off_um, scale, 3, 2, 1), temperature_K)
 
 
+def band_photon_radiance_derivative(
+    *, cut_on_um: float, cut_off_um: float, temperature_K: FloatOrArray
+) -> FloatOrArray:
+    """Slope dL_q/dT of `band_photon_radiance`, s⁻¹ m⁻² sr⁻¹ K⁻¹; otherwise as there."""
+    _require_band(cut_on_um, cut_off_um)
+    scale = 2.0 * SPEED_OF_LIGHT_M_S / SECOND_RADIATION_CONSTANT_M_K**3
+    return _evaluated(BandIntegral(cut_on_um, cut_off_um, scale, 2, 3, 2), temperature_K)
+
+
 def brightness_temperature(
     *, radiance: FloatOrArray, cut_on_um: float, cut_off_um: float
 ) -> FloatOrArray:

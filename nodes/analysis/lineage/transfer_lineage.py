@@ -31,6 +31,10 @@ class ImageTransfer:
         to chance (a gain error as printed).
     area_means : bool
         Whether the source's samples are known to be means over their area, which blurs too.
+    levels : tuple of Recipe
+        Of the `LevelChange` of each stage whose gain depends on the picture, in order.
+    gain_before : float
+        What a uniform scene is multiplied by up to the first of these.
     """
 
     stages: tuple[Stage, ...]
@@ -39,6 +43,8 @@ class ImageTransfer:
     source: Recipe
     gain: float | None = 1.0
     area_means: bool = False
+    levels: tuple[Recipe, ...] = ()
+    gain_before: float = 1.0
 
     @property
     def factors(self) -> tuple[Factor, ...]:
@@ -67,11 +73,17 @@ def transfer_of(image: Image) -> ImageTransfer:
     grid = image.grid()
     factors: list[Factor] = []
     recipe, here, gain, known = image.recipe, grid, 1.0, True
+    levels: list[Recipe] = []
+    gain_before = 1.0
     while (lineage := lineage_of(recipe)) is not None and lineage.picture is not None:
         change = lineage.linear
         before = change.grid_before(here)
         factors = [*change.transfer(before, here, recipe.node), *factors]
         gain *= change.gain
+        gain_before *= change.gain
+        if change.level is not None:
+            levels.insert(0, change.level)
+            gain_before = 1.0
         known = known and not change.by_chance
         recipe, here = lineage.picture, before
     return ImageTransfer(
@@ -81,4 +93,6 @@ def transfer_of(image: Image) -> ImageTransfer:
         recipe,
         gain if known else None,
         area_means=lineage is not None and lineage.area_means,
+        levels=tuple(levels),
+        gain_before=gain_before,
     )

@@ -244,8 +244,10 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         seen = Step.of(
             sensitivity,
             NoiseOf(image, node, uniform=True),
+            *passed.levels,
             node=node,
             gain=passed.gain,
+            gain_before=passed.gain_before,
             band_um=given_band(self.cut_on_um, self.cut_off_um, known),
             background_K=self.background_K,
         )
@@ -275,7 +277,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     @warning
     def unit(self, image: Image) -> Caution | None:
-        """A picture that is no radiance."""
+        """A picture that is no radiance, and whose chain does not say how it became what it is."""
+        if image.interval_x_mrad is not None and transfer_of(image).levels:
+            return None
         return unit_caution(image.unit, meant="NETD, MRTD and MDTD")
 
     def _frames(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -12,6 +13,7 @@ from core.chain.results import CurveData, Series
 from core.errors import DataError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
+from core.lineage.linear_change import LevelChange
 from core.physics.acquisition.mdtd import Window, mdtd_K
 from core.physics.acquisition.mrtd import mrtd_flir92_K, mrtd_ratches_K, mrtd_two_dimensional
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
@@ -102,14 +104,17 @@ class Thresholds:
 def sensitivity(
     work: Work,
     seen: ImageNoise,
-    *,
+    *levels: LevelChange,
     band_um: tuple[float, float],
     background_K: float | None,
     gain: float | None = 1.0,
+    gain_before: float = 1.0,
 ) -> Sensitivity:
     """Noise over the slope dL/dT at the background, by default that of the picture's mean.
 
-    `gain` is what a uniform scene is multiplied by on its way to the picture.
+    `gain` is what a uniform scene is multiplied by on its way to the picture. Where the picture is
+    no longer in proportion to the scene, `levels` are the changes that made it so, `gain_before`
+    what the scene was multiplied by before the first.
     """
     band = {"cut_on_um": band_um[0], "cut_off_um": band_um[1]}
     if seen.unknown:
@@ -122,15 +127,20 @@ def sensitivity(
             "gain_model literal scales the picture by the gain error: its noise is no difference "
             "in temperature; take per_pixel or published"
         )
-    mean = seen.mean / gain
+    gain *= math.prod(level.gain for level in levels)
+    if not gain > 0.0:
+        raise DataError("the picture does not change with the scene: there is nothing to detect")
+    scene = levels[0].mean / gain_before if levels else seen.mean / gain
+    # What is in proportion to the scene, as a radiance at the slope of the response.
+    mean = levels[0].signal / levels[0].gain / gain_before if levels else scene
     noise = NoiseVariances(*(seen.total.variances.variance(n) / gain**2 for n in COMPONENTS))
     if background_K is None:
-        if not mean > 0.0:
+        if not scene > 0.0:
             raise DataError(
                 f"the image's mean {seen.mean:.6g} is no radiance of a background: "
                 "give background_K"
             )
-        background_K = float(brightness_temperature(radiance=mean, **band))
+        background_K = float(brightness_temperature(radiance=scene, **band))
     slope = float(band_radiance_derivative(temperature_K=background_K, **band))
     if not slope > 0.0:
         raise DataError(f"a background of {background_K:.6g} K emits nothing in the band")

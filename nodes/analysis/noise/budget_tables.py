@@ -23,13 +23,18 @@ def source_words(name: str) -> str:
     return _WORDS.get(name, name)
 
 
+def _capital(words: str) -> str:
+    """With a capital first; those of an abbreviation stay."""
+    return words[:1].upper() + words[1:]
+
+
 @ends_lineage
 def noise_bars(work: Work, noise: NoiseShares, *, kind: Kind, show: Show, unit: str) -> CurveData:
     """A bar for each source: its share of the variance, or its deviation."""
     title = "Noise" if kind == "all" else f"{kind.capitalize()} noise"
     if not noise.shares:
         return CurveData(f"{title}: none in this picture", "source", "share (%)", ())
-    pairs = [(source_words(share.name).capitalize(), share.node) for share in noise.shares]
+    pairs = [(_capital(source_words(share.name)), share.node) for share in noise.shares]
     names = _distinct(pairs)
     kinds = [
         k for k in ("temporal", "fixed") if any(getattr(s, k) is not None for s in noise.shares)

@@ -26,7 +26,7 @@ COMMANDS = [shlex.split(line, comments=True)[1:] for line in LINES if line.start
 
 def test_there_are_commands():
     assert {words[0] for words in COMMANDS} == {
-        *("run", "tradeoff", "check", "networks", "modules", "bench")
+        *("run", "tradeoff", "solve", "check", "networks", "modules", "bench")
     }
 
 

@@ -10,7 +10,7 @@ from noise_bench import BAND, QUIET, network, rms
 
 
 @pytest.mark.parametrize("precision", ["single", "double"])
-@pytest.mark.parametrize("bits", [4, 6, 8])
+@pytest.mark.parametrize("bits", [4, 5, 8])
 @pytest.mark.parametrize("given_range", [{}, {"range_low": -3.0, "range_high": 13.0}])
 def test_quantization_error_of_a_ramp(bench, bits, given_range, precision):
     picture = np.linspace(0, 10, 128 * 256).reshape(128, 256)
@@ -59,3 +59,18 @@ def test_a_picture_beyond_the_one_end_given_is_clipped_or_refused(bench, ends):
         return
     assert np.all(image >= ends.get("range_low", -np.inf))
     assert np.all(image <= ends.get("range_high", np.inf))
+
+
+@pytest.mark.parametrize("bits", [*range(1, 25), 32, 64])
+def test_every_whole_number_of_bits_to_24_has_its_levels(bench, bits):
+    """Levels of a converter of b bits are 2^b, the range's ends among them."""
+    picture = np.linspace(0, 1, 40 * 50).reshape(40, 50)
+    bench.picture(picture)
+    ends = {"range_low": 0.0, "range_high": 1.0}
+    image = bench.get(network({**QUIET, "bits": bits, **ends}), "noise.image", precision="double")
+    steps = 2.0**bits - 1
+    expected = np.rint(picture * steps) / steps
+    # At the edge between two levels the quiet detector's noise decides.
+    apart = np.abs(image - expected)
+    assert np.count_nonzero(apart > 1e-9) <= (2 if bits < 20 else picture.size)
+    assert apart.max() <= 1 / steps * (1 + 1e-9)

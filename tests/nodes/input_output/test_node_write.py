@@ -161,3 +161,57 @@ def test_columns_of_curves_that_share_no_axis():
     assert list(long) == ["curve", "x (m)", "y"]
     np.testing.assert_array_equal(long["curve"], [1, 1, 1, 2, 2])
     np.testing.assert_array_equal(long["x (m)"], [0, 1, 2, 0, 1])
+
+
+def test_digital_numbers_are_written_as_they_are(tmp_path):
+    """A camera of 12 bits gives 0 … 4095, and so does its file: nothing is stretched."""
+    numbers = np.array([[0.0, 7.0, 4095.0], [1.0, 2048.0, 3.0]])
+    np.save(tmp_path / "in.npy", numbers)
+    for name in ("o.tif", "o.png"):
+        nodes = {
+            "in": ("read_image", {"path": "in.npy", "unit": "DN"}),
+            "out": ("write_image", {"path": name}),
+        }
+        NodeBench(LIBRARY, tmp_path, nodes, [("in.image", "out.image")]).write("out")
+        stored = read_pixels(tmp_path / name)
+        assert read_info(tmp_path / name).dtype == "uint16"
+        np.testing.assert_array_equal(stored, numbers)
+        again = {"in": ("read_image", {"path": name})}
+        image = NodeBench(LIBRARY, tmp_path, again).port("in.image")
+        assert image.unit == "DN"
+
+
+@pytest.mark.parametrize(
+    ("params", "numbers", "kind", "stored"),
+    [
+        ({"path": "o.tif"}, [[0.5, 2.0], [1.0, 3.0]], np.float64, [[0.5, 2.0], [1.0, 3.0]]),
+        (
+            {"path": "o.tif"}, [[0.0, 2.0**24 - 1], [1.0, 2.0]], np.float64,
+            [[0.0, 2.0**24 - 1], [1.0, 2.0]],
+        ),
+        ({"path": "o.tif", "range_low": 0, "range_high": 10, "dtype": "uint8"}, [[0.0, 5.0]],
+         np.uint8, [[0, 128]]),
+        ({"path": "o.tif", "dtype": "float"}, [[0.0, 5.0]], np.float32, [[0.0, 5.0]]),
+        ({"path": "o.png", "dtype": "uint8"}, [[0.0, 5.0]], np.uint8, [[0, 5]]),
+    ],
+)  # fmt: skip
+def test_numbers_that_are_no_integers_or_given_a_range(tmp_path, params, numbers, kind, stored):
+    np.save(tmp_path / "in.npy", np.array(numbers))
+    nodes = {
+        "in": ("read_image", {"path": "in.npy", "unit": "DN"}), "out": ("write_image", params),
+    }  # fmt: skip
+    NodeBench(LIBRARY, tmp_path, nodes, [("in.image", "out.image")]).write("out")
+    found = read_pixels(tmp_path / params["path"])
+    assert read_info(tmp_path / params["path"]).dtype == np.dtype(kind).name
+    np.testing.assert_array_equal(found, stored)
+
+
+def test_numbers_too_large_for_the_type_are_refused(tmp_path):
+    np.save(tmp_path / "in.npy", np.array([[3.0, 300.0]]))
+    nodes = {
+        "in": ("read_image", {"path": "in.npy", "unit": "DN"}),
+        "out": ("write_image", {"path": "o.png", "dtype": "uint8"}),
+    }
+    bench = NodeBench(LIBRARY, tmp_path, nodes, [("in.image", "out.image")])
+    with pytest.raises(DataError, match="sample 300 at row 0, column 1 is no uint8"):
+        bench.write("out")

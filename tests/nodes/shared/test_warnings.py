@@ -57,6 +57,21 @@ CASES = {
         ("1.005e+05 mrad/s", "900 mrad/s"),  # 2π·1000·16
         {"scan_mirror_rate_Hz": 16.0, "init": {"scan_velocity_mrad_per_s": 0.0}},
     ),
+    ("focal_plane", "unit"): (
+        {"scene": {"unit": "K"}},
+        ("'K'", "electrons", "W/m²/sr", "Read Image"),
+        {"scene": {"unit": "W/m²/sr"}},
+    ),
+    ("focal_plane", "band"): (
+        {"cut_on_um": 3.0, "cut_off_um": 12.0},
+        ("3 to 12 µm", "8 to 12 µm", "extrapolated"),
+        {"cut_on_um": 9.0, "cut_off_um": 12.0},
+    ),
+    ("focal_plane", "spectrum"): (
+        {"scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}},
+        ("0.4 µm", "5800 K", "photon_weighting source"),
+        {"scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}, "photon_weighting": "source"},
+    ),
     ("exit_pupil_mtf", "band"): (
         {"cut_on_um": 4.0, "cut_off_um": 4.0, "size_x_cm": 12.8},
         ("4 µm", "8 to 12 µm"),

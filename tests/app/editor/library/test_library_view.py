@@ -120,7 +120,7 @@ def test_the_groups_wear_the_themes_colours(view):
         ("3D noise", "noise_3d", set()),
         ("noise 3-d", "noise_3d", set()),
         ("banding", "electronics_noise", {"periodic_noise", "noise_3d"}),
-        ("fixed pattern", "electronics_noise", {"noise_3d"}),
+        ("fixed pattern", "focal_plane", {"electronics_noise", "noise_3d"}),
         ("pushbroom", "camera_geometry", set()),
         ("budget", "noise_budget", set()),
         ("gsd", "camera_geometry", set()),

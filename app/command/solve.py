@@ -1,0 +1,173 @@
+"""``imagechain solve``: the value of a parameter at which a read-out is what a data sheet says."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+from app.command.run import open_network
+from app.options.command_options import Options
+from app.options.option_values import Assignment, assignment
+from app.options.overrides import listed, named_parameter
+from app.options.progress import Progress
+from app.run.readout_tables import warning_lines
+from app.run.shipped import find_network
+from app.solving.parameter_range import search_range
+from app.solving.solve_readout import Sample, Solution, solve
+from app.tradeoff.sweep import with_value
+from app.tradeoff.tradeoff_figures import Figure, computed, figures_of
+from app.tradeoff.tradeoff_results import shown_value
+from core.chain.engine import Engine, Plan
+from core.errors import DataError, ParameterError, UsageError
+from core.evaluation.policy import Policy
+from core.evaluation.work import Work
+from core.modules.library_type import Library
+from core.modules.parameters import Parameter
+from core.names import close, in_line, shown
+from core.network.network import Network
+from nodes.library import standard_library
+
+FOR, UNTIL = "--for", "--until"
+_FOR_FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"
+_UNTIL_FORM = "NODE.READOUT=VALUE"
+
+
+def solve_readout(options: Options, cancel: threading.Event | None = None) -> None:
+    """Carry out the command.
+
+    Parameters
+    ----------
+    options : Options
+        What the command line gives.
+    cancel : threading.Event, optional
+        Set to stop before the next value.
+
+    Raises
+    ------
+    ImagechainError
+        The first fault; a `DataError` where no value does it, with what the ends give.
+    """
+    library = standard_library()
+    place = find_network(options.network)
+    network = open_network(place, options, library)
+    sought, parameter = _sought(options.solve_for, network, library)
+    figure, wanted = _wanted(options.until, network, library)
+    engine = Engine(library)
+    plan = engine.plan(network, folder=place.folder)
+    present = plan.node(sought.node).node.params.get(sought.name, parameter.default)
+    range_ = search_range(parameter, present, sought.text, option=f"{FOR} {sought.port}")
+    work = engine.work(Policy(options.precision, options.tolerance, options.threads), cancel=cancel)
+    reasons: list[str] = []
+
+    def planned(value: float) -> Plan:
+        exact: Any = int(value) if parameter.kind == "integer" else value
+        changed = with_value(plan.network, engine, sought.node, sought.name, exact)
+        return engine.plan(changed, folder=place.folder, previous=plan)
+
+    with Progress(len(range_.places())) as progress:
+
+        def evaluate(value: float) -> float | None:
+            work.check()
+            progress(f"{sought.port} {shown_value(value, parameter.param.unit)}")
+            try:
+                result = computed((figure,), engine, planned(value), work, sought.node)
+            except ParameterError as error:
+                reasons.append(str(error.at(sought.node)))
+                return None
+            reasons.extend(result.reasons.values())
+            return result.values.get(figure.text)
+
+        number = present if isinstance(present, int | float) else None
+        solution = solve(evaluate, wanted=wanted, places=range_, present=number)
+    unit = parameter.param.unit
+    if solution.at is None:
+        raise DataError(_none(solution, sought.port, unit, figure, wanted, reasons))
+    at = solution.at
+    print(in_line(_found(solution, sought.port, unit, figure, wanted)))
+    final = planned(at.value)
+    print("\n" + "\n".join(_lines(engine, final, work, (figure.node, sought.node))))
+    for line in warning_lines(engine.warnings(final, work, known_only=True)):
+        print(line)
+
+
+def _sought(text: str, network: Network, library: Library) -> tuple[Assignment, Parameter]:
+    target = assignment(FOR, text if "=" in text else f"{text}=", _FOR_FORM)
+    parameter = named_parameter(FOR, target, network, library=library)
+    if parameter is None:
+        raise UsageError(f"{FOR} {target.port}: the node's module is unknown")
+    return target, parameter
+
+
+def _wanted(text: str, network: Network, library: Library) -> tuple[Figure, float]:
+    target = assignment(UNTIL, text, _UNTIL_FORM)
+    known = figures_of(network, library)
+    figure = known.get(target.port)
+    if figure is None:
+        beside = [name for name, other in known.items() if other.node == target.node]
+        hint = listed(beside) if beside else close(target.port, known) or listed(known)
+        raise UsageError(f"{UNTIL} {shown(target.port)}: the network has no such read-out{hint}")
+    try:
+        wanted = float(target.text)
+    except ValueError:
+        wanted = float("nan")
+    if not abs(wanted) < float("inf"):
+        unit = f", in {figure.unit}" if figure.unit else ""
+        raise UsageError(f"{UNTIL} {target.port}={target.text:.80}: VALUE must be a number{unit}")
+    return figure, wanted
+
+
+def _found(solution: Solution, port: str, unit: str, figure: Figure, wanted: float) -> str:
+    at = solution.at
+    assert at is not None
+    text = f"{port} = {shown_value(at.value, unit)}: {_is(figure, at.figure)}"
+    if solution.beside is not None:
+        other = solution.beside
+        text += (
+            f"; no whole number gives {shown_value(wanted, figure.unit)}: "
+            f"{shown_value(other.value, unit)} gives {shown_value(other.figure, figure.unit)}"
+        )
+    if solution.others:
+        places = ", ".join(shown_value(value, unit) for value in solution.others)
+        text += f"; so does a value near {places}"
+    return text
+
+
+def _none(
+    solution: Solution, port: str, unit: str, figure: Figure, wanted: float, reasons: list[str]
+) -> str:
+    if not solution.seen:
+        why = f": {reasons[0]}" if reasons else ""
+        return f"no value of {port} gives {figure.text} at all{why}"
+    first, last = solution.seen[0], solution.seen[-1]
+    text = (
+        f"no value of {port} from {shown_value(first.value, unit)} to "
+        f"{shown_value(last.value, unit)} makes {figure.text} {shown_value(wanted, figure.unit)}: "
+        f"it is {_at(first, unit, figure)} and {_at(last, unit, figure)}"
+    )
+    least, most = solution.nearest
+    extreme = most if most.figure < wanted else least
+    if extreme not in (first, last):
+        word = "most" if extreme is most else "least"
+        text += f", at {word} {_at(extreme, unit, figure)}"
+    return text
+
+
+def _is(figure: Figure, value: float) -> str:
+    return f"{figure.text} = {shown_value(value, figure.unit)}"
+
+
+def _at(sample: Sample, unit: str, figure: Figure) -> str:
+    return f"{shown_value(sample.figure, figure.unit)} at {shown_value(sample.value, unit)}"
+
+
+def _lines(engine: Engine, plan: Plan, work: Work, nodes: tuple[str, ...]) -> list[str]:
+    """All read-outs of these nodes at the solution."""
+    lines = []
+    for node in dict.fromkeys(nodes):
+        if node not in plan.nodes or plan.nodes[node].error is not None:
+            continue
+        units = {r.name: r.unit for r in plan.node(node).declaration.readouts}
+        for name, value in engine.readouts(plan, node, work).items():
+            text = "none" if value is None else shown_value(value, units[name])
+            lines.append(in_line(f"  {node}.{name}  {text}"))
+    return lines

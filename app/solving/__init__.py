@@ -1,0 +1,1 @@
+"""At which value of a parameter a read-out has a value."""

@@ -1,0 +1,159 @@
+"""Find the value of a parameter at which a read-out has a wanted value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from app.solving.parameter_range import SearchRange
+from core.physics.numerics.brent_root import brent_root
+
+Evaluated = Callable[[float], float | None]
+
+
+class _Gap(Exception):
+    """The read-out has no value between two places where it has one."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A value of the parameter, and the read-out there."""
+
+    value: float
+    figure: float
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Where a read-out has the wanted value.
+
+    Parameters
+    ----------
+    at : Sample or None
+        The value, and what the read-out then is; None where no value does it.
+    beside : Sample or None
+        Of whole numbers, the neighbour on the other side of the wanted value.
+    others : tuple of float
+        Further values that do it, to the width of a step.
+    seen : tuple of Sample
+        What was looked at, from one end of the range to the other.
+    """
+
+    at: Sample | None
+    beside: Sample | None
+    others: tuple[float, ...]
+    seen: tuple[Sample, ...]
+
+    @property
+    def nearest(self) -> tuple[Sample, Sample]:
+        """The least and the greatest read-out of all."""
+        by_figure = sorted(self.seen, key=lambda sample: sample.figure)
+        return by_figure[0], by_figure[-1]
+
+
+def solve(
+    evaluate: Evaluated, *, wanted: float, places: SearchRange, present: float | None
+) -> Solution:
+    """Look along the range for changes of sign, and close in on the one nearest to the present.
+
+    Parameters
+    ----------
+    evaluate : callable
+        The read-out at a value of the parameter; None where there is none.
+    wanted : float
+        What it is to be.
+    places : SearchRange
+        Where to look.
+    present : float or None
+        Of several solutions, the one nearest to this value is taken.
+
+    Returns
+    -------
+    Solution
+        Found by Brent's method, to 1e-13 of the parameter; of whole numbers by halving.
+    """
+    seen: list[Sample] = []
+    crossings: list[tuple[Sample, Sample]] = []
+    before: Sample | None = None
+    for value in places.places():
+        figure = evaluate(value)
+        if figure is None:
+            before = None
+            continue
+        sample = Sample(value, figure)
+        seen.append(sample)
+        if before is not None and _between(before, sample, wanted):
+            crossings.append((before, sample))
+        before = sample
+    if not crossings:
+        exact = next((sample for sample in seen if sample.figure == wanted), None)
+        return Solution(exact, None, (), tuple(seen))
+
+    def distance(pair: tuple[Sample, Sample]) -> float:
+        if present is None or (places.log and present <= 0):
+            return 0.0
+        low, high = (_scaled(places, sample.value) for sample in pair)
+        now = places.scaled(present)
+        return max(low - now, now - high, 0.0)
+
+    chosen = min(crossings, key=distance)
+    others = tuple(pair[0].value for pair in crossings if pair is not chosen)
+    if places.whole:
+        at, beside = _halved(evaluate, *chosen, wanted)
+        return Solution(at, beside, others, tuple(seen))
+    return Solution(_brent(evaluate, *chosen, wanted, places), None, others, tuple(seen))
+
+
+def _between(one: Sample, other: Sample, wanted: float) -> bool:
+    first, second = one.figure - wanted, other.figure - wanted
+    return first == 0.0 or first * second < 0.0 or (second == 0.0 and first != 0.0)
+
+
+def _scaled(places: SearchRange, value: float) -> float:
+    """On the axis of the places; zero on one of factors lies before all others."""
+    return places.scaled(value) if value > 0 or not places.log else places.scaled(places.low) - 1.0
+
+
+def _brent(
+    evaluate: Evaluated, one: Sample, other: Sample, wanted: float, places: SearchRange
+) -> Sample:
+    for end in (one, other):
+        if end.figure == wanted:
+            return end
+    on_log = places.log and one.value > 0
+    known: dict[float, float] = {}
+
+    def excess(scaled: float) -> float:
+        value = places.value(scaled) if on_log else scaled
+        figure = evaluate(value)
+        if figure is None:  # a gap inside: the step that is left is as good as it gets
+            raise _Gap
+        known[value] = figure
+        return figure - wanted
+
+    ends = [places.scaled(s.value) if on_log else s.value for s in (one, other)]
+    try:
+        brent_root(excess, low=ends[0], high=ends[1])
+    except _Gap:
+        known |= {one.value: one.figure, other.value: other.figure}
+    value = min(known, key=lambda place: abs(known[place] - wanted))
+    return Sample(value, known[value])
+
+
+def _halved(
+    evaluate: Evaluated, one: Sample, other: Sample, wanted: float
+) -> tuple[Sample, Sample | None]:
+    """Two neighbouring whole numbers with the wanted value between them, the nearer one first."""
+    low, high = one, other
+    while high.value - low.value > 1.0:
+        middle = float((int(low.value) + int(high.value)) // 2)
+        figure = evaluate(middle)
+        if figure is None:
+            break
+        sample = Sample(middle, figure)
+        if _between(low, sample, wanted):
+            high = sample
+        else:
+            low = sample
+    first, second = sorted((low, high), key=lambda sample: abs(sample.figure - wanted))
+    return (first, None) if first.figure == wanted else (first, second)

@@ -1,0 +1,239 @@
+"""Focal Plane: a camera's detector in electrons, as data sheets specify it today."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from core.chain.wires import Context, Image, Table
+from core.evaluation.recipes import Recipe, Step
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
+from nodes.detector import focal_plane_steps as steps
+from nodes.detector.focal_plane_figures import (
+    ReadOut,
+    electron_levels,
+    figures,
+    picture_range,
+)
+from nodes.detector.focal_plane_panel import FocalPlanePanel
+from nodes.input_output.examine_image import figure
+from nodes.shared.shared_warnings import NEAR, Band, unit_caution
+from nodes.shared.unit_deviates import unit_deviates
+
+
+class FocalPlaneOutputs(NamedTuple):
+    """The picture as it leaves the camera, its electrons and noise, what is clipped, figures."""
+
+    image: Image
+    electrons: Image
+    noise: Image
+    saturated: Image
+    table: Table
+
+
+def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
+    """A read-out that is one figure of the table, without the picture's own saturated pixels."""
+
+    def method(self: Module, outputs: FocalPlaneOutputs) -> Step:
+        return Step.of(figure, outputs.table.recipe.inputs[0], name=name)
+
+    method.__doc__ = meaning
+    return readout(unit, name=name)(method)
+
+
+class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group="Detector"):
+    """Count the picture's photons as electrons, add the camera's noise, and digitize it.
+
+    N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark, with
+    Ω = π/(4F² + 1) and A·FF = pitch²·fill of Init & Trans. In this order: shot noise of all
+    electrons, drawn pixel by pixel; PRNU and DSNU, which stay from frame to frame; a response that
+    bends towards the full well; read noise; the full well; gain, offset, whole numbers.
+
+    A radiance becomes photons by the black body of its own brightness temperature (`scene`), by
+    that of `source_K`, or by the band's middle; the table shows what each makes of the signal. A
+    band that begins below 2.5 µm holds no thermal scene: there `scene` is `source`. NETD, SNR and
+    well fill are those of the picture's mean. `frames_averaged`: shot and read noise fall with the
+    root of their number, and the average is rounded once. `saturated` is 1 where the well is full
+    or the converter beyond its last number. Sources: Dereniak and Boreman 1996; Janesick 2007,
+    Photon Transfer; EMVA 1288; Tennant et al. 2008 (Rule 07).
+    """
+
+    def run(self, image: Image, context: Context, here: NodeContext) -> FocalPlaneOutputs:
+        """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
+        node, reading = here.node, self.read_out()
+        collection = self.collection(image, context, here)
+        seen = Step.of(picture_range, image.recipe, node=node)
+        levels = Step.of(electron_levels, seen, node=node, collection=collection)
+        table = Step.of(
+            figures,
+            levels,
+            node=node,
+            collection=collection,
+            reading=reading,
+            area_cm2=self.area_cm2(context),
+        )
+
+        def deviates(name: str, *, fixed: bool = False) -> Recipe:
+            stream = self.stream(here, name, fixed=fixed)
+            return Step.of(unit_deviates, node=node, stream=stream, shape=image.shape)
+
+        mean = Step.of(steps.expected_electrons, image.recipe, levels, node=node)
+        patterns = [deviates("prnu", fixed=True)] if self.prnu_percent else []
+        patterns += [deviates("dsnu", fixed=True)] if self.dsnu_e else []
+        spread = {"prnu_percent": self.prnu_percent, "dsnu_e": self.dsnu_e}
+        collected = Step.of(
+            steps.collected,
+            mean,
+            deviates("shot"),
+            *patterns,
+            node=node,
+            frames=self.frames_averaged,
+            **spread,
+        )
+        well = {"full_well_e": self.full_well_e}
+        electrons = Step.of(
+            steps.read_out,
+            self._bent(collected, levels, node),
+            *([deviates("read")] if self.read_noise_e else []),
+            node=node,
+            sigma_e=self.read_noise_e / self.frames_averaged**0.5,
+            **well,
+        )
+        if self.bad_pixel_percent:
+            bad = Step.of(
+                steps.bad_pixels,
+                node=node,
+                stream=self.stream(here, "bad pixels", fixed=True),
+                shape=image.shape,
+                percent=self.bad_pixel_percent,
+            )
+            hot = {"hot_e": self._hot_e(reading)}
+            electrons = Step.of(steps.with_bad_pixels, electrons, bad, levels, node=node, **hot)
+        numbers = {"gain_e_per_dn": reading.gain_e_per_dn, "offset_dn": self.offset_dn}
+        saturated = Step.of(
+            steps.saturated_pixels, electrons, node=node, bits=self.bits, **numbers, **well
+        )
+        clean = self._bent(mean, levels, node)
+        noise = Step.of(steps.less_expected, electrons, clean, node=node)
+        count = Step.of(steps.count_of, saturated, node=node)
+        image = replace(image, band_um=collection.weights.band_um)
+        return FocalPlaneOutputs(
+            image=self._given_in(image, electrons, levels, numbers, node),
+            electrons=image.with_recipe(electrons, unit="e-"),
+            noise=image.with_recipe(noise, unit="e-"),
+            saturated=image.with_recipe(saturated, unit=""),
+            table=Table(Step.of(steps.with_saturated, table, count, node=node)),
+        )
+
+    def _bent(self, electrons: Recipe, levels: Recipe, node: str) -> Recipe:
+        if not self.nonlinearity_percent:
+            return electrons
+        return Step.of(
+            steps.bent,
+            electrons,
+            levels,
+            node=node,
+            full_well_e=self.full_well_e,
+            nonlinearity_percent=self.nonlinearity_percent,
+        )
+
+    def _given_in(
+        self, image: Image, electrons: Recipe, levels: Recipe, numbers: dict[str, float], node: str
+    ) -> Image:
+        """The digitized picture in the units wanted."""
+        if self.bits:
+            made = Step.of(steps.digitized, electrons, node=node, bits=self.bits, **numbers)
+            if self.units == "dn":
+                return image.with_recipe(made, unit="DN")
+            electrons = Step.of(steps.electrons_of_counts, made, node=node, **numbers)
+        elif self.units == "dn":
+            return image.with_recipe(
+                Step.of(steps.counted, electrons, node=node, **numbers), unit="DN"
+            )
+        if self.units == "electrons":
+            return image.with_recipe(electrons, unit="e-")
+        back = Step.of(steps.radiance_of_electrons, electrons, levels, node=node)
+        return image.with_recipe(back)
+
+    def _hot_e(self, reading: ReadOut) -> float | None:
+        """Electrons of a hot pixel: the full well, else what is just beyond the last number."""
+        if self.full_well_e is not None or not self.bits:
+            return self.full_well_e
+        return (reading.top_dn + 1.0 - self.offset_dn) * reading.gain_e_per_dn
+
+    @warning
+    def unit(self, image: Image) -> Caution | None:
+        """A picture that is no radiance."""
+        return unit_caution(image.unit, meant="electrons of photons")
+
+    @warning
+    def band(self, image: Image, context: Context) -> Caution | None:
+        """A cold filter that lets through what the picture's band does not hold."""
+        known = image.band_um or context.band_um
+        if known is None:
+            return None
+        low = known[0] if self.cut_on_um is None else self.cut_on_um
+        high = known[1] if self.cut_off_um is None else self.cut_off_um
+        if low >= known[0] * (1 - NEAR) and high <= known[1] * (1 + NEAR):
+            return None
+        return Caution(
+            f"the cold filter passes {low:g} to {high:g} µm and the picture's radiance is that of "
+            f"{known[0]:g} to {known[1]:g} µm: what lies beyond is extrapolated by a black body",
+            "give a picture of the filter's whole band, or a narrower filter",
+        )
+
+    @warning
+    def spectrum(self, image: Image, context: Context) -> Caution | None:
+        """Brightness temperatures wanted where light is reflected."""
+        band: Band | None = image.band_um or context.band_um
+        ends = (self.cut_on_um, None if band is None else band[0])
+        shortest = min((end for end in ends if end is not None), default=None)
+        if self.photon_weighting != "scene" or shortest is None:
+            return None
+        if shortest >= SHORTEST_THERMAL_UM:
+            return None
+        return Caution(
+            f"the band begins at {shortest:g} µm, where a radiance has no brightness temperature: "
+            f"photons are weighted by the source of {self.source_K:g} K",
+            "choose photon_weighting source, or middle, and NETD is left out",
+        )
+
+    signal_e = _figure("signal_e", "e-", "Electrons of the scene, at the picture's mean.")
+    optics_e = _figure("optics_e", "e-", "Electrons of the optics' own emission.")
+    housing_e = _figure("housing_e", "e-", "Electrons of the housing past the cold shield.")
+    dark_e = _figure("dark_e", "e-", "Electrons of the dark current.")
+    well_fill_percent = _figure("well_fill_percent", "%", "All electrons over the full well.")
+    shot_noise_e = _figure("shot_noise_e", "e-", "Shot noise of all electrons.")
+    read_noise_figure = _figure("read_noise_e", "e-", "Read noise, averaged over the frames.")
+    quantization_noise_e = _figure("quantization_noise_e", "e-", "Rounding to whole numbers.")
+    temporal_noise_e = _figure("temporal_noise_e", "e-", "Shot, read and rounding together.")
+    fixed_pattern_e = _figure("fixed_pattern_e", "e-", "PRNU and DSNU.")
+    responsivity_e_per_K = _figure(
+        "responsivity_e_per_K",
+        "e-/K",
+        "Electrons per kelvin of the scene, if it is warm.",
+    )
+    netd_K = _figure("netd_K", "K", "Temporal noise over responsivity, if it is warm.")
+    snr = _figure("snr", "", "Signal over temporal noise.")
+    nei_photons_per_cm2 = _figure(
+        "nei_photons_per_cm2", "1/cm²", "Photons in an exposure that equal the temporal noise."
+    )
+    dynamic_range_dB = _figure(
+        "dynamic_range_dB", "dB", "Full well over the temporal noise in the dark."
+    )
+    gain_figure = _figure("gain_e_per_dn", "e-/DN", "Electrons of one digital number.")
+    mean_dn = _figure("mean_dn", "DN", "Digital number of the picture's mean.")
+    weighting_figure = _figure(
+        "photon_weighting", "", "The spectrum that photons are counted by: scene, source, middle."
+    )
+    weighting_worth_percent = _figure(
+        "weighting_worth_percent", "%", "How far the signal differs among these spectra."
+    )
+
+    @readout()
+    def saturated_pixels(self, outputs: FocalPlaneOutputs) -> Any:
+        """Pixels that are clipped at the well or at the last number."""
+        return outputs.table.recipe.inputs[1]

@@ -1,0 +1,345 @@
+"""Figures of a focal plane in electrons, from the mean of its picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import hypot
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.results import TableData, TableRow
+from core.errors import DataError
+from core.evaluation.recipes import ends_lineage
+from core.evaluation.work import Work
+from core.lineage.linear_change import LevelChange
+from core.physics.electrons.electron_noise import (
+    dynamic_range_dB,
+    fixed_pattern_e,
+    nei_photons_per_cm2,
+    netd_of_electrons_K,
+    quantization_noise_e,
+    shot_noise_e,
+    temporal_noise_e,
+)
+from core.physics.electrons.nonlinear_response import bent_response, bent_slope
+from core.physics.electrons.photon_conversion import (
+    WEIGHTINGS,
+    Conversion,
+    PhotonWeights,
+    conversion_between,
+)
+from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
+
+Array = NDArray[Any]
+_TOLERANCE = {"single": 1e-8, "double": 2e-14}  # of electrons, below the samples' rounding
+
+
+@dataclass(frozen=True)
+class Collection:
+    """What makes the mean number of electrons of a radiance.
+
+    Parameters
+    ----------
+    weights : PhotonWeights
+        Photons of a radiance that the detector counts.
+    scene_m2_s_sr : float
+        Area, time and solid angle of the exit pupil, stages included.
+    housing_m2_s_sr : float
+        The same of the housing past the cold shield.
+    optics_transmission : float
+        Of the optics; what is missing to 1 they emit.
+    optics_K, housing_K : float or None
+        None where nothing is emitted.
+    dark_e : float
+        Electrons of the dark current.
+    """
+
+    weights: PhotonWeights
+    scene_m2_s_sr: float
+    housing_m2_s_sr: float
+    optics_transmission: float
+    optics_K: float | None
+    housing_K: float | None
+    dark_e: float
+
+    @property
+    def optics_e(self) -> float:
+        """Electrons of the optics' own emission."""
+        if self.optics_K is None:
+            return 0.0
+        photons = float(self.weights.efficiency.photon_radiance(self.optics_K))
+        return self.scene_m2_s_sr * (1.0 - self.optics_transmission) * photons
+
+    @property
+    def housing_e(self) -> float:
+        """Electrons of the housing."""
+        if self.housing_K is None:
+            return 0.0
+        return self.housing_m2_s_sr * float(self.weights.efficiency.photon_radiance(self.housing_K))
+
+    @property
+    def per_photon(self) -> float:
+        """Electrons of a scene's photon radiance of 1."""
+        return self.scene_m2_s_sr * self.optics_transmission
+
+
+@dataclass(frozen=True)
+class ReadOut:
+    """What becomes of the electrons."""
+
+    read_noise_e: float
+    frames: int
+    prnu_percent: float
+    dsnu_e: float
+    nonlinearity_percent: float
+    full_well_e: float | None
+    gain_e_per_dn: float
+    offset_dn: float
+    bits: int
+
+    @property
+    def top_dn(self) -> float:
+        """The converter's last number; infinite without one."""
+        return 2.0**self.bits - 1.0 if self.bits else np.inf
+
+
+@dataclass(frozen=True)
+class PictureRange:
+    """Mean and extremes of a picture."""
+
+    mean: float
+    low: float
+    high: float
+
+
+@ends_lineage
+def picture_range(work: Work, image: Array) -> PictureRange:
+    """Mean (in double) and extremes."""
+    return PictureRange(
+        float(np.mean(image, dtype=np.float64)), float(np.min(image)), float(np.max(image))
+    )
+
+
+@dataclass(frozen=True)
+class ElectronLevels:
+    """Electrons of a picture, and of its mean.
+
+    Parameters
+    ----------
+    conversion : Conversion
+        Electrons of the scene's radiances.
+    seen : PictureRange
+        The radiances.
+    scene_K : float or None
+        Brightness temperature of the mean, where that means anything.
+    signal_e, optics_e, housing_e, dark_e : float
+        Electrons of the mean by where they come from.
+    slope : float
+        Electrons per W/m²/sr at the mean.
+    """
+
+    conversion: Conversion
+    seen: PictureRange
+    scene_K: float | None
+    signal_e: float
+    optics_e: float
+    housing_e: float
+    dark_e: float
+    slope: float
+
+    @property
+    def pedestal_e(self) -> float:
+        """Electrons that are there without a scene."""
+        return self.optics_e + self.housing_e + self.dark_e
+
+    @property
+    def total_e(self) -> float:
+        """All electrons of the mean."""
+        return max(self.signal_e + self.pedestal_e, 0.0)
+
+    @property
+    def brightest_e(self) -> float:
+        """All electrons of the greatest radiance."""
+        scene = self.conversion.electrons(np.array([self.seen.high]))
+        return max(float(scene[0]) + self.pedestal_e, 0.0)
+
+
+@ends_lineage
+def electron_levels(work: Work, seen: PictureRange, *, collection: Collection) -> ElectronLevels:
+    """What the picture's radiances are in electrons."""
+    weights = collection.weights
+    conversion = conversion_between(
+        weights=weights,
+        electrons_per_photon=collection.per_photon,
+        low=seen.low,
+        high=seen.high,
+        tolerance=_TOLERANCE[work.policy.precision],
+    )
+    kelvin = None
+    if weights.is_thermal and seen.mean > 0.0:
+        low, high = weights.band_um
+        kelvin = float(brightness_temperature(radiance=seen.mean, cut_on_um=low, cut_off_um=high))
+    if seen.mean > 0.0:
+        ratio = weights.per_radiance(np.array([seen.mean]))
+        signal = collection.per_photon * float(ratio[0]) * seen.mean
+        slope = collection.per_photon * weights.slope(seen.mean)
+    else:
+        signal = float(conversion.electrons(np.array([seen.mean]))[0])
+        slope = float(conversion.electrons(np.array([seen.high or 1.0]))[0]) / (seen.high or 1.0)
+    return ElectronLevels(
+        conversion,
+        seen,
+        kelvin,
+        signal,
+        collection.optics_e,
+        collection.housing_e,
+        collection.dark_e,
+        slope,
+    )
+
+
+@ends_lineage
+def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
+    """The change from radiance to electrons, for what follows differences through it."""
+    return LevelChange(levels.slope, levels.seen.mean, levels.signal_e)
+
+
+@ends_lineage
+def bent_level(
+    work: Work, levels: ElectronLevels, *, full_well_e: float, nonlinearity_percent: float
+) -> LevelChange:
+    """The change by a response that is not straight."""
+    slope = bent_slope(
+        electrons=levels.total_e,
+        full_well_e=full_well_e,
+        nonlinearity_percent=nonlinearity_percent,
+    )
+    return LevelChange(slope, levels.total_e, levels.signal_e * slope)
+
+
+@ends_lineage
+def radiance_level(work: Work, levels: ElectronLevels) -> LevelChange:
+    """The change from electrons back to radiance."""
+    gain = 1.0 / levels.slope if levels.slope > 0.0 else 0.0
+    return LevelChange(gain, levels.total_e, levels.signal_e * gain)
+
+
+@ends_lineage
+def figures(
+    work: Work,
+    levels: ElectronLevels,
+    *,
+    collection: Collection,
+    reading: ReadOut,
+    area_cm2: float,
+) -> TableData:
+    """All figures at the mean of the picture, in the order of the panel."""
+    total, frames = levels.total_e, reading.frames
+    shot = shot_noise_e(electrons=total, frames_averaged=frames)
+    read = reading.read_noise_e / frames**0.5
+    rounding = quantization_noise_e(gain_e_per_dn=reading.gain_e_per_dn) if reading.bits else 0.0
+    temporal = temporal_noise_e(shot_e=shot, read_e=read, quantization_e=rounding)
+    responsivity = _responsivity(levels, collection)
+    netd = None
+    if responsivity is not None:
+        netd = _finite(netd_of_electrons_K(temporal_e=temporal, responsivity_e_per_K=responsivity))
+    well, fill, decibels, bent = reading.full_well_e, None, None, total
+    if well is not None:
+        fill = 100.0 * total / well
+        dark_noise = hypot(read, rounding, shot_noise_e(electrons=levels.dark_e / frames))
+        decibels = _finite(dynamic_range_dB(full_well_e=well, dark_noise_e=dark_noise))
+        bent = bent_response(
+            electrons=total,
+            full_well_e=well,
+            nonlinearity_percent=reading.nonlinearity_percent,
+        )
+    efficiency = _efficiency(levels, collection)
+    nei = None
+    if efficiency > 0.0:
+        nei = nei_photons_per_cm2(
+            temporal_e=temporal, quantum_efficiency=efficiency, area_cm2=area_cm2
+        )
+    rows = (
+        ("signal_e", levels.signal_e, "e-", "electrons of the scene"),
+        ("optics_e", levels.optics_e, "e-", "electrons of the optics' own emission"),
+        ("housing_e", levels.housing_e, "e-", "electrons of the housing past the cold shield"),
+        ("dark_e", levels.dark_e, "e-", "electrons of the dark current"),
+        ("well_fill_percent", fill, "%", "all electrons over the full well"),
+        ("shot_noise_e", shot, "e-", "shot noise of all electrons"),
+        ("read_noise_e", read, "e-", "read noise, of the average of all frames"),
+        ("quantization_noise_e", rounding, "e-", "rounding to whole numbers"),
+        ("temporal_noise_e", temporal, "e-", "all noise that changes from frame to frame"),
+        (
+            "fixed_pattern_e",
+            fixed_pattern_e(
+                electrons=total, prnu_percent=reading.prnu_percent, dsnu_e=reading.dsnu_e
+            ),
+            "e-",
+            "PRNU and DSNU",
+        ),
+        ("responsivity_e_per_K", responsivity, "e-/K", "electrons per kelvin of the scene"),
+        ("netd_K", netd, "K", "temporal noise as a temperature difference"),
+        ("snr", levels.signal_e / temporal if temporal else None, "", "signal over temporal noise"),
+        ("nei_photons_per_cm2", nei, "1/cm²", "photons in an exposure that equal the noise"),
+        ("dynamic_range_dB", decibels, "dB", "full well over the noise in the dark"),
+        ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons of one digital number"),
+        ("mean_dn", bent / reading.gain_e_per_dn + reading.offset_dn, "DN", "number of the mean"),
+        ("scene_K", levels.scene_K, "K", "brightness temperature of the mean"),
+        ("photon_weighting", collection.weights.used, "", "spectrum that photons are counted by"),
+        *_worth(levels, collection),
+    )
+    return TableData(tuple(TableRow(*row) for row in rows))
+
+
+def _worth(
+    levels: ElectronLevels, collection: Collection
+) -> tuple[tuple[str, float | None, str, str], ...]:
+    """What each other weighting would make of the signal, and by how much they differ."""
+    rows: list[tuple[str, float | None, str, str]] = []
+    for weighting in WEIGHTINGS:
+        signal: float | None = None
+        weights = replace(collection.weights, weighting=weighting)
+        if levels.seen.mean > 0.0 and weights.used == weighting:
+            try:
+                ratio = weights.per_radiance(np.array([levels.seen.mean]))
+            except DataError:  # a source too cold to be one, which is not the one that is used
+                pass
+            else:
+                signal = collection.per_photon * float(ratio[0]) * levels.seen.mean
+        meaning = f"signal with photons weighted by {weighting}"
+        rows.append((f"signal_by_{weighting}_e", signal, "e-", meaning))
+    known = [signal for _, signal, _, _ in rows if signal is not None]
+    worth = None
+    if len(known) > 1 and levels.signal_e > 0.0:
+        worth = 100.0 * (max(known) - min(known)) / levels.signal_e
+    rows.append(("weighting_worth_percent", worth, "%", "largest of these less the least"))
+    return tuple(rows)
+
+
+def _responsivity(levels: ElectronLevels, collection: Collection) -> float | None:
+    """Electrons per kelvin; none where the scene has no brightness temperature."""
+    if levels.scene_K is None:
+        return None
+    low, high = collection.weights.band_um
+    return levels.slope * float(
+        band_radiance_derivative(cut_on_um=low, cut_off_um=high, temperature_K=levels.scene_K)
+    )
+
+
+def _efficiency(levels: ElectronLevels, collection: Collection) -> float:
+    """Quantum efficiency, the mean over the photons of the band."""
+    weights = collection.weights
+    efficiency = weights.efficiency
+    if not efficiency.points:
+        return efficiency.value
+    kelvin = levels.scene_K if weights.used == "scene" else weights.source_K
+    if weights.used == "middle" or kelvin is None:
+        return efficiency.mean()
+    whole = float(replace(efficiency, value=1.0, points=()).photon_radiance(kelvin))
+    return float(efficiency.photon_radiance(kelvin)) / whole if whole > 0.0 else 0.0
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None

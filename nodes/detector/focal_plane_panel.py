@@ -1,0 +1,302 @@
+"""The panel of Focal Plane, and what its parameters come to."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Literal
+
+from core.chain.wires import Context, Image
+from core.errors import ParameterError
+from core.modules.declaration import NodeContext
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.physics.electrons.collection import (
+    cone_sr,
+    dark_electrons,
+    exposure_m2_s,
+    housing_sr,
+)
+from core.physics.electrons.electron_noise import gain_to_fill_e_per_dn
+from core.physics.electrons.photon_conversion import PhotonWeights
+from core.physics.electrons.rule_07 import rule_07_e_per_s
+from core.physics.electrons.spectral_photons import QuantumEfficiency
+from core.physics.noise.noise_equivalent import detector_area_cm2
+from nodes.detector.focal_plane_figures import Collection, ReadOut
+from nodes.files.wavelength_table import read_wavelengths
+from nodes.shared.context_defaults import given_band, of_context
+from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
+
+_NEEDED_BY = {
+    "full_well_e": "nonlinearity_percent is a share of the full well",
+    "housing_K": "cold_shield_efficiency below 1 lets the housing in",
+    "detector_K": "rule_07 needs it",
+    "material_cutoff_um": "rule_07 needs it",
+}
+
+
+class FocalPlanePanel(SeededModule):
+    """Parameters of a focal plane; what they come to is made of the context too."""
+
+    integration_time_s: Annotated[
+        float,
+        Param(
+            "integration time of one stage", unit="s", low=0, high=1e4, above=True, slider=(0, 0.05)
+        ),
+    ] = 0.001
+    tdi_stages: Annotated[
+        int,
+        Param(
+            "stages of time delay and integration that add their charge",
+            low=1,
+            high=10000,
+            slider=(1, 128),
+        ),
+    ] = 1
+    frames_averaged: Annotated[
+        int, Param("frames that are averaged", low=1, high=1000000, slider=(1, 64))
+    ] = 1
+    quantum_efficiency: Annotated[
+        float, Param("electrons per photon within the band", low=0, high=1, above=True)
+    ] = 0.7
+    response: Annotated[
+        Path | None,
+        Param("CSV of µm and quantum efficiency, in place of the number, or empty"),
+    ] = None
+    cut_on_um: Annotated[
+        float | None,
+        Param("shortest wavelength of the cold filter; empty: the image's band", unit="µm", low=0),
+    ] = None
+    cut_off_um: Annotated[
+        float | None,
+        Param("longest wavelength of the cold filter; empty: the image's band", unit="µm", low=0),
+    ] = None
+    photon_weighting: Annotated[
+        Literal["scene", "source", "middle"],
+        Param("photons of a radiance: as of its own temperature, of the source, of the middle"),
+    ] = "scene"
+    source_K: Annotated[
+        float,
+        Param(
+            "temperature of the source of light",
+            unit="K",
+            low=0,
+            high=1e6,
+            above=True,
+            slider=(1000, 6500),
+        ),
+    ] = 5800.0
+    optics_transmission: Annotated[
+        float, Param("transmission of the optics", low=0, high=1, above=True)
+    ] = 1.0
+    optics_K: Annotated[
+        float | None,
+        Param(
+            "temperature of the optics; empty: no emission",
+            unit="K",
+            low=0,
+            high=1e4,
+            slider=(200, 340),
+        ),
+    ] = None
+    cold_shield_efficiency: Annotated[
+        float, Param("share of the housing that the cold shield hides", low=0, high=1)
+    ] = 1.0
+    housing_K: Annotated[
+        float | None,
+        Param(
+            "temperature of the housing past the cold shield",
+            unit="K",
+            low=0,
+            high=1e4,
+            slider=(200, 340),
+        ),
+    ] = None
+    dark_current_e_per_s: Annotated[
+        float, Param("dark current of a pixel", unit="e-/s", low=0, high=1e18, slider=(0, 1e7))
+    ] = 0.0
+    rule_07: Annotated[bool, Param("dark current of HgCdTe by Rule 07 in place of the number")] = (
+        False
+    )
+    detector_K: Annotated[
+        float | None,
+        Param(
+            "temperature of the detector, for Rule 07", unit="K", low=0, high=1e3, slider=(60, 200)
+        ),
+    ] = None
+    material_cutoff_um: Annotated[
+        float | None,
+        Param(
+            "cutoff of the detector material, for Rule 07",
+            unit="µm",
+            low=0,
+            high=100,
+            slider=(2, 16),
+        ),
+    ] = None
+    full_well_e: Annotated[
+        float | None,
+        Param("electrons a pixel holds; empty: any number", unit="e-", low=0, slider=(0, 1e7)),
+    ] = None
+    nonlinearity_percent: Annotated[
+        float,
+        Param(
+            "what is missing at the full well; growing with the square of the electrons",
+            unit="%", low=0, high=25, slider=(0, 5),
+        ),
+    ] = 0.0  # fmt: skip
+    read_noise_e: Annotated[
+        float, Param("read noise", unit="e-", low=0, high=1e12, slider=(0, 1000))
+    ] = 0.0
+    prnu_percent: Annotated[
+        float,
+        Param("spread of the response among pixels", unit="%", low=0, high=100, slider=(0, 5)),
+    ] = 0.0
+    dsnu_e: Annotated[
+        float,
+        Param(
+            "spread of the dark level among pixels", unit="e-", low=0, high=1e12, slider=(0, 2000)
+        ),
+    ] = 0.0
+    bad_pixel_percent: Annotated[
+        float, Param("dead and hot pixels, some in clusters", unit="%", low=0, high=100,
+                     slider=(0, 1)),
+    ] = 0.0  # fmt: skip
+    bits: Annotated[int, Param("bits of the converter, 0 for none", unit="bit", low=0, high=24)] = 0
+    gain_e_per_dn: Annotated[
+        float | None,
+        Param(
+            "electrons of one number; empty: the full well is the last",
+            unit="e-/DN",
+            low=0,
+            slider=(0, 1000),
+        ),
+    ] = None
+    offset_dn: Annotated[
+        float,
+        Param("number of no electrons", unit="DN", low=-(2.0**24), high=2.0**24, slider=(0, 1000)),
+    ] = 0.0
+    units: Annotated[
+        Literal["dn", "electrons", "radiance"],
+        Param("what the picture is given in; all are of the digitized picture"),
+    ] = "dn"
+
+    illustration = "picture"
+    panel = (
+        Section("Exposure", ("integration_time_s", "tdi_stages", "frames_averaged"), page="Light"),
+        Section(
+            "Quantum efficiency",
+            ("quantum_efficiency", "response", "cut_on_um", "cut_off_um"),
+            page="Light",
+        ),
+        Section("Photons of a radiance", ("photon_weighting", "source_K"), page="Light"),
+        Section("Optics", ("optics_transmission", "optics_K"), page="Warmth"),
+        Section("Housing", ("cold_shield_efficiency", "housing_K"), page="Warmth"),
+        Section(
+            "Dark current",
+            ("dark_current_e_per_s", "rule_07", "detector_K", "material_cutoff_um"),
+            page="Warmth",
+        ),
+        Section("Well", ("full_well_e", "nonlinearity_percent"), page="Read-out"),
+        Section(
+            "Noise",
+            ("read_noise_e", "prnu_percent", "dsnu_e", "bad_pixel_percent"),
+            page="Read-out",
+        ),
+        Section("Numbers", ("bits", "gain_e_per_dn", "offset_dn", "units"), page="Read-out"),
+        *SEED_SECTIONS,
+    )
+
+    def check(self) -> None:
+        """Refuse what lacks a value that it needs."""
+        low, high = self.cut_on_um, self.cut_off_um
+        if low is not None and high is not None and low >= high:
+            raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
+        for needed, why, unit in (
+            ("full_well_e", self.nonlinearity_percent > 0, "e-"),
+            ("housing_K", self.cold_shield_efficiency < 1, "K"),
+            ("detector_K", self.rule_07, "K"),
+            ("material_cutoff_um", self.rule_07, "µm"),
+        ):
+            if why and getattr(self, needed) is None:
+                raise ParameterError(needed, None, f"a number: {_NEEDED_BY[needed]}", unit=unit)
+        if self.bits and self.gain_e_per_dn is None and self.full_well_e is None:
+            raise ParameterError(
+                "gain_e_per_dn", None, "a number where bits are on, or full_well_e", unit="e-/DN"
+            )
+
+    def read_out(self) -> ReadOut:
+        """What becomes of the electrons."""
+        gain = self.gain_e_per_dn
+        if gain is None:
+            gain = 1.0
+            if self.bits and self.full_well_e is not None:
+                gain = gain_to_fill_e_per_dn(full_well_e=self.full_well_e, bits=self.bits)
+        return ReadOut(
+            read_noise_e=self.read_noise_e,
+            frames=self.frames_averaged,
+            prnu_percent=self.prnu_percent,
+            dsnu_e=self.dsnu_e,
+            nonlinearity_percent=self.nonlinearity_percent,
+            full_well_e=self.full_well_e,
+            gain_e_per_dn=gain,
+            offset_dn=self.offset_dn,
+            bits=self.bits,
+        )
+
+    def collection(self, image: Image, context: Context, here: NodeContext) -> Collection:
+        """What makes the mean number of electrons of a radiance."""
+        band = image.band_um or context.band_um
+        low, high = given_band(self.cut_on_um, self.cut_off_um, replace(context, band_um=band))
+        points = self._points(here)
+        efficiency = QuantumEfficiency(low, high, self.quantum_efficiency, points)
+        exposure = exposure_m2_s(
+            pitch_x_um=of_context("detector_x_um", context, unit="µm"),
+            pitch_y_um=of_context("detector_y_um", context, unit="µm"),
+            fill_x=context.fill_x,
+            fill_y=context.fill_y,
+            integration_time_s=self.integration_time_s,
+            tdi_stages=self.tdi_stages,
+        )
+        f_number = of_context("f_number", context, unit="")
+        housing = housing_sr(f_number=f_number, cold_shield_efficiency=self.cold_shield_efficiency)
+        return Collection(
+            weights=PhotonWeights(
+                self.photon_weighting, band or (low, high), efficiency, self.source_K
+            ),
+            scene_m2_s_sr=exposure * cone_sr(f_number=f_number),
+            housing_m2_s_sr=exposure * housing,
+            optics_transmission=self.optics_transmission,
+            optics_K=self.optics_K,
+            housing_K=self.housing_K,
+            dark_e=dark_electrons(
+                dark_current_e_per_s=self._dark_current(context),
+                integration_time_s=self.integration_time_s,
+                tdi_stages=self.tdi_stages,
+            ),
+        )
+
+    def _points(self, here: NodeContext) -> tuple[tuple[float, float], ...]:
+        if self.response is None:
+            return ()
+        path = (here.folder / self.response).absolute()
+        return read_wavelengths(path, what="quantum efficiency", low=0.0, high=1.0)
+
+    def _dark_current(self, context: Context) -> float:
+        if not self.rule_07 or self.detector_K is None or self.material_cutoff_um is None:
+            return self.dark_current_e_per_s
+        pitch_x = of_context("detector_x_um", context, unit="µm")
+        return rule_07_e_per_s(
+            cutoff_um=self.material_cutoff_um,
+            detector_K=self.detector_K,
+            area_um2=pitch_x * of_context("detector_y_um", context, unit="µm"),
+        )
+
+    def area_cm2(self, context: Context) -> float:
+        """Light-sensitive area of a pixel."""
+        return detector_area_cm2(
+            pitch_x_um=of_context("detector_x_um", context, unit="µm"),
+            pitch_y_um=of_context("detector_y_um", context, unit="µm"),
+            fill_x=context.fill_x,
+            fill_y=context.fill_y,
+        )

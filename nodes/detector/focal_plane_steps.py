@@ -1,0 +1,406 @@
+"""The stages of Focal Plane as steps: from radiance to electrons to digital numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.results import TableData, TableRow
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from core.lineage.linear_change import Linear
+from core.lineage.step_lineage import picture_step
+from core.lineage.step_noise import AtStep, Noise
+from core.noise.noise_power import NoisePower
+from core.noise.random_fields import Stream
+from core.physics.electronics.rounding_noise import rounding_variances
+from core.physics.electrons.bad_pixels import DEAD, GOOD, HOT, bad_pixel_map
+from core.physics.electrons.nonlinear_response import bent_response
+from core.physics.electrons.poisson_quantile import poisson_of_normal
+from nodes.detector.focal_plane_figures import (
+    ElectronLevels,
+    bent_level,
+    radiance_level,
+    scene_level,
+)
+
+Array = NDArray[Any]
+_BLOCK_SAMPLES = 1 << 15  # what a stage works on at once stays in the processor's cache
+_EXACT_BITS = 14  # numbers beyond are made in double, whose rounding is far below one
+_STILL = 1e-4  # of a step; rounding errors of a picture with less noise stay what they are
+
+
+@dataclass(frozen=True)
+class AboutLevel(Linear):
+    """A change that is linear in small differences, with a gain that depends on the picture."""
+
+    about: Recipe
+
+    @property
+    def level(self) -> Recipe:
+        """The change about the level."""
+        return self.about
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Scaled by the gain at the mean."""
+        return power.scaled(work.value(self.about).gain)
+
+
+@dataclass(frozen=True)
+class Amplified(Linear):
+    """A gain, and an offset that no difference has."""
+
+    factor: float
+
+    @property
+    def gain(self) -> float:
+        """The gain."""
+        return self.factor
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Scaled."""
+        return power.scaled(self.factor)
+
+
+def _by_rows(work: Work, picture: Array, function: Callable[[slice, Array], object]) -> Array:
+    """A picture of that shape, blocks of whose rows the function fills in, in threads."""
+    made = np.empty(picture.shape, picture.dtype)
+    rows, columns = picture.shape
+    step = max(1, _BLOCK_SAMPLES // columns)
+
+    def one(top: int) -> None:
+        block = slice(top, top + step)
+        function(block, made[block])
+
+    work.for_each(one, range(0, rows, step))
+    return made
+
+
+def _photons(image: Recipe, levels: Recipe) -> AboutLevel:
+    return AboutLevel(Step.of(scene_level, levels))
+
+
+@picture_step(linear=_photons, looks_at=("levels",))
+@pointwise
+def expected_electrons(work: Work, image: Array, levels: ElectronLevels) -> Array:
+    """Mean number of electrons, of the scene and of all that is there without it."""
+    pedestal = image.dtype.type(levels.pedestal_e)
+
+    def block(rows: slice, made: Array) -> None:
+        np.add(levels.conversion.electrons(image[rows]), pedestal, out=made)
+
+    return _by_rows(work, image, block)
+
+
+def _collected_noises(
+    at: AtStep,
+    mean: Recipe,
+    shot: Recipe,
+    *patterns: Recipe,
+    frames: int,
+    prnu_percent: float,
+    dsnu_e: float,
+) -> list[Noise]:
+    """Shot noise of each sample's own electrons; PRNU by its electrons, DSNU alike for all."""
+    electrons = np.maximum(np.asarray(at.work.value(mean), np.float64), 0.0)
+    noises = [at.white("shot", electrons / frames)]
+    if prnu_percent:
+        seen = np.float64(electrons.mean()) if at.uniform else electrons
+        variance = (prnu_percent / 100.0 * seen) ** 2
+        noises.append(at.white("PRNU", variance, temporal=False))
+    if dsnu_e:
+        noises.append(at.white("DSNU", dsnu_e**2, temporal=False))
+    return noises
+
+
+@picture_step(noise=_collected_noises, looks_at=("mean",))
+@pointwise
+def collected(
+    work: Work,
+    mean: Array,
+    shot: Array,
+    *patterns: Array,
+    frames: int,
+    prnu_percent: float,
+    dsnu_e: float,
+) -> Array:
+    """Electrons in one frame, or the average of several: shot noise, then PRNU, then DSNU."""
+    number = mean.dtype.type
+    prnu = patterns[0] if prnu_percent else None
+    dsnu = patterns[-1] if dsnu_e else None
+
+    def block(rows: slice, electrons: Array) -> None:
+        expected = mean[rows] if frames == 1 else mean[rows] * number(frames)
+        poisson_of_normal(expected, shot[rows], out=electrons)
+        if frames != 1:
+            electrons /= number(frames)
+        if prnu is not None:
+            factor = prnu[rows] * number(prnu_percent / 100.0)
+            factor += number(1.0)
+            electrons *= factor
+        if dsnu is not None:
+            electrons += dsnu[rows] * number(dsnu_e)
+
+    return _by_rows(work, mean, block)
+
+
+def _bending(picture: Recipe, levels: Recipe, **how: Any) -> AboutLevel:
+    return AboutLevel(Step.of(bent_level, levels, **how))
+
+
+@picture_step(linear=_bending, looks_at=("levels",))
+@pointwise
+def bent(
+    work: Work,
+    picture: Array,
+    levels: ElectronLevels,
+    *,
+    full_well_e: float,
+    nonlinearity_percent: float,
+) -> Array:
+    """The electrons of a response that is not straight."""
+
+    def block(rows: slice, made: Array) -> None:
+        made[:] = bent_response(
+            electrons=picture[rows],
+            full_well_e=full_well_e,
+            nonlinearity_percent=nonlinearity_percent,
+        )
+
+    return _by_rows(work, picture, block)
+
+
+def _read_noise(
+    at: AtStep, picture: Recipe, *_: Recipe, sigma_e: float, full_well_e: float | None
+) -> list[Noise]:
+    return [at.white("read", sigma_e**2)] if sigma_e else []
+
+
+@picture_step(noise=_read_noise)
+@pointwise
+def read_out(
+    work: Work, picture: Array, *deviates: Array, sigma_e: float, full_well_e: float | None
+) -> Array:
+    """With read noise, and no more electrons than the well holds."""
+    number = picture.dtype.type
+
+    def block(rows: slice, electrons: Array) -> None:
+        if deviates:
+            np.multiply(deviates[0][rows], number(sigma_e), out=electrons)
+            electrons += picture[rows]
+        else:
+            electrons[:] = picture[rows]
+        if full_well_e is not None:
+            np.minimum(electrons, number(full_well_e), out=electrons)
+
+    return _by_rows(work, picture, block)
+
+
+@dataclass(frozen=True, eq=False)
+class BadPixels:
+    """Rows and columns of the pixels that are dead, and of those that are hot."""
+
+    dead: tuple[Array, Array]
+    hot: tuple[Array, Array]
+
+
+@ends_lineage
+def bad_pixels(work: Work, *, stream: Stream, shape: tuple[int, int], percent: float) -> BadPixels:
+    """Which pixels are dead and which hot."""
+    rows, columns = shape
+    kinds = bad_pixel_map(
+        rows=rows, columns=columns, percent=percent, generator=stream.generator(0)
+    )
+    places = np.flatnonzero(kinds != GOOD)
+    found = kinds.reshape(-1)[places]
+    dead, hot = (np.divmod(places[found == kind], columns) for kind in (DEAD, HOT))
+    return BadPixels(dead, hot)
+
+
+def _bad(
+    at: AtStep, picture: Recipe, bad: Recipe, levels: Recipe, *, hot_e: float | None
+) -> list[Noise]:
+    return [at.known("bad pixels")]
+
+
+def _bad_part(
+    work: Work,
+    region: Region,
+    picture: Recipe,
+    bad: Recipe,
+    levels: Recipe,
+    *,
+    hot_e: float | None,
+) -> Array:
+    pixels: BadPixels = work.value(bad)
+    inside = BadPixels(_within(pixels.dead, region), _within(pixels.hot, region))
+    return _replaced(work.part(picture, region), inside, work.value(levels), hot_e)
+
+
+def _within(places: tuple[Array, Array], region: Region) -> tuple[Array, Array]:
+    """Those in the region, counted from its corner."""
+    rows, columns = places[0] - region.top, places[1] - region.left
+    inside = (rows >= 0) & (rows < region.rows) & (columns >= 0) & (columns < region.columns)
+    return rows[inside], columns[inside]
+
+
+@picture_step(noise=_bad)
+@in_parts(_bad_part)
+def with_bad_pixels(
+    work: Work, picture: Array, bad: BadPixels, levels: ElectronLevels, *, hot_e: float | None
+) -> Array:
+    """Dead pixels give nothing, hot ones the most there is, in every frame."""
+    return _replaced(picture, bad, levels, hot_e)
+
+
+def _replaced(picture: Array, bad: BadPixels, levels: ElectronLevels, hot_e: float | None) -> Array:
+    changed = picture.copy()
+    changed[bad.dead] = 0.0
+    changed[bad.hot] = 2.0 * levels.brightest_e if hot_e is None else hot_e
+    return changed
+
+
+def _counts(picture: Recipe, *, gain_e_per_dn: float, **how: float) -> Amplified:
+    return Amplified(1.0 / gain_e_per_dn)
+
+
+@picture_step(linear=_counts)
+@pointwise
+def counted(work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float) -> Array:
+    """Digital numbers that are not rounded."""
+    number = picture.dtype.type
+
+    def block(rows: slice, made: Array) -> None:
+        np.divide(picture[rows], number(gain_e_per_dn), out=made)
+        made += number(offset_dn)
+
+    return _by_rows(work, picture, block)
+
+
+def _rounding(at: AtStep, picture: Recipe, **how: float) -> list[Noise]:
+    """Rounding errors: temporal as far as temporal noise changes them, else fixed."""
+    stirring = sum(noise.power.moments().sample for noise in at.before if noise.temporal)
+    if stirring < _STILL**2:
+        return [at.known("quantization")]
+    temporal, fixed = rounding_variances(step=1.0, noise_variance=stirring)
+    return [
+        at.white("quantization", temporal),
+        at.white("quantization", fixed, temporal=False),
+    ]
+
+
+def _not_rounded(picture: Recipe, *, bits: int, **how: Any) -> Step:
+    return Step.of(counted, picture, **how)
+
+
+@picture_step(linear=_counts, noise=_rounding, noise_free=_not_rounded)
+@pointwise
+def digitized(
+    work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float, bits: int
+) -> Array:
+    """Whole digital numbers from 0 to 2^bits − 1."""
+    kind = picture.dtype if bits <= _EXACT_BITS else np.dtype(np.float64)
+
+    def block(rows: slice, made: Array) -> None:
+        numbers = _numbers(picture[rows], kind, gain_e_per_dn, offset_dn, out=made)
+        np.clip(numbers, 0.0, kind.type(2.0**bits - 1.0), out=numbers)
+        if numbers is not made:
+            made[:] = numbers
+
+    return _by_rows(work, picture, block)
+
+
+def _numbers(
+    electrons: Array,
+    kind: np.dtype[Any],
+    gain_e_per_dn: float,
+    offset_dn: float,
+    out: Array | None = None,
+) -> Array:
+    """Rounded, of any size; in `out` where that is of the kind."""
+    place = out if out is not None and out.dtype == kind else None
+    numbers = np.divide(electrons, kind.type(gain_e_per_dn), out=place)
+    numbers += kind.type(offset_dn)
+    return np.asarray(np.rint(numbers, out=numbers))
+
+
+def _electrons_again(picture: Recipe, *, gain_e_per_dn: float, offset_dn: float) -> Amplified:
+    return Amplified(gain_e_per_dn)
+
+
+@picture_step(linear=_electrons_again)
+@pointwise
+def electrons_of_counts(
+    work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: float
+) -> Array:
+    """Electrons that digital numbers stand for."""
+    number = picture.dtype.type
+
+    def block(rows: slice, made: Array) -> None:
+        np.subtract(picture[rows], number(offset_dn), out=made)
+        made *= number(gain_e_per_dn)
+
+    return _by_rows(work, picture, block)
+
+
+def _radiance_again(picture: Recipe, levels: Recipe) -> AboutLevel:
+    return AboutLevel(Step.of(radiance_level, levels))
+
+
+@picture_step(linear=_radiance_again, looks_at=("levels",))
+@pointwise
+def radiance_of_electrons(work: Work, picture: Array, levels: ElectronLevels) -> Array:
+    """Radiance of the scene that electrons stand for, less what is there without it."""
+    pedestal = picture.dtype.type(levels.pedestal_e)
+
+    def block(rows: slice, made: Array) -> None:
+        made[:] = levels.conversion.radiance(picture[rows] - pedestal)
+
+    return _by_rows(work, picture, block)
+
+
+@ends_lineage
+@pointwise
+def saturated_pixels(
+    work: Work,
+    electrons: Array,
+    *,
+    full_well_e: float | None,
+    gain_e_per_dn: float,
+    offset_dn: float,
+    bits: int,
+) -> Array:
+    """1 where the well is full, or the number would be beyond the converter's last one."""
+    number = electrons.dtype.type
+    marked = np.zeros(electrons.shape, bool)
+    if full_well_e is not None:
+        marked |= electrons >= number(full_well_e)
+    if bits:
+        kind = electrons.dtype if bits <= _EXACT_BITS else np.dtype(np.float64)
+        marked |= _numbers(electrons, kind, gain_e_per_dn, offset_dn) > 2.0**bits - 1.0
+    return marked.astype(electrons.dtype)
+
+
+@ends_lineage
+def count_of(work: Work, marked: Array) -> int:
+    """How many samples are marked."""
+    return int(np.count_nonzero(marked))
+
+
+@ends_lineage
+def with_saturated(work: Work, table: TableData, count: int) -> TableData:
+    """The figures with the number of saturated pixels."""
+    row = TableRow("saturated_pixels", count, "", "pixels that are clipped at the top")
+    return TableData((*table.rows, row))
+
+
+@ends_lineage
+@pointwise
+def less_expected(work: Work, picture: Array, expected: Array) -> Array:
+    """Electrons less those that are expected."""
+    return np.asarray(picture - expected)

@@ -1,0 +1,265 @@
+"""Electrons and their noise against the reference values of 20 digits, and against quadrature."""
+
+from itertools import pairwise
+
+import mpmath
+import numpy as np
+import pytest
+from mpmath import mpf
+
+from core.errors import ParameterError
+from core.physics.electrons import collection, electron_noise
+from core.physics.electrons.nonlinear_response import bent_response, bent_slope
+from core.physics.electrons.photon_conversion import PhotonWeights, conversion_between
+from core.physics.electrons.rule_07 import rule_07_A_per_cm2, rule_07_e_per_s
+from core.physics.electrons.spectral_photons import QuantumEfficiency
+from core.physics.radiometry.planck import band_radiance, brightness_temperature
+from reference_cases import CAMERA, reference_cases
+
+REL = 1e-9
+POINTS = ((3.2, 0.3), (3.6, 0.75), (4.4, 0.8), (5.0, 0.1))
+
+
+def close(value):
+    return pytest.approx(float(value), rel=REL, abs=0.0)
+
+
+def photons(temperature_K, wavelength_um):
+    """Spectral photon radiance in 30 digits, s⁻¹ m⁻² sr⁻¹ µm⁻¹."""
+    h, c, k = mpf("6.62607015e-34"), mpf(299792458), mpf("1.380649e-23")
+    metres = wavelength_um / mpf(10) ** 6
+    x = h * c / (metres * k * mpf(temperature_K))
+    return 2 * c / metres**4 / mpmath.expm1(x) / 10**6
+
+
+def counted(temperature_K, low, high, points=None):
+    """∫ QE·L_q dλ, between the corners of QE."""
+    with mpmath.workdps(30):
+        corners = [mpf(low), mpf(high)]
+        if points:
+            corners += [mpf(w) for w, _ in points if low < w < high]
+
+        def efficiency(wavelength):
+            if points is None:
+                return mpf(1)
+            for (a, qa), (b, qb) in pairwise(points):
+                if a <= wavelength <= b:
+                    return qa + (mpf(qb) - qa) * (wavelength - a) / (mpf(b) - a)
+            return mpf(0)
+
+        return (
+            mpmath.quad(
+                lambda w: photons(temperature_K, w) * efficiency(w) / mpf(10) ** 20,
+                sorted(corners),
+            )
+            * mpf(10) ** 20
+        )
+
+
+@pytest.mark.parametrize("case", reference_cases("focal_plane", file=CAMERA))
+def test_a_focal_plane_of_the_reference(case):
+    given = {name: float(value) for name, value in case["inputs"].items()}
+    expected = case["expected"]
+    efficiency = QuantumEfficiency(
+        given["cut_on_um"], given["cut_off_um"], given["quantum_efficiency"]
+    )
+    tdi = int(given.get("tdi_stages", 1))
+    exposed = collection.exposure_m2_s(
+        pitch_x_um=given["pitch_um"],
+        pitch_y_um=given["pitch_um"],
+        fill_x=given["fill"],
+        fill_y=1.0,
+        integration_time_s=given["integration_time_s"],
+        tdi_stages=tdi,
+    )
+    cone = collection.cone_sr(f_number=given["f_number"])
+    through = given["optics_transmission"]
+    signal = exposed * cone * through * efficiency.photon_radiance(given["scene_K"])
+    optics = 0.0
+    if "optics_K" in given:
+        optics = exposed * cone * (1 - through) * efficiency.photon_radiance(given["optics_K"])
+    housing = 0.0
+    if "housing_K" in given:
+        seen = collection.housing_sr(
+            f_number=given["f_number"], cold_shield_efficiency=given["cold_shield_efficiency"]
+        )
+        housing = exposed * seen * efficiency.photon_radiance(given["housing_K"])
+    dark = collection.dark_electrons(
+        dark_current_e_per_s=given.get("dark_current_e_per_s", 0.0),
+        integration_time_s=given["integration_time_s"],
+        tdi_stages=tdi,
+    )
+    slope = efficiency.photon_radiance_slope(given["scene_K"]) * exposed * cone * through
+    gain = electron_noise.gain_to_fill_e_per_dn(
+        full_well_e=given["full_well_e"], bits=int(given["bits"])
+    )
+    total = signal + optics + housing + dark
+    shot = electron_noise.shot_noise_e(electrons=total)
+    rounding = electron_noise.quantization_noise_e(gain_e_per_dn=gain)
+    temporal = electron_noise.temporal_noise_e(
+        shot_e=shot, read_e=given["read_noise_e"], quantization_e=rounding
+    )
+    netd = electron_noise.netd_of_electrons_K(temporal_e=temporal, responsivity_e_per_K=slope)
+    assert {
+        "signal_e": signal,
+        "optics_e": optics,
+        "housing_e": housing,
+        "dark_e": dark,
+        "responsivity_e_per_K": slope,
+        "well_fill_percent": 100 * total / given["full_well_e"],
+        "gain_e_per_dn": gain,
+        "shot_noise_e": shot,
+        "quantization_noise_e": rounding,
+        "temporal_noise_e": temporal,
+        "netd_K": netd,
+        "mean_dn": total / gain,
+    } == {name: close(value) for name, value in expected.items()}
+
+
+@pytest.mark.parametrize("case", reference_cases("rule_07", file=CAMERA))
+def test_rule_07_of_the_reference(case):
+    given = {name: float(value) for name, value in case["inputs"].items()}
+    assert rule_07_A_per_cm2(**given) == close(case["expected"]["dark_current_A_per_cm2"])
+
+
+def test_rule_07_of_a_pixel_is_its_area_times_the_density():
+    density = rule_07_A_per_cm2(cutoff_um=5.0, detector_K=120.0)
+    electrons = rule_07_e_per_s(cutoff_um=5.0, detector_K=120.0, area_um2=225.0)
+    assert electrons == pytest.approx(density * 225e-8 / 1.602176634e-19, rel=1e-14)
+
+
+def test_rule_07_is_continuous_at_its_threshold_and_refuses_a_cutoff_too_short():
+    below, above = (
+        rule_07_A_per_cm2(cutoff_um=4.63513642316149 * factor, detector_K=120.0)
+        for factor in (1 - 1e-9, 1 + 1e-9)
+    )
+    assert below == pytest.approx(above, rel=1e-3)
+    with pytest.raises(ParameterError, match=r"material_cutoff_um = 0\.19 µm"):
+        rule_07_A_per_cm2(cutoff_um=0.19, detector_K=77.0)
+
+
+@pytest.mark.parametrize(("low", "high", "kelvin"), [(3.0, 5.2, 300.0), (3.5, 4.1, 77.0)])
+def test_photons_through_a_response_against_quadrature(low, high, kelvin):
+    efficiency = QuantumEfficiency(low, high, points=POINTS)
+    truth = counted(kelvin, low, high, POINTS)
+    assert efficiency.photon_radiance(kelvin) == close(truth)
+    step = mpf("1e-4")
+    up, down = (counted(kelvin + sign * step, low, high, POINTS) for sign in (1, -1))
+    assert efficiency.photon_radiance_slope(kelvin) == close((up - down) / (2 * step))
+
+
+def test_a_response_of_one_value_is_that_number():
+    flat = QuantumEfficiency(3.0, 5.0, points=((2.0, 0.7), (6.0, 0.7)))
+    number = QuantumEfficiency(3.0, 5.0, 0.7)
+    kelvin = np.array([150.0, 300.0, 900.0])
+    np.testing.assert_allclose(
+        flat.photon_radiance(kelvin), number.photon_radiance(kelvin), rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        flat.photon_radiance_slope(kelvin), number.photon_radiance_slope(kelvin), rtol=1e-12
+    )
+    assert flat.mean() == pytest.approx(0.7, rel=1e-13)
+
+
+def test_a_response_beside_the_band_is_refused():
+    with pytest.raises(ParameterError, match=r"3\.2 to 5 µm"):
+        QuantumEfficiency(8.0, 12.0, points=POINTS)
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("filtered", [(3.0, 5.0), (3.7, 4.8)])
+def test_electrons_of_a_scene_are_those_of_its_brightness_temperatures(dtype, filtered):
+    band = {"cut_on_um": 3.0, "cut_off_um": 5.0}
+    kelvin = np.linspace(240.0, 700.0, 1001)
+    radiance = band_radiance(temperature_K=kelvin, **band).astype(dtype)
+    efficiency = QuantumEfficiency(*filtered, 0.6)
+    weights = PhotonWeights("scene", (3.0, 5.0), efficiency, 5800.0)
+    conversion = conversion_between(
+        weights=weights,
+        electrons_per_photon=2e-15,
+        low=float(radiance.min()),
+        high=float(radiance.max()),
+    )
+    electrons = conversion.electrons(radiance)
+    assert electrons.dtype == dtype
+    truth = 2e-15 * efficiency.photon_radiance(
+        brightness_temperature(radiance=radiance.astype(float), **band)
+    )
+    tight = 1e-12 if dtype is np.float64 else 1e-6
+    np.testing.assert_allclose(electrons, truth, rtol=tight)
+    np.testing.assert_allclose(conversion.radiance(electrons), radiance, rtol=2 * tight)
+
+
+def test_a_dark_corner_and_negative_samples_are_in_proportion():
+    weights = PhotonWeights("scene", (3.0, 5.0), QuantumEfficiency(3.0, 5.0), 5800.0)
+    conversion = conversion_between(weights=weights, electrons_per_photon=1e-15, low=-0.1, high=5.0)
+    electrons = conversion.electrons(np.array([-0.1, 0.0, 5e-10, 5.0]))
+    assert electrons[1] == 0.0
+    assert electrons[0] < 0.0 < electrons[2]
+    assert electrons[3] == pytest.approx(5.0 * 1e-15 * weights.per_radiance(np.array([5.0]))[0])
+
+
+def test_photons_of_the_middle_are_those_of_one_wavelength():
+    weights = PhotonWeights("middle", (3.0, 5.0), QuantumEfficiency(3.5, 4.5, 0.5), 5800.0)
+    h_c = 6.62607015e-34 * 299792458.0
+    share = 0.5  # of the band is let through
+    assert weights.per_radiance(np.array([1.0]))[0] == pytest.approx(
+        share * 0.5 * 4e-6 / h_c, rel=1e-14
+    )
+    assert weights.slope(2.0) == weights.per_radiance(np.array([2.0]))[0]
+
+
+def test_photons_of_a_source_against_quadrature():
+    weights = PhotonWeights("source", (0.4, 0.8), QuantumEfficiency(0.5, 0.7, 0.5), 5800.0)
+    truth = (
+        counted(5800, 0.5, 0.7)
+        / 2
+        / band_radiance(cut_on_um=0.4, cut_off_um=0.8, temperature_K=5800.0)
+    )
+    assert weights.per_radiance(np.array([3.0]))[0] == close(truth)
+
+
+def test_no_brightness_temperature_below_two_and_a_half_micrometres():
+    visible = PhotonWeights("scene", (0.4, 0.8), QuantumEfficiency(0.4, 0.8), 5800.0)
+    source = PhotonWeights("source", (0.4, 0.8), QuantumEfficiency(0.4, 0.8), 5800.0)
+    assert visible.used == "source"
+    assert visible.per_radiance(np.array([1.0, 2.0])).tolist() == (
+        source.per_radiance(np.array([1.0, 2.0])).tolist()
+    )
+    assert PhotonWeights("scene", (2.5, 5.0), QuantumEfficiency(2.5, 5.0), 5800.0).used == "scene"
+    assert PhotonWeights("scene", (2.4, 5.0), QuantumEfficiency(2.5, 5.0), 5800.0).used == "source"
+
+
+def test_a_response_bends_by_its_percent_at_the_full_well():
+    well = 1e5
+    bent = bent_response(electrons=well, full_well_e=well, nonlinearity_percent=3.0)
+    assert bent == pytest.approx(0.97 * well, rel=1e-14)
+    slope = bent_slope(electrons=4e4, full_well_e=well, nonlinearity_percent=3.0)
+    up, down = (
+        bent_response(electrons=4e4 + d, full_well_e=well, nonlinearity_percent=3.0)
+        for d in (1.0, -1.0)
+    )
+    assert slope == pytest.approx((up - down) / 2.0, rel=1e-9)
+
+
+def test_more_light_never_gives_less():
+    electrons = np.linspace(0.0, 1e6, 5001)
+    for percent in (0.0, 1.0, 25.0):
+        bent = bent_response(electrons=electrons, full_well_e=1e5, nonlinearity_percent=percent)
+        assert (np.diff(bent) >= 0.0).all()
+        assert bent.max() >= 0.999e5  # the well can still be filled
+
+
+def test_figures_by_hand():
+    assert electron_noise.shot_noise_e(electrons=900.0, frames_averaged=9) == 10.0
+    assert electron_noise.dynamic_range_dB(full_well_e=1e5, dark_noise_e=10.0) == pytest.approx(80)
+    assert electron_noise.fixed_pattern_e(electrons=1e4, prnu_percent=0.3, dsnu_e=40.0) == (
+        pytest.approx(50.0)
+    )
+    assert electron_noise.nei_photons_per_cm2(
+        temporal_e=30.0, quantum_efficiency=0.5, area_cm2=2e-6
+    ) == pytest.approx(3e7)
+    # the half space is shared by cone and housing
+    assert collection.cone_sr(f_number=2.0) + collection.housing_sr(
+        f_number=2.0, cold_shield_efficiency=0.0
+    ) == pytest.approx(np.pi, rel=1e-15)
