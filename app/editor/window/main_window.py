@@ -27,6 +27,7 @@ from app.editor.window.actions.help import Help
 from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.background.background_runs import BackgroundRuns
 from app.editor.window.docks.dock_places import Curtain, add_dock, stand_behind
+from app.editor.window.docks.dock_toggles import add_dock_toggles, follow_docks
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import Docks, LayoutName
@@ -303,33 +304,28 @@ class MainWindow(QMainWindow):
     def _docks(self) -> Docks:
         viewers = self.viewers
         return Docks(
-            self.library_dock,
-            self.history_dock,
-            self.panel_dock,
-            viewers.plot_dock,
-            viewers.tradeoff_dock,
-            self.kept.dock,
-            self.runs.dock,
-            tuple(viewers.docks.values()),
-            viewers.images[1],
+            library=self.library_dock,
+            panels=self.panel_dock,
+            curves=viewers.plot_dock,
+            tradeoff=viewers.tradeoff_dock,
+            snapshots=self.kept.dock,
+            runs=self.runs.dock,
+            history=self.history_dock,
+            viewers=tuple(viewers.docks.values()),
+            picture=viewers.images[1],
         )
 
-    def _add_dock_toggles(self) -> None:  # whatever is closed can be shown again
-        self.menus["&View"].addSeparator()
-        docks = (self.library_dock, self.panel_dock, self.viewers.plot_dock)
-        for dock in (*docks, *self.viewers.docks.values()):
-            self._add_toggle(dock)
-        self.viewers.made.connect(self._add_toggle)
-        for name, part in (
-            ("trade_off", self.viewers.tradeoff_dock),
-            ("runs", self.runs.dock),
-            ("history", self.history_dock),
-        ):
-            part.visibilityChanged.connect(self.actions_by_name[name].setChecked)
-        self.runs.dock.visibilityChanged.connect(self.viewers.name_tabs)
-
-    def _add_toggle(self, dock: Any) -> None:
-        self.menus["&View"].addAction(dock.toggleViewAction())
+    def _add_dock_toggles(self) -> None:
+        viewers = self.viewers
+        docks = (self.library_dock, self.panel_dock, viewers.plot_dock, *viewers.docks.values())
+        add_dock_toggles(self.menus["&View"], docks, viewers)
+        named = {
+            "trade_off": viewers.tradeoff_dock,
+            "runs": self.runs.dock,
+            "history": self.history_dock,
+        }
+        follow_docks(self.actions_by_name, named)
+        self.runs.dock.visibilityChanged.connect(viewers.name_tabs)
 
     def _connect(self) -> None:
         session, evaluator = self.session, self.evaluator
