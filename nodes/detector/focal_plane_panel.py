@@ -113,7 +113,7 @@ class FocalPlanePanel(SeededModule):
         ),
     ] = None
     dark_current_e_per_s: Annotated[
-        float, Param("dark current of a pixel", unit="e-/s", low=0, high=1e18, slider=(0, 1e7))
+        float, Param("dark current of a pixel", unit="e-/s", low=0, high=1e15, slider=(0, 1e7))
     ] = 0.0
     rule_07: Annotated[bool, Param("dark current of HgCdTe by Rule 07 in place of the number")] = (
         False

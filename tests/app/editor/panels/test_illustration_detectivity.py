@@ -109,4 +109,4 @@ def test_a_manual_detector_has_no_curve():
 
 def test_a_value_that_is_not_allowed_is_an_error():
     with pytest.raises(ParameterError, match="bits"):
-        loose(bits=5)
+        loose(bits=25)
