@@ -11,6 +11,7 @@ import time
 from concurrent.futures import Future
 from dataclasses import dataclass
 
+import numpy as np
 from PIL import Image
 from PySide6.QtCore import QObject, QPointF, QRect, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QImage, QPainter, QPainterPath, QPen
@@ -21,6 +22,7 @@ from child_process import PATIENCE_S
 CAPTION_HEIGHT = 44
 QUIET_LOOKS, LOOK_S = 4, 0.02  # so often in turn nothing is computed before a frame is taken
 COLOURS = 255  # one is left for what stays as it was
+GREYS, COLOURED = 120, 24  # of them greys; by how much the channels of a colour differ
 ARROW = ((0, 0), (0, 17), (4, 13.4), (6.8, 19.6), (9.6, 18.4), (6.9, 12.4), (12.2, 12.2))
 PAPER, INK, PRESSED = "#15181b", "#e8eaed", "#f2c94c"
 
@@ -222,11 +224,7 @@ def gif(frames, *, frames_per_s):
     frames_per_s : float
         How fast it is played; GIF counts in hundredths of a second.
     """
-    chosen = frames[:: max(1, len(frames) // 12)]
-    sheet = Image.new("RGB", (frames[0].width, frames[0].height * len(chosen)))
-    for number, one in enumerate(chosen):
-        sheet.paste(one, (0, number * frames[0].height))
-    palette = sheet.quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
+    palette = _palette(frames[:: max(1, len(frames) // 12)])
     plain = [one.quantize(palette=palette, dither=Image.Dither.NONE) for one in frames]
     written = io.BytesIO()
     plain[0].save(
@@ -240,3 +238,18 @@ def gif(frames, *, frames_per_s):
         optimize=True,
     )
     return written.getvalue()
+
+
+def _palette(frames):
+    """Greys and colours in shares of their own: the few lines in colour would lose theirs."""
+    samples = np.concatenate([np.asarray(one).reshape(-1, 3) for one in frames])
+    coloured = np.ptp(samples.astype(int), axis=1) > COLOURED
+    entries = []
+    for chosen, count in ((samples[~coloured], GREYS), (samples[coloured], COLOURS - GREYS)):
+        if len(chosen):
+            row = Image.fromarray(np.ascontiguousarray(chosen[None]))
+            cut = row.quantize(count, method=Image.Quantize.MEDIANCUT)
+            entries += cut.getpalette()[: 3 * count]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(entries)
+    return palette

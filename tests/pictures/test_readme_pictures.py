@@ -67,3 +67,12 @@ def test_a_gif_holds_the_frames_it_was_given(tmp_path):
     seen, seconds, _ = frames_of(tmp_path / "clip.gif")
     assert [tuple(one[0, 0]) for one in seen] == [(0, 0, 0), (255, 0, 0), (255, 255, 255)]
     assert seconds == pytest.approx(0.4)
+
+
+def test_a_few_pixels_in_colour_keep_it(tmp_path):
+    ramp = np.repeat(np.linspace(0, 255, 200 * 200).astype(np.uint8)[:, None], 3, axis=1)
+    ramp = ramp.reshape(200, 200, 3)
+    ramp[100, 100:108] = (242, 201, 76)
+    (tmp_path / "ramp.gif").write_bytes(gif([Image.fromarray(ramp)] * 2, frames_per_s=10))
+    seen, _, _ = frames_of(tmp_path / "ramp.gif")
+    assert np.abs(seen[0] - ramp).max() <= 4
