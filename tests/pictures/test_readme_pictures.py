@@ -1,0 +1,78 @@
+"""The README's session runs as written, and its pictures are those that the script makes."""
+
+import re
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from child_process import ROOT
+from clip_frames import CAPTION_HEIGHT, gif
+from readme_pictures import CLIP, CLIP_SIZE, STILLS, make_clip
+
+SHOWN = set(re.findall(r"\(networks/pictures/(\S+)\)", (ROOT / "README.md").read_text("utf-8")))
+PLAYED_S = 18, 25
+MOST_BYTES = 3_000_000
+
+
+def frames_of(file):
+    with Image.open(file) as picture:
+        seen, durations = [], []
+        for number in range(picture.n_frames):
+            picture.seek(number)
+            seen.append(np.asarray(picture.convert("RGB"), dtype=int))
+            durations.append(picture.info["duration"])
+        return seen, sum(durations) / 1000, picture.info["loop"]
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    """The session with a frame a second: it checks each step's effect itself."""
+    file = tmp_path_factory.mktemp("clip") / "short.gif"
+    make_clip(file, 1)
+    return frames_of(file)[0]
+
+
+def test_the_session_ends_where_it_began(short):
+    height = CLIP_SIZE[1]
+    assert short[0].shape == (height + CAPTION_HEIGHT, CLIP_SIZE[0], 3)
+
+    def changed(one):
+        """The part of the picture's pixels, the viewer's lower half, that differ."""
+        picture = np.s_[height // 2 : height - 60, : CLIP_SIZE[0] // 2]
+        return (np.abs(short[0] - one)[picture] > 40).any(axis=2).mean()
+
+    assert changed(short[-1]) == 0
+    assert max(map(changed, short)) > 0.01
+
+
+def test_the_clip_that_is_shown_is_small_and_endless():
+    file = ROOT / "networks" / "pictures" / CLIP
+    assert file.stat().st_size < MOST_BYTES
+    seen, seconds, loop = frames_of(file)
+    assert PLAYED_S[0] < seconds < PLAYED_S[1]
+    assert loop == 0
+    assert seen[0].shape == (CLIP_SIZE[1] + CAPTION_HEIGHT, CLIP_SIZE[0], 3)
+
+
+def test_every_picture_of_the_editor_in_the_readme_is_made_by_the_script():
+    assert {name for name in SHOWN if not name.startswith("bench_")} == {CLIP, *STILLS}
+    assert all((ROOT / "networks" / "pictures" / name).is_file() for name in SHOWN)
+
+
+def test_a_gif_holds_the_frames_it_was_given(tmp_path):
+    sides = (40, 30)
+    given = [Image.new("RGB", sides, colour) for colour in ("black", "red", "red", "white")]
+    (tmp_path / "clip.gif").write_bytes(gif(given, frames_per_s=10))
+    seen, seconds, _ = frames_of(tmp_path / "clip.gif")
+    assert [tuple(one[0, 0]) for one in seen] == [(0, 0, 0), (255, 0, 0), (255, 255, 255)]
+    assert seconds == pytest.approx(0.4)
+
+
+def test_a_few_pixels_in_colour_keep_it(tmp_path):
+    ramp = np.repeat(np.linspace(0, 255, 200 * 200).astype(np.uint8)[:, None], 3, axis=1)
+    ramp = ramp.reshape(200, 200, 3)
+    ramp[100, 100:108] = (242, 201, 76)
+    (tmp_path / "ramp.gif").write_bytes(gif([Image.fromarray(ramp)] * 2, frames_per_s=10))
+    seen, _, _ = frames_of(tmp_path / "ramp.gif")
+    assert np.abs(seen[0] - ramp).max() <= 4
