@@ -100,7 +100,10 @@ def reset_by_menu_key(qtbot, field, widget):
     qtbot.waitUntil(lambda: QApplication.activePopupWidget() is not None)
     menu = QApplication.activePopupWidget()
     assert "Reset to default (0.02 mrad)" in [action.text() for action in menu.actions()]
-    QTest.keyClick(menu, Qt.Key.Key_Up)  # the last one
+    for _ in menu.actions():
+        QTest.keyClick(menu, Qt.Key.Key_Up)
+        if menu.activeAction().objectName() == "reset":
+            break
     QTest.keyClick(menu, Qt.Key.Key_Return)
     qtbot.waitUntil(lambda: QApplication.activePopupWidget() is None)
 
