@@ -242,14 +242,14 @@ def _channel_names(spec: Any) -> tuple[str, ...]:
 
 
 def _is_misread(picture: Any, path: Path) -> bool:
-    """Whether the library would deliver uninitialised memory for these tiles of a TIFF.
+    """Whether the library would deliver uninitialised memory for these samples of a TIFF.
 
     Other kinds of tile that it is known to misread are refused.
     """
     spec = picture.spec()
-    if spec.tile_width == 0:
-        return False
     bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
+    if spec.tile_width == 0:
+        return bool(bits == 64 and spec.height == 1)
     cmyk = spec.get_int_attribute("tiff:PhotometricInterpretation", 0) == 5
     if 16 < bits < 32 or cmyk:
         what = "CMYK" if cmyk else f"{bits}-bit"

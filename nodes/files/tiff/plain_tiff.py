@@ -1,9 +1,9 @@
-"""TIFF files that are read without OpenImageIO: packed by deflate, or tiles of 64-bit samples.
+"""TIFF files that are read without OpenImageIO: packed by deflate, or some of 64-bit samples.
 
-OpenImageIO 3.2 takes damaged deflate for whole, and delivers tiles of doubles as whatever lay in
-memory: its tile path unpacks samples of up to 32 bits only. Classic and big TIFF, both byte orders,
-strips and tiles, every predictor. Source: Adobe, TIFF Revision 6.0 (1992), sections 2, 14 and 15;
-Adobe, TIFF Technical Note 3 (2005), floating-point predictor.
+OpenImageIO 3.2 takes damaged deflate for whole, and delivers doubles in tiles, or in a single row,
+as whatever lay in memory: its tile path unpacks samples of up to 32 bits only. Classic and big
+TIFF, both byte orders, strips and tiles, every predictor. Source: Adobe, TIFF Revision 6.0 (1992),
+sections 2, 14 and 15; Adobe, TIFF Technical Note 3 (2005), floating-point predictor.
 """
 
 from __future__ import annotations
@@ -42,18 +42,22 @@ def read_plain_tiff(info: PictureInfo, band: int) -> Samples | None:
     FileError
         The file is damaged or compressed in another way than deflate.
     """
-    path = info.path
+    return read_channel(info.path, (info.rows, info.columns, info.bands), band)
+
+
+def read_channel(path: Path, expected: tuple[int, int, int], band: int) -> Samples | None:
+    """Read one channel of a picture of that many rows, columns and channels; else as above."""
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
         layout = read_tiff_layout(content, path)
         if layout.compression not in (NONE, *DEFLATES):
             raise FileError(
-                f"{path}: tiles of 64-bit samples in TIFF compression {layout.compression} cannot "
-                "be read; allowed: none or deflate, or strips instead of tiles"
+                f"{path}: 64-bit samples in tiles or a single row cannot be read from TIFF "
+                f"compression {layout.compression}; allowed: none or deflate"
             )
         if layout.numpy_kind is None or layout.predictor not in _predictors(layout.numpy_kind):
             return None
         size = layout.rows, layout.columns, layout.channels
-        if size != (info.rows, info.columns, info.bands):
+        if size != expected:
             raise FileError(f"{path}: this TIFF file is damaged: it gives two sizes")
         kind = np.dtype(layout.numpy_kind)
         stored_kind = np.dtype(layout.order + layout.numpy_kind)
