@@ -66,6 +66,10 @@ _KINDS: Mapping[str, Mapping[str, Factor]] = MappingProxyType(
             "cyc/deg": 1.0 / (_DEGREE * 1000.0),
         },
         "temperature": {"K": _TEN**0, "mK": _TEN**-3},
+        "number of electrons": {"e-": _TEN**0, "ke-": _TEN**3, "Me-": _TEN**6},
+        "current of electrons": {"e-/s": _TEN**0, "ke-/s": _TEN**3},
+        "gain": {"e-/DN": _TEN**0},
+        "digital number": {"DN": _TEN**0},
         "extinction": {"1/km": _TEN**0, "/km": _TEN**0, "1/m": _TEN**3, "/m": _TEN**3},
         "radiance": {
             "W/m²/sr": _TEN**0,
