@@ -35,6 +35,13 @@ def shown(text: str) -> str:
     return text if text and text.isprintable() and len(text) <= 80 else f"{text!r:.80}"
 
 
+def shown_path(path: str) -> str:
+    """A file's name with its folder, as `shown`; a long one keeps its end, which says the most."""
+    if path.isprintable() and len(path) > 200:
+        path = f"{path[:60]}…{path[-139:]}"
+    return path if path and path.isprintable() else shown(path)
+
+
 # Control characters but for tab and line ends, those that turn the direction of what follows, line
 # ends of other kinds, and halves of surrogate pairs.
 _BARRED = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")

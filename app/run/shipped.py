@@ -7,7 +7,7 @@ from pathlib import Path
 
 import networks
 from core.errors import FileError
-from core.names import close, shown
+from core.names import close, shown, shown_path
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ def find_network(text: str) -> Place:
     if text in shipped:
         return Place(shipped[text], text)
     if _is_there(path):
-        raise FileError(f"{shown(text)}: is a folder, not a network file")
+        raise FileError(f"{shown_path(text)}: is a folder, not a network file")
     hint = close(text, shipped) or f"; shipped are {', '.join(shipped) or 'none'}"
-    raise FileError(f"{shown(text)} is neither a file nor the name of a shipped network{hint}")
+    raise FileError(f"{shown_path(text)} is neither a file nor the name of a shipped network{hint}")
 
 
 def _is_there(path: Path) -> bool:

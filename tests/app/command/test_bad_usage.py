@@ -261,3 +261,12 @@ def test_sinks_to_one_place(fails, write, small):
     small["nodes"]["one"]["params"]["path"] = "final.png"
     write(small)
     assert "final.png" in fails("run", "net.json", "--output-dir", ".")
+
+
+def test_a_long_path_that_is_not_there_keeps_the_files_name(tmp_path, capsys):
+    path = tmp_path / ("folder of a long name " * 10) / "mine.json"
+    assert main(["check", str(path)]) == 2
+    line = capsys.readouterr().err
+    assert "mine.json is neither a file" in line
+    assert str(tmp_path)[:40] in line
+    assert "…" in line
