@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
 
 from app.editor.declared_text import label_of
 from app.editor.number_text import shown_number
-from app.editor.runs.snapshot import job_of, proposed_folder
+from app.editor.runs.network_job import job_of, proposed_folder
 from app.editor.runs.typed_values import FORM, typed_values
 from app.editor.session import Session
 from app.editor.theme import Theme
