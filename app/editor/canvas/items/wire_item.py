@@ -64,8 +64,9 @@ class WireItem(PipeItem):
 
     def lead(self, dots: Sequence[QPointF], boxes: Sequence[Box] = ()) -> None:
         """Follow the ports, through these dots."""
-        self.prepareGeometryChange()  # dots reach beyond the curve
-        self.dots = tuple(dots)
+        if (led := tuple(dots)) != self.dots:  # else all that is drawn would be drawn anew
+            self.prepareGeometryChange()  # dots reach beyond the curve
+            self.dots = led
         self.redraw(boxes)
 
     def restyle(self) -> None:

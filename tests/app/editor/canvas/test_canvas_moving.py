@@ -3,9 +3,11 @@
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
 
 from canvas_networks import chain_and_free_blur
 from core.editing.document import Document
+from core.editing.nodes import Move
 from core.network.network import Link
 
 SHIFT = Qt.KeyboardModifier.ShiftModifier
@@ -44,6 +46,20 @@ def test_the_document_stays_as_it_is_while_the_mouse_drags(four, canvas, hand):
     assert wire.path().pointAtPercent(1) == wire.input_port.scenePos()
     hand.release(start + QPoint(0, 80))
     assert four.network is not before
+
+
+def test_a_move_draws_only_what_it_changes_anew(four, canvas, qtbot):
+    """Else a large network is painted whole at every step of a drag."""
+    four.do(Move({"blur": (900.0, 900.0)}))
+    far = canvas.content.wires[Link.between("scene.image", "init.image")]
+    QApplication.processEvents()
+    drawn = []
+    canvas.view.scene().changed.connect(drawn.extend)
+    four.do(Move({"blur": (930.0, 900.0)}))
+    qtbot.waitUntil(lambda: bool(drawn))
+    QApplication.processEvents()
+    assert any(area.intersects(canvas.content.nodes["blur"].frame()) for area in drawn)
+    assert not any(area.intersects(far.sceneBoundingRect()) for area in drawn)
 
 
 def test_escape_puts_a_dragged_node_back(four, canvas, hand):
