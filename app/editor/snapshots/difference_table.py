@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QColor, QGuiApplication, QKeyEvent, QKeySequence, QResizeEvent
+from PySide6.QtGui import QAction, QColor
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHeaderView,
-    QTableWidget,
     QTableWidgetItem,
     QWidget,
 )
@@ -19,6 +18,7 @@ from app.editor.snapshots.all_figures import NodeFigure
 from app.editor.snapshots.figure_differences import FigureDifference
 from app.editor.theme import Theme
 from app.editor.viewers.figures.figures_strip import NONE
+from app.editor.widgets.copied_table import CopiedTable
 
 _HEADS = ("Figure", "A", "B", "", "Change")
 _INDENT = "  "
@@ -26,7 +26,7 @@ _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 
 
-class DifferenceTable(QTableWidget):
+class DifferenceTable(CopiedTable):
     """Rows of figure, value in A, value in B, and difference.
 
     Ctrl+C copies the rows that are marked, or all, with all digits.
@@ -112,28 +112,12 @@ class DifferenceTable(QTableWidget):
             item.setToolTip(tip(what))
             self.setItem(number, column, item)
 
-    def copy(self) -> None:
-        """Put the marked rows, or all, on the clipboard: cells between tabs."""
-        marked = sorted({index.row() for index in self.selectedIndexes()})
-        rows = [self._lines[row] for row in marked or range(len(self._lines))]
-        lines = (
-            "\t".join((row.node, row.caption, _exact(row.a), _exact(row.b), row.text))
-            for row in rows
-            if not isinstance(row, str)
-        )
-        QGuiApplication.clipboard().setText("\n".join(lines))
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Copy."""
-        if event.matches(QKeySequence.StandardKey.Copy):
-            self.copy()
-        else:
-            super().keyPressEvent(event)
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Break the names anew."""
-        super().resizeEvent(event)
-        self.resizeRowsToContents()
+    def cells(self, row: int) -> Sequence[str]:
+        """Node, figure, both values with all digits, and the difference in words."""
+        line = self._lines[row]
+        if isinstance(line, str):
+            return ()
+        return line.node, line.caption, _exact(line.a), _exact(line.b), line.text
 
     def keyboardSearch(self, search: str) -> None:
         """Letters are shortcuts here, and look nothing up."""

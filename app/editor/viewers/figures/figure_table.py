@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QGuiApplication, QKeyEvent, QKeySequence, QResizeEvent
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHeaderView,
-    QTableWidget,
     QTableWidgetItem,
     QWidget,
 )
 
+from app.editor.widgets.copied_table import CopiedTable
 from app.run.readout_tables import number_text
 from core.chain.results import TableData, TableRow
 
@@ -20,7 +22,7 @@ _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 
 
-class FigureTable(QTableWidget):
+class FigureTable(CopiedTable):
     """Rows of name, value, unit and meaning; the tooltip of a value has all its digits.
 
     Ctrl+C copies the rows that are marked, or all, for a spreadsheet: with all digits.
@@ -66,24 +68,10 @@ class FigureTable(QTableWidget):
                 self.setItem(row, column, item)
         self.resizeRowsToContents()
 
-    def copy(self) -> None:
-        """Put the marked rows, or all, on the clipboard: cells between tabs."""
-        marked = sorted({index.row() for index in self.selectedIndexes()})
-        rows = [self._figures[row] for row in marked or range(len(self._figures))]
-        lines = ("\t".join((row.name, _exact(row), row.unit, row.meaning)) for row in rows)
-        QGuiApplication.clipboard().setText("\n".join(lines))
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Copy."""
-        if event.matches(QKeySequence.StandardKey.Copy):
-            self.copy()
-        else:
-            super().keyPressEvent(event)
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Break the lines anew."""
-        super().resizeEvent(event)
-        self.resizeRowsToContents()
+    def cells(self, row: int) -> Sequence[str]:
+        """Name, value with all digits, unit and meaning."""
+        figure = self._figures[row]
+        return figure.name, _exact(figure), figure.unit, figure.meaning
 
 
 def _exact(figure: TableRow) -> str:
