@@ -61,6 +61,8 @@ class Evaluator(QObject):
 
     Signals
     -------
+    planned(plan)
+        The first `Plan` of an opened document, before anything is computed.
     answered(answer)
         An `Answer`; what is wanted most urgently comes first.
     badges_changed(badges)
@@ -73,6 +75,7 @@ class Evaluator(QObject):
         Whether something is shown as it was before the last changes, since `cancel`.
     """
 
+    planned = Signal(object)
     answered = Signal(object)
     badges_changed = Signal(object)
     busy_changed = Signal(object)
@@ -108,6 +111,7 @@ class Evaluator(QObject):
         self._numbers = 0
         self._generation = self._finished = 0
         self._document = self._edits = self._generates = self._gestures = 0
+        self._planned_document = 0
         self._edited_at = time.perf_counter()
         self._plan: Plan | None = None
         self._posted: Network | None = None
@@ -235,18 +239,20 @@ class Evaluator(QObject):
         session = self._session
         network, barred = session.shares.without_barred(session.plain, session.library)
         self._posted = network
+        requests = tuple(request for group in self._requests.values() for request in group)
         self._inbox.post(
             Snapshot(
                 self._generation,
                 self._document,
                 network,
                 self._session.folder,
-                tuple(request for group in self._requests.values() for request in group),
+                requests if self._is_planned else (),
                 self._edits,
                 self._generates,
                 self._gestures,
                 self._edited_at,
                 barred,
+                only_planned=not self._is_planned,
             )
         )
         if not self._look.isActive():
@@ -263,6 +269,11 @@ class Evaluator(QObject):
         self._thread.start()
         self._collector.start()
 
+    @property
+    def _is_planned(self) -> bool:
+        """Whether the window has had its chance to choose what it shows of the document."""
+        return self._planned_document == self._document
+
     def _is_quiet(self) -> bool:
         """Whether nothing is computed, and no edit came lately."""
         return self.idle and time.perf_counter() - self._edited_at > QUIET_S
@@ -278,6 +289,11 @@ class Evaluator(QObject):
         if news.finished > self._finished:
             self._finished = news.finished
             self._set_behind(news.unanswered)
+        if not self._is_planned and (news.plan is not None or news.finished):
+            self._planned_document = self._document
+            if news.plan is not None:
+                self.planned.emit(news.plan)
+            self._post()
         for answer in news.answers:
             self._pass_on(answer)
         if self.idle:

@@ -46,6 +46,8 @@ class Snapshot:
         When the last edit was, on the clock of `time.perf_counter`.
     barred : mapping of str to ImagechainError
         Nodes that are not planned, and why.
+    only_planned : bool
+        Whether nothing is to be computed: what to show first is chosen by the plan.
     """
 
     generation: int
@@ -58,6 +60,7 @@ class Snapshot:
     gestures: int
     edited_at: float
     barred: Mapping[str, ImagechainError] = field(default_factory=dict)
+    only_planned: bool = False
 
 
 class Inbox:

@@ -59,7 +59,6 @@ class Runner:
         self._planned: Planned | None = None
         self._small: Plan | None = None
         self._has_preview = False
-        self._pictured = False
         self._skipped: dict[str, str] = {}
         self._badges: dict[str, Badge] | None = None
         self._warned: dict[str, Caution | None] = {}
@@ -86,6 +85,9 @@ class Runner:
         plan = self._planned.shown
         self._outbox.plan(plan)
         self._send_badges()
+        if snapshot.only_planned:
+            self._finish(snapshot)
+            return
         task = self._task(snapshot, plan)
         if self._preview(task) and self._pass(task):
             self._done = snapshot
@@ -126,7 +128,6 @@ class Runner:
             self._sent.clear()
             self._planned = self._small = self._done = self._badges = None
             self._skipped = {}
-            self._pictured = False
             return True
         generate = last.generates != snapshot.generates
         if last.edits != snapshot.edits:
@@ -200,9 +201,7 @@ class Runner:
             self._sent.give_up([due.request for due in task.due[position.done :]])
         finally:
             self.position = None
-        # What is opened is looked at only once it has been planned.
-        follows = self._is_edited(snapshot) or (bool(pictures) and not self._pictured)
-        self._pictured |= bool(pictures)
+        follows = self._is_edited(snapshot)
         if task.due or follows:
             how = (position.seconds, reduced, position.stopped, follows)
             self._outbox.done(PassDone(snapshot.generation, *how))

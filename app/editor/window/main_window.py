@@ -28,6 +28,7 @@ from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.background.background_runs import BackgroundRuns
 from app.editor.window.docks.dock_places import Curtain, add_dock, stand_behind
 from app.editor.window.docks.dock_toggles import add_dock_toggles, follow_docks
+from app.editor.window.docks.first_views import FirstViews
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import Docks, LayoutName
@@ -36,7 +37,6 @@ from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.docks.window_layout import WindowLayout, first_size
 from app.editor.window.documents.drops import Drops
 from app.editor.window.documents.files import Files
-from app.editor.window.documents.first_look import first_look
 from app.editor.window.documents.preset_shelf import PresetShelf
 from app.editor.window.documents.recent_files import RecentMenu
 from app.editor.window.documents.recovery import Recovery
@@ -78,7 +78,6 @@ class MainWindow(QMainWindow):
         self.evaluator = Evaluator(self.session, parent=self)
         self._remembered = remembered
         self._ended = self._docks_remembered = self._docks_sized = False
-        self._first_look_due = False
         self._second_click = SecondClick(self)
         self._build(library)
         self.canvas.show_thumbnails(self.evaluator)
@@ -341,7 +340,7 @@ class MainWindow(QMainWindow):
         evaluator.badges_changed.connect(self._badges_changed)
         evaluator.busy_changed.connect(self.status.show_busy)
         evaluator.behind_changed.connect(self.status.show_behind)
-        evaluator.pass_done.connect(self._pass_done)
+        FirstViews(session, evaluator, self.viewers)
         self.status.cancel_wanted.connect(evaluator.cancel)
         self.library_view.chosen.connect(self._chosen_in_library)
         self.canvas.activated.connect(self._activated)
@@ -359,7 +358,6 @@ class MainWindow(QMainWindow):
     def _opened(self) -> None:
         self.viewers.forget_pictures()
         self.status.forget()
-        self._first_look_due = True
         # Once the canvas has its place: it may not have been shown yet.
         QTimer.singleShot(0, self.canvas.frame_all)
 
@@ -367,15 +365,6 @@ class MainWindow(QMainWindow):
         self.status.forget()
         if self.pages.currentWidget() is self.welcome:
             self.show_canvas()
-
-    def _pass_done(self, _done: object) -> None:
-        plan = self.evaluator.plan
-        if self._first_look_due and plan is not None and plan.network.nodes:
-            self._first_look_due = False
-            look = first_look(plan)
-            self.viewers.look_first(look)
-            if look.node is not None and not self.session.selection:
-                self.session.select([look.node])
 
     def _follow_state(self) -> None:
         document = self.session.document

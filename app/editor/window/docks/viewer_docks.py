@@ -71,11 +71,11 @@ class ViewerDocks(QObject):
         self.docks[number].show()
         self.docks[number].raise_()
 
-    def look_first(self, look: FirstLook) -> None:
-        """Show what is most useful of a network that has just been opened."""
-        for number, port in enumerate(look.pictures, start=1):
-            self.look_at(number, port)
-        if look.front in self.docks:
+    def look_beside(self, look: FirstLook) -> None:
+        """Show what stands beside the first picture of an opened network, where nothing does."""
+        shown = self.images.get(2)
+        if len(look.pictures) > 1 and (shown is None or shown.choices.port is None):
+            self.look_at(2, look.pictures[1])
             self.docks[look.front].raise_()
         if look.curve is not None:
             self.plot.look_at(look.curve)

@@ -59,11 +59,22 @@ def test_to_generate_all_and_to_open_are_changes(evaluator, session, library, to
     assert told() == [True]
 
 
-def test_the_first_pictures_of_a_document_belong_to_its_opening(evaluator, told):
-    """The window looks at them only once it knows the plan."""
+def test_what_is_wanted_once_a_document_is_planned_is_in_its_first_pass(
+    evaluator, session, library, told
+):
+    """Nothing is computed before the window could choose by the plan, and pictures come first."""
     evaluator.ask("panel", [Readouts("blur")])
+    told()
+    answered = []
+    evaluator.answered.connect(lambda answer: answered.append(answer.owner))
+    seen = []
+    evaluator.planned.connect(lambda plan: seen.append((list(plan.nodes), list(answered))))
+    evaluator.planned.connect(lambda _: evaluator.ask("viewer", FINAL))
+    evaluator.pass_done.connect(lambda _: answered.append("done"))
+    session.open(Document(session.network, library=library))
     assert told() == [True]
-    evaluator.ask("viewer", FINAL)
-    assert told() == [True]
+    assert seen == [(list(evaluator.plan.nodes), [])]
+    assert sorted(answered) == ["done", "panel", "viewer"]
+    assert answered[-1] == "done"
     evaluator.ask("other viewer", [Samples("scene.image")])
     assert told() == [False]
