@@ -1,7 +1,7 @@
 """From the start of a process to the first picture of a network in the window.
 
-Prints at which time of the system's monotonic clock the window and the picture were painted; the
-caller has the time of the process's start.
+The process goes the way of ``imagechain edit NETWORK``. Prints at which time of the system's
+monotonic clock the picture was painted; the caller has the time of the process's start.
 """
 
 from __future__ import annotations
@@ -10,17 +10,20 @@ import json
 import sys
 import time
 
-from app.editor.measures.trial_window import PaintedPictures, live, trial_window
+import PySide6.QtWidgets  # noqa: F401  # before all that imports it, as the command does
+
+from app.editor.lean_imports import leave_sources_unread
 
 PATIENCE_S = 60.0
 
 
 def main(network: str) -> None:
     """Open the window with a network, and wait for the picture."""
-    with trial_window() as (_, window):
+    from app.editor.measures.trial_window import PaintedPictures, live, trial_window
+
+    with trial_window(network) as (_, window):
         shown = time.monotonic()
         painted = PaintedPictures(window, window.viewers.images[1])
-        window.files.open_now(network)
         while not painted.times and time.monotonic() < shown + PATIENCE_S:
             live(0.005)
         picture = painted.times[0] if painted.times else None
@@ -28,4 +31,5 @@ def main(network: str) -> None:
 
 
 if __name__ == "__main__":
+    leave_sources_unread()
     main(sys.argv[1])

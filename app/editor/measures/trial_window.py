@@ -24,8 +24,8 @@ SIZE = 1600, 900
 
 
 @contextlib.contextmanager
-def trial_window() -> Iterator[tuple[QApplication, MainWindow]]:
-    """An application and its shown window, closed at the end."""
+def trial_window(network: str = "") -> Iterator[tuple[QApplication, MainWindow]]:
+    """An application and its shown window, with a network if one is given; closed at the end."""
     app = application()
     with tempfile.TemporaryDirectory() as folder:
         settings = Settings(Path(folder) / "settings.ini")
@@ -33,6 +33,8 @@ def trial_window() -> Iterator[tuple[QApplication, MainWindow]]:
             library=standard_library(), settings=settings, recovery=Path(folder), remembered=False
         )
         window.resize(*SIZE)
+        if network:
+            window.open_first(network)
         window.show()
         try:
             yield app, window

@@ -1,0 +1,36 @@
+"""What is imported for the window, and how."""
+
+import subprocess
+import sys
+
+from app.run.own_process import environment
+
+
+def answers_of(code: str) -> list[str]:
+    """Lines printed in a process of its own."""
+    run = [sys.executable, "-P", "-c", code]
+    done = subprocess.run(run, env=environment(), capture_output=True, text=True, check=True)
+    return done.stdout.split()
+
+
+def test_the_bindings_keep_no_source_of_what_is_imported_after_them():
+    """Python keeps the lines of each file that was read as a source."""
+    code = (
+        "import PySide6.QtWidgets, linecache, sys\n"
+        "from app.editor.lean_imports import leave_sources_unread\n"
+        "leave_sources_unread()\n"
+        "import core.chain.engine\n"
+        "print(sys.modules['core.chain.wires'].__file__ in linecache.cache)\n"
+    )
+    assert answers_of(code) == ["False"]
+
+
+def test_the_canvas_needs_no_distutils_and_leaves_none_behind():
+    code = (
+        "import app.editor.canvas.items.nodegraphqt as taken, sys\n"
+        "print('distutils' in sys.modules, 'setuptools' in sys.modules)\n"
+        "menu = sys.modules['NodeGraphQt.base.menu']\n"
+        "print(menu.LooseVersion('6.11.3') >= menu.LooseVersion('5.10'))\n"
+        "print(menu.LooseVersion('5.9') >= menu.LooseVersion('5.10'))\n"
+    )
+    assert answers_of(code) == ["False", "False", "True", "False"]
