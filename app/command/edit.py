@@ -35,7 +35,6 @@ def edit(options: Options, stop_requested: threading.Event) -> None:
     ImagechainError
         If there is no such network, or it cannot be opened for a screenshot.
     """
-    os.environ.setdefault("QT_PREFERRED_BINDING", "PySide6")
     if options.network:
         find_network(options.network)  # a misspelt name is reported before what the machine lacks
     if options.screenshot is not None:

@@ -76,7 +76,6 @@ class _Editor:
         self._said = case.folder / f"stderr {number}"
         environment = {
             "QT_QPA_PLATFORM": "offscreen",
-            "QT_PREFERRED_BINDING": "PySide6",
             **os.environ,
             "HOME": str(home),
             "XDG_CONFIG_HOME": str(home / "config"),

@@ -44,7 +44,6 @@ def virtual_screen(width=1600, height=1000):
             **{name: value for name, value in os.environ.items() if name != "WAYLAND_DISPLAY"},
             "DISPLAY": f":{number}",
             "QT_QPA_PLATFORM": "xcb",
-            "QT_PREFERRED_BINDING": "PySide6",
         }
     finally:
         server.terminate()

@@ -13,7 +13,6 @@ os.environ.setdefault(
     "QT_QPA_PLATFORM",
     f"offscreen:configfile={Path(__file__).parents[2] / 'support' / 'screen.json'}",
 )
-os.environ.setdefault("QT_PREFERRED_BINDING", "PySide6")
 
 from PySide6.QtCore import QCoreApplication, QEvent
 

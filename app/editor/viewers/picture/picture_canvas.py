@@ -58,7 +58,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.ci.layout.setContentsMargins(2, 4, 4, 2)
         self.ci.layout.setSpacing(4)
-        self.plot = self.addPlot(row=0, col=0)
+        self.plot = self.addPlot(row=0, col=0, enableMenu=False)
         bare(self.plot)
         self.view: pg.ViewBox = self.plot.getViewBox()
         self.view.invertY(True)

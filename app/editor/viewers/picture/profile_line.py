@@ -40,7 +40,7 @@ class ProfileLine(QObject):
     ) -> None:
         super().__init__(parent)
         self._layout = layout
-        self._plot = plot = pg.PlotItem()
+        self._plot = plot = pg.PlotItem(enableMenu=False)
         bare(plot)
         plot.setMouseEnabled(x=False, y=False)
         plot.setLabel("bottom", "distance (samples)")

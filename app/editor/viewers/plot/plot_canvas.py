@@ -118,7 +118,7 @@ class PlotCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         last = len(self.drawing.panels) - 1
         for row, panel in enumerate(self.drawing.panels):
             axes = {side: PlotAxis(side) for side in ("left", "bottom")}
-            plot = self.addPlot(row=row, col=0, axisItems=axes)
+            plot = self.addPlot(row=row, col=0, axisItems=axes, enableMenu=False)
             bare(plot)
             paint_axes(plot, self.theme)
             plot.setLabel("left", panel.y_label)

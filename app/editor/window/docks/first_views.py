@@ -56,7 +56,8 @@ class FirstViews(QObject):
     def _pass_done(self, done: object) -> None:
         if self._due:
             self._planned(done)
-        else:
+        elif self._beside is not None:
+            self._viewers.images[1].canvas.viewport().repaint()  # before the others are made
             self._look_beside()
 
     def _look_beside(self) -> None:
