@@ -31,7 +31,7 @@ class Pace:
     def __init__(self) -> None:
         self._seconds: dict[tuple[Hashable, int], float] = {}
         self._wasted = 0.0
-        self._rest_again = 0.0
+        self.rest_again = 0.0
 
     def expected(self, change: Hashable, reduced: int = 1) -> float:
         """Seconds that the pictures took after such an edit; 0 if unknown."""
@@ -61,11 +61,11 @@ class Pace:
     def rest_took(self, seconds: float) -> None:
         """So much time was spent on all but the pictures just now."""
         wait = max(REST_S, (REST_SHARE - 1) * seconds)
-        self._rest_again = time.perf_counter() + wait
+        self.rest_again = time.perf_counter() + wait
 
     def rest_may_wait(self) -> bool:
         """Whether queries other than pictures have had their share of the time during edits."""
-        return time.perf_counter() < self._rest_again
+        return time.perf_counter() < self.rest_again
 
     def gives_way(
         self, elapsed: float, expected: float, *, has_preview: bool, new_gesture: bool

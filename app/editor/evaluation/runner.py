@@ -190,7 +190,7 @@ class Runner:
                 if pictures and not self._is_cancelled(snapshot):
                     known = task.expected if position.stopped else 0.0
                     self._pace.took(task.change, max(position.seconds, known), reduced)
-            if pictures and rest and self._is_late(snapshot) and self._pace.rest_may_wait():
+            if pictures and rest and self._pace.rest_may_wait() and self._rest_waits(snapshot):
                 return False
             if rest:
                 self._answer_rest(rest, task, position)
@@ -206,6 +206,11 @@ class Runner:
             how = (position.seconds, reduced, position.stopped, follows)
             self._outbox.done(PassDone(snapshot.generation, *how))
         return True
+
+    def _rest_waits(self, snapshot: Snapshot) -> bool:
+        """Hold all but pictures back between edits; whether one has come before its time."""
+        until = min(self._pace.rest_again, snapshot.edited_at + PAUSE_S)
+        return not self._inbox.quiet_until(until) and self._inbox.waiting
 
     def _answer_rest(self, rest: list[Due], task: Task, position: Position) -> None:
         start = time.perf_counter()
@@ -254,11 +259,6 @@ class Runner:
     def _is_edited(self, snapshot: Snapshot) -> bool:
         """Whether it has been edited since the last complete pass."""
         return self._done is None or self._done.edits != snapshot.edits
-
-    def _is_late(self, snapshot: Snapshot) -> bool:
-        """Whether an edit has come since."""
-        newest = self._inbox.newest
-        return newest is not None and newest.edits != snapshot.edits
 
     def _must_stop(self, task: Task, position: Position) -> bool:
         if self._inbox.stopped or self._is_cancelled(task.snapshot):

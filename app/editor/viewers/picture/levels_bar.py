@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import Signal
+from PySide6.QtCore import QTimer, Signal
 
 from app.editor.theme import Theme
 from app.editor.viewers.pixels.colour_maps import colour_map
@@ -12,6 +12,11 @@ from app.editor.viewers.pixels.grey_levels import Range, Spread
 from app.editor.viewers.plot.plot_looks import paint_axis, see_through
 from app.editor.viewers.without_matplotlib import without_matplotlib
 
+SPREAD_MS = 100
+"""While pictures follow one another, the histogram is drawn at most so often.
+
+It takes more than the picture does: 2.9 ms of 5.2.
+"""
 _WIDTH = 60
 _ROOM = 0.06  # beside the histogram at both ends, of its length
 _FILLED = 0.8  # of the axis, by the histogram: else the axis is fitted anew
@@ -39,6 +44,9 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
             super().__init__()
         self._writing = False
         self._spread: Range | None = None
+        self._next: tuple[Spread, Range] | None = None
+        self._pause = QTimer(singleShot=True, interval=SPREAD_MS)
+        self._pause.timeout.connect(self._show_next)
         self.vb.setMaximumWidth(_WIDTH)
         self.vb.setMenuEnabled(False)
         self.vb.setMouseEnabled(x=False, y=False)
@@ -68,8 +76,22 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         self.gradient.setColorMap(colour_map(name))
         self.gradient.showTicks(False)
 
+    @property
+    def is_behind(self) -> bool:
+        """Whether a newer histogram is about to be drawn."""
+        return self._next is not None
+
     def show_spread(self, spread: Spread, levels: Range) -> None:
-        """Show a histogram, and levels unless the person is dragging them."""
+        """Show a histogram, and levels unless the person drags them; the newest, in a while."""
+        self._next = spread, levels
+        if not self._pause.isActive():
+            self._show_next()
+
+    def _show_next(self) -> None:
+        if self._next is None:
+            return
+        (spread, levels), self._next = self._next, None
+        self._pause.start()
         low, high = spread.low, spread.high
         if not high > low:
             reach = abs(low) * 1e-3 or 1.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, QPoint, Signal
@@ -23,6 +22,7 @@ from app.editor.viewers.pixels.regions import (
 from core.chain.wires import Image
 from core.editing.operation import Operation
 from core.errors import ImagechainError
+from core.network.network import Network
 
 if TYPE_CHECKING:
     from app.editor.evaluation.evaluator import Evaluator
@@ -70,6 +70,8 @@ class RegionTool(QObject):
         self._port: str | None = None
         self._node: str | None = None
         self._gesture: object | None = None
+        self._modules: list[tuple[str, str, Network | None]] | None = None
+        self._having: tuple[str, ...] = ()
         self._restoring: tuple[str, Operation] | None = None
         for signal in (session.changed, session.selection_changed, session.opened):
             signal.connect(self.follow)
@@ -92,7 +94,7 @@ class RegionTool(QObject):
 
     def follow(self, *_: object) -> None:
         """Show the region as the document has it."""
-        self._button.setEnabled(any(True for _ in self._all()))
+        self._button.setEnabled(bool(self._all()))
         self._node = next((name for name in self._chosen() if self._lies_on(name)), None)
         size = self._size(self._node)
         if self._node is None or size is None or self._picture is None:
@@ -147,10 +149,14 @@ class RegionTool(QObject):
         else:
             self._overlay.arm(False)
 
-    def _all(self) -> Iterator[str]:
-        """Nodes that have a region."""
+    def _all(self) -> tuple[str, ...]:
+        """Nodes that have a region; of a slider's drag, with each picture, they stay the same."""
         session = self._session
-        return (name for name in session.network.nodes if has_region(session.declared(name)))
+        modules = [(name, node.module, node.macro) for name, node in session.network.nodes.items()]
+        if modules != self._modules:
+            self._modules = modules
+            self._having = tuple(name for name, *_ in modules if has_region(session.declared(name)))
+        return self._having
 
     def _chosen(self) -> list[str]:
         """Those of them whose panels are open, the one selected last first."""

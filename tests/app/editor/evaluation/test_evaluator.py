@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 from app.editor.evaluation import evaluator as evaluator_module
+from app.editor.evaluation import pace as pace_module
+from app.editor.evaluation import runner as runner_module
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer
 from child_process import PATIENCE_S
@@ -141,6 +143,26 @@ def test_a_burst_of_edits_shows_pictures_meanwhile(evaluator, answers, small, se
     assert np.array_equal(answers[-1].value, truth)
     small.undo()  # the drag was one step
     assert small.network.nodes["aberration"].params["sigma_x_mrad"] == 0.1
+
+
+def test_between_edits_only_pictures_are_answered(
+    evaluator, answers, small, settled, qtbot, monkeypatch
+):
+    """Each edit comes with the picture of the one before, sooner than edits have paused."""
+    monkeypatch.setattr(pace_module, "REST_S", 60.0)
+    monkeypatch.setattr(runner_module, "PAUSE_S", 3.0)
+    figures = Readouts("electronics")
+    evaluator.ask("viewer", [FINAL])
+    evaluator.ask("panel", [figures])
+    settled()
+    answers.clear()
+    for step in range(6):
+        small.do(set_parameter("electronics", "amplifier_snr", 50.0 + step))
+        qtbot.waitUntil(lambda step=step: len(answers) == step + 1)
+    assert {answer.owner for answer in answers} == {"viewer"}
+    qtbot.waitUntil(lambda: evaluator.idle, timeout=30_000)
+    assert [answer.owner for answer in answers] == ["viewer"] * 6 + ["panel"]
+    assert answers[-1].generation == evaluator.generation
 
 
 def test_an_edit_with_a_pause_before_it_begins_another_gesture(evaluator, small, monkeypatch):
