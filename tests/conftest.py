@@ -31,6 +31,15 @@ settings.load_profile("any machine")
 pytest.register_assert_rewrite(*sorted(path.stem for path in SUPPORT.glob("*.py")))
 
 
+def pytest_xdist_auto_num_workers():
+    """Three workers for two cores: a test of the window waits for its display a third of the time.
+
+    None needs more than 1.5 GB.
+    """
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return cores + cores // 2
+
+
 def pytest_configure():
     from child_process import let_children_be_stopped
 
