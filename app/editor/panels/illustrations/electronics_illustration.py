@@ -12,6 +12,7 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter
 from app.editor.evaluation.queries import Query
 from app.editor.panels.illustrations.illustration import Illustration
 from app.editor.panels.illustrations.painting.axes import Axis
+from app.editor.panels.illustrations.painting.bars import Bar, paint_bars
 from app.editor.panels.illustrations.painting.chart import Chart
 from app.editor.panels.illustrations.painting.few_digits import brief, kelvin
 from app.editor.panels.illustrations.queries.detectivity_query import (
@@ -22,7 +23,6 @@ from app.editor.panels.illustrations.queries.detectivity_query import (
 
 _DECADES = 2.3  # below the highest D* that are shown
 _SOLID, _DASHED = Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine
-_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 
 
 class ElectronicsIllustration(Illustration):
@@ -86,28 +86,14 @@ class ElectronicsIllustration(Illustration):
 
     def _bars(self, painter: QPainter, area: QRectF, noises: Noises) -> None:
         """NETDs, as long as they are large."""
-        theme, metrics = self.theme, QFontMetricsF(painter.font())
+        colours = self.theme.curves
         rows = (
-            ("NETD detector", noises.detector_K, theme.curves[2]),
-            ("amplifier", noises.amplifier_K, theme.curves[3]),
-            ("system", noises.system_K, theme.curves[0]),
+            ("NETD detector", noises.detector_K, colours[2]),
+            ("amplifier", noises.amplifier_K, colours[3]),
+            ("system", noises.system_K, colours[0]),
         )
-        height = area.height() / len(rows)
-        named = max(metrics.horizontalAdvance(name) for name, _, _ in rows) + height * 0.5
-        value_width = max(metrics.horizontalAdvance(kelvin(v)) for _, v, _ in rows) + height * 0.5
-        most = max(noises.system_K, 1e-300)
-        room = max(0.0, area.width() - named - value_width)
-        for number, (name, value, colour) in enumerate(rows):
-            top = area.top() + number * height
-            painter.setPen(QColor(theme.text))
-            right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-            label = QRectF(area.left(), top, named - height * 0.4, height)
-            painter.drawText(label, right, name)
-            length = room * min(1.0, value / most)
-            bar = QRectF(area.left() + named, top + height * 0.22, length, height * 0.56)
-            painter.fillRect(bar, QColor(colour))
-            box = QRectF(bar.right() + height * 0.3, top, value_width, height)
-            painter.drawText(box, _LEFT, kelvin(value))
+        bars = [Bar(name, value, kelvin(value), colour) for name, value, colour in rows]
+        paint_bars(painter, area, bars, self.theme)
 
 
 def chart_end(detectivity: Detectivity) -> float:

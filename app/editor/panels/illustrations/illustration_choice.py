@@ -8,6 +8,7 @@ from types import MappingProxyType
 from app.editor.panels.illustrations.camera_illustration import CameraIllustration
 from app.editor.panels.illustrations.electronics_illustration import ElectronicsIllustration
 from app.editor.panels.illustrations.exit_pupil_illustration import ExitPupilIllustration
+from app.editor.panels.illustrations.focal_plane_illustration import FocalPlaneIllustration
 from app.editor.panels.illustrations.illustration import Illustration
 from app.editor.panels.illustrations.periodic_noise_illustration import PeriodicNoiseIllustration
 from app.editor.panels.illustrations.sampling_illustration import InitTransIllustration
@@ -25,6 +26,7 @@ _BY_WORD: Mapping[str, type[Illustration]] = MappingProxyType(
         "sampling": InitTransIllustration,
         "pupil": ExitPupilIllustration,
         "detectivity": ElectronicsIllustration,
+        "electrons": FocalPlaneIllustration,
         "sinusoid": PeriodicNoiseIllustration,
         "ground_sampling": CameraIllustration,
     }

@@ -37,6 +37,14 @@ def kelvin(value: float) -> str:
     return f"{brief(1e3 * value)} mK"
 
 
+def electrons(value: float) -> str:
+    """Electrons, as data sheets give them: e⁻, ke⁻ or Me⁻."""
+    for least, unit, prefix in ((1e6, 1e6, "M"), (1e4, 1e3, "k")):
+        if abs(value) >= least:
+            return f"{brief(value / unit)} {prefix}e\N{SUPERSCRIPT MINUS}"
+    return f"{brief(value)} e\N{SUPERSCRIPT MINUS}"
+
+
 def pair(x: float, y: float, digits: int = 3) -> str:
     """Across × along, or one number where both are the same."""
     first, second = brief(x, digits), brief(y, digits)

@@ -1,0 +1,126 @@
+"""Focal Plane: how full the well is and of what, and the noise by source."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen
+
+from app.editor.evaluation.queries import Query
+from app.editor.panels.illustrations.illustration import DISABLED, Illustration
+from app.editor.panels.illustrations.painting.bars import Bar, paint_bars
+from app.editor.panels.illustrations.painting.few_digits import brief, electrons, kelvin
+from app.editor.panels.illustrations.queries.electrons_query import ElectronBudget, ElectronsQuery
+
+_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+
+
+class FocalPlaneIllustration(Illustration):
+    """The well as a bar, filled by what brings electrons, and below it a bar for every noise."""
+
+    lines = 12.5
+
+    def queries(self) -> Sequence[Query]:
+        """Electrons and noises."""
+        return (ElectronsQuery(self.node),)
+
+    def take(self, value: Any) -> str:
+        """Keep them."""
+        self._budget: ElectronBudget | None = value
+        return in_words(value) if value is not None else DISABLED
+
+    def draw(self, painter: QPainter, area: QRectF) -> None:
+        """Paint the well above, the noises below."""
+        budget = self._budget
+        if budget is None:
+            painter.drawText(area, Qt.AlignmentFlag.AlignCenter, DISABLED)
+            return
+        line = QFontMetricsF(painter.font()).height()
+        self._well(painter, QRectF(area.left(), area.top(), area.width(), line * 2.5), budget)
+        names = QRectF(area.left(), area.top() + line * 2.6, area.width(), line * 2.4)
+        self._names(painter, names, budget)
+        below = QRectF(area.left(), names.bottom() + line * 0.2, area.width(), 0.0)
+        below.setBottom(area.bottom())
+        paint_bars(painter, below, self._bars(budget), self.theme)
+
+    def _well(self, painter: QPainter, area: QRectF, budget: ElectronBudget) -> None:
+        """One bar of all electrons; the frame is the well."""
+        theme, line = self.theme, QFontMetricsF(painter.font()).height()
+        head = QRectF(area.left(), area.top(), area.width(), line * 1.2)
+        overflows = budget.fill is not None and budget.fill > 1.0
+        painter.setPen(QColor(theme.error if overflows else theme.text))
+        painter.drawText(head, _LEFT, well_text(budget))
+        painter.setPen(QColor(theme.text))
+        painter.drawText(head, _RIGHT, merit_text(budget))
+        well = QRectF(area.left(), head.bottom() + line * 0.2, area.width(), line * 1.1)
+        whole = max(budget.full_well_e or 0.0, budget.total_e, 1e-300)
+        left = well.left()
+        for colour, size in zip(theme.curves, budget.sources_e.values(), strict=False):
+            width = well.width() * max(size, 0.0) / whole
+            painter.fillRect(QRectF(left, well.top(), width, well.height()), QColor(colour))
+            left += width
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.setPen(QPen(QColor(theme.error if overflows else theme.line), 1.2))
+        if budget.full_well_e:
+            painter.drawRect(
+                QRectF(
+                    *(well.left(), well.top()),
+                    *(well.width() * budget.full_well_e / whole, well.height()),
+                )
+            )
+
+    def _names(self, painter: QPainter, area: QRectF, budget: ElectronBudget) -> None:
+        """What the parts of the well are, those that bring electrons, two beside each other."""
+        line = QFontMetricsF(painter.font()).height()
+        box, half = line * 0.6, area.width() / 2
+        parts = zip(self.theme.curves, budget.sources_e.items(), strict=False)
+        named = [(colour, name, size) for colour, (name, size) in parts if size > 0.0]
+        for number, (colour, name, size) in enumerate(named):
+            left = area.left() + number % 2 * half
+            top = area.top() + number // 2 * line * 1.2
+            painter.fillRect(QRectF(left, top + (line - box) / 2, box, box), QColor(colour))
+            painter.setPen(QColor(self.theme.text))
+            text = QRectF(left + box * 1.4, top, half - box * 1.4, line)
+            painter.drawText(text, _LEFT, f"{name} {electrons(size)}")
+
+    def _bars(self, budget: ElectronBudget) -> list[Bar]:
+        colours = self.theme.curves[len(budget.sources_e) :]
+        parts = zip(colours, budget.noises_e.items(), strict=False)
+        bars = [Bar(name, size, noise_text(size, budget), colour) for colour, (name, size) in parts]
+        whole = budget.temporal_e
+        return [*bars, Bar("temporal", whole, noise_text(whole, budget), self.theme.faint_text)]
+
+
+def well_text(budget: ElectronBudget) -> str:
+    """How full the well is."""
+    total = electrons(budget.total_e)
+    if budget.fill is None:
+        return f"{total}, no full well given"
+    return f"{total}: {brief(100 * budget.fill)} % of the well"
+
+
+def merit_text(budget: ElectronBudget) -> str:
+    """NETD of a warm scene, else the SNR."""
+    if budget.netd_K is not None:
+        return f"NETD {kelvin(budget.netd_K)}"
+    return f"SNR {brief(budget.snr)}" if budget.snr is not None else ""
+
+
+def noise_text(noise_e: float, budget: ElectronBudget) -> str:
+    """A noise in electrons, and in kelvin where the scene is warm."""
+    text = electrons(noise_e)
+    return f"{text}, {kelvin(noise_e / budget.per_K)}" if budget.per_K else text
+
+
+def in_words(budget: ElectronBudget) -> str:
+    """The essential numbers."""
+    noises = (*budget.noises_e.items(), ("all that is temporal", budget.temporal_e))
+    parts = [
+        well_text(budget),
+        *(f"{name} noise {noise_text(noise, budget)}" for name, noise in noises),
+    ]
+    merit = merit_text(budget)
+    return "; ".join([*parts, merit] if merit else parts)
