@@ -31,6 +31,7 @@ settings.load_profile("any machine")
 pytest.register_assert_rewrite(*sorted(path.stem for path in SUPPORT.glob("*.py")))
 
 
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers():
     """Three workers for two cores: a test of the window waits for its display a third of the time.
 
