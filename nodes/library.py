@@ -42,6 +42,7 @@ from nodes.transform.back_transform import BackTransform
 from nodes.transform.combine_pixels import CombinePixels
 from nodes.transform.init_trans import InitTrans
 from nodes.transform.interpolate import Interpolate
+from nodes.transform.sample_pixels import SamplePixels
 
 MODULES: tuple[type[Module], ...] = (
     ReadImage,
@@ -52,6 +53,7 @@ MODULES: tuple[type[Module], ...] = (
     InitTrans,
     BackTransform,
     CombinePixels,
+    SamplePixels,
     AntiAlias,
     Interpolate,
     AtmosphereMTF,

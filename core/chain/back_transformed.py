@@ -16,7 +16,9 @@ from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.filtering.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
 from core.filtering.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
+from core.filtering.sampled_waves import sampled_filter
 from core.lineage.linear_change import Axis, Blocks, Filtering, Linear, Vector
+from core.lineage.pixel_samples import PixelSamples
 from core.lineage.step_lineage import Lineage, picture_step
 from core.noise.noise_power import NoisePower
 from core.transfer.error_budget import Skipped, spend
@@ -55,12 +57,16 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
         unit=unit,
         band_um=like.band_um if like is not None else None,
         edges="reflect" if recipe.mirrored else "periodic",
+        camera=like.camera if like is not None else None,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class Delivered(Recipe):
-    """Pixels of a filtered image, blocks of them combined if a factor is above 1."""
+    """Pixels of a filtered image, blocks of them combined if a factor is above 1.
+
+    With `sampled` it is taken at the places of pixels alone, and no factor is above 1.
+    """
 
     magnitude: Magnitude
     phase: Phase
@@ -68,9 +74,16 @@ class Delivered(Recipe):
     factor_y: int = 1
     mode: BinMode = "mean"
     node: str | None = field(default=None, compare=False)
+    sampled: PixelSamples | None = None
 
     def _content(self) -> tuple[object, ...]:
-        return self.magnitude.key, self.phase.key, self.factor_x, self.factor_y, self.mode
+        how = () if self.sampled is None else (self.sampled,)
+        return self.magnitude.key, self.phase.key, self.factor_x, self.factor_y, self.mode, *how
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is the whole filtered image, sample by sample."""
+        return self.factor_x == self.factor_y == 1 and self.sampled is None
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
@@ -135,7 +148,7 @@ class Delivered(Recipe):
     @property
     def in_parts(self) -> bool:
         """Half of the inverse transform serves a region as well."""
-        return True
+        return self.sampled is None
 
     def share(self, region: Region, shape: tuple[int, int]) -> float:
         """All of the first half; of the second the columns if mirrored, else the rows."""
@@ -156,7 +169,7 @@ class Delivered(Recipe):
         product = Product(factors)
         source = self.magnitude.image
         if source is not None and self.one_source:
-            if not factors and self.factor_x == self.factor_y == 1:
+            if not factors and self.plain:
                 picture = source.recipe
                 samples = work.part(picture, region) if region else work.value(picture)
                 return np.asarray(samples, work.policy.dtype)
@@ -165,6 +178,9 @@ class Delivered(Recipe):
         else:
             spectrum, apply = self._crossed(work), periodic_filter
         work.check()
+        if self.sampled is not None:
+            edges: Edges = "reflect" if self.mirrored else "periodic"
+            return sampled_filter(work, spectrum, product, grid, edges, *self.sampled.places)
         result = apply(work, spectrum, product, grid, self.factor_x, self.factor_y, region)
         if self.mode == "sum":
             result *= result.dtype.type(self.factor_x * self.factor_y)
@@ -207,19 +223,21 @@ class _Delivery(Linear):
         return Filtering((*magnitude.factors, *phase.factors), magnitude.grid, edges)
 
     @property
-    def _blocks(self) -> Blocks:
+    def _pixels(self) -> Blocks | PixelSamples:
         recipe = self.recipe
+        if recipe.sampled is not None:
+            return recipe.sampled
         return Blocks(recipe.factor_x, recipe.factor_y, recipe.mode, recipe.magnitude.grid.shape)
 
     @property
     def gain(self) -> float:
         """Factor by which a sum of pixels scales a uniform picture."""
-        return self._blocks.gain
+        return self._pixels.gain
 
     @property
     def combines_pixels(self) -> bool:
-        """Whether a factor is above 1."""
-        return (self.recipe.factor_x, self.recipe.factor_y) != (1, 1)
+        """Whether a factor is above 1, or pixels are sampled."""
+        return not self.recipe.plain
 
     def size_before(self, rows: int, columns: int) -> tuple[int, int]:  # noqa: ARG002
         """Rows and columns of the spectrum."""
@@ -240,15 +258,15 @@ class _Delivery(Linear):
         ratios = self._ratios(after)
         if ratios is not None:
             factors = tuple(factor.rescaled(*ratios) for factor in factors)
-        return (*factors, *self._blocks.transfer(before, after, node))
+        return (*factors, *self._pixels.transfer(before, after, node))
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         """Filtered, and combined."""
-        return self._blocks.noise(work, self._filtering.noise(work, power))
+        return self._pixels.noise(work, self._filtering.noise(work, power))
 
     def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
         """Filtered, and combined."""
-        return self._blocks.row(work, self._filtering.row(work, row, axis), axis)
+        return self._pixels.row(work, self._filtering.row(work, row, axis), axis)
 
     def _ratios(self, grid: Grid) -> tuple[float, float] | None:
         """Intervals of the image over the spectrum's; None where these are in the same unit.
@@ -256,8 +274,11 @@ class _Delivery(Linear):
         A spectrum's frequencies may be in units of its own, such as cycles a sample.
         """
         recipe, before = self.recipe, self.recipe.magnitude.grid
-        x = grid.interval_x_mrad / (before.interval_x_mrad * recipe.factor_x)
-        y = grid.interval_y_mrad / (before.interval_y_mrad * recipe.factor_y)
+        samples: tuple[float, float] = (recipe.factor_x, recipe.factor_y)
+        if recipe.sampled is not None:
+            samples = recipe.sampled.ratio_x, recipe.sampled.ratio_y
+        x = grid.interval_x_mrad / (before.interval_x_mrad * samples[0])
+        y = grid.interval_y_mrad / (before.interval_y_mrad * samples[1])
         return (x, y) if max(abs(x - 1.0), abs(y - 1.0)) > 1e-9 else None
 
 
@@ -281,7 +302,7 @@ def combine_pixels(
         )
     recipe = image.recipe
     whole = image.columns % factor_x == 0 and image.rows % factor_y == 0
-    if isinstance(recipe, Delivered) and whole and recipe.factor_x == recipe.factor_y == 1:
+    if isinstance(recipe, Delivered) and whole and recipe.plain:
         combined: Recipe = Delivered(
             recipe.magnitude, recipe.phase, factor_x, factor_y, mode, node=recipe.node
         )
@@ -303,6 +324,47 @@ def combine_pixels(
         interval_x_mrad=None if x is None else x * factor_x,
         interval_y_mrad=None if y is None else y * factor_y,
         edges=image.edges if whole else None,  # a frame that is cropped goes on otherwise
+    )
+
+
+def sample_pixels(
+    image: Image,
+    *,
+    ratio_x: float,
+    ratio_y: float,
+    offset_x: float = 0.0,
+    offset_y: float = 0.0,
+    node: str | None = None,
+) -> Image:
+    """One sample for each pixel of `ratio_y` × `ratio_x` samples, which need not be whole numbers.
+
+    Straight after a back transform the filtered spectrum itself is taken there; of any other image
+    the samples' own, mirrored at the frame's edges or periodic as that image has them.
+
+    Raises
+    ------
+    DataError
+        If not one pixel fits the image.
+    """
+    recipe, edges = image.recipe, image.edges or "reflect"
+    pixels = PixelSamples(image.shape, ratio_x, ratio_y, offset_x, offset_y, edges)
+    x, y = image.interval_x_mrad, image.interval_y_mrad
+    if not (isinstance(recipe, Delivered) and recipe.plain):
+        grid = Grid(*image.shape, x or 1.0, y or 1.0)
+        magnitude, phase = Magnitude(image, grid, edges), Phase(image, grid, edges)
+        recipe = Delivered(magnitude, phase, node=node)
+    rows, columns = pixels.new
+    whole = all(
+        abs(new * ratio - old) <= 1e-6 * ratio
+        for new, ratio, old in zip(pixels.new, (ratio_y, ratio_x), image.shape, strict=True)
+    )
+    return image.with_recipe(
+        replace(recipe, sampled=pixels),
+        rows=rows,
+        columns=columns,
+        interval_x_mrad=None if x is None else x * ratio_x,
+        interval_y_mrad=None if y is None else y * ratio_y,
+        edges=image.edges if whole and not (offset_x or offset_y) else None,
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
+from core.chain.camera_sheet import CameraSheet
 from core.errors import DataError
 from core.evaluation.content_key import content_key
 from core.evaluation.recipes import Recipe
@@ -62,6 +63,8 @@ class Image:
         What the file states, for `Init & Trans`.
     edges : Edges or None
         How the frame goes on beyond its edges, as its transform had it; None where unknown.
+    camera : CameraSheet or None
+        The camera that takes it, where one was entered before or by Init & Trans.
     """
 
     port_type: ClassVar[str] = "image"
@@ -75,6 +78,7 @@ class Image:
     band_um: tuple[float, float] | None = None
     header: Header = Header()
     edges: Edges | None = None
+    camera: CameraSheet | None = None
 
     @property
     def key(self) -> str:

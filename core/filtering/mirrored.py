@@ -91,7 +91,7 @@ def mirrored_filter(
     -------
     ndarray, shape (rows // factor_y, columns // factor_x), or the region's
     """
-    terms = _Terms(work, product, grid, factor_x, factor_y)
+    terms = MirroredTerms(work, product, grid, factor_x, factor_y)
     whole = Region(0, 0, *terms.shape)
     rows, columns = (region or whole).slices
     total: Array | None = None
@@ -108,7 +108,7 @@ def mirrored_filter(
     return total
 
 
-class _Terms:
+class MirroredTerms:
     """The even and odd parts of H, with the pixel mean's kernel, applied to blocks of rows."""
 
     def __init__(
@@ -194,7 +194,7 @@ def _part(response: Array, odd: bool) -> Array:
     return np.imag(response) if odd else np.real(response)
 
 
-def _lines(work: Work, spectrum: Array, terms: _Terms, odd_y: bool, columns: slice) -> Array:
+def _lines(work: Work, spectrum: Array, terms: MirroredTerms, odd_y: bool, columns: slice) -> Array:
     """Multiply, fold and transform back along x, all in one pass over blocks of output rows.
 
     Of each row those columns are kept.

@@ -108,7 +108,7 @@ def _fold(
     """Multiply and fold: the aliases up to Nyquist, and those beyond it, still unturned."""
     rows, columns = grid.rows // factor_y, grid.columns // factor_x
     width = columns // 2 + 1
-    response = _Response(work, product, grid, factor_x, factor_y)
+    response = PeriodicResponse(work, product, grid, factor_x, factor_y)
     direct = np.empty((rows, width), spectrum.dtype)
     turned = np.empty((rows, width), spectrum.dtype) if factor_x > 1 else None
     height = max(1, BLOCK_SAMPLES // (spectrum.shape[1] * factor_y))
@@ -163,7 +163,7 @@ def _aliases_beyond(values: Array, size: int, columns: int, width: int) -> Array
     return folded
 
 
-class _Response:
+class PeriodicResponse:
     """H on blocks of rows of the half spectrum, Hermitian at Nyquist, with the mean's kernel."""
 
     def __init__(

@@ -6,9 +6,15 @@ from typing import Annotated
 
 from core.chain.back_transformed import BinMode, combine_pixels
 from core.chain.wires import Image
-from core.modules.declaration import Module, NodeContext
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, warning
 from core.modules.parameters import Param
+from core.physics.sampling.interpolation import block_mean_mtf
 from nodes.shared.module_ports import ImageOutput
+from nodes.transform.pixel_averages import detector_averages, width_mrad
+
+_DIRECTIONS = {"x": "across", "y": "along"}
+_OF_A_PIXEL = 0.35  # of a block's width; a narrower average takes 5 % off at Nyquist, or less
 
 
 class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group="Transform"):
@@ -16,7 +22,9 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
 
     Rows and columns left over at the bottom and right are dropped: 512 by 3 gives 170. Straight
     after Back Transform, and where the factors divide the size, the spectrum is folded instead.
-    Source: Tantalo 1996, section 4.1, fig. 4.6.
+    A block's mean is an average over its area: behind Detector MTF, which has averaged over the
+    pixel already, Sample Pixels keeps one sample instead. Source: Tantalo 1996, section 4.1,
+    fig. 4.6.
     """
 
     factor_x: Annotated[
@@ -38,3 +46,40 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
                 node=here.node,
             )
         )
+
+    @warning
+    def pixel_counted_twice(self, image: Image) -> Caution | None:
+        """Blocks averaged behind Detector MTF, which has averaged over the pixel already."""
+        averages = detector_averages(image)
+        for axis, interval, factor in (
+            ("x", image.interval_x_mrad, self.factor_x),
+            ("y", image.interval_y_mrad, self.factor_y),
+        ):
+            widths = [(width_mrad(average, axis), average) for average in averages]
+            width, average = max(widths, key=lambda pair: pair[0], default=(0.0, None))
+            if average is not None and width > 0 and interval is not None and factor > 1:
+                detector = f"{average.label} ({average.node})"
+                return _twice(detector, width, interval, factor, _DIRECTIONS[axis])
+        return None
+
+
+def _twice(
+    detector: str, width_mrad: float, interval_mrad: float, factor: int, direction: str
+) -> Caution:
+    block = factor * interval_mrad
+    left = block_mean_mtf(frequency=0.5 / block, interval_mrad=interval_mrad, samples=factor)
+    if width_mrad < _OF_A_PIXEL * block:
+        return Caution(
+            f"blocks of {factor} samples average over {block:.4g} mrad {direction}, and {detector} "
+            f"over {width_mrad:.4g} mrad alone: both count, and the picture's pixels are not those "
+            "of that detector",
+            "take Sample Pixels by the detector's pitch on a scene sampled more finely; well where "
+            "the blocks stand for the pixels, as in the networks of 1996",
+        )
+    return Caution(
+        f"{detector} has averaged over {width_mrad:.4g} mrad {direction} already, and blocks of "
+        f"{factor} samples average over {block:.4g} mrad once more: the pixel is counted twice, "
+        f"and its contrast at Nyquist is {float(left):.3g} times what the detector leaves",
+        "take Sample Pixels in place of this node, or leave Detector MTF out; well where both are "
+        "meant, as in the networks of 1996",
+    )

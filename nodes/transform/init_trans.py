@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Annotated, NamedTuple
 
+from core.chain.camera_sheet import CameraSheet
 from core.chain.wires import Context, Image, Magnitude, Phase, Platform
 from core.errors import ParameterError
 from core.modules.caution import Caution
@@ -109,6 +111,7 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
             scan_velocity_mrad_per_s=self.scan_velocity_mrad_per_s,
             band_um=image.band_um,
         )
+        image = replace(image, camera=_sheet(context, image.camera))
         return InitOutputs(
             context, Magnitude(image, grid, self.edges), Phase(image, grid, self.edges)
         )
@@ -207,6 +210,20 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
         """Samples per detector pitch along."""
         interval = outputs.context.grid.interval_y_mrad
         return _oversampling(outputs.context.focal_length_mm, self.detector_y_um, interval)
+
+
+def _sheet(context: Context, camera: CameraSheet | None) -> CameraSheet:
+    """The camera as the context has it, for modules that take an image alone."""
+    return replace(
+        camera or CameraSheet(),
+        pitch_x_um=context.detector_x_um,
+        pitch_y_um=context.detector_y_um,
+        focal_length_mm=context.focal_length_mm,
+        f_number=context.f_number,
+        fill_x=context.fill_x,
+        fill_y=context.fill_y,
+        range_m=context.range_m,
+    )
 
 
 def _ifov(focal_length_mm: float | None, pitch_um: float | None, fill: float) -> float | None:

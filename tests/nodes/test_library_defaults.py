@@ -30,6 +30,7 @@ RECORDED = {
     },
     "back_transform": {},
     "combine_pixels": {"factor_x": 2, "factor_y": 1, "mode": "mean"},
+    "sample_pixels": {"offset": 0.0},
     "anti_alias": {"kernel": "box", "factor": 1},
     "interpolate": {"order": 1},
     "atmosphere_mtf": {

@@ -14,6 +14,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "init_trans": {"detector_x_um": 30, "focal_length_mm": 50},
     "back_transform": {},
     "combine_pixels": {"factor_x": 3, "factor_y": 2},
+    "sample_pixels": {"factor_x": 2.5, "factor_y": 2, "offset": 0.1},
     "anti_alias": {"factor": 3},
     "interpolate": {"width": 20, "height": 7},
     "atmosphere_mtf": {"fwhm_mrad": 2, "turbidity": "high"},
@@ -62,6 +63,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
 # Settings at which a module passes its input on; several where there are several ways to say so.
 NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "combine_pixels": [{"factor_x": 1, "factor_y": 1}],
+    "sample_pixels": [{"factor_x": 1, "factor_y": 1}],
     "anti_alias": [{}, {"kernel": "lanczos", "factor": 1}],
     "interpolate": [{}, {"width": 15, "height": 11, "order": 3}],
     "atmosphere_mtf": [

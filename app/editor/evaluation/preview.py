@@ -129,6 +129,8 @@ def _counted(planned: PlannedNode, ratio: Ratio) -> tuple[Mapping[str, Any] | No
     key = planned.node.module
     if key == "combine_pixels":
         return _combined(planned, ratio)
+    if key == "sample_pixels":
+        return _sampled(planned, ratio), (1, 1)
     if key == "noise_file":
         raise _CannotReduceError
     count = IN_SAMPLES.get(key)
@@ -141,6 +143,13 @@ def _combined(planned: PlannedNode, ratio: Ratio) -> tuple[Mapping[str, Any], Ra
     x, y = math.gcd(module.factor_x, ratio[0]), math.gcd(module.factor_y, ratio[1])
     left = {"factor_x": module.factor_x // x, "factor_y": module.factor_y // y}
     return left, (ratio[0] // x, ratio[1] // y)
+
+
+def _sampled(planned: PlannedNode, ratio: Ratio) -> Mapping[str, Any]:
+    """As many pixels as ever, of fewer samples each; by the pitch they follow by themselves."""
+    module: Any = planned.module
+    factors = {"factor_x": (module.factor_x, ratio[0]), "factor_y": (module.factor_y, ratio[1])}
+    return {name: factor / by for name, (factor, by) in factors.items() if factor}
 
 
 def _draws_itself_smaller(planned: PlannedNode, factor: int, edited: Collection[str]) -> bool:

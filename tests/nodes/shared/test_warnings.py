@@ -40,7 +40,7 @@ SOURCES = {
     "pupil": "pupil.pupil",
 }
 # Module and warning: parameters that bring it about, what the line says, and sound parameters.
-# Those of `scene` and `init` are of these nodes.
+# Those of `scene` and `init` are of these nodes; with `seen` the picture comes through a detector.
 CASES = {
     ("electronics_noise", "band"): (
         {"cut_on_um": 3.0, "cut_off_um": 5.0, "bandwidth_Hz": 1e4},
@@ -129,6 +129,22 @@ CASES = {
         {"range_m": 1000.0},
     ),
     ("relative_motion_mtf", "distance"): ({"range_m": 500.0}, ("500 m", "1000 m"), {}),
+    ("combine_pixels", "pixel_counted_twice"): (
+        # 20 µm at 100 mm; 1° in 16 samples of 1.0908 mrad
+        {"seen": {"detector_x_um": 200.0}, "factor_x": 2},
+        ("Detector MTF (detector)", "2 mrad across", "2.182 mrad", "counted twice", "0.707"),
+        {"factor_x": 2},
+    ),
+    ("sample_pixels", "pitch"): (
+        {"seen": {}, "init": {"detector_x_um": 400.0}, "factor_x": 2.0, "factor_y": 1},
+        ("factor_x = 2 samples", "3.667 samples", "pitch"),
+        {"seen": {}, "init": {"detector_x_um": 400.0, "detector_y_um": 400.0}},
+    ),
+    ("sample_pixels", "no_average"): (
+        {"factor_x": 2.0, "factor_y": 1.0},
+        ("no Detector MTF", "Combine Pixels"),
+        {"factor_x": 0.5, "factor_y": 1.0},
+    ),
     ("init_trans", "field_of_view"): (
         {"fov_x_deg": 3.0},
         ("fov_x_deg", "3 deg", "1 deg"),
@@ -155,6 +171,7 @@ def planned(tmp_path):
         params = dict(params)
         scene = {"module": "test_scene", "params": {"kind": "uniform", "fov_y_deg": 1.0, **SCENE}}
         of_file = params.pop("scene", None)
+        seen = params.pop("seen", None)
         if of_file is not None:
             size = {name: SCENE[name] for name in ("fov_x_deg", "cut_on_um", "cut_off_um")}
             read = {"path": "frame.npy", "fov_y_deg": 1.0, **size, **of_file}
@@ -166,9 +183,20 @@ def planned(tmp_path):
             "node": {"module": key, "params": params},
         }
         links = [["scene.image", "init.image"]]
+        sources = dict(SOURCES)
+        if seen is not None:
+            sources["image"] = "back.image"
+            nodes["detector"] = {"module": "detector_mtf", "params": seen}
+            nodes["back"] = {"module": "back_transform"}
+            links += [
+                ["init.context", "detector.context"],
+                ["init.magnitude", "detector.magnitude"],
+                ["detector.magnitude", "back.magnitude"],
+                ["init.phase", "back.phase"],
+            ]
         for port in declaration(LIBRARY[key]).inputs:
             if port.required:
-                links.append([SOURCES[port.name], f"node.{port.name}"])
+                links.append([sources[port.name], f"node.{port.name}"])
         document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links}
         network = parse_network(json.dumps(document), library=LIBRARY)
         found = Engine(LIBRARY).plan(network, folder=tmp_path)
