@@ -33,6 +33,7 @@ from nodes.motion.crosstrack_mtf import CrosstrackMTF
 from nodes.motion.jitter_mtf import JitterMTF
 from nodes.motion.relative_motion_mtf import RelativeMotionMTF
 from nodes.motion.vibration_mtf import VibrationMTF
+from nodes.optics.camera import Camera
 from nodes.optics.exit_pupil import ExitPupil
 from nodes.optics.exit_pupil_mtf import ExitPupilMTF
 from nodes.optics.gaussian_mtf import GaussianMTF
@@ -57,6 +58,7 @@ MODULES: tuple[type[Module], ...] = (
     AntiAlias,
     Interpolate,
     AtmosphereMTF,
+    Camera,
     ExitPupil,
     ExitPupilMTF,
     GaussianMTF,

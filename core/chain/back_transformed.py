@@ -58,6 +58,7 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
         band_um=like.band_um if like is not None else None,
         edges="reflect" if recipe.mirrored else "periodic",
         camera=like.camera if like is not None else None,
+        pixel_mrad=like.pixel_mrad if like is not None else (None, None),
     )
 
 

@@ -64,7 +64,9 @@ class Image:
     edges : Edges or None
         How the frame goes on beyond its edges, as its transform had it; None where unknown.
     camera : CameraSheet or None
-        The camera that takes it, where one was entered before or by Init & Trans.
+        The camera that takes it, where one was entered before.
+    pixel_mrad : (float or None, float or None)
+        From one pixel of the detector to the next across and along, of that camera or Init & Trans.
     """
 
     port_type: ClassVar[str] = "image"
@@ -79,6 +81,7 @@ class Image:
     header: Header = Header()
     edges: Edges | None = None
     camera: CameraSheet | None = None
+    pixel_mrad: tuple[float | None, float | None] = (None, None)
 
     @property
     def key(self) -> str:
@@ -218,6 +221,8 @@ class Context:
     velocity_m_per_s: float
     scan_velocity_mrad_per_s: float
     band_um: tuple[float, float] | None = None
+    aperture_mm: float | None = None
+    obscuration_ratio: float = 0.0
 
     @cached_property
     def key(self) -> str:

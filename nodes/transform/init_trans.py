@@ -29,7 +29,9 @@ class InitOutputs(NamedTuple):
 class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform"):
     """Take the image to magnitude and phase, and give every other module the sensor's geometry.
 
-    An empty field of view, focal length or band is taken from the image's own header.
+    An empty field of view, focal length or band is taken from the image's own header; what a
+    Camera before it has, from that, a fill factor of 1 too: 1 and empty are the same here. What is
+    given here counts, and what differs is warned of.
     Source: Tantalo 1996, section 4.1.
     """
 
@@ -96,22 +98,31 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
             self._interval("fov_x_deg", image.columns, image.interval_x_mrad),
             self._interval("fov_y_deg", image.rows, image.interval_y_mrad),
         )
+        camera = image.camera or CameraSheet()
+        own_optics = self.focal_length_mm is not None or self.f_number is not None
         context = Context(
             grid=grid,
             edges=self.edges,
             platform=self.platform,
-            detector_x_um=self.detector_x_um,
-            detector_y_um=self.detector_y_um,
-            focal_length_mm=self.focal_length_mm or image.header.focal_length_mm,
-            f_number=self.f_number,
-            range_m=self.range_m,
-            fill_x=self.fill_x or 1.0,
-            fill_y=self.fill_y or 1.0,
+            detector_x_um=self.detector_x_um or camera.pitch_x_um,
+            detector_y_um=self.detector_y_um or camera.pitch_y_um,
+            focal_length_mm=self.focal_length_mm
+            or camera.focal_length_mm
+            or image.header.focal_length_mm,
+            f_number=self.f_number or camera.f_number,
+            range_m=self.range_m or camera.range_m,
+            fill_x=_fill(self.fill_x, camera.fill_x),
+            fill_y=_fill(self.fill_y, camera.fill_y),
             velocity_m_per_s=self.velocity_m_per_s,
             scan_velocity_mrad_per_s=self.scan_velocity_mrad_per_s,
             band_um=image.band_um,
+            aperture_mm=None if own_optics else camera.aperture_mm,
+            obscuration_ratio=camera.obscuration_ratio,
         )
-        image = replace(image, camera=_sheet(context, image.camera))
+        focal_length_mm = context.focal_length_mm
+        pitches = context.detector_x_um, context.detector_y_um
+        x, y = (_ifov(focal_length_mm, pitch, 1.0) for pitch in pitches)
+        image = replace(image, pixel_mrad=(x, y))
         return InitOutputs(
             context, Magnitude(image, grid, self.edges), Phase(image, grid, self.edges)
         )
@@ -138,6 +149,33 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
             image.header.focal_length_mm,
             unit="mm",
             where="in the picture's file",
+        )
+
+    @warning
+    def camera(self, image: Image, given: frozenset[str]) -> Caution | None:
+        """What is not as on the Camera before."""
+        if image.camera is None:
+            return None
+        sheet = image.camera
+        for name, of_camera in (("fill_x", sheet.fill_x), ("fill_y", sheet.fill_y)):
+            if name in given and getattr(self, name) == 1.0 and of_camera not in (None, 1.0):
+                return Caution(
+                    f"{name} = 1 counts as empty here, and {of_camera:g} on Camera is taken",
+                    "correct it on Camera",
+                )
+        return first(
+            *(
+                apart_caution(name, getattr(self, name), of_camera, unit=unit, where="on Camera")
+                for name, of_camera, unit in (
+                    ("detector_x_um", sheet.pitch_x_um, "µm"),
+                    ("detector_y_um", sheet.pitch_y_um, "µm"),
+                    ("focal_length_mm", sheet.focal_length_mm, "mm"),
+                    ("f_number", sheet.f_number, ""),
+                    ("range_m", sheet.range_m, "m"),
+                    ("fill_x", sheet.fill_x if self.fill_x != 1.0 else None, ""),
+                    ("fill_y", sheet.fill_y if self.fill_y != 1.0 else None, ""),
+                )
+            )
         )
 
     @warning
@@ -172,12 +210,14 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
     @readout("mrad")
     def ifov_x_mrad(self, outputs: InitOutputs) -> float | None:
         """Instantaneous field of view of a detector across, with its fill factor."""
-        return _ifov(outputs.context.focal_length_mm, self.detector_x_um, self.fill_x or 1.0)
+        context = outputs.context
+        return _ifov(context.focal_length_mm, context.detector_x_um, context.fill_x)
 
     @readout("mrad")
     def ifov_y_mrad(self, outputs: InitOutputs) -> float | None:
         """Instantaneous field of view of a detector along, with its fill factor."""
-        return _ifov(outputs.context.focal_length_mm, self.detector_y_um, self.fill_y or 1.0)
+        context = outputs.context
+        return _ifov(context.focal_length_mm, context.detector_y_um, context.fill_y)
 
     @readout("cyc/mrad")
     def frequency_interval_x(self, outputs: InitOutputs) -> float:
@@ -202,28 +242,21 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
     @readout("samples")
     def oversampling_x(self, outputs: InitOutputs) -> float | None:
         """Samples per detector pitch across."""
-        interval = outputs.context.grid.interval_x_mrad
-        return _oversampling(outputs.context.focal_length_mm, self.detector_x_um, interval)
+        context = outputs.context
+        interval = context.grid.interval_x_mrad
+        return _oversampling(context.focal_length_mm, context.detector_x_um, interval)
 
     @readout("samples")
     def oversampling_y(self, outputs: InitOutputs) -> float | None:
         """Samples per detector pitch along."""
-        interval = outputs.context.grid.interval_y_mrad
-        return _oversampling(outputs.context.focal_length_mm, self.detector_y_um, interval)
+        context = outputs.context
+        interval = context.grid.interval_y_mrad
+        return _oversampling(context.focal_length_mm, context.detector_y_um, interval)
 
 
-def _sheet(context: Context, camera: CameraSheet | None) -> CameraSheet:
-    """The camera as the context has it, for modules that take an image alone."""
-    return replace(
-        camera or CameraSheet(),
-        pitch_x_um=context.detector_x_um,
-        pitch_y_um=context.detector_y_um,
-        focal_length_mm=context.focal_length_mm,
-        f_number=context.f_number,
-        fill_x=context.fill_x,
-        fill_y=context.fill_y,
-        range_m=context.range_m,
-    )
+def _fill(own: float | None, of_camera: float | None) -> float:
+    """1, the default here, is as good as empty."""
+    return (own if own not in (None, 1.0) else None) or of_camera or 1.0
 
 
 def _ifov(focal_length_mm: float | None, pitch_um: float | None, fill: float) -> float | None:

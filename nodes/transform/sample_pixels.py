@@ -142,9 +142,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
 
 def _pitch_in_samples(axis: str, image: Image) -> float | None:
     """Detector pitch over the image's sampling interval, where both are known."""
-    if image.camera is None:
-        return None
-    pitch = image.camera.pitch_x_mrad if axis == "x" else image.camera.pitch_y_mrad
+    pitch = image.pixel_mrad[0 if axis == "x" else 1]
     interval = image.interval_x_mrad if axis == "x" else image.interval_y_mrad
     return pitch / interval if pitch and interval else None
 

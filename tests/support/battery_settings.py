@@ -18,6 +18,10 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "anti_alias": {"factor": 3},
     "interpolate": {"width": 20, "height": 7},
     "atmosphere_mtf": {"fwhm_mrad": 2, "turbidity": "high"},
+    "camera": {
+        "pixels_x": 15, "pixels_y": 11, "pitch_um": 50, "focal_length_mm": 30, "f_number": 2,
+        "range_m": 700,
+    },
     "exit_pupil": {"size_x": 32, "size_y": 32, "radius": 12, "obscuration_radius": 4},
     "exit_pupil_mtf": {"size_x_cm": 3, "size_y_cm": 4, "wavelengths": 3},
     "gaussian_mtf": {"sigma_x_mrad": 1, "sigma_y_mrad": 2},
@@ -70,6 +74,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
         {}, {"turbulence": "none"}, {"turbidity": "custom"},
         {"turbidity": "custom", "absorption_per_km": 3, "view": "vertical"},
     ],
+    "camera": [{}, {"pitch_um": 7, "focal_length_mm": 40}],
     "exit_pupil_mtf": [{"interpolation": "none"}],
     "gaussian_mtf": [{}, {"sigma_x_mrad": 0, "sigma_y_mrad": 0.0}],
     "poisson_noise": [{"percent": 0}],

@@ -145,6 +145,26 @@ CASES = {
         ("no Detector MTF", "Combine Pixels"),
         {"factor_x": 0.5, "factor_y": 1.0},
     ),
+    ("camera", "aperture"): (
+        {"focal_length_mm": 100.0, "aperture_mm": 40.0, "f_number": 2.0},
+        ("f_number = 2 here", "2.5 by 100 mm over 40 mm"),
+        {"focal_length_mm": 100.0, "aperture_mm": 50.0, "f_number": 2.0},
+    ),
+    ("camera", "field_of_view"): (
+        {"pixels_x": 32, "pitch_um": 100.0, "focal_length_mm": 100.0},
+        ("pixels_x = 32 of 1 mrad", "1.833°", "is 1°"),
+        {"pixels_x": 8, "pixels_y": 8, "pitch_um": 218.166, "focal_length_mm": 100.0},
+    ),
+    ("camera", "pixel_shape"): (
+        {"pitch_um": 200.0, "pitch_y_um": 300.0, "focal_length_mm": 100.0},
+        ("1 times", "1.5 times"),
+        {"pitch_um": 200.0, "pitch_y_um": 201.0, "focal_length_mm": 100.0},
+    ),
+    ("camera", "pixels"): (
+        {"pitch_um": 15.0, "focal_length_mm": 100.0},
+        ("1.091 mrad", "0.15 mrad", "more coarsely"),
+        {"pitch_um": 15.0, "focal_length_mm": 10.0},
+    ),
     ("init_trans", "field_of_view"): (
         {"fov_x_deg": 3.0},
         ("fov_x_deg", "3 deg", "1 deg"),
@@ -159,6 +179,8 @@ BY_HAND = {  # need what only a file tells
     ("read_image", "as_stored"),
     ("electronics_noise", "radiance"),
     ("init_trans", "focal_length"),
+    ("camera", "focal_length"),
+    ("init_trans", "camera"),  # tests/nodes/optics/test_node_camera.py
 }
 
 

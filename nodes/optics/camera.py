@@ -1,0 +1,256 @@
+"""Camera: the data sheet of a camera, entered once for the whole network."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Annotated, NamedTuple
+
+from core.chain.camera_sheet import CameraSheet
+from core.chain.wires import Image, Table
+from core.evaluation.recipes import Step
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from nodes.input_output.examine_image import figure
+from nodes.optics.camera_figures import camera_figures
+from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart_caution, first
+
+
+class CameraOutputs(NamedTuple):
+    """The image with the camera's data, and what follows of them."""
+
+    image: Image
+    camera: Table
+
+
+def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
+    def method(self: Module, outputs: CameraOutputs) -> Step:
+        return Step.of(figure, outputs.camera.recipe, name=name)
+
+    method.__doc__ = meaning
+    return readout(unit, name=name)(method)
+
+
+class Camera(Module, key="camera", title="Camera", group="Optics"):
+    """Enter a camera's data once: Init & Trans takes from it what it leaves empty.
+
+    The image passes unchanged and carries the data on: pitch, focal length, F-number, fill and
+    range for Init & Trans and all that follow it, aperture and obscuration for Diffraction MTF, the
+    pitch for Sample Pixels. Of focal length, F-number and aperture two give the third. An image
+    without a sampling interval gets that of the camera's field of view, pixels times pitch over
+    focal length. What disagrees is warned of, and nothing is corrected. Source: Holst 2008,
+    Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
+    """
+
+    pixels_x: Annotated[
+        int | None, Param("pixels across", unit="pixels", low=0, high=10**6, slider=(64, 4096))
+    ] = None
+    pixels_y: Annotated[
+        int | None, Param("pixels along", unit="pixels", low=0, high=10**6, slider=(64, 4096))
+    ] = None
+    pitch_um: Annotated[
+        float | None, Param("from one pixel to the next", unit="µm", low=0, slider=(2, 50))
+    ] = None
+    pitch_y_um: Annotated[
+        float | None,
+        Param("the same along, if it differs; empty: pitch_um", unit="µm", low=0, slider=(2, 50)),
+    ] = None
+    fill_x: Annotated[float | None, Param("fill factor across; empty: 1", low=0, high=1)] = None
+    fill_y: Annotated[float | None, Param("fill factor along; empty: 1", low=0, high=1)] = None
+    focal_length_mm: Annotated[
+        float | None,
+        Param("focal length; empty: F-number times aperture", unit="mm", low=0, slider=(5, 1000)),
+    ] = None
+    f_number: Annotated[
+        float | None, Param("F-number; empty: focal length over aperture", low=0, slider=(0.5, 32))
+    ] = None
+    aperture_mm: Annotated[
+        float | None,
+        Param("aperture's diameter; empty: focal length over F-number", unit="mm", low=0,
+              slider=(2, 500)),
+    ] = None  # fmt: skip
+    obscuration_ratio: Annotated[
+        float,
+        Param("inner over outer diameter of the aperture", low=0, high=1, below=True,
+              slider=(0, 0.6)),
+    ] = 0.0  # fmt: skip
+    range_m: Annotated[
+        float | None, Param("distance of the scene", unit="m", low=0, slider=(10, 10000))
+    ] = None
+
+    illustration = "sampling"
+    panel = (
+        Section("Pixels", ("pixels_x", "pixels_y", "pitch_um", "pitch_y_um")),
+        Section("Fill factors", ("fill_x", "fill_y")),
+        Section("Optics", ("focal_length_mm", "f_number", "aperture_mm", "obscuration_ratio")),
+        Section("Scene", ("range_m",)),
+    )
+
+    def run(self, image: Image, here: NodeContext) -> CameraOutputs:
+        """Put the data on the image."""
+        sheet = self.sheet()
+        x, y = image.interval_x_mrad, image.interval_y_mrad
+        if x is None and sheet.pixels_x and sheet.pitch_x_mrad:
+            x = sheet.pixels_x * sheet.pitch_x_mrad / image.columns
+        if y is None and sheet.pixels_y and sheet.pitch_y_mrad:
+            y = sheet.pixels_y * sheet.pitch_y_mrad / image.rows
+        image = replace(
+            image,
+            camera=sheet,
+            pixel_mrad=(sheet.pitch_x_mrad, sheet.pitch_y_mrad),
+            interval_x_mrad=x,
+            interval_y_mrad=y,
+        )
+        table = Step.of(
+            camera_figures,
+            node=here.node,
+            sheet=sheet,
+            interval_x_mrad=x,
+            interval_y_mrad=y,
+            band_um=image.band_um,
+        )
+        return CameraOutputs(image, Table(table))
+
+    def sheet(self) -> CameraSheet:
+        """The data, of focal length, F-number and aperture the third where two are given."""
+        focal, f_number, aperture = self.focal_length_mm, self.f_number, self.aperture_mm
+        if focal is None and f_number is not None and aperture is not None:
+            focal = f_number * aperture
+        if f_number is None and focal is not None and aperture is not None:
+            f_number = focal / aperture
+        if aperture is None and focal is not None and f_number is not None:
+            aperture = focal / f_number
+        return CameraSheet(
+            pixels_x=self.pixels_x,
+            pixels_y=self.pixels_y,
+            pitch_x_um=self.pitch_um,
+            pitch_y_um=self.pitch_um if self.pitch_y_um is None else self.pitch_y_um,
+            focal_length_mm=focal,
+            f_number=f_number,
+            aperture_mm=aperture,
+            obscuration_ratio=self.obscuration_ratio,
+            fill_x=self.fill_x,
+            fill_y=self.fill_y,
+            range_m=self.range_m,
+        )
+
+    @warning
+    def aperture(self) -> Caution | None:
+        """An F-number that is not focal length over aperture."""
+        if self.focal_length_mm is None or self.aperture_mm is None:
+            return None
+        return apart_caution(
+            "f_number",
+            self.f_number,
+            self.focal_length_mm / self.aperture_mm,
+            unit="",
+            where=f"by {self.focal_length_mm:g} mm over {self.aperture_mm:g} mm",
+            near=F_NUMBER_NEAR,
+            remedy="leave one of the three empty; as it is, diffraction takes the aperture and "
+            "radiometry the F-number",
+        )
+
+    @warning
+    def focal_length(self, image: Image) -> Caution | None:
+        """A focal length that is not the one in the picture's file."""
+        return apart_caution(
+            "focal_length_mm",
+            self.sheet().focal_length_mm,
+            image.header.focal_length_mm,
+            unit="mm",
+            where="in the picture's file",
+            remedy="the one here counts; correct it, or take no picture of another camera",
+        )
+
+    @warning
+    def field_of_view(self, image: Image) -> Caution | None:
+        """A picture whose field of view is not that of the pixels."""
+        sheet = self.sheet()
+        return first(
+            *(
+                _field_caution(name, pixels, pitch, interval, samples)
+                for name, pixels, pitch, interval, samples in (
+                    ("pixels_x", sheet.pixels_x, sheet.pitch_x_mrad,
+                     image.interval_x_mrad, image.columns),
+                    ("pixels_y", sheet.pixels_y, sheet.pitch_y_mrad,
+                     image.interval_y_mrad, image.rows),
+                )
+            )
+        )  # fmt: skip
+
+    @warning
+    def pixel_shape(self, outputs: CameraOutputs) -> Caution | None:
+        """Samples of another shape than the pixels."""
+        sheet, image = self.sheet(), outputs.image
+        if not (sheet.pitch_x_um and sheet.pitch_y_um):
+            return None
+        if not (image.interval_x_mrad and image.interval_y_mrad):
+            return None
+        pixel = sheet.pitch_y_um / sheet.pitch_x_um
+        sample = image.interval_y_mrad / image.interval_x_mrad
+        if alike(pixel, sample):
+            return None
+        return Caution(
+            f"the picture's samples are {sample:.4g} times as high as wide and the pixels "
+            f"{pixel:.4g} times: there are more samples to a pixel along one axis",
+            "correct pitch, pixels or the picture's field of view, unless it is sampled so",
+        )
+
+    @warning
+    def pixels(self, outputs: CameraOutputs) -> Caution | None:
+        """A picture of fewer samples than pixels."""
+        sheet, image = self.sheet(), outputs.image
+        for name, pitch, interval in (
+            ("across", sheet.pitch_x_mrad, image.interval_x_mrad),
+            ("along", sheet.pitch_y_mrad, image.interval_y_mrad),
+        ):
+            if pitch and interval and pitch < interval * (1 - NEAR):
+                return Caution(
+                    f"a sample is {interval:.4g} mrad wide {name} and a pixel {pitch:.4g} mrad: "
+                    "the picture is sampled more coarsely than the camera samples",
+                    "give a picture of two or more samples a pixel for its aliasing to be right",
+                )
+        return None
+
+    pixel_x_mrad = _figure("pixel_x_mrad", "mrad", "From one pixel to the next across.")
+    pixel_y_mrad = _figure("pixel_y_mrad", "mrad", "From one pixel to the next along.")
+    fov_x_deg = _figure("fov_x_deg", "deg", "Pixels times their angle across.")
+    fov_y_deg = _figure("fov_y_deg", "deg", "Pixels times their angle along.")
+    nyquist_x = _figure("nyquist_x", "cyc/mrad", "Nyquist frequency of the pixels across.")
+    nyquist_y = _figure("nyquist_y", "cyc/mrad", "Nyquist frequency of the pixels along.")
+    f_number_figure = _figure("f_number", "", "F-number.")
+    aperture_figure = _figure("aperture_mm", "mm", "Diameter of the aperture.")
+    samples_x = _figure("samples_per_pixel_x", "samples", "Samples of the picture a pixel across.")
+    samples_y = _figure("samples_per_pixel_y", "samples", "Samples of the picture a pixel along.")
+    cutoff = _figure("cutoff", "cyc/mrad", "Aperture over the middle wavelength of the band.")
+    q = _figure("q", "", "Wavelength times F-number over pitch: 2 where Nyquist is the cutoff.")
+    gsd_x_m = _figure("gsd_x_m", "m", "Width of the scene that a pixel sees across.")
+    gsd_y_m = _figure("gsd_y_m", "m", "Height of the scene that a pixel sees along.")
+
+
+def _field_caution(
+    name: str,
+    pixels: int | None,
+    pitch_mrad: float | None,
+    interval_mrad: float | None,
+    samples: int,
+) -> Caution | None:
+    """By the angle of each pixel, or the tangent of the half field, as wide ones are given too."""
+    if not (pixels and pitch_mrad and interval_mrad):
+        return None
+    picture, camera = interval_mrad * samples, pixels * pitch_mrad
+    if alike(picture, camera) or alike(picture, 2000 * math.atan(camera / 2000)):
+        return None
+    return Caution(
+        f"{name} = {pixels} of {pitch_mrad:.4g} mrad see {_deg(camera)} and the picture's field of "
+        f"view is {_deg(picture)}",
+        "the picture's counts; correct pixels, pitch, focal length or the picture's field of view, "
+        "unless it is part of the scene or more of it",
+    )
+
+
+def _deg(mrad: float) -> str:
+    return f"{math.degrees(mrad / 1000):.4g}°"

@@ -1,0 +1,144 @@
+"""Camera: entered once, taken by what follows; figures by hand from a data sheet."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from core.chain.engine import Engine
+from core.chain.wires import Header, Image
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Step
+from linked_network import linked_network
+from nodes.library import standard_library
+from nodes.optics.camera import Camera
+
+# A cooled MWIR camera of data sheets: 640 × 512 of 15 µm, f/4, 100 mm.
+MWIR = {
+    "pixels_x": 640, "pixels_y": 512, "pitch_um": 15, "focal_length_mm": 100, "f_number": 4,
+    "fill_x": 0.95, "fill_y": 0.9, "obscuration_ratio": 0.3, "range_m": 2000,
+}  # fmt: skip
+
+
+@pytest.fixture
+def planned(tmp_path):
+    def plan(camera, init=(), *, read=None):
+        np.save(tmp_path / "in.npy", np.full((1024, 1280), 2.0))
+        nodes = {
+            "scene": ("read_image", {"path": "in.npy", **(read or {})}),
+            "camera": ("camera", camera),
+            "init": ("init_trans", dict(init)),
+            "detector": ("detector_mtf", {}),
+            "back": ("back_transform", {}),
+            "pixels": ("sample_pixels", {}),
+        }
+        links = [
+            ("scene.image", "camera.image"), ("camera.image", "init.image"),
+            ("init.context", "detector.context"), ("init.magnitude", "detector.magnitude"),
+            ("detector.magnitude", "back.magnitude"), ("init.phase", "back.phase"),
+            ("back.image", "pixels.image"),
+        ]  # fmt: skip
+        engine = Engine(standard_library())
+        return engine, engine.plan(linked_network(nodes, links), folder=tmp_path)
+
+    return plan
+
+
+def texts(plan):
+    return [str(caution) for caution in plan.warnings()]
+
+
+def test_entered_once(planned):
+    """Nothing is given on Init & Trans: the whole chain goes by the camera."""
+    engine, plan = planned(MWIR)
+    assert plan.errors() == []
+    assert texts(plan) == []
+    context = plan.output("init.context")
+    assert (context.detector_x_um, context.detector_y_um) == (15.0, 15.0)
+    assert (context.focal_length_mm, context.f_number, context.aperture_mm) == (100, 4, 25)
+    assert (context.fill_x, context.fill_y, context.range_m) == (0.95, 0.9, 2000)
+    assert context.obscuration_ratio == 0.3
+    # Two samples a pixel: 640 pixels of 0.15 mrad in 1280 samples.
+    assert context.grid.interval_x_mrad == pytest.approx(0.075, rel=1e-15)
+    assert plan.output("pixels.image").shape == (512, 640)
+    assert plan.output("pixels.image").interval_y_mrad == pytest.approx(0.15, rel=1e-15)
+    work = engine.work(Policy())
+    found = engine.readouts(plan, "camera", work)
+    expected = {
+        "pixel_x_mrad": 0.15, "fov_x_deg": math.degrees(0.096), "fov_y_deg": math.degrees(0.0768),
+        "nyquist_x": 10 / 3, "f_number": 4.0, "aperture_mm": 25.0, "samples_per_pixel_y": 2.0,
+        "gsd_x_m": 0.3,
+    }  # fmt: skip
+    for name, value in expected.items():
+        assert found[name] == pytest.approx(value, rel=1e-14), name
+    assert engine.readouts(plan, "init", work)["ifov_x_mrad"] == pytest.approx(0.1425, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({"focal_length_mm": 100, "aperture_mm": 40}, (100, 2.5, 40)),
+        ({"f_number": 2.5, "aperture_mm": 40}, (100, 2.5, 40)),
+        ({"focal_length_mm": 100, "f_number": 2.5}, (100, 2.5, 40)),
+        ({"focal_length_mm": 100, "f_number": 2.45, "aperture_mm": 40}, (100, 2.45, 40)),
+    ],
+)
+def test_two_of_three_give_the_third(planned, given, expected):
+    _, plan = planned({"pixels_x": 640, "pixels_y": 512, "pitch_um": 15, **given})
+    sheet = plan.output("camera.image").camera
+    assert (sheet.focal_length_mm, sheet.f_number, sheet.aperture_mm) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("init", "words"),
+    [
+        ({"detector_x_um": 12}, ("detector_x_um = 12 µm here", "15 µm on Camera")),
+        ({"focal_length_mm": 50}, ("focal_length_mm = 50 mm", "100 mm on Camera")),
+        ({"f_number": 2}, ("f_number = 2", "4 on Camera")),
+        ({"range_m": 500}, ("range_m = 500 m", "2000 m on Camera")),
+        ({"fill_y": 0.5}, ("fill_y = 0.5", "0.9 on Camera")),
+        ({"fill_x": 1.0}, ("fill_x = 1 counts as empty", "0.95 on Camera")),
+    ],
+)
+def test_what_init_gives_otherwise_is_warned_of(planned, init, words):
+    _, plan = planned(MWIR, init)
+    (name, value) = next(iter(init.items()))
+    assert getattr(plan.output("init.context"), name) == (0.95 if name == "fill_x" else value)
+    (text,) = [t for t in texts(plan) if t.startswith("init:")]
+    for word in words:
+        assert word in text
+    # What the optics here overrule is no aperture of theirs.
+    aperture = plan.output("init.context").aperture_mm
+    assert aperture == (None if name in ("focal_length_mm", "f_number") else 25)
+
+
+def test_a_second_transform_takes_the_camera_and_not_the_first(planned):
+    """An Init & Trans alone leaves the next one as it was: old networks keep their results."""
+    _, plan = planned({}, {"detector_x_um": 9, "detector_y_um": 9, "focal_length_mm": 60,
+                           "fov_x_deg": 5, "fov_y_deg": 4, "fill_x": 0.5})  # fmt: skip
+    image = plan.output("back.image")
+    assert image.camera.pitch_x_um is None
+    assert image.camera.fill_x is None
+    assert image.pixel_mrad == (0.15, 0.15)
+
+
+def test_wide_fields_by_the_tangent_are_no_disagreement(planned):
+    """60° of 2·atan(n·p/2f): its pixels' angles add up to 66°."""
+    focal = 640 * 0.015 / (2 * math.tan(math.radians(30)))
+    camera = {"pixels_x": 640, "pitch_um": 15, "focal_length_mm": focal}
+    _, plan = planned(camera, read={"fov_x_deg": 60, "fov_y_deg": 48})
+    assert not [text for text in texts(plan) if "field of view" in text]
+
+
+def test_the_pixels_of_a_camera_without_a_focal_length_are_unknown(planned):
+    _, plan = planned({"pixels_x": 640, "pixels_y": 512, "pitch_um": 15})
+    assert "no field of view is known" in str(plan.errors()[0])
+
+
+def test_another_focal_length_in_the_file():
+    image = Image(Step.of(np.zeros), 8, 8, header=Header(focal_length_mm=50.0))
+    caution = Camera.build({"focal_length_mm": 100}).focal_length(image)
+    assert "focal_length_mm = 100 mm here, 50 mm in the picture's file" in caution.text
+    assert Camera.build({"focal_length_mm": 50.2}).focal_length(image) is None
