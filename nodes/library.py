@@ -34,6 +34,7 @@ from nodes.motion.jitter_mtf import JitterMTF
 from nodes.motion.relative_motion_mtf import RelativeMotionMTF
 from nodes.motion.vibration_mtf import VibrationMTF
 from nodes.optics.camera import Camera
+from nodes.optics.diffraction_mtf import DiffractionMTF
 from nodes.optics.exit_pupil import ExitPupil
 from nodes.optics.exit_pupil_mtf import ExitPupilMTF
 from nodes.optics.gaussian_mtf import GaussianMTF
@@ -59,6 +60,7 @@ MODULES: tuple[type[Module], ...] = (
     Interpolate,
     AtmosphereMTF,
     Camera,
+    DiffractionMTF,
     ExitPupil,
     ExitPupilMTF,
     GaussianMTF,

@@ -39,6 +39,10 @@ RECORDED = {
         "scattering_per_km": 0.0, "scale_height_km": 1.0,
     },
     "camera": {"obscuration_ratio": 0.0},
+    "diffraction_mtf": {
+        **FREE, "weighting": "photons", "wavelengths": "auto", "tolerance": 0.0,
+        "defocus_waves": 0.0, "rms_wavefront_waves": 0.0,
+    },
     "exit_pupil": {
         "shape": "clear", "size_x": 512, "size_y": 512, "obscuration_radius": 25.0,
         "slit_width": 20.0, "vanes": 3, "vane_width": 4.0, "defocus_waves": 0.0,

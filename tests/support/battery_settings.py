@@ -22,6 +22,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
         "pixels_x": 15, "pixels_y": 11, "pitch_um": 50, "focal_length_mm": 30, "f_number": 2,
         "range_m": 700,
     },
+    "diffraction_mtf": {"aperture_mm": 20, "obscuration_ratio": 0.3, "defocus_waves": 0.3},
     "exit_pupil": {"size_x": 32, "size_y": 32, "radius": 12, "obscuration_radius": 4},
     "exit_pupil_mtf": {"size_x_cm": 3, "size_y_cm": 4, "wavelengths": 3},
     "gaussian_mtf": {"sigma_x_mrad": 1, "sigma_y_mrad": 2},
@@ -95,6 +96,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
 NEVER_NEUTRAL = {
     "detector_mtf": "a detector always has an area",
     "electronics_noise": "a detector always has noise",
+    "diffraction_mtf": "an aperture always diffracts",
     "focal_plane": "photons come one by one",
     "compare_images": "what it gives is a difference",
     "camera_geometry": "a camera's samples lie where it looks",
@@ -140,6 +142,12 @@ SETTINGS: dict[str, list[dict[str, Any]]] = {
         *({"size_x_cm": 3, "size_y_cm": 2, "wavelengths": n} for n in (2, 3, 4, 5, 7, 11)),
         {"method": "autocorrelation", "size_x_cm": 3, "size_y_cm": 3},
         {"method": "autocorrelation", "interpolation": "linear", "wavelengths": 2},
+    ],
+    "diffraction_mtf": [
+        {}, {"aperture_mm": 1e-3}, {"aperture_mm": 1e4, "source_K": 6000},
+        {"rms_wavefront_waves": 0.08, "weighting": "energy"},
+        {"defocus_waves": -3, "weighting": "uniform", "wavelengths": 5},
+        {"obscuration_ratio": 0.99, "defocus_waves": 2},
     ],
     "gaussian_mtf": [{"sigma_y_mrad": 1e9}, {"sigma_x_mrad": 1e-9}],
     "crosstrack_mtf": [{"dwell_time_s": 1, "scan_velocity_mrad_per_s": 1e6}],

@@ -165,6 +165,21 @@ CASES = {
         ("1.091 mrad", "0.15 mrad", "more coarsely"),
         {"pitch_um": 15.0, "focal_length_mm": 10.0},
     ),
+    ("diffraction_mtf", "band"): (
+        {"cut_on_um": 3.0, "cut_off_um": 5.0, "source_K": 300.0},
+        ("4 µm", "8 to 12 µm"),
+        {"cut_on_um": 9.0, "cut_off_um": 11.0},
+    ),
+    ("diffraction_mtf", "aperture"): (
+        {"aperture_mm": 40.0},
+        ("aperture_mm = 40 mm here", "50 mm by Camera"),  # 100 mm at F/2
+        {"aperture_mm": 51.0},
+    ),
+    ("diffraction_mtf", "kelvin"): (
+        {"scene": {"unit": "K"}},
+        ("in kelvin", "To Radiance"),
+        {"scene": {"unit": "W/m²/sr"}},
+    ),
     ("init_trans", "field_of_view"): (
         {"fov_x_deg": 3.0},
         ("fov_x_deg", "3 deg", "1 deg"),

@@ -1,0 +1,292 @@
+"""Diffraction MTF: a circular or annular aperture by its data sheet, without a pupil array."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, NamedTuple
+
+from core.chain.probe import TransferAt
+from core.chain.wires import Context, Magnitude, Phase, Transfer
+from core.errors import ParameterError
+from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.work import Work
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.physics.optics.diffraction.diffraction_otf import (
+    FINEST_TOLERANCE,
+    Aperture,
+    Spectrum,
+    diffraction_otf,
+    wavelengths_needed,
+)
+from core.transfer.factors import Law, Planar
+from nodes.optics.band_spectrum import kelvin_caution, number, source_temperature
+from nodes.shared.context_defaults import given_band
+from nodes.shared.module_ports import Apply
+from nodes.shared.shared_warnings import (
+    F_NUMBER_NEAR,
+    Band,
+    apart_caution,
+    first,
+    wavelength_caution,
+)
+
+Number = Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
+
+
+class DiffractionOutputs(NamedTuple):
+    """Both halves of the spectrum, and the OTF's values and phase."""
+
+    magnitude: Magnitude
+    phase: Phase
+    mtf: Transfer
+    ptf: Transfer
+
+
+class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", group="Optics"):
+    """Blur by diffraction at a circular or annular aperture, over the band, exactly.
+
+    Aperture and obscuration are those of Camera, else focal length over F-number of Init & Trans;
+    no pupil array is needed. Over a band the OTFs of all wavelengths are weighted: by the photons,
+    or the energy, of a black body, or uniformly as in 1996. The black body is `source_K`, else that
+    of the picture's mean radiance, else sunlight's 5800 K where the band begins below 2.5 µm.
+    `wavelengths` auto takes as many as `tolerance` needs, placed between the kinks of the OTF; a
+    number takes so many over the band, 1 its middle. `defocus_waves` is W20 at the rim at the
+    band's middle; the OTF is real and may be negative. `rms_wavefront_waves`, at the band's middle
+    too, takes Shannon's factor for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²).
+    Sources: Goodman 2005; O'Neill 1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon
+    1994, Handbook of Optics I, chapter 35.
+    """
+
+    aperture_mm: Annotated[
+        float | None,
+        Param("aperture's diameter; empty: of Camera, or focal length over F-number", unit="mm",
+              low=0, slider=(2, 500)),
+    ] = None  # fmt: skip
+    obscuration_ratio: Annotated[
+        float | None,
+        Param("inner over outer diameter; empty: of Camera, or none", low=0, high=1, below=True,
+              slider=(0, 0.6), zero_is_empty=False),
+    ] = None  # fmt: skip
+    cut_on_um: Annotated[
+        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
+    ] = None
+    cut_off_um: Annotated[
+        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
+    ] = None
+    weighting: Annotated[
+        Literal["photons", "energy", "uniform"],
+        Param("wavelengths count by photons, as in a photon detector, by energy, or all alike"),
+    ] = "photons"
+    source_K: Annotated[
+        float | None,
+        Param("black body that lights the band; empty: the picture's mean, or sunlight", unit="K",
+              low=0, high=1e6, slider=(200, 6500)),
+    ] = None  # fmt: skip
+    wavelengths: Annotated[
+        Number, Param("as many as the tolerance needs, or so many over the band, 1 its middle")
+    ] = "auto"
+    tolerance: Annotated[
+        float, Param("largest error of the OTF with auto, 1e-13 at the least", low=0, high=1)
+    ] = 0.0
+    defocus_waves: Annotated[
+        float,
+        Param("defocus at the rim, W20", unit="waves", low=-100, high=100, slider=(-2, 2)),
+    ] = 0.0
+    rms_wavefront_waves: Annotated[
+        float, Param("wavefront error of any shape, rms", unit="waves", low=0, high=0.18,
+                     slider=(0, 0.1)),
+    ] = 0.0  # fmt: skip
+    apply: Apply = "multiply"
+
+    panel = (
+        Section("Aperture", ("aperture_mm", "obscuration_ratio")),
+        Section("Wavefront", ("defocus_waves", "rms_wavefront_waves")),
+        Section("Band", ("cut_on_um", "cut_off_um")),
+        Section("Weights", ("weighting",)),
+        Section("", ("source_K",), shown_when=("weighting", ("photons", "energy"))),
+        Section("Wavelengths", ("wavelengths",)),
+        Section("", ("tolerance",), shown_when=("wavelengths", ("auto",))),
+        Section("Output", ("apply",)),
+    )
+
+    def run(
+        self,
+        context: Context,
+        magnitude: Magnitude,
+        here: NodeContext,
+        phase: Phase | None = None,
+    ) -> DiffractionOutputs:
+        """Plan the OTF."""
+        if phase is None:
+            phase = Phase(None, magnitude.grid, magnitude.edges)
+        band, aperture = self._band(context), self.aperture_of(context)
+        aperture.check(band[0])
+        law = Law.of(
+            diffraction_otf,
+            aperture=aperture,
+            cut_on_um=band[0],
+            cut_off_um=band[1],
+            weighting=self.weighting,
+            temperature_K=self._temperature(magnitude, band, here.node),
+            wavelengths=0 if self.wavelengths == "auto" else self.wavelengths,
+            tolerance=max(self.tolerance, FINEST_TOLERANCE),
+        )
+        # All that the law lets through is below the cutoff of the shortest wavelength taken.
+        cutoff = aperture.diameter_mm / band[0]
+        blur = Planar(law, radial=True, cutoff=(cutoff, cutoff), label=self.title, node=here.node)
+        mtf = Transfer(magnitude.grid, "mtf", (blur,), label=self.title)
+        ptf = Transfer(magnitude.grid, "ptf", (), label=self.title)
+        if self.apply == "filter_only":
+            return DiffractionOutputs(magnitude.only(blur), phase.only(), mtf, ptf)
+        return DiffractionOutputs(magnitude.times(blur), phase, mtf, ptf)
+
+    def aperture_of(self, context: Context) -> Aperture:
+        """The aperture here, else of Camera, else by F-number and focal length.
+
+        Raises
+        ------
+        ParameterError
+            If none of them is known.
+        """
+        diameter = self.aperture_mm or _of_context(context)
+        if diameter is None:
+            raise ParameterError(
+                "aperture_mm",
+                None,
+                "give it here or on Camera, or F-number and focal length on Init & Trans",
+                unit="mm",
+            )
+        inner = self.obscuration_ratio
+        return Aperture(
+            diameter,
+            context.obscuration_ratio if inner is None else inner,
+            self.defocus_waves,
+            self.rms_wavefront_waves,
+            sum(self._band(context)) / 2,
+        )
+
+    def _band(self, context: Context) -> Band:
+        return given_band(self.cut_on_um, self.cut_off_um, context)
+
+    def _temperature(self, magnitude: Magnitude, band: Band, node: str) -> float | Recipe:
+        if self.weighting == "uniform" or self.wavelengths == 1 or band[0] == band[1]:
+            return 1.0
+        return source_temperature(self.source_K, magnitude, band, node)
+
+    @warning
+    def band(self, context: Context) -> Caution | None:
+        """Diffraction at wavelengths that the picture does not have."""
+        if context.band_um is None or (self.cut_on_um is None and self.cut_off_um is None):
+            return None
+        return wavelength_caution(
+            context.band_um,
+            sum(self._band(context)) / 2,
+            name="the middle of cut_on_um to cut_off_um",
+        )
+
+    @warning
+    def aperture(self, context: Context) -> Caution | None:
+        """An aperture or obscuration that is not the one of Camera or Init & Trans."""
+        return first(
+            apart_caution(
+                "aperture_mm",
+                self.aperture_mm,
+                _of_context(context),
+                unit="mm",
+                where="by Camera, or focal length over F-number of Init & Trans",
+                near=F_NUMBER_NEAR,
+            ),
+            apart_caution(
+                "obscuration_ratio",
+                self.obscuration_ratio,
+                context.obscuration_ratio,
+                unit="",
+                where="on Camera",
+            ),
+        )
+
+    @warning
+    def kelvin(self, context: Context, magnitude: Magnitude) -> Caution | None:
+        """A picture in kelvin, which diffraction blurs as if it were radiance."""
+        return kelvin_caution(magnitude, self._band(context), self.source_K)
+
+    @readout("mm", name="aperture_mm")
+    def diameter(self, context: Context) -> float:
+        """Diameter of the aperture."""
+        return self.aperture_of(context).diameter_mm
+
+    @readout("cyc/mrad")
+    def cutoff(self, context: Context) -> float:
+        """Cutoff: diameter of the aperture over the band's middle."""
+        return self.aperture_of(context).diameter_mm / (sum(self._band(context)) / 2)
+
+    @readout("K", name="weighting_K")
+    def weighted_by(self, context: Context, magnitude: Magnitude) -> float | Recipe | None:
+        """Temperature of the black body by whose light the band is weighted."""
+        if self.weighting == "uniform":
+            return None
+        return source_temperature(self.source_K, magnitude, self._band(context), self.title)
+
+    @readout()
+    def wavelengths_used(self, context: Context, magnitude: Magnitude) -> int | Step:
+        """Wavelengths between two kinks of the OTF, or over the band."""
+        return self._judged(context, magnitude, "count")
+
+    @readout()
+    def estimated_error(self, context: Context, magnitude: Magnitude) -> int | Step | None:
+        """What twice as many wavelengths would change; of a fixed number it is not known."""
+        return self._judged(context, magnitude, "error") if self.wavelengths == "auto" else None
+
+    def _judged(self, context: Context, magnitude: Magnitude, wanted: str) -> int | Step:
+        band = self._band(context)
+        if self.wavelengths != "auto" or band[0] == band[1]:
+            return 1 if self.wavelengths == "auto" else self.wavelengths
+        temperature = self._temperature(magnitude, band, self.title)
+        if not isinstance(temperature, Recipe):
+            temperature = Step.of(number, value=temperature)
+        return Step.of(
+            _wavelengths_needed,
+            temperature,
+            node=self.title,
+            aperture=self.aperture_of(context),
+            band_um=band,
+            weighting=self.weighting,
+            tolerance=max(self.tolerance, FINEST_TOLERANCE),
+            wanted=wanted,
+        )
+
+    @readout()
+    def mtf_at_nyquist_x(self, outputs: DiffractionOutputs) -> TransferAt:
+        """MTF at the image's Nyquist frequency across."""
+        return TransferAt(outputs.mtf, outputs.mtf.grid.nyquist_x, 0.0)
+
+    @readout()
+    def mtf_at_nyquist_y(self, outputs: DiffractionOutputs) -> TransferAt:
+        """MTF at the image's Nyquist frequency along."""
+        return TransferAt(outputs.mtf, 0.0, outputs.mtf.grid.nyquist_y)
+
+
+def _of_context(context: Context) -> float | None:
+    if context.aperture_mm is not None:
+        return context.aperture_mm
+    if context.f_number is None or context.focal_length_mm is None:
+        return None
+    return context.focal_length_mm / context.f_number
+
+
+@ends_lineage
+def _wavelengths_needed(
+    work: Work,
+    temperature_K: float,
+    *,
+    aperture: Aperture,
+    band_um: Band,
+    weighting: Literal["photons", "energy", "uniform"],
+    tolerance: float,
+    wanted: str,
+) -> float | int:
+    spectrum = Spectrum(*band_um, weighting, temperature_K)
+    count, error = wavelengths_needed(aperture, spectrum, tolerance)
+    return count if wanted == "count" else error

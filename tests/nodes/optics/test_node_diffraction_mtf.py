@@ -1,0 +1,158 @@
+"""Diffraction MTF in a network: its aperture, band and weights, and what it delivers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.chain.engine import Engine
+from core.errors import DataError
+from core.evaluation.policy import Policy
+from core.physics.optics.defocus_otf import defocus_otf
+from core.physics.radiometry.planck import band_radiance
+from linked_network import linked_network
+from nodes.library import standard_library
+from reference_cases import CAMERA, reference_cases
+
+BAND = {"cut_on_um": 3.0, "cut_off_um": 5.0}
+FOV = {"fov_x_deg": 1.0, "fov_y_deg": 1.0}
+INIT = {"focal_length_mm": 400, "f_number": 4}
+
+
+@pytest.fixture
+def planned(tmp_path):
+    def plan(params=(), *, mean=None, scene=(), init=INIT, camera=None, chained=False):
+        if mean is None:
+            mean = float(band_radiance(temperature_K=300.0, **BAND))
+        np.save(tmp_path / "in.npy", np.full((12, 10), mean))
+        nodes = {
+            "scene": ("read_image", {"path": "in.npy", **FOV, **BAND, **dict(scene)}),
+            "init": ("init_trans", init),
+            "optics": ("diffraction_mtf", dict(params)),
+        }
+        links = [("init.context", "optics.context")]
+        if camera is None:
+            links.append(("scene.image", "init.image"))
+        else:
+            nodes["camera"] = ("camera", camera)
+            links += [("scene.image", "camera.image"), ("camera.image", "init.image")]
+        magnitude = "init"
+        if chained:
+            nodes["alone"] = ("jitter_mtf", {"apply": "filter_only"})
+            links += [("init.context", "alone.context"), ("init.magnitude", "alone.magnitude")]
+            magnitude = "alone"
+        links += [(f"{magnitude}.magnitude", "optics.magnitude"), ("init.phase", "optics.phase")]
+        engine = Engine(standard_library())
+        return engine, engine.plan(linked_network(nodes, links), folder=tmp_path)
+
+    return plan
+
+
+def otf(engine, plan, xi):
+    (factor,) = plan.output("optics.mtf").factors
+    work = engine.work(Policy(precision="double"))
+    return factor.plane(work, np.atleast_1d(np.asarray(xi, float)), np.zeros(1))[0]
+
+
+@pytest.mark.parametrize("case", reference_cases("polychromatic_mtf", file=CAMERA))
+@pytest.mark.parametrize("light", ["scene", "typed"])
+def test_reference(planned, case, light):
+    """By the radiance of a scene of that temperature, and by the temperature itself."""
+    given = {name: float(value) for name, value in case["inputs"].items()}
+    band = {"cut_on_um": given["cut_on_um"], "cut_off_um": given["cut_off_um"]}
+    mean = float(band_radiance(temperature_K=given["source_K"], **band))
+    params = {"source_K": given["source_K"]} if light == "typed" else {}
+    init = {"focal_length_mm": 2 * given["aperture_mm"], "f_number": 2}
+    engine, plan = planned(params, mean=mean, scene=band, init=init)
+    assert plan.errors() == []
+    assert plan.warnings() == []
+    (found,) = otf(engine, plan, given["xi_cyc_per_mrad"])
+    assert found == pytest.approx(float(case["expected"]["mtf"]), rel=1e-9)
+    work = engine.work(Policy(precision="double"))
+    readouts = engine.readouts(plan, "optics", work)
+    assert readouts["weighting_K"] == pytest.approx(given["source_K"], rel=1e-12)
+    assert readouts["aperture_mm"] == pytest.approx(given["aperture_mm"])
+    assert readouts["estimated_error"] <= 1e-13
+
+
+def test_one_wavelength_is_the_clear_exit_pupil(planned, tmp_path):
+    """The same aperture as a pupil array of 100 mm: the closed form of 1996."""
+    engine, plan = planned({"wavelengths": 1, "obscuration_ratio": 0.4})
+    xi = np.linspace(0, 26, 40)
+    nodes = {
+        "scene": ("read_image", {"path": "in.npy", **FOV, **BAND}),
+        "init": ("init_trans", INIT),
+        "pupil": ("exit_pupil", {"shape": "cassegrain", "size_x": 64, "size_y": 64,
+                                 "radius": 25, "obscuration_radius": 10}),
+        "optics": ("exit_pupil_mtf", {"size_x_cm": 12.8, "size_y_cm": 12.8}),
+    }  # fmt: skip
+    links = [
+        ("scene.image", "init.image"), ("init.context", "optics.context"),
+        ("init.magnitude", "optics.magnitude"), ("init.phase", "optics.phase"),
+        ("pupil.pupil", "optics.pupil"),
+    ]  # fmt: skip
+    other = engine.plan(linked_network(nodes, links), folder=tmp_path)
+    assert np.abs(otf(engine, plan, xi) - otf(engine, other, xi)).max() <= 1e-14
+
+
+def test_the_cameras_aperture_and_obscuration(planned):
+    camera = {"focal_length_mm": 400, "aperture_mm": 80, "obscuration_ratio": 0.25}
+    xi = np.linspace(0, 30, 31)
+    engine, plan = planned(init={}, camera=camera)
+    assert plan.warnings() == []
+    found = otf(engine, plan, xi)
+    engine, typed = planned({"aperture_mm": 80, "obscuration_ratio": 0.25}, init={})
+    assert np.array_equal(found, otf(engine, typed, xi))
+    # An F-number on Init & Trans counts before the camera's aperture, with a warning there.
+    engine, other = planned(init={"f_number": 4}, camera=camera)
+    assert engine.readouts(other, "optics", engine.work(Policy()))["aperture_mm"] == 100
+    assert "f_number = 4 here, 5 on Camera" in " ".join(map(str, other.warnings()))
+
+
+@pytest.mark.parametrize(
+    ("how", "expected"),
+    [
+        ({"scene": {"unit": "K"}, "mean": 288.0}, 288.0),
+        ({"params": {"source_K": 400}}, 400.0),
+        ({"scene": {"cut_on_um": 0.45, "cut_off_um": 0.9}}, 5800.0),
+        ({"params": {"weighting": "uniform"}, "scene": {"unit": "counts"}}, None),
+    ],
+)
+def test_by_whose_light(planned, how, expected):
+    engine, plan = planned(**how)
+    assert plan.errors() == []
+    found = engine.readouts(plan, "optics", engine.work(Policy(precision="double")))
+    assert found["weighting_K"] == (None if expected is None else pytest.approx(expected, rel=1e-9))
+
+
+@pytest.mark.parametrize(
+    ("how", "words"),
+    [
+        ({"init": {}}, ("aperture_mm", "Camera", "F-number")),
+        ({"scene": {"unit": "counts"}}, ("source_K", "'counts'", "uniform")),
+        ({"chained": True}, ("source_K", "no picture")),
+        ({"params": {"rms_wavefront_waves": 0.17}}, ("rms_wavefront_waves", "0.18", "Exit Pupils")),
+    ],
+)
+def test_refusals(planned, how, words):
+    _, plan = planned(**how)
+    (error,) = plan.errors()
+    assert error.node == "optics"
+    for word in words:
+        assert word in str(error)
+
+
+def test_a_dark_picture_has_no_colour(planned):
+    engine, plan = planned(mean=0.0)
+    with pytest.raises(DataError, match="source_K"):
+        otf(engine, plan, 3.0)
+
+
+def test_defocus_turns_contrast_over(planned):
+    """W20 of a wave: real, and negative over part of the band, by the other form of Hopkins."""
+    engine, plan = planned({"defocus_waves": 1.0, "wavelengths": 1})
+    ratio = np.linspace(0, 1, 51)
+    found = otf(engine, plan, ratio * 25.0)
+    expected = defocus_otf(frequency_ratio=ratio, w20_waves=1.0)
+    assert expected.min() < -0.05
+    assert np.abs(found - expected).max() <= 1e-14
