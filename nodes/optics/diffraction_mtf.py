@@ -15,6 +15,7 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.diffraction.diffraction_otf import (
     FINEST_TOLERANCE,
+    USUAL_WITH_DEFOCUS,
     Aperture,
     Spectrum,
     diffraction_otf,
@@ -88,11 +89,12 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
         Number, Param("as many as the tolerance needs, or so many over the band, 1 its middle")
     ] = "auto"
     tolerance: Annotated[
-        float, Param("largest error of the OTF with auto, 1e-13 at the least", low=0, high=1)
+        float,
+        Param("largest error of the OTF with auto; 0: 1e-13, with defocus 1e-10", low=0, high=1),
     ] = 0.0
     defocus_waves: Annotated[
         float,
-        Param("defocus at the rim, W20", unit="waves", low=-100, high=100, slider=(-2, 2)),
+        Param("defocus at the rim, W20", unit="waves", low=-20, high=20, slider=(-2, 2)),
     ] = 0.0
     rms_wavefront_waves: Annotated[
         float, Param("wavefront error of any shape, rms", unit="waves", low=0, high=0.18,
@@ -131,7 +133,7 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
             weighting=self.weighting,
             temperature_K=self._temperature(magnitude, band, here.node),
             wavelengths=0 if self.wavelengths == "auto" else self.wavelengths,
-            tolerance=max(self.tolerance, FINEST_TOLERANCE),
+            tolerance=self._finest(),
         )
         # All that the law lets through is below the cutoff of the shortest wavelength taken.
         cutoff = aperture.diameter_mm / band[0]
@@ -166,6 +168,10 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
             self.rms_wavefront_waves,
             sum(self._band(context)) / 2,
         )
+
+    def _finest(self) -> float:
+        usual = USUAL_WITH_DEFOCUS if self.defocus_waves else FINEST_TOLERANCE
+        return max(self.tolerance or usual, FINEST_TOLERANCE)
 
     def _band(self, context: Context) -> Band:
         return given_band(self.cut_on_um, self.cut_off_um, context)
@@ -236,7 +242,7 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
 
     @readout()
     def estimated_error(self, context: Context, magnitude: Magnitude) -> int | Step | None:
-        """What twice as many wavelengths would change; of a fixed number it is not known."""
+        """What fewer wavelengths would change; of a fixed number it is not known."""
         return self._judged(context, magnitude, "error") if self.wavelengths == "auto" else None
 
     def _judged(self, context: Context, magnitude: Magnitude, wanted: str) -> int | Step:
@@ -253,7 +259,7 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
             aperture=self.aperture_of(context),
             band_um=band,
             weighting=self.weighting,
-            tolerance=max(self.tolerance, FINEST_TOLERANCE),
+            tolerance=self._finest(),
             wanted=wanted,
         )
 

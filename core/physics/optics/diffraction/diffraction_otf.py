@@ -26,8 +26,9 @@ from core.physics.optics.diffraction.wavefront_factor import wavefront_factor
 from core.physics.optics.polychromatic import band_wavelengths
 
 Vector = NDArray[np.float64]
-COUNTS = (8, 16, 32, 64, 128)
+COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
 FINEST_TOLERANCE = 1e-13
+USUAL_WITH_DEFOCUS = 1e-10  # each of its OTFs is an integral itself: a third of the time
 _PROBES = 24  # frequencies at which the number of wavelengths is judged
 
 
@@ -200,7 +201,7 @@ def _judged(aperture: Aperture, spectrum: Spectrum, tolerance: float) -> tuple[i
     error = math.inf
     for count in COUNTS[1:]:
         finer = _over_band(probes, aperture, spectrum, count)
-        # Convergence is geometric: what doubling changes bounds the error of the finer by far.
+        # Convergence is geometric: what a half more of them change bounds the error of the finer.
         before, error = finer, float(np.abs(finer - before).max())
         if error <= tolerance:
             return count, max(error, 1e-15)
