@@ -45,6 +45,8 @@ from nodes.transform.combine_pixels import CombinePixels
 from nodes.transform.init_trans import InitTrans
 from nodes.transform.interpolate import Interpolate
 from nodes.transform.sample_pixels import SamplePixels
+from nodes.transform.to_radiance import ToRadiance
+from nodes.transform.to_temperature import ToTemperature
 
 MODULES: tuple[type[Module], ...] = (
     ReadImage,
@@ -58,6 +60,8 @@ MODULES: tuple[type[Module], ...] = (
     SamplePixels,
     AntiAlias,
     Interpolate,
+    ToRadiance,
+    ToTemperature,
     AtmosphereMTF,
     Camera,
     DiffractionMTF,

@@ -44,7 +44,9 @@ def unit_caution(unit: str, *, meant: str) -> Caution | None:
     named = f"is in {unit!r:.40}" if unit.strip() else "has no unit"
     return Caution(
         f"the picture {named}, and {meant} would need radiance in W/m²/sr",
-        "convert it by scale and unit on Read Image",
+        "take To Radiance, which makes radiance of temperatures, before"
+        if is_temperature(unit)
+        else "convert it by scale and unit on Read Image",
     )
 
 

@@ -20,7 +20,7 @@ PURE_NUMBERS = {
     "snr_threshold", "n50_detection", "n50_recognition", "n50_identification", "v50",
     "magnification", "nodes", "tolerance", "frames",
     "tdi_stages", "frames_averaged", "quantum_efficiency", "cold_shield_efficiency",
-    "obscuration_ratio",
+    "obscuration_ratio", "emissivity",
 }  # fmt: skip
 # Numbers of either sign without a natural limit.
 UNBOUNDED = {

@@ -33,6 +33,8 @@ RECORDED = {
     "sample_pixels": {"offset": 0.0},
     "anti_alias": {"kernel": "box", "factor": 1},
     "interpolate": {"order": 1},
+    "to_radiance": {"emissivity": 1.0},
+    "to_temperature": {"emissivity": 1.0},
     "atmosphere_mtf": {
         **FREE, "turbulence": "gaussian", "fwhm_mrad": 0.0, "alpha": 0.5, "turbidity": "none",
         "turbidity_cutoff_cyc_per_mrad": 0.001, "view": "horizontal", "absorption_per_km": 0.0,

@@ -17,6 +17,8 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "sample_pixels": {"factor_x": 2.5, "factor_y": 2, "offset": 0.1},
     "anti_alias": {"factor": 3},
     "interpolate": {"width": 20, "height": 7},
+    "to_radiance": {"emissivity": 0.9, "surroundings_K": 280},
+    "to_temperature": {"emissivity": 0.9, "surroundings_K": 200},
     "atmosphere_mtf": {"fwhm_mrad": 2, "turbidity": "high"},
     "camera": {
         "pixels_x": 15, "pixels_y": 11, "pitch_um": 50, "focal_length_mm": 30, "f_number": 2,
@@ -99,6 +101,8 @@ NEVER_NEUTRAL = {
     "diffraction_mtf": "an aperture always diffracts",
     "focal_plane": "photons come one by one",
     "compare_images": "what it gives is a difference",
+    "to_radiance": "radiance is no temperature",
+    "to_temperature": "a temperature is no radiance",
     "camera_geometry": "a camera's samples lie where it looks",
 }
 

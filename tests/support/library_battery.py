@@ -34,9 +34,11 @@ BASE: dict[str, tuple[str, dict[str, Any]]] = {
     "pupil": ("exit_pupil", SMALL_PUPIL),
     "blur": ("gaussian_mtf", {"sigma_x_mrad": 1}),
     "lag": ("charge_eff_phase", {"efficiency": 0.99}),
+    "kelvin": ("to_temperature", {}),
 }
 BASE_LINKS = (
     ("scene.image", "init.image"),
+    ("scene.image", "kelvin.image"),
     ("init.context", "blur.context"),
     ("init.magnitude", "blur.magnitude"),
     ("init.context", "lag.context"),
@@ -47,7 +49,12 @@ SOURCES = {
     "phase": "lag.phase", "pupil": "pupil.pupil", "transfer": "blur.mtf",
 }  # fmt: skip
 # What a module can make nothing of is not what it is tried with.
-OWN_SOURCES = {("measured_mtf", "image"): "edge.image"}
+OWN_SOURCES = {
+    ("measured_mtf", "image"): "edge.image",
+    ("to_radiance", "image"): "kelvin.image",
+    ("to_radiance", "emissivity"): None,
+    ("to_temperature", "emissivity"): None,
+}
 
 
 def network(key: str, params: dict[str, Any], pupil: dict[str, Any] | None = None) -> Network:
@@ -59,7 +66,8 @@ def network(key: str, params: dict[str, Any], pupil: dict[str, Any] | None = Non
     for port in DECLARED[key].inputs:
         source = "other.image" if port.name == "reference" else SOURCES[port.types[0]]
         source = OWN_SOURCES.get((key, port.name), source)
-        links.append((source, f"it.{port.name}"))
+        if source is not None:
+            links.append((source, f"it.{port.name}"))
     return linked_network(nodes, links, seed=1996)
 
 

@@ -49,7 +49,7 @@ CASES = {
     ),
     ("electronics_noise", "unit"): (
         {"scene": {"unit": "K"}, "bandwidth_Hz": 1e4},
-        ("'K'", "NETD", "W/m²/sr", "Read Image"),
+        ("'K'", "NETD", "W/m²/sr", "To Radiance"),
         {"scene": {"unit": "W/m²/sr"}, "bandwidth_Hz": 1e4},
     ),
     ("electronics_noise", "scan"): (
@@ -59,7 +59,7 @@ CASES = {
     ),
     ("focal_plane", "unit"): (
         {"scene": {"unit": "K"}},
-        ("'K'", "electrons", "W/m²/sr", "Read Image"),
+        ("'K'", "electrons", "W/m²/sr", "To Radiance"),
         {"scene": {"unit": "W/m²/sr"}},
     ),
     ("focal_plane", "band"): (
@@ -179,6 +179,16 @@ CASES = {
         {"scene": {"unit": "K"}},
         ("in kelvin", "To Radiance"),
         {"scene": {"unit": "W/m²/sr"}},
+    ),
+    ("to_radiance", "band"): (
+        {"scene": {"unit": "K"}, "cut_on_um": 3.0, "cut_off_um": 5.0},
+        ("8 to 12 µm", "3 to 5 µm"),
+        {"scene": {"unit": "K"}},
+    ),
+    ("to_temperature", "band"): (
+        {"cut_on_um": 3.0, "cut_off_um": 5.0},
+        ("8 to 12 µm", "3 to 5 µm"),
+        {},
     ),
     ("init_trans", "field_of_view"): (
         {"fov_x_deg": 3.0},

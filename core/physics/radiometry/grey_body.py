@@ -1,0 +1,125 @@
+"""Radiance of surfaces of an emissivity, and the temperature of a radiance."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.errors import DataError
+from core.physics.radiometry.planck import (
+    band_radiance,
+    band_radiance_derivative,
+    brightness_temperature,
+)
+
+FloatArray = NDArray[np.float64]
+_OFFSETS_K = {"K": 0.0, "kelvin": 0.0, "°C": 273.15, "C": 273.15, "degC": 273.15}
+
+
+def in_kelvin(samples: NDArray[Any], *, unit: str) -> FloatArray:
+    """Temperatures in a unit as kelvin.
+
+    Raises
+    ------
+    DataError
+        For a unit that is none of a temperature.
+    """
+    values, unit = np.asarray(samples, np.float64), unit.strip()
+    if unit == "mK":
+        return values * 1e-3
+    if unit == "°F":
+        return (values + 459.67) / 1.8
+    if unit not in _OFFSETS_K:
+        raise DataError(f"{unit!r:.40} is no unit of temperature: K, °C, °F or mK")
+    return values + _OFFSETS_K[unit]
+
+
+def grey_radiance(
+    *,
+    temperature_K: ArrayLike,
+    emissivity: ArrayLike,
+    surroundings_K: float | None,
+    cut_on_um: float,
+    cut_off_um: float,
+) -> FloatArray:
+    """Band radiance of opaque surfaces: emitted, and reflected from the surroundings.
+
+    Parameters
+    ----------
+    temperature_K : array_like
+        Of the surfaces.
+    emissivity : array_like
+        0 to 1, the same over the band; what it lacks is reflected. Broadcasts.
+    surroundings_K : float or None
+        Temperature of what is reflected, a black body all round; None for none.
+    cut_on_um, cut_off_um : float
+        The band.
+
+    Returns
+    -------
+    ndarray
+        ε·L(T) + (1 − ε)·L(surroundings), W/m²/sr.
+
+    Raises
+    ------
+    ParameterError, DataError
+        For temperatures, a band or emissivities out of range.
+
+    Notes
+    -----
+    Source: Kirchhoff's law; Holst 2000, Common Sense Approach to Thermal Imaging, chapter 3.
+    """
+    band = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
+    share = _emissivity(emissivity)
+    radiance = share * band_radiance(temperature_K=np.asarray(temperature_K, float), **band)
+    if surroundings_K is not None:
+        radiance = radiance + (1.0 - share) * band_radiance(temperature_K=surroundings_K, **band)
+    return np.asarray(radiance)
+
+
+def grey_temperature(
+    *,
+    radiance: ArrayLike,
+    emissivity: ArrayLike,
+    surroundings_K: float | None,
+    cut_on_um: float,
+    cut_off_um: float,
+) -> FloatArray:
+    """Temperature of opaque surfaces that give a band radiance: the inverse of `grey_radiance`.
+
+    Raises
+    ------
+    ParameterError, DataError
+        For a band or emissivities out of range, an emissivity of 0, or a radiance that is less
+        than what the surroundings alone give.
+    """
+    band = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
+    share = _emissivity(emissivity)
+    if not np.all(share > 0.0):
+        raise DataError("an emissivity of 0 shows no temperature of its own: above 0 is needed")
+    emitted = np.asarray(radiance, np.float64)
+    if surroundings_K is not None:
+        emitted = emitted - (1.0 - share) * band_radiance(temperature_K=surroundings_K, **band)
+    return np.asarray(brightness_temperature(radiance=emitted / share, **band))
+
+
+def grey_radiance_slope(
+    *, temperature_K: float, emissivity: float, cut_on_um: float, cut_off_um: float
+) -> float:
+    """Derivative of `grey_radiance` by the temperature, W/m²/sr/K."""
+    band = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
+    return emissivity * float(band_radiance_derivative(temperature_K=temperature_K, **band))
+
+
+def _emissivity(values: ArrayLike) -> FloatArray:
+    share = np.asarray(values, np.float64)
+    wrong = ~((share >= 0.0) & (share <= 1.0))
+    if np.any(wrong):
+        first = float(share[wrong].flat[0])
+        raise DataError(
+            f"emissivity: {np.count_nonzero(wrong)} of {share.size} samples, the first {first:g}, "
+            "are not from 0 to 1"
+        )
+    return share

@@ -1,0 +1,151 @@
+"""The steps of To Radiance and To Temperature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.work import Work
+from core.lineage.linear_change import LevelChange, Linear
+from core.lineage.step_lineage import picture_step
+from core.noise.noise_power import NoisePower
+from core.physics.radiometry.grey_body import (
+    grey_radiance,
+    grey_radiance_slope,
+    grey_temperature,
+    in_kelvin,
+)
+
+Array = NDArray[Any]
+_BLOCK_SAMPLES = 1 << 16
+
+
+@dataclass(frozen=True)
+class Surface:
+    """How surfaces radiate: emissivity, unless an image of it comes in, what is reflected, band."""
+
+    emissivity: float
+    surroundings_K: float | None
+    cut_on_um: float
+    cut_off_um: float
+
+    @property
+    def band(self) -> dict[str, float]:
+        """The band as arguments."""
+        return {"cut_on_um": self.cut_on_um, "cut_off_um": self.cut_off_um}
+
+
+@dataclass(frozen=True)
+class AboutMean(Linear):
+    """A conversion that is linear in small differences, with the slope at the picture's mean."""
+
+    change: Recipe
+
+    @property
+    def level(self) -> Recipe:
+        """The change about the mean."""
+        return self.change
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Scaled by that slope."""
+        return power.scaled(work.value(self.change).gain)
+
+
+@ends_lineage
+def mean_sample(work: Work, samples: Array) -> float:
+    """Mean of a picture."""
+    return float(np.mean(samples, dtype=np.float64))
+
+
+@ends_lineage
+def radiance_change(
+    work: Work, mean: float, *shares: float, surface: Surface, unit: str
+) -> LevelChange:
+    """From temperature to radiance about the mean."""
+    share = shares[0] if shares else surface.emissivity
+    kelvin = float(in_kelvin(np.asarray(mean), unit=unit))
+    slope = grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
+    per_unit = float(np.diff(in_kelvin(np.array([0.0, 1.0]), unit=unit))[0])
+    made = grey_radiance(
+        temperature_K=kelvin, emissivity=share, surroundings_K=surface.surroundings_K,
+        **surface.band,
+    )  # fmt: skip
+    return LevelChange(slope * per_unit, mean, float(made))
+
+
+@ends_lineage
+def temperature_change(
+    work: Work, mean: float, *shares: float, surface: Surface, factor: float
+) -> LevelChange:
+    """From radiance to temperature about the mean."""
+    share = shares[0] if shares else surface.emissivity
+    made = grey_temperature(
+        radiance=mean * factor, emissivity=share, surroundings_K=surface.surroundings_K,
+        **surface.band,
+    )  # fmt: skip
+    kelvin = float(made)
+    slope = grey_radiance_slope(temperature_K=kelvin, emissivity=share, **surface.band)
+    return LevelChange(factor / slope, mean, kelvin)
+
+
+def _means(recipes: tuple[Recipe, ...]) -> tuple[Step, ...]:
+    return tuple(Step.of(mean_sample, recipe) for recipe in recipes)
+
+
+def _to_radiance(*images: Recipe, **how: Any) -> AboutMean:
+    return AboutMean(Step.of(radiance_change, *_means(images), **how))
+
+
+def _to_temperature(*images: Recipe, **how: Any) -> AboutMean:
+    return AboutMean(Step.of(temperature_change, *_means(images), **how))
+
+
+@picture_step(linear=_to_radiance)
+@pointwise
+def radiance_of_temperature(
+    work: Work, image: Array, *emissivities: Array, surface: Surface, unit: str
+) -> Array:
+    """Band radiance of temperatures."""
+
+    def convert(samples: Array, share: Array | float) -> Array:
+        return grey_radiance(
+            temperature_K=in_kelvin(samples, unit=unit), emissivity=share,
+            surroundings_K=surface.surroundings_K, **surface.band,
+        )  # fmt: skip
+
+    return _by_rows(work, image, emissivities, surface, convert)
+
+
+@picture_step(linear=_to_temperature)
+@pointwise
+def temperature_of_radiance(
+    work: Work, image: Array, *emissivities: Array, surface: Surface, factor: float
+) -> Array:
+    """Temperatures, in kelvin, of band radiance; `factor` makes W/m²/sr of it."""
+
+    def convert(samples: Array, share: Array | float) -> Array:
+        return grey_temperature(
+            radiance=factor * samples.astype(np.float64), emissivity=share,
+            surroundings_K=surface.surroundings_K, **surface.band,
+        )  # fmt: skip
+
+    return _by_rows(work, image, emissivities, surface, convert)
+
+
+def _by_rows(
+    work: Work, image: Array, emissivities: tuple[Array, ...], surface: Surface, convert: Any
+) -> Array:
+    made = np.empty(image.shape, work.policy.dtype)
+    height = max(1, _BLOCK_SAMPLES // image.shape[1])
+
+    def one(top: int) -> None:
+        rows = slice(top, top + height)
+        share = emissivities[0][rows] if emissivities else surface.emissivity
+        made[rows] = convert(image[rows], share)
+
+    work.for_each(one, range(0, image.shape[0], height))
+    return made

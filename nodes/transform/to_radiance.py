@@ -1,0 +1,43 @@
+"""To Radiance: a picture of temperatures as band radiance."""
+
+from __future__ import annotations
+
+from core.chain.wires import Image
+from core.errors import DataError
+from core.evaluation.recipes import Step
+from core.modules.declaration import NodeContext
+from nodes.shared.module_ports import ImageOutput
+from nodes.shared.shared_warnings import is_radiance, is_temperature
+from nodes.transform.radiometry_base import Radiometry
+from nodes.transform.radiometry_steps import radiance_of_temperature
+
+
+class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Transform"):
+    """Make radiance of a picture of temperatures, by Planck's law in the band.
+
+    ε·L(T) + (1 − ε)·L(surroundings); without surroundings nothing is reflected. The picture's unit
+    must be one of temperature (K, °C, °F, mK), as Read Image has it: counts, and what is radiance
+    already, are refused. An image of emissivities takes the place of the number. Sources: Planck's
+    and Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
+    """
+
+    def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
+        """Plan the conversion."""
+        if not is_temperature(image.unit):
+            named = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
+            what = "radiance already" if is_radiance(image.unit) else "no temperature"
+            raise DataError(
+                f"the picture, {named}, is {what}: To Radiance takes K, °C, °F or mK, the unit on "
+                "Read Image"
+            )
+        surface = self.surface(image)
+        made = Step.of(
+            radiance_of_temperature,
+            image.recipe,
+            *self.shares(image, emissivity),
+            node=here.node,
+            surface=surface,
+            unit=image.unit.strip(),
+        )
+        band = surface.cut_on_um, surface.cut_off_um
+        return ImageOutput(image.with_recipe(made, unit="W/m²/sr", band_um=band))

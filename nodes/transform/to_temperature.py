@@ -1,0 +1,50 @@
+"""To Temperature: a picture of band radiance as temperatures."""
+
+from __future__ import annotations
+
+from core.chain.wires import Image
+from core.errors import DataError
+from core.evaluation.recipes import Step
+from core.modules.declaration import NodeContext
+from core.physics.radiometry.radiance_units import radiance_unit
+from nodes.shared.module_ports import ImageOutput
+from nodes.shared.shared_warnings import is_temperature
+from nodes.transform.radiometry_base import Radiometry
+from nodes.transform.radiometry_steps import temperature_of_radiance
+
+
+class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", group="Transform"):
+    """Make temperatures, in kelvin, of a picture of band radiance.
+
+    The inverse of To Radiance: T of (L − (1 − ε)·L(surroundings))/ε by Planck's law in the band;
+    with an emissivity of 1 the apparent, or brightness, temperature. The picture's unit must be a
+    radiance of the band in watts (W/m²/sr, mW/cm²/sr, …): temperatures, counts, photons and
+    spectral radiance are refused. An image of emissivities takes the place of the number. Sources:
+    as To Radiance.
+    """
+
+    def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
+        """Plan the conversion."""
+        surface = self.surface(image)
+        made = Step.of(
+            temperature_of_radiance,
+            image.recipe,
+            *self.shares(image, emissivity),
+            node=here.node,
+            surface=surface,
+            factor=_factor(image.unit),
+        )
+        band = surface.cut_on_um, surface.cut_off_um
+        return ImageOutput(image.with_recipe(made, unit="K", band_um=band))
+
+
+def _factor(unit: str) -> float:
+    """What makes W/m²/sr of a picture's samples."""
+    known = None if is_temperature(unit) or not unit.strip() else radiance_unit(unit)
+    if known is None or known.photons or known.spectral:
+        named = f"in {unit!r:.40}" if unit.strip() else "without a unit"
+        what = "temperature already" if is_temperature(unit) else "no radiance of a band in watts"
+        raise DataError(
+            f"the picture, {named}, is {what}: To Temperature takes W/m²/sr, the unit on Read Image"
+        )
+    return known.factor
