@@ -149,7 +149,7 @@ class Delivered(Recipe):
     @property
     def in_parts(self) -> bool:
         """Half of the inverse transform serves a region as well."""
-        return self.sampled is None
+        return self.sampled is None or self.sampled.folds
 
     def share(self, region: Region, shape: tuple[int, int]) -> float:
         """All of the first half; of the second the columns if mirrored, else the rows."""
@@ -179,10 +179,18 @@ class Delivered(Recipe):
         else:
             spectrum, apply = self._crossed(work), periodic_filter
         work.check()
-        if self.sampled is not None:
-            edges: Edges = "reflect" if self.mirrored else "periodic"
-            return sampled_filter(work, spectrum, product, grid, edges, *self.sampled.places)
-        result = apply(work, spectrum, product, grid, self.factor_x, self.factor_y, region)
+        sampled = self.sampled
+        if sampled is not None and not sampled.folds:
+            x, y = sampled.places
+            if not sampled.on_samples:
+                return sampled_filter(work, spectrum, product, grid, sampled.edges, x, y)
+            whole = apply(work, spectrum, product, grid)
+            return whole[np.ix_(np.rint(y).astype(np.intp), np.rint(x).astype(np.intp))]
+        factors_xy = self.factor_x, self.factor_y
+        if sampled is not None:
+            factors_xy = round(sampled.ratio_x), round(sampled.ratio_y)
+        average = sampled is None
+        result = apply(work, spectrum, product, grid, *factors_xy, region, average=average)
         if self.mode == "sum":
             result *= result.dtype.type(self.factor_x * self.factor_y)
         return result
@@ -347,7 +355,8 @@ def sample_pixels(
     DataError
         If not one pixel fits the image.
     """
-    recipe, edges = image.recipe, image.edges or "reflect"
+    recipe = image.recipe
+    edges: Edges = image.edges or "reflect"
     pixels = PixelSamples(image.shape, ratio_x, ratio_y, offset_x, offset_y, edges)
     x, y = image.interval_x_mrad, image.interval_y_mrad
     if not (isinstance(recipe, Delivered) and recipe.plain):

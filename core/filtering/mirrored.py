@@ -7,7 +7,8 @@ H = R + iI with parts even (e) or odd (o) in each axis gives
 
 so the even part comes back by the inverse DCT-II and an odd part, moved by one index, by the
 inverse DST-II. Nothing is padded and nothing wraps round. Pixel means fold here as on any
-spectrum: index k = 2M·j ± k' acts as ±(−1)^j at k' on a frame of M samples.
+spectrum: index k = 2M·j ± k' acts as ±(−1)^j at k' on a frame of M samples. Without the mean's
+kernel that is the frame in the middles of the blocks.
 """
 
 from __future__ import annotations
@@ -69,8 +70,10 @@ def mirrored_filter(
     factor_x: int = 1,
     factor_y: int = 1,
     region: Region | None = None,
+    *,
+    average: bool = True,
 ) -> Array:
-    """The filtered frame, its `factor_y` × `factor_x` blocks averaged.
+    """The filtered frame, its `factor_y` × `factor_x` blocks averaged, or their middles alone.
 
     Parameters
     ----------
@@ -86,12 +89,14 @@ def mirrored_filter(
         Block size; each divides the frame's size.
     region : Region, optional
         Part of the result that is needed: then only its columns are transformed along y.
+    average : bool
+        Whether blocks are averaged; else the frame is taken in their middles.
 
     Returns
     -------
     ndarray, shape (rows // factor_y, columns // factor_x), or the region's
     """
-    terms = MirroredTerms(work, product, grid, factor_x, factor_y)
+    terms = MirroredTerms(work, product, grid, factor_x, factor_y, average)
     whole = Region(0, 0, *terms.shape)
     rows, columns = (region or whole).slices
     total: Array | None = None
@@ -112,15 +117,24 @@ class MirroredTerms:
     """The even and odd parts of H, with the pixel mean's kernel, applied to blocks of rows."""
 
     def __init__(
-        self, work: Work, product: Product, grid: Grid, factor_x: int, factor_y: int
+        self,
+        work: Work,
+        product: Product,
+        grid: Grid,
+        factor_x: int = 1,
+        factor_y: int = 1,
+        average: bool = True,
     ) -> None:
         self.work, self.product = work, product
         self.factor_x, self.factor_y = factor_x, factor_y
         self.shape = grid.rows // factor_y, grid.columns // factor_x
         self.xi, self.eta = grid.xi_mirrored(), grid.eta_mirrored()
         # 1/f undoes the difference between the forward and the smaller inverse transform.
-        self.across = product.across(work, self.xi) * mean_kernel(grid.columns, factor_x) / factor_x
-        self.along = product.along(work, self.eta) * mean_kernel(grid.rows, factor_y) / factor_y
+        self.across, self.along = product.across(work, self.xi), product.along(work, self.eta)
+        if average:
+            self.across = self.across * mean_kernel(grid.columns, factor_x)
+            self.along = self.along * mean_kernel(grid.rows, factor_y)
+        self.across, self.along = self.across / factor_x, self.along / factor_y
         self.general = not product.symmetric
         self.planes = None if self.general else Planes(work, product, grid, "mirrored")
         self.odd_x = (False, True) if self.general or product.has_phase_x else (False,)

@@ -66,13 +66,16 @@ def periodic_filter(
     factor_x: int = 1,
     factor_y: int = 1,
     region: Region | None = None,
+    *,
+    average: bool = True,
 ) -> Array:
-    """The filtered frame, its `factor_y` × `factor_x` blocks averaged.
+    """The filtered frame, its `factor_y` × `factor_x` blocks averaged, or their middles alone.
 
     Parameters and result as for `core.filtering.mirrored.mirrored_filter`.
     """
     rows, columns = grid.rows // factor_y, grid.columns // factor_x
-    direct, turned = _fold(work, spectrum.values, product, grid, factor_x, factor_y)
+    response = PeriodicResponse(work, product, grid, factor_x, factor_y, average)
+    direct, turned = _fold(work, spectrum.values, response, factor_x, factor_y)
     if turned is not None:
         # An alias beyond Nyquist is the conjugate of the mirrored frequency's value.
         flip = -np.arange(rows) % rows
@@ -103,12 +106,12 @@ def _inverse(
 
 
 def _fold(
-    work: Work, spectrum: Array, product: Product, grid: Grid, factor_x: int, factor_y: int
+    work: Work, spectrum: Array, response: PeriodicResponse, factor_x: int, factor_y: int
 ) -> tuple[Array, Array | None]:
     """Multiply and fold: the aliases up to Nyquist, and those beyond it, still unturned."""
+    grid = response.grid
     rows, columns = grid.rows // factor_y, grid.columns // factor_x
     width = columns // 2 + 1
-    response = PeriodicResponse(work, product, grid, factor_x, factor_y)
     direct = np.empty((rows, width), spectrum.dtype)
     turned = np.empty((rows, width), spectrum.dtype) if factor_x > 1 else None
     height = max(1, BLOCK_SAMPLES // (spectrum.shape[1] * factor_y))
@@ -142,6 +145,17 @@ def mean_kernel(size: int, factor: int) -> Array:
     return kernel
 
 
+def middle_kernel(size: int, factor: int) -> Array:
+    """Response of the middle of samples n … n + factor − 1, at Nyquist its Hermitian part."""
+    number = np.arange(size)
+    turns = np.where(2 * number > size, number - size, number) * (np.pi * (factor - 1) / size)
+    kernel = np.exp(1j * turns)
+    nyquist = 2 * number == size
+    # Half-way between samples the wave at Nyquist is nothing.
+    kernel[nyquist] = 0.0 if factor % 2 == 0 else np.rint(kernel[nyquist].real)
+    return np.asarray(kernel)
+
+
 def _aliases_up(values: Array, columns: int, width: int) -> Array:
     """Sum the columns k' + j·columns that lie in the half spectrum."""
     folded = values[:, :width].copy()
@@ -167,7 +181,13 @@ class PeriodicResponse:
     """H on blocks of rows of the half spectrum, Hermitian at Nyquist, with the mean's kernel."""
 
     def __init__(
-        self, work: Work, product: Product, grid: Grid, factor_x: int, factor_y: int
+        self,
+        work: Work,
+        product: Product,
+        grid: Grid,
+        factor_x: int = 1,
+        factor_y: int = 1,
+        average: bool = True,
     ) -> None:
         self.work, self.product, self.grid = work, product, grid
         self.xi, self.eta = grid.xi_half(), grid.eta()
@@ -175,8 +195,9 @@ class PeriodicResponse:
         self.along = product.along(work, self.eta)
         self.planes = Planes(work, product, grid, "periodic") if product.symmetric else None
         # 1/f undoes the difference between the forward and the smaller inverse transform.
-        kernel_x = mean_kernel(grid.columns, factor_x)[: len(self.xi)] / factor_x
-        kernel_y = mean_kernel(grid.rows, factor_y) / factor_y
+        kernel = mean_kernel if average else middle_kernel
+        kernel_x = kernel(grid.columns, factor_x)[: len(self.xi)] / factor_x
+        kernel_y = kernel(grid.rows, factor_y) / factor_y
         self.kernels = (kernel_x, kernel_y) if factor_x > 1 or factor_y > 1 else None
         if product.symmetric:
             if grid.columns % 2 == 0:

@@ -124,7 +124,7 @@ def sampled_filter(
 def _mirrored(
     work: Work, spectrum: Array, product: Product, grid: Grid, places_x: Vector, places_y: Vector
 ) -> Array:
-    terms = MirroredTerms(work, product, grid, 1, 1)
+    terms = MirroredTerms(work, product, grid)
     kind = spectrum.dtype
     across = {
         odd: mirrored_waves(grid.columns, places_x, odd=odd).astype(kind) for odd in terms.odd_x
@@ -150,7 +150,7 @@ def _mirrored(
 def _periodic(
     work: Work, spectrum: Array, product: Product, grid: Grid, places_x: Vector, places_y: Vector
 ) -> Array:
-    response = PeriodicResponse(work, product, grid, 1, 1)
+    response = PeriodicResponse(work, product, grid)
     kind = spectrum.dtype
     across = periodic_waves(grid.columns, places_x, half=True).astype(kind)
     lines = np.empty((grid.rows, len(places_x)), kind)

@@ -14,6 +14,7 @@ from core.noise.noise_power import NoisePower
 from core.physics.sampling.pixel_places import pixel_count, pixel_places, shifted_samples_ptf
 from core.transfer.factors import Factor, Law, Separable
 from core.transfer.grid import Edges, Grid
+from core.transfer.planar_blocks import Axes
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,22 @@ class PixelSamples(Linear):
         )
 
     @property
+    def folds(self) -> bool:
+        """Whether the pixels are blocks of the frame, sampled in their middles."""
+        ratios = zip((self.ratio_y, self.ratio_x), self.old, strict=True)
+        return not (self.offset_x or self.offset_y) and all(
+            ratio >= 1.0 and ratio == round(ratio) and size % round(ratio) == 0
+            for ratio, size in ratios
+        )
+
+    @property
+    def on_samples(self) -> bool:
+        """Whether the middle of every pixel is a sample: odd numbers of them, no offset."""
+        return not (self.offset_x or self.offset_y) and all(
+            ratio % 2.0 == 1.0 for ratio in (self.ratio_x, self.ratio_y)
+        )
+
+    @property
     def combines_pixels(self) -> bool:
         """True: samples become pixels."""
         return True
@@ -85,6 +102,11 @@ class PixelSamples(Linear):
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         """Folded: a sample's variance stays, and so it does between samples on average."""
+        if self.folds:
+            axes: Axes = "mirrored" if self.edges == "reflect" else "periodic"
+            folded = power.on(axes).sampled(round(self.ratio_x), round(self.ratio_y))
+            if folded is not None:
+                return folded
         across, along = (
             partial(sampled_columns, places=places, edges=self.edges) for places in self.places
         )

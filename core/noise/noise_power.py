@@ -138,6 +138,16 @@ class NoisePower:
                 changed = changed._averaged(axis, factor)
         return changed
 
+    def sampled(self, factor_x: int, factor_y: int) -> NoisePower | None:
+        """In the middles of blocks that divide the frame; None where its waves are mixed."""
+        if not self._plain or self.rows % factor_y or self.columns % factor_x:
+            return None
+        changed = self
+        for axis, factor in ((0, factor_y), (1, factor_x)):
+            if factor > 1:
+                changed = changed._folded(axis, factor, average=False)
+        return changed
+
     def resampled(self, new: tuple[int, int], along: Operator, across: Operator) -> NoisePower:
         """Behind linear operators on columns (rows → new rows) and on rows of samples."""
         changed = self
@@ -186,14 +196,25 @@ class NoisePower:
         new = size // factor
         if size % factor or matrix is not None:
             return self._changed(axis, _block_mean(factor), new)
-        # Whole blocks carry each wave to one wave, and no matrix is needed.
+        return self._folded(axis, factor, average=True)
+
+    def _folded(self, axis: int, factor: int, *, average: bool) -> NoisePower:
+        """Whole blocks carry each wave to one wave, and no matrix is needed."""
+        size = self._size(axis)
+        new = size // factor
         number = np.arange(size)
         step = np.pi * number / (size if self.axes == "periodic" else 2 * size)
         kernel = np.ones(size)
-        kernel[1:] = np.sin(factor * step[1:]) / (factor * np.sin(step[1:]))
+        if average:
+            kernel[1:] = np.sin(factor * step[1:]) / (factor * np.sin(step[1:]))
         target = number % new
         if self.axes == "mirrored":
             target = np.abs((number + new) % (2 * new) - new)
+            if not average:
+                # The mean's wave is not a cosine's: its norm is half of theirs.
+                kernel[(target == 0) & (number > 0)] = np.sqrt(2.0)
+        elif not average and factor % 2 == 0:
+            kernel[2 * number == size] = 0.0  # half-way between samples there is nothing of it
         shape = (size, self.power.shape[1]) if axis == 0 else (self.power.shape[0], size)
         power = np.moveaxis(np.broadcast_to(self.power, shape), axis, 0)
         folded = np.zeros((new + 1, power.shape[1]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,9 @@ import pytest
 from analytic_stages import CHAINS, INTERVAL_X, INTERVAL_Y
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
+from core.evaluation.region import Region
+from core.lineage.pixel_samples import PixelSamples
+from core.noise.noise_power import NoisePower
 from delivered_chains import FOLD_ERROR, PRECISIONS, delivered, fov_deg, scene
 from linked_network import linked_network
 from nodes.analysis.lineage import NoiseOf, transfer_of
@@ -61,13 +65,14 @@ def test_waves_between_samples(tmp_path, edges, ratio_x, ratio_y, offset, offset
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("edges", ["reflect", "periodic"])
 @pytest.mark.parametrize("chain", CHAINS)
-@pytest.mark.parametrize(("size", "ratios"), [((24, 35), (3, 5)), ((20, 21), (1, 3))], ids=str)
+@pytest.mark.parametrize(("size", "ratios"), [((24, 35), (3, 5)), ((20, 23), (1, 3))], ids=str)
 def test_odd_whole_ratios_keep_samples(tmp_path, size, ratios, chain, edges, precision):
     """The middle of an odd number of samples is one of them, whatever the edges and phases."""
     tail = sampled(factor_y=ratios[0], factor_x=ratios[1])
     found, _ = delivered(tmp_path, scene(*size), CHAINS[chain], precision, edges, tail)
     fine, _ = delivered(tmp_path, scene(*size), CHAINS[chain], precision, edges)
     expected = fine[ratios[0] // 2 :: ratios[0], ratios[1] // 2 :: ratios[1]]
+    expected = expected[: size[0] // ratios[0], : size[1] // ratios[1]]  # pixels that fit whole
     assert np.abs(found - expected).max() <= FOLD_ERROR[precision] * np.abs(expected).max()
 
 
@@ -212,3 +217,52 @@ def test_refusals(tmp_path):
         (error,) = plan.errors()
         for word in words:
             assert word in str(error)
+
+
+@pytest.mark.parametrize("edges", ["reflect", "periodic"])
+def test_a_region_is_the_wholes(tmp_path, edges):
+    """Through what follows too, for a viewer that shows a part."""
+    tail = (
+        ("sample_pixels", {"factor_x": 1.7, "factor_y": 2}),
+        ("interpolate", {"width": 40, "height": 9}),
+    )
+    whole, plan = delivered(tmp_path, scene(24, 36), CHAINS["whole chain"], "single", edges, tail)
+    region = Region(2, 5, 4, 11)
+    part = Engine(LIBRARY).work(Policy()).part(plan.output("tail1.image").recipe, region)
+    assert np.array_equal(part, whole[region.slices])
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize("edges", ["reflect", "periodic"])
+@pytest.mark.parametrize("chain", CHAINS)
+@pytest.mark.parametrize(
+    ("size", "ratios"), [((24, 36), (2, 3)), ((20, 16), (4, 2)), ((6, 10), (6, 1))], ids=str
+)
+def test_folded_is_evaluated(tmp_path, size, ratios, chain, edges, precision):
+    """Blocks that divide the frame are folded; a hair off them each wave is evaluated."""
+    folded, _ = delivered(
+        tmp_path, scene(*size), CHAINS[chain], precision, edges,
+        sampled(factor_y=ratios[0], factor_x=ratios[1]),
+    )  # fmt: skip
+    beside, _ = delivered(
+        tmp_path, scene(*size), CHAINS[chain], precision, edges,
+        sampled(factor_y=ratios[0], factor_x=ratios[1], offset=1e-15),
+    )  # fmt: skip
+    assert np.abs(folded - beside).max() <= FOLD_ERROR[precision] * 80
+
+
+@pytest.mark.parametrize("axes", ["mirrored", "periodic"])
+@pytest.mark.parametrize(("rows", "columns", "factors"), [(12, 10, (3, 2)), (8, 9, (4, 3))])
+def test_noise_folded_is_noise_sampled(axes, rows, columns, factors):
+    rng = np.random.default_rng(4)
+    power = rng.uniform(0.5, 2, (rows, columns))
+    if axes == "periodic":
+        power = power + np.roll(power[::-1, ::-1], (1, 1), (0, 1))  # as of real noise
+    coloured = NoisePower(rows, columns, power, axes=axes)
+    edges = "reflect" if axes == "mirrored" else "periodic"
+    pixels = PixelSamples((rows, columns), factors[1], factors[0], 0.0, 0.0, edges)
+    assert pixels.folds
+    beside = replace(pixels, offset_x=1e-15)
+    assert not beside.folds
+    found, true = (each.noise(None, coloured).shown for each in (pixels, beside))
+    assert np.broadcast_to(found, true.shape) == pytest.approx(true, rel=1e-11)

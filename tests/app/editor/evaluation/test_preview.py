@@ -103,6 +103,36 @@ def test_what_does_not_divide_is_shared(library):
         assert pixels.outputs["image"].columns == left
 
 
+@pytest.mark.parametrize("given", [{}, {"factor_x": 4.5, "factor_y": 4.5}])
+def test_as_many_pixels_are_sampled_of_fewer_samples(library, given):
+    """By the pitch or by a number: a camera's pixels stay what they are in a smaller picture."""
+    network = of_scene(
+        "dormitory",
+        Node("camera", "camera", {"pitch_um": 12, "focal_length_mm": 10}),
+        Node("init", "init_trans", {}),
+        Node("detector", "detector_mtf", {}),
+        Node("back", "back_transform", {}),
+        Node("pixels", "sample_pixels", given),
+        links=(
+            "scene.image > camera.image",
+            "camera.image > init.image",
+            "init.context > detector.context",
+            "init.magnitude > detector.magnitude",
+            "detector.magnitude > back.magnitude",
+            "init.phase > back.phase",
+            "back.image > pixels.image",
+        ),
+        width=256,
+        height=256,
+        fov_x_deg=18.0,
+        fov_y_deg=18.0,
+    )
+    full, small = both(network, 2, library)("pixels.image")
+    # 18° are 314 mrad: 261 pixels of 1.2 mrad, or 256 samples by 4.5.
+    assert full.shape == small.shape == ((56, 56) if given else (261, 261))
+    assert small.mean() == pytest.approx(full.mean(), rel=0.01)
+
+
 def test_the_pre_amplifier_keeps_its_time_constant(library):
     network = silent("inframetrics", library)
     plan = Engine(library).plan(network)
