@@ -57,7 +57,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         float | None, Param("wavelength; empty: middle of the band", unit="µm", low=0)
     ] = None
     aperture_mm: Annotated[
-        float | None, Param("aperture, for short exposure", unit="mm", low=0)
+        float | None, Param("aperture, for short exposure; empty: of Camera", unit="mm", low=0)
     ] = None
     alpha: Annotated[float, Param("short exposure: 1 near field, 0.5 far field", low=0, high=1)] = (
         0.5
@@ -136,7 +136,8 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             sigma = {"sigma_mrad": fwhm_to_sigma_mrad(fwhm_mrad=self.fwhm_mrad)}
             return separable(gaussian_mtf, x=sigma, y=sigma, label=label, node=node)
         short = self.turbulence == "short_exposure"
-        if short and self.aperture_mm is None:
+        aperture_mm = self.aperture_mm or context.aperture_mm
+        if short and aperture_mm is None:
             raise ParameterError(
                 "aperture_mm", None, "a short exposure needs the aperture", unit="mm"
             )
@@ -144,7 +145,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             fried_mtf,
             wavelength_um=self._wavelength(context),
             fried_r0_m=self.r0_m(context),
-            aperture_mm=self.aperture_mm if short else None,
+            aperture_mm=aperture_mm if short else None,
             alpha=self.alpha if short else 0.0,
             label=label,
             node=node,

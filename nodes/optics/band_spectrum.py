@@ -50,8 +50,8 @@ def source_temperature(
         raise ParameterError(
             "source_K",
             None,
-            f"a temperature, as the picture in {image.unit or 'no unit'!r:.40} is no radiance, "
-            "or weighting uniform",
+            f"a temperature, as the picture in {image.unit or 'no unit'!r:.40} is no radiance in "
+            "W/m²/sr, or weighting uniform",
             unit="K",
         )
     # Of the picture's own band, whose radiance it holds.

@@ -231,9 +231,10 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
     @readout("K", name="weighting_K")
     def weighted_by(self, context: Context, magnitude: Magnitude) -> float | Recipe | None:
         """Temperature of the black body by whose light the band is weighted."""
-        if self.weighting == "uniform":
+        band = self._band(context)
+        if self.weighting == "uniform" or self.wavelengths == 1 or band[0] == band[1]:
             return None
-        return source_temperature(self.source_K, magnitude, self._band(context), self.title)
+        return source_temperature(self.source_K, magnitude, band, self.title)
 
     @readout()
     def wavelengths_used(self, context: Context, magnitude: Magnitude) -> int | Step:

@@ -9,9 +9,12 @@ import pytest
 
 from core.chain.engine import Engine
 from core.chain.wires import Header, Image
+from core.errors import ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Step
+from core.modules.declaration import NodeContext
 from linked_network import linked_network
+from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
 from nodes.library import standard_library
 from nodes.optics.camera import Camera
 
@@ -142,3 +145,20 @@ def test_another_focal_length_in_the_file():
     caution = Camera.build({"focal_length_mm": 100}).focal_length(image)
     assert "focal_length_mm = 100 mm here, 50 mm in the picture's file" in caution.text
     assert Camera.build({"focal_length_mm": 50.2}).focal_length(image) is None
+
+
+def test_a_short_exposure_takes_the_cameras_aperture(planned):
+    """Fried's form of D = 25 mm, as where it is typed; without either it is refused."""
+    values = []
+    for camera, typed in ((MWIR, {}), (MWIR, {"aperture_mm": 25}), ({}, {})):
+        _, plan = planned(camera, {} if camera else {"fov_x_deg": 5, "fov_y_deg": 4})
+        context = plan.output("init.context")
+        air = {"turbulence": "short_exposure", "fried_r0_m": 0.05, "wavelength_um": 4.2, **typed}
+        module = AtmosphereMTF.build(air)
+        magnitude = plan.output("init.magnitude")
+        if not camera:
+            with pytest.raises(ParameterError, match="aperture_mm"):
+                module.run(context, magnitude, NodeContext("air"))
+            continue
+        values.append(module.run(context, magnitude, NodeContext("air")).mtf.key)
+    assert values[0] == values[1]
