@@ -81,7 +81,6 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
         float | None, Param("distance of the scene", unit="m", low=0, slider=(10, 10000))
     ] = None
 
-    illustration = "picture"
     panel = (
         Section("Pixels", ("pixels_x", "pixels_y", "pitch_um", "pitch_y_um")),
         Section("Fill factors", ("fill_x", "fill_y")),

@@ -34,7 +34,6 @@ class Radiometry(Module):
         float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
     ] = None
 
-    illustration = "picture"
     panel = (
         Section("Surfaces", ("emissivity", "surroundings_K")),
         Section("Band", ("cut_on_um", "cut_off_um")),
