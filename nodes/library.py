@@ -21,6 +21,7 @@ from nodes.detector.charge_eff_phase import ChargeEffPhase
 from nodes.detector.detector_mtf import DetectorMTF
 from nodes.detector.focal_plane import FocalPlane
 from nodes.electronics.electronics_noise import ElectronicsNoise
+from nodes.electronics.noise_3d_source import Noise3DSource
 from nodes.electronics.noise_file import NoiseFile
 from nodes.electronics.periodic_noise import PeriodicNoise
 from nodes.input_output.examine_image import ExamineImage
@@ -81,6 +82,7 @@ MODULES: tuple[type[Module], ...] = (
     ElectronicsNoise,
     PeriodicNoise,
     NoiseFile,
+    Noise3DSource,
     MtfSlices,
     MeasuredMTF,
     FiguresOfMerit,

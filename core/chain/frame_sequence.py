@@ -1,7 +1,8 @@
 """Further frames of a sequence: the same picture with temporal noise of its own.
 
 A frame differs from the picture in its noise streams alone, and not in those of a sensor's fixed
-patterns; all that leads to the noise keeps its key, so it is made once for all frames.
+patterns, and in what is made of its number; all that leads to these keeps its key, so it is made
+once for all frames.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import TypeVar
 from core.chain.back_transformed import Delivered
 from core.chain.wires import Magnitude, Phase
 from core.evaluation.recipes import Recipe, Step
+from core.noise.frame_number import FrameNumber
 from core.noise.random_fields import Stream
 
 Change = Callable[[Recipe], Recipe | None]
@@ -20,7 +22,7 @@ Wire = TypeVar("Wire", Magnitude, Phase)
 
 
 def at_frame(recipe: Recipe, frame: int) -> Recipe:
-    """The recipe of the same picture in another frame; frame 0 is the picture itself."""
+    """The recipe of the same picture so many frames later; frame 0 is the picture itself."""
 
     def change(step: Recipe) -> Recipe | None:
         if not isinstance(step, Step):
@@ -36,7 +38,9 @@ def at_frame(recipe: Recipe, frame: int) -> Recipe:
 
 
 def _moved(value: object, frame: int) -> object:
-    return replace(value, frame=frame) if isinstance(value, Stream) and not value.fixed else value
+    if isinstance(value, FrameNumber) or (isinstance(value, Stream) and not value.fixed):
+        return replace(value, frame=value.frame + frame)
+    return value
 
 
 def _pictures(recipe: Recipe) -> tuple[Recipe, ...]:

@@ -85,6 +85,11 @@ RECORDED = {
         "modulation_xi": 0.01, "modulation_eta": 0.0, "modulation_phase_deg": 0.0,
     },
     "noise_file": {"band": 0, "scale": 1.0},
+    "noise_3d_source": {
+        **SEED, "sigma_tvh": 0.0, "sigma_tv": 0.0, "sigma_th": 0.0, "sigma_t": 0.0,
+        "sigma_vh": 0.0, "sigma_v": 0.0, "sigma_h": 0.0, "corner_Hz": 0.0, "frame_rate_Hz": 30.0,
+        "longest_period_s": 60.0,
+    },
     "mtf_slices": {"direction": "horizontal", "angle_deg": 45.0, "samples": 257, "stages": True},
     "measured_mtf": {
         "method": "slanted_edge", "target": "edge", "direction": "automatic", "region_x": 0,

@@ -56,6 +56,9 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     },
     "periodic_noise": {"amplitude": 2, "modulation": 0.5},
     "noise_file": {"path": "noise.npy", "scale": 0.1},
+    "noise_3d_source": {
+        "sigma_tvh": 0.1, "sigma_tv": 0.2, "sigma_h": 0.3, "corner_Hz": 2, "longest_period_s": 5,
+    },
     "mtf_slices": {"direction": "both", "samples": 9},
     "compare_images": {},
     "measured_mtf": {"region_width": 40, "samples": 9},
@@ -94,6 +97,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "charge_eff_phase": [{"efficiency": 1}, {"detectors_per_line": 0, "model": "published"}],
     "periodic_noise": [{"amplitude": 0}],
     "noise_file": [{"path": "noise.npy", "scale": 0}],
+    "noise_3d_source": [{}, {"sigma_v": 0, "longest_period_s": 1e-9}],
 }  # fmt: skip
 NEVER_NEUTRAL = {
     "detector_mtf": "a detector always has an area",

@@ -16,6 +16,7 @@ _ALSO: Mapping[str, str] = MappingProxyType(
         "poisson_noise": "photon shot noise",
         "periodic_noise": "banding striping coherent",
         "focal_plane": "FPA camera electrons QE well ADC NETD NEI PRNU DSNU dark current TDI",
+        "noise_3d_source": "1/f flicker NVESD",
         "electronics_noise": "banding striping fixed pattern FPN NUC ADC",
         "mtf_slices": "OTF plot",
         "measured_mtf": "ROI region of interest knife edge ESF LSF SFR ISO 12233",
@@ -34,7 +35,7 @@ def found_by(declared: Declaration) -> tuple[str, str, str]:
     """Texts in which a typed word is looked for, those that count most first."""
     readouts = " ".join(readout.name.replace("_", " ") for readout in declared.readouts)
     texts = (
-        f"{declared.title} {declared.key} {declared.group}",
+        f"{declared.title}\n{declared.key}\n{declared.group}",
         declared.summary,
         f"{_ALSO.get(declared.key, '')} {readouts}",
     )
@@ -43,12 +44,18 @@ def found_by(declared: Declaration) -> tuple[str, str, str]:
 
 
 def rank(texts: tuple[str, str, str], typed: str) -> int | None:
-    """In how many of the texts every word is found, 0 where none is typed; None: in none."""
+    """How well typed words fit, 1 the best; 0 where none is typed, None where one does not occur.
+
+    1 where they are the whole title or key, in any order; then in how many texts all are found.
+    """
     words = typed.casefold().split()
     if not words:
         return 0
+    names = (line.replace("_", " ").split() for line in texts[0].splitlines()[:2])
+    if any(sorted(words) == sorted(name) for name in names):
+        return 1
     for count in range(1, len(texts) + 1):
         known = " ".join(texts[:count])
         if all(word in known for word in words):
-            return count
+            return count + 1
     return None

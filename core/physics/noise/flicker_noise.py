@@ -1,0 +1,111 @@
+"""1/f noise of independent samples, of any frame by its number alone.
+
+A spectrum of 1/f from a lowest to a highest frequency is parted into strata of equal ratio, which
+hold equal variances. A sample has one wave in each, of a frequency drawn from the stratum's part of
+the spectrum (log-uniform), an amplitude of Rayleigh's distribution and a uniform phase. Over all
+samples the spectrum is then 1/f without a ripple, whatever the number of strata, the noise is
+stationary, and its distribution in any frame exactly normal.
+
+Source: Shinozuka and Deodatis 1991, Simulation of stochastic processes by spectral representation,
+with the frequencies drawn at random within their strata.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, log, log2, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import ParameterError
+from core.physics.numerics.scalar_checks import finite, non_negative, positive
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class FlickerBand:
+    """Frequencies of a 1/f noise.
+
+    Parameters
+    ----------
+    low_Hz, high_Hz : float
+        Ends of the spectrum.
+    """
+
+    low_Hz: float
+    high_Hz: float
+
+    @property
+    def strata(self) -> int:
+        """Number of parts of an octave or less."""
+        return max(1, ceil(log2(self.high_Hz / self.low_Hz)))
+
+
+def flicker_band(*, frame_rate_Hz: float, longest_period_s: float) -> FlickerBand:
+    """Frequencies from one over the longest period to Nyquist's of the frames.
+
+    Raises
+    ------
+    ParameterError
+        If the longest period does not exceed two frames.
+    """
+    rate = positive("frame_rate_Hz", frame_rate_Hz, unit="Hz")
+    longest = positive("longest_period_s", longest_period_s, unit="s")
+    if not longest * rate > 2.0:
+        allowed = f"more than two frames, {2.0 / rate:g}"
+        raise ParameterError("longest_period_s", longest, allowed, unit="s")
+    return FlickerBand(1.0 / longest, 0.5 * rate)
+
+
+def flicker_sigma(*, white_sigma: float, corner_Hz: float, band: FlickerBand) -> float:
+    """Standard deviation of the 1/f noise that equals a white one's density at the corner.
+
+    Parameters
+    ----------
+    white_sigma : float
+        Of the white noise of a frame, whose density is white_sigma²/high_Hz up to high_Hz.
+    corner_Hz : float
+        Where both densities are equal; 0 for no 1/f noise.
+    band : FlickerBand
+        Frequencies of the 1/f noise.
+
+    Returns
+    -------
+    float
+        white_sigma·√(corner/high·ln(high/low)), the root of the integral of the density.
+    """
+    corner = non_negative("corner_Hz", corner_Hz, unit="Hz")
+    share = corner / band.high_Hz * log(band.high_Hz / band.low_Hz)
+    return non_negative("white_sigma", white_sigma) * sqrt(share)
+
+
+def flicker_wave(
+    *, band: FlickerBand, stratum: int, time_s: float, place: Array, level: Array, phase: Array
+) -> Array:
+    """One stratum's waves at a time; all strata together have the variance of their number.
+
+    Parameters
+    ----------
+    band : FlickerBand
+        Frequencies of the noise.
+    stratum : int
+        From 0, the slowest.
+    time_s : float
+        When, of either sign.
+    place, level, phase : ndarray
+        Uniform deviates in [0, 1) of the samples, in double: where in its stratum the frequency is,
+        the amplitude's, and the phase. `place` may be the same for all strata.
+
+    Returns
+    -------
+    ndarray
+        Standard normal deviates.
+    """
+    seconds = finite("time_s", time_s, unit="s")
+    ratio = (band.high_Hz / band.low_Hz) ** (1.0 / band.strata)
+    turns = band.low_Hz * ratio ** (stratum + place) * seconds + phase
+    turns -= np.floor(turns)  # before the cosine, whose argument so keeps its digits
+    return np.asarray(np.sqrt(-2.0 * np.log1p(-level)) * np.cos(2.0 * np.pi * turns))

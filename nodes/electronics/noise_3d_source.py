@@ -1,0 +1,284 @@
+"""3-D Noise Source: the seven components of noise by their sizes, and 1/f noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import hypot
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.wires import Image
+from core.errors import ParameterError
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from core.lineage.step_lineage import picture_step
+from core.lineage.step_noise import AtStep, Noise
+from core.modules.caution import Caution
+from core.modules.declaration import NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.noise.frame_number import FrameNumber
+from core.noise.noise_power import NoisePower
+from core.noise.random_fields import Stream, uniform_field
+from core.physics.noise.flicker_noise import (
+    FlickerBand,
+    flicker_band,
+    flicker_sigma,
+    flicker_wave,
+)
+from core.physics.noise.noise_components import COMPONENTS
+from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
+from nodes.shared.unit_deviates import unit_deviates
+
+Array = NDArray[Any]
+_FIXED = ("vh", "v", "h")
+_FLICKER = "1/f"
+
+
+class NoiseOutputs(NamedTuple):
+    """The picture with its noise, and the noise alone."""
+
+    image: Image
+    noise: Image
+
+
+class Noise3DSource(
+    SeededModule, key="noise_3d_source", title="3-D Noise Source", group="Electronics & Noise"
+):
+    """Add noise by its seven components: of time (t), rows (v), columns (h), or several together.
+
+    Each is normal, of its own standard deviation, in the unit of the picture. v, h and vh are the
+    same in every frame of a sequence, the others new in each. `corner_Hz` adds 1/f noise, of each
+    sample by itself, whose spectrum in time equals that of sigma_tvh there; it reaches from one
+    over `longest_period_s` to half the frame rate, and any frame is made of its number alone. It
+    counts as temporal with its whole variance. 3-D Noise, which sees some frames, measures as fixed
+    (vh) what is slower than these. Without any component the picture is passed on. Sources:
+    D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
+    """
+
+    sigma_tvh: Annotated[
+        float,
+        Param("random from sample to sample and frame to frame", low=0, high=1e15, slider=(0, 1)),
+    ] = 0.0
+    sigma_tv: Annotated[
+        float, Param("of rows, from frame to frame", low=0, high=1e15, slider=(0, 1))
+    ] = 0.0
+    sigma_th: Annotated[
+        float, Param("of columns, from frame to frame", low=0, high=1e15, slider=(0, 1))
+    ] = 0.0
+    sigma_t: Annotated[
+        float, Param("of whole frames from one to the next", low=0, high=1e15, slider=(0, 1))
+    ] = 0.0
+    sigma_vh: Annotated[
+        float, Param("fixed from sample to sample", low=0, high=1e15, slider=(0, 1))
+    ] = 0.0
+    sigma_v: Annotated[float, Param("fixed from row to row", low=0, high=1e15, slider=(0, 1))] = 0.0
+    sigma_h: Annotated[
+        float, Param("fixed from column to column", low=0, high=1e15, slider=(0, 1))
+    ] = 0.0
+    corner_Hz: Annotated[
+        float,
+        Param("where 1/f noise equals sigma_tvh; 0: none", unit="Hz", low=0, high=1e9,
+              slider=(0, 10)),
+    ] = 0.0  # fmt: skip
+    frame_rate_Hz: Annotated[
+        float,
+        Param("frame rate, for 1/f noise", unit="Hz", low=1e-6, high=1e9, slider=(1, 120)),
+    ] = 30.0
+    longest_period_s: Annotated[
+        float,
+        Param(
+            "slowest 1/f noise: time since the last correction", unit="s", low=1e-9, high=1e9,
+            slider=(1, 3600),
+        ),
+    ] = 60.0  # fmt: skip
+
+    illustration = "picture"
+    panel = (
+        Section("Temporal", ("sigma_tvh", "sigma_tv", "sigma_th", "sigma_t")),
+        Section("Fixed", ("sigma_vh", "sigma_v", "sigma_h")),
+        Section("1/f", ("corner_Hz", "frame_rate_Hz", "longest_period_s")),
+        *SEED_SECTIONS,
+    )
+
+    def check(self) -> None:
+        """Refuse a corner without a white noise to be equal to, and a period of no frames."""
+        if not self.corner_Hz:
+            return
+        if not self.sigma_tvh:
+            raise ParameterError(
+                "sigma_tvh", 0.0, "above 0 where corner_Hz is: 1/f noise equals it at the corner"
+            )
+        self._band()
+
+    def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
+        """Plan the components and their sum; one that is 0 is not drawn."""
+        rows, columns = image.shape
+        names: list[str] = []
+        sizes: list[float] = []
+        fields: list[Recipe] = []
+        for name in COMPONENTS:
+            size = getattr(self, f"sigma_{name}")
+            if not size:
+                continue
+            stream = self.stream(here, f"sigma_{name}", fixed=name in _FIXED)
+            shape = (rows if "v" in name else 1, columns if "h" in name else 1)
+            fields.append(Step.of(unit_deviates, node=here.node, stream=stream, shape=shape))
+            names.append(name)
+            sizes.append(size)
+        if self.corner_Hz:
+            fields.append(self._flicker(image, here))
+            names.append(_FLICKER)
+            sizes.append(self._flicker_sigma())
+        sigmas = tuple(sizes)
+        noise = Step.of(summed, *fields, node=here.node, sigmas=sigmas, shape=image.shape)
+        if not names:
+            return NoiseOutputs(image, image.with_recipe(noise))
+        how = {"names": tuple(names), "sigmas": sigmas}
+        total = Step.of(with_components, image.recipe, noise, node=here.node, **how)
+        return NoiseOutputs(image.with_recipe(total), image.with_recipe(noise))
+
+    @warning
+    def few_lines(self, image: Image) -> Caution | None:
+        """Rows or columns of noise in a picture that has a single one."""
+        for name, count, what in (("v", image.rows, "row"), ("h", image.columns, "column")):
+            used = [n for n in COMPONENTS if name in n and getattr(self, f"sigma_{n}")]
+            if count == 1 and used:
+                return Caution(
+                    f"the picture has a single {what}, in which sigma_{used[0]} cannot be told "
+                    "from what does not vary there",
+                    f"set sigma_{used[0]} to 0, or give a picture of more {what}s",
+                )
+        return None
+
+    @readout()
+    def temporal(self) -> float:
+        """All temporal noise of a sample, 1/f included, in the picture's unit."""
+        temporal = (self.sigma_tvh, self.sigma_tv, self.sigma_th, self.sigma_t)
+        return hypot(*temporal, self._flicker_sigma())
+
+    @readout()
+    def fixed(self) -> float:
+        """All fixed-pattern noise of a sample, in the picture's unit."""
+        return hypot(self.sigma_vh, self.sigma_v, self.sigma_h)
+
+    @readout()
+    def flicker(self) -> float:
+        """Noise of 1/f alone, in the picture's unit."""
+        return self._flicker_sigma()
+
+    def _band(self) -> FlickerBand:
+        return flicker_band(
+            frame_rate_Hz=self.frame_rate_Hz, longest_period_s=self.longest_period_s
+        )
+
+    def _flicker_sigma(self) -> float:
+        if not self.corner_Hz:
+            return 0.0
+        return flicker_sigma(
+            white_sigma=self.sigma_tvh, corner_Hz=self.corner_Hz, band=self._band()
+        )
+
+    def _flicker(self, image: Image, here: NodeContext) -> Recipe:
+        return Step.of(
+            flicker_deviates,
+            node=here.node,
+            stream=self.stream(here, "1/f", fixed=True),
+            number=FrameNumber(),
+            shape=image.shape,
+            band=self._band(),
+            frame_s=1.0 / self.frame_rate_Hz,
+        )
+
+
+@ends_lineage
+def flicker_deviates(
+    work: Work,
+    *,
+    stream: Stream,
+    number: FrameNumber,
+    shape: tuple[int, int],
+    band: FlickerBand,
+    frame_s: float,
+) -> Array:
+    """1/f noise of variance 1 in a frame; waves are drawn anew, so that none has to be held."""
+
+    def uniform(field: str) -> Array:
+        named = Stream(stream.seed, stream.node, f"{stream.field} {field}", fixed=True)
+        return uniform_field(named, shape, for_each=work.for_each)
+
+    place, total = uniform("place"), np.zeros(shape)
+    for stratum in range(band.strata):
+        work.check()
+        total += flicker_wave(
+            band=band,
+            stratum=stratum,
+            time_s=number.frame * frame_s,
+            place=place,
+            level=uniform(f"{stratum} level"),
+            phase=uniform(f"{stratum} phase"),
+        )
+    total /= band.strata**0.5
+    return total.astype(work.policy.dtype)
+
+
+def _summed_part(
+    work: Work, region: Region, *fields: Recipe, sigmas: tuple[float, ...], shape: tuple[int, int]
+) -> Array:
+    return _sum(work, work.parts(fields, region), sigmas, region.shape)
+
+
+@ends_lineage
+@in_parts(_summed_part)
+def summed(work: Work, *fields: Array, sigmas: tuple[float, ...], shape: tuple[int, int]) -> Array:
+    """All components together."""
+    return _sum(work, fields, sigmas, shape)
+
+
+def _sum(
+    work: Work, fields: Sequence[Array], sigmas: tuple[float, ...], shape: tuple[int, int]
+) -> Array:
+    total = np.zeros(shape, work.policy.dtype)
+    for field, sigma in zip(fields, sigmas, strict=True):
+        total += field * total.dtype.type(sigma)
+    return total
+
+
+def _components(
+    at: AtStep,
+    image: Recipe,
+    noise: Recipe,
+    *,
+    names: tuple[str, ...],
+    sigmas: tuple[float, ...],
+) -> list[Noise]:
+    """Of rows and columns all power lies in the waves that do not vary along them."""
+    noises = []
+    for name, sigma in zip(names, sigmas, strict=True):
+        if name == _FLICKER:
+            noises.append(at.white(name, sigma**2))
+            continue
+        rows = 1 if "v" in name else at.rows
+        columns = 1 if "h" in name else at.columns
+        power = np.zeros((rows, columns))
+        power[0, 0] = sigma**2 * rows * columns
+        coloured = NoisePower(at.rows, at.columns, power)
+        noises.append(at.coloured(name, coloured, temporal=name not in _FIXED))
+    return noises
+
+
+@picture_step(noise=_components)
+@pointwise
+def with_components(
+    work: Work,
+    image: Array,
+    noise: Array,
+    *,
+    names: tuple[str, ...],
+    sigmas: tuple[float, ...],
+) -> Array:
+    """Picture and noise."""
+    return np.add(image, noise, dtype=work.policy.dtype)
