@@ -32,6 +32,7 @@ from nodes.input_output.write_matrix import WriteMatrix
 from nodes.motion.alongtrack_mtf import AlongtrackMTF
 from nodes.motion.crosstrack_mtf import CrosstrackMTF
 from nodes.motion.jitter_mtf import JitterMTF
+from nodes.motion.line_of_sight import LineOfSight
 from nodes.motion.relative_motion_mtf import RelativeMotionMTF
 from nodes.motion.vibration_mtf import VibrationMTF
 from nodes.optics.camera import Camera
@@ -75,6 +76,7 @@ MODULES: tuple[type[Module], ...] = (
     RelativeMotionMTF,
     JitterMTF,
     VibrationMTF,
+    LineOfSight,
     DetectorMTF,
     ChargeEffMTF,
     ChargeEffPhase,

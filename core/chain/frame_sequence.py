@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from core.chain.back_transformed import Delivered
 from core.chain.wires import Magnitude, Phase
 from core.evaluation.recipes import Recipe, Step
 from core.noise.frame_number import FrameNumber
 from core.noise.random_fields import Stream
+from core.transfer.factors import Law, Planar, Separable
 
 Change = Callable[[Recipe], Recipe | None]
 Wire = TypeVar("Wire", Magnitude, Phase)
@@ -25,6 +26,8 @@ def at_frame(recipe: Recipe, frame: int) -> Recipe:
     """The recipe of the same picture so many frames later; frame 0 is the picture itself."""
 
     def change(step: Recipe) -> Recipe | None:
+        if isinstance(step, Delivered):
+            return _later(made.inputs_of(step), frame)
         if not isinstance(step, Step):
             return None
         moved = tuple((name, _moved(value, frame)) for name, value in step.parameters)
@@ -37,9 +40,38 @@ def at_frame(recipe: Recipe, frame: int) -> Recipe:
     return made.of(recipe)
 
 
-def _moved(value: object, frame: int) -> object:
+def _later(delivered: Recipe, frame: int) -> Recipe:
+    """With the transfer functions of the frame, where these have its number."""
+    assert isinstance(delivered, Delivered)
+    magnitude = _wire_later(delivered.magnitude, frame)
+    phase = _wire_later(delivered.phase, frame)
+    if magnitude is delivered.magnitude and phase is delivered.phase:
+        return delivered
+    return replace(delivered, magnitude=magnitude, phase=phase)
+
+
+def _wire_later(wire: Wire, frame: int) -> Wire:
+    factors = _moved(wire.factors, frame)
+    return wire if factors is wire.factors else replace(wire, factors=factors)
+
+
+def _moved(value: Any, frame: int) -> Any:
+    """A parameter in the other frame; the same object where it does not change."""
     if isinstance(value, FrameNumber) or (isinstance(value, Stream) and not value.fixed):
-        return replace(value, frame=value.frame + frame)
+        return replace(value, frame=value.frame + frame) if frame else value
+    if isinstance(value, Separable):
+        x, y = _moved(value.x, frame), _moved(value.y, frame)
+        return value if x is value.x and y is value.y else replace(value, x=x, y=y)
+    if isinstance(value, Planar):
+        law = _moved(value.law, frame)
+        return value if law is value.law else replace(value, law=law)
+    if isinstance(value, Law):
+        bound = tuple((name, _moved(part, frame)) for name, part in value.parameters)
+        return value if bound == value.parameters else replace(value, parameters=bound)
+    if isinstance(value, tuple):
+        parts = tuple(_moved(part, frame) for part in value)
+        same = all(new is old for new, old in zip(parts, value, strict=True))
+        return value if same else parts
     return value
 
 

@@ -64,6 +64,10 @@ RECORDED = {
     },
     "jitter_mtf": {**FREE, "sigma_mrad": 0.02},
     "vibration_mtf": {**FREE, "amplitude_x_mrad": 0.0, "amplitude_y_mrad": 0.0},
+    "line_of_sight": {
+        **FREE, **SEED, "rms_x_mrad": 0.0, "rms_y_mrad": 0.0, "corner_Hz": 5.0,
+        "integration_time_s": 0.01, "frame_rate_Hz": 30.0,
+    },
     "detector_mtf": FREE,
     "charge_eff_mtf": CHARGE,
     "charge_eff_phase": CHARGE,

@@ -40,6 +40,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
         "amplitude_x_mrad": 1, "amplitude_y_mrad": 2, "frequency_Hz": 10,
         "integration_time_s": 0.13,
     },
+    "line_of_sight": {"rms_x_mrad": 1, "rms_y_mrad": 2, "corner_Hz": 40},
     "detector_mtf": {},
     "charge_eff_mtf": {"efficiency": 0.999},
     "charge_eff_phase": {"efficiency": 0.999},
@@ -93,6 +94,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     ],
     "jitter_mtf": [{"sigma_mrad": 0}],
     "vibration_mtf": [{}, {"frequency_Hz": 5, "integration_time_s": 1}],
+    "line_of_sight": [{}, {"corner_Hz": 3, "frame_rate_Hz": 5}],
     "charge_eff_mtf": [{"efficiency": 1}, {"detectors_per_line": 0}],
     "charge_eff_phase": [{"efficiency": 1}, {"detectors_per_line": 0, "model": "published"}],
     "periodic_noise": [{"amplitude": 0}],
@@ -173,6 +175,11 @@ SETTINGS: dict[str, list[dict[str, Any]]] = {
         {"amplitude_y_mrad": 3, "frequency_Hz": 1, "integration_time_s": 4},
         {"amplitude_x_mrad": 3, "frequency_Hz": 1, "integration_time_s": 1e-6},
         {"amplitude_x_mrad": 300, "frequency_Hz": 7, "integration_time_s": 1.23},
+    ],
+    "line_of_sight": [
+        {"rms_x_mrad": 1e6, "corner_Hz": 1e9, "integration_time_s": 1e6},
+        {"rms_y_mrad": 3, "integration_time_s": 0},
+        {"rms_x_mrad": 3, "corner_Hz": 1e-6},
     ],
     "detector_mtf": [{"detector_x_um": 1e5, "fill_y": 1e-6}, {"focal_length_mm": 1e-3}],
     "charge_eff_mtf": [

@@ -15,6 +15,7 @@ _ALSO: Mapping[str, str] = MappingProxyType(
         "read_image": f"load import DIRSIG {readable_formats()}",
         "poisson_noise": "photon shot noise",
         "periodic_noise": "banding striping coherent",
+        "line_of_sight": "LOS PSD power spectral density stabilization pointing drift",
         "focal_plane": "FPA camera electrons QE well ADC NETD NEI PRNU DSNU dark current TDI",
         "noise_3d_source": "1/f flicker NVESD",
         "electronics_noise": "banding striping fixed pattern FPN NUC ADC",

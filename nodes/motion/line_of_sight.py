@@ -1,0 +1,241 @@
+"""Line of Sight: random motion of the sensor, within exposures and between them."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.probe import TransferAt
+from core.chain.wires import Context, Magnitude, Phase, Transfer
+from core.modules.caution import Caution
+from core.modules.declaration import NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.noise.frame_number import FrameNumber
+from core.noise.random_fields import Stream, uniform_field
+from core.physics.motion.motion_spectrum import (
+    WAVES,
+    MotionSpectrum,
+    MotionWaves,
+    between_exposures_mrad,
+    exposure_mtf,
+    motion_waves,
+    within_exposure,
+)
+from core.physics.numerics.scalar_checks import non_negative, positive
+from nodes.files.motion_table import read_motion
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import Apply
+from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
+
+Axes = tuple[MotionSpectrum, MotionSpectrum]
+
+
+class MotionOutputs(NamedTuple):
+    """Both halves of the spectrum, the blur of an exposure and the shift of a frame."""
+
+    magnitude: Magnitude
+    phase: Phase
+    mtf: Transfer
+    ptf: Transfer
+
+
+class LineOfSight(SeededModule, key="line_of_sight", title="Line of Sight", group="Motion"):
+    """Move the line of sight at random: blur within an exposure, a shift from frame to frame.
+
+    By the power density of the angle, S = rms²·(2/π)/(corner·(1 + (f/corner)²)) or `psd_path`; both
+    axes are independent. What an exposure sees beside its mean is an MTF, mean over its time of
+    exp(−2π²·v(t)·ξ²); the mean itself, of spectrum S·sinc²(fT), shifts each frame of a sequence by
+    a phase ramp, −2π·ξ·shift. A single picture is frame 0 and is shifted too. 3-D Noise does not
+    predict what a moving scene of contrast changes in a pixel, and measures it. Sources: Papoulis
+    1991, chapter 10; Kopeika 1998, chapter 14.
+    """
+
+    rms_x_mrad: Annotated[
+        float, Param("rms motion across", unit="mrad", low=0, high=1e6, slider=(0, 1))
+    ] = 0.0
+    rms_y_mrad: Annotated[
+        float, Param("rms motion along", unit="mrad", low=0, high=1e6, slider=(0, 1))
+    ] = 0.0
+    corner_Hz: Annotated[
+        float,
+        Param("half of the power density at low frequencies is left here", unit="Hz",
+              low=1e-6, high=1e9, slider=(0.1, 100)),
+    ] = 5.0  # fmt: skip
+    psd_path: Annotated[
+        Path | None,
+        Param("CSV of Hz and mrad²/Hz (across, along), in place of rms and corner, or empty"),
+    ] = None
+    integration_time_s: Annotated[
+        float, Param("length of an exposure", unit="s", low=0, high=1e6, slider=(0, 0.05))
+    ] = 0.01
+    frame_rate_Hz: Annotated[
+        float, Param("frame rate", unit="Hz", low=1e-6, high=1e9, slider=(1, 120))
+    ] = 30.0
+    apply: Apply = "multiply"
+
+    panel = (
+        Section("", ("apply",)),
+        Section("Motion", ("rms_x_mrad", "rms_y_mrad", "corner_Hz", "psd_path")),
+        Section("Time", ("integration_time_s", "frame_rate_Hz")),
+        *SEED_SECTIONS,
+    )
+
+    def run(
+        self, context: Context, magnitude: Magnitude, phase: Phase, here: NodeContext
+    ) -> MotionOutputs:
+        """Plan the blur and the shift."""
+        across, along = self._spectra(here)
+        blur = separable(
+            exposure_mtf,
+            x=self._within(across),
+            y=self._within(along),
+            label=self.title,
+            node=here.node,
+        )
+        shift = separable(
+            frame_shift,
+            x=self._shift(across, "shift x", here),
+            y=self._shift(along, "shift y", here),
+            part="ptf",
+            label=self.title,
+            node=here.node,
+        )
+        mtf = Transfer(magnitude.grid, "mtf", blur, label=self.title)
+        ptf = Transfer(phase.grid, "ptf", shift, label=self.title)
+        if self.apply == "filter_only":
+            return MotionOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
+        return MotionOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)
+
+    def _spectra(self, here: NodeContext) -> Axes:
+        if self.psd_path is not None:
+            across, along = read_motion((here.folder / self.psd_path).absolute())
+            return MotionSpectrum(points=across), MotionSpectrum(points=along)
+        x, y = (MotionSpectrum(r, self.corner_Hz) for r in (self.rms_x_mrad, self.rms_y_mrad))
+        return x, y
+
+    def _within(self, spectrum: MotionSpectrum) -> dict[str, Any] | None:
+        if spectrum.still or not self.integration_time_s:
+            return None
+        variances, weights = within_exposure(spectrum=spectrum, exposure_s=self.integration_time_s)
+        return {"variances": variances, "weights": weights}
+
+    def _shift(
+        self, spectrum: MotionSpectrum, name: str, here: NodeContext
+    ) -> dict[str, Any] | None:
+        if spectrum.still:
+            return None
+        return {
+            "spectrum": spectrum,
+            "exposure_s": self.integration_time_s,
+            "stream": self.stream(here, name, fixed=True),
+            "number": FrameNumber(),
+            "frame_s": 1.0 / self.frame_rate_Hz,
+        }
+
+    @warning
+    def exposure(self) -> Caution | None:
+        """An exposure longer than the time from frame to frame."""
+        frame_s = 1.0 / self.frame_rate_Hz
+        if self.integration_time_s <= frame_s * (1 + 1e-9):
+            return None
+        return Caution(
+            f"integration_time_s = {self.integration_time_s:g} s is longer than a frame of "
+            f"{frame_s:g} s: exposures overlap",
+            "lower integration_time_s or frame_rate_Hz, unless frames are averages that overlap",
+        )
+
+    @readout("mrad")
+    def within_x_mrad(self, outputs: MotionOutputs) -> float:
+        """Rms motion across within an exposure, about its mean."""
+        return _rms_within(outputs, "x")
+
+    @readout("mrad")
+    def within_y_mrad(self, outputs: MotionOutputs) -> float:
+        """Rms motion along within an exposure, about its mean."""
+        return _rms_within(outputs, "y")
+
+    @readout("mrad")
+    def between_x_mrad(self, outputs: MotionOutputs) -> float:
+        """Rms shift across from frame to frame."""
+        return _rms_between(outputs, "x")
+
+    @readout("mrad")
+    def between_y_mrad(self, outputs: MotionOutputs) -> float:
+        """Rms shift along from frame to frame."""
+        return _rms_between(outputs, "y")
+
+    @readout("mrad")
+    def shift_x_mrad(self, outputs: MotionOutputs) -> float:
+        """Shift of frame 0 across."""
+        return _first_shift(outputs, "x")
+
+    @readout("mrad")
+    def shift_y_mrad(self, outputs: MotionOutputs) -> float:
+        """Shift of frame 0 along."""
+        return _first_shift(outputs, "y")
+
+    @readout()
+    def mtf_at_nyquist_x(self, outputs: MotionOutputs) -> TransferAt:
+        """MTF at the image's Nyquist frequency across."""
+        return TransferAt(outputs.mtf, outputs.mtf.grid.nyquist_x, 0.0)
+
+    @readout()
+    def mtf_at_nyquist_y(self, outputs: MotionOutputs) -> TransferAt:
+        """MTF at the image's Nyquist frequency along."""
+        return TransferAt(outputs.mtf, 0.0, outputs.mtf.grid.nyquist_y)
+
+
+def _bound(transfer: Transfer, axis: str) -> dict[str, Any]:
+    """What is bound in the law of an axis; nothing where there is none."""
+    laws = [getattr(factor, axis, None) for factor in transfer.factors]
+    return dict(laws[0].parameters) if laws and laws[0] is not None else {}
+
+
+def _rms_within(outputs: MotionOutputs, axis: str) -> float:
+    bound = _bound(outputs.mtf, axis)
+    if not bound:
+        return 0.0
+    return math.sqrt(float(np.dot(bound["variances"], bound["weights"])))
+
+
+def _rms_between(outputs: MotionOutputs, axis: str) -> float:
+    bound = _bound(outputs.ptf, axis)
+    if not bound:
+        return 0.0
+    return between_exposures_mrad(spectrum=bound["spectrum"], exposure_s=bound["exposure_s"])
+
+
+def _first_shift(outputs: MotionOutputs, axis: str) -> float:
+    bound = _bound(outputs.ptf, axis)
+    return shift_of_frame_mrad(**bound) if bound else 0.0
+
+
+@lru_cache(maxsize=32)
+def _waves(spectrum: MotionSpectrum, exposure_s: float, stream: Stream) -> MotionWaves:
+    uniform = uniform_field(stream, (3, WAVES))
+    return motion_waves(spectrum=spectrum, exposure_s=exposure_s, uniform=uniform)
+
+
+def shift_of_frame_mrad(
+    *,
+    spectrum: MotionSpectrum,
+    exposure_s: float,
+    stream: Stream,
+    number: FrameNumber,
+    frame_s: float,
+) -> float:
+    """Shift of a frame, by its number alone."""
+    non_negative("integration_time_s", exposure_s, unit="s")
+    seconds = number.frame * positive("time of a frame", frame_s, unit="s")
+    return _waves(spectrum, exposure_s, stream).centroid_mrad(time_s=seconds)
+
+
+def frame_shift(*, frequency: NDArray[Any], **how: Any) -> NDArray[np.float64]:
+    """Phase of a frame's shift, −2π·frequency·shift, in rad."""
+    return np.asarray(-2.0 * np.pi * shift_of_frame_mrad(**how) * np.asarray(frequency))
