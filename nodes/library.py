@@ -20,6 +20,7 @@ from nodes.detector.charge_eff_mtf import ChargeEffMTF
 from nodes.detector.charge_eff_phase import ChargeEffPhase
 from nodes.detector.detector_mtf import DetectorMTF
 from nodes.detector.focal_plane import FocalPlane
+from nodes.detector.tdi_mtf import TdiMTF
 from nodes.electronics.electronics_noise import ElectronicsNoise
 from nodes.electronics.noise_3d_source import Noise3DSource
 from nodes.electronics.noise_file import NoiseFile
@@ -80,6 +81,7 @@ MODULES: tuple[type[Module], ...] = (
     DetectorMTF,
     ChargeEffMTF,
     ChargeEffPhase,
+    TdiMTF,
     FocalPlane,
     ElectronicsNoise,
     PeriodicNoise,

@@ -71,6 +71,9 @@ RECORDED = {
     "detector_mtf": FREE,
     "charge_eff_mtf": CHARGE,
     "charge_eff_phase": CHARGE,
+    "tdi_mtf": {
+        **FREE, "stages": 64, "phases": 4, "velocity_mismatch_percent": 0.0, "direction": "y",
+    },
     "focal_plane": {
         **SEED, "integration_time_s": 0.001, "tdi_stages": 1, "frames_averaged": 1,
         "quantum_efficiency": 0.7, "photon_weighting": "scene", "source_K": 5800.0,

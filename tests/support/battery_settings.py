@@ -44,6 +44,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "detector_mtf": {},
     "charge_eff_mtf": {"efficiency": 0.999},
     "charge_eff_phase": {"efficiency": 0.999},
+    "tdi_mtf": {"stages": 7, "phases": 3, "velocity_mismatch_percent": 4},
     "focal_plane": {
         "integration_time_s": 1e-5, "optics_K": 290, "cold_shield_efficiency": 0.9,
         "housing_K": 300, "dark_current_e_per_s": 1e5, "full_well_e": 4e6, "read_noise_e": 300,
@@ -97,6 +98,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "line_of_sight": [{}, {"corner_Hz": 3, "frame_rate_Hz": 5}],
     "charge_eff_mtf": [{"efficiency": 1}, {"detectors_per_line": 0}],
     "charge_eff_phase": [{"efficiency": 1}, {"detectors_per_line": 0, "model": "published"}],
+    "tdi_mtf": [{"phases": 0}, {"phases": 0, "stages": 9, "direction": "x"}],
     "periodic_noise": [{"amplitude": 0}],
     "noise_file": [{"path": "noise.npy", "scale": 0}],
     "noise_3d_source": [{}, {"sigma_v": 0, "longest_period_s": 1e-9}],
@@ -193,6 +195,11 @@ SETTINGS: dict[str, list[dict[str, Any]]] = {
         {"efficiency": 0.5, "detectors_per_line": 1000000},
         {"efficiency": 0.9, "model": "published", "nyquist": "detector"},
         {"efficiency": 0.9, "model": "leading"},
+    ],
+    "tdi_mtf": [
+        {"phases": 0, "velocity_mismatch_percent": 30, "direction": "x"},
+        {"stages": 10000, "phases": 100, "velocity_mismatch_percent": 1000},
+        {"stages": 2, "phases": 1, "velocity_mismatch_percent": -99},
     ],
     "electronics_noise": [
         {**SCAN, "use_mtf": True},

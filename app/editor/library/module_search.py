@@ -16,6 +16,7 @@ _ALSO: Mapping[str, str] = MappingProxyType(
         "poisson_noise": "photon shot noise",
         "periodic_noise": "banding striping coherent",
         "line_of_sight": "LOS PSD power spectral density stabilization pointing drift",
+        "tdi_mtf": "time delay integration clock smear",
         "focal_plane": "FPA camera electrons QE well ADC NETD NEI PRNU DSNU dark current TDI",
         "noise_3d_source": "1/f flicker NVESD",
         "electronics_noise": "banding striping fixed pattern FPN NUC ADC",

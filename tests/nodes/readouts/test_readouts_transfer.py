@@ -286,6 +286,13 @@ def test_readouts_of_photon_noise(tmp_path):
 
 
 def test_every_module_of_blur_has_its_row():
-    apart = {"exit_pupil", "exit_pupil_mtf", "poisson_noise", "focal_plane", "line_of_sight"}
+    apart = {
+        "exit_pupil",
+        "exit_pupil_mtf",
+        "poisson_noise",
+        "focal_plane",
+        "line_of_sight",
+        "tdi_mtf",
+    }
     groups = ("Optics", "Motion", "Detector", "Atmosphere")
     assert {key for key, _, _ in CASES} | apart == with_readouts(*groups)

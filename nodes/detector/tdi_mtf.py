@@ -1,0 +1,120 @@
+"""TDI MTF: charge that is clocked along with a moving image."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from core.chain.wires import Context, Magnitude
+from core.modules.caution import Caution
+from core.modules.declaration import NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.physics.detector.tdi_motion import smear_mrad, tdi_mtf
+from core.physics.sampling.detector_sampling import ifov_mrad
+from nodes.shared.context_defaults import given
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import MtfModule, MtfOutputs
+from nodes.shared.shared_warnings import apart_caution, first
+
+
+class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
+    """Blur of time delay and integration: charge moves in steps, and not as fast as the image.
+
+    sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)), about the exposure's middle: m the velocity of
+    the image over that of the charge less 1, s the pitch over `phases`, N = stages·phases. It takes
+    the place of Alongtrack MTF, whose smear within a stage is the step s here. `phases` of 0 stands
+    for charge that moves without steps. Empty parameters are those of Init & Trans. Source: Wong,
+    Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
+    """
+
+    stages: Annotated[
+        int, Param("stages that add their charge", low=1, high=10000, slider=(1, 128))
+    ] = 64
+    phases: Annotated[
+        int,
+        Param("clock phases of a stage, steps of the charge; 0: no steps", low=0, high=100,
+              slider=(0, 8)),
+    ] = 4  # fmt: skip
+    velocity_mismatch_percent: Annotated[
+        float,
+        Param("how much faster the image is than the charge", unit="%", low=-99, high=1000,
+              slider=(-5, 5)),
+    ] = 0.0  # fmt: skip
+    direction: Annotated[
+        Literal["y", "x"], Param("axis of the motion: along (y) or across (x)")
+    ] = "y"
+    detector_um: Annotated[
+        float | None,
+        Param("pitch of the stages; empty: the detector's along the motion", unit="µm", low=0,
+              slider=(1, 100)),
+    ] = None  # fmt: skip
+    focal_length_mm: Annotated[
+        float | None, Param("effective focal length", unit="mm", low=0, slider=(10, 10000))
+    ] = None
+
+    panel = (
+        Section("", ("apply",)),
+        Section("Clock", ("stages", "phases", "velocity_mismatch_percent")),
+        Section("Stages", ("direction", "detector_um", "focal_length_mm")),
+    )
+
+    def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
+        """Plan the blur along the motion."""
+        if not self.phases and not self.velocity_mismatch_percent:
+            return self.mtf_outputs(magnitude)
+        how = self._how(context)
+        along = how if self.direction == "y" else None
+        across = how if self.direction == "x" else None
+        factors = separable(tdi_mtf, x=across, y=along, label=self.title, node=here.node)
+        return self.mtf_outputs(magnitude, *factors)
+
+    def _how(self, context: Context) -> dict[str, Any]:
+        name = f"detector_{self.direction}_um"
+        own = {"detector_y_um": self.detector_um, "detector_x_um": self.detector_um}
+        return {
+            "pitch_mrad": ifov_mrad(
+                pitch_um=given(name, own[name], context, unit="µm"),
+                focal_length_mm=given("focal_length_mm", self.focal_length_mm, context, unit="mm"),
+            ),
+            "stages": self.stages,
+            "phases": self.phases,
+            "velocity_mismatch": self.velocity_mismatch_percent / 100.0,
+        }
+
+    @warning
+    def geometry(self, context: Context) -> Caution | None:
+        """A pitch or focal length that is not the one of Init & Trans."""
+        pitch = getattr(context, f"detector_{self.direction}_um")
+        where = "on Init & Trans, which the electronics go by"
+        return first(
+            apart_caution("detector_um", self.detector_um, pitch, unit="µm", where=where),
+            apart_caution(
+                "focal_length_mm",
+                self.focal_length_mm,
+                context.focal_length_mm,
+                unit="mm",
+                where=where,
+            ),
+        )
+
+    @warning
+    def apart(self) -> Caution | None:
+        """Image and charge that part by more than two pixels."""
+        pixels = abs(self.stages * self.velocity_mismatch_percent / 100.0)
+        if pixels <= 2.0:
+            return None
+        return Caution(
+            f"over {self.stages} stages a mismatch of {self.velocity_mismatch_percent:g} % moves "
+            f"the image {pixels:.3g} pixels from its charge",
+            "lower velocity_mismatch_percent or stages: at Nyquist's frequency nothing is left",
+        )
+
+    @readout("mrad")
+    def step_mrad(self, context: Context) -> float:
+        """Smear of the image while the charge stands, one step of it."""
+        return smear_mrad(**self._how(context))[0]
+
+    @readout("mrad")
+    def drift_mrad(self, context: Context) -> float:
+        """How far image and charge part over all stages."""
+        return smear_mrad(**self._how(context))[1]

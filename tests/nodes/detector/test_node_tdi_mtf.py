@@ -1,0 +1,73 @@
+"""TDI MTF: a picture against the mean of its shifted exposures."""
+
+import numpy as np
+import pytest
+
+from node_bench import NodeBench
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+SIZE, FOV = 60, 3.43774677  # degrees: 1 mrad a sample
+INIT = {"edges": "periodic", "detector_y_um": 400, "detector_x_um": 200, "focal_length_mm": 100}
+
+
+def bench_of(folder, params, init=INIT):
+    scene = {"kind": "siemens_star", "width": SIZE, "height": SIZE, "fov_x_deg": FOV,
+             "fov_y_deg": FOV}  # fmt: skip
+    nodes = {"scene": ("test_scene", scene), "init": ("init_trans", init),
+             "tdi": ("tdi_mtf", params), "back": ("back_transform", {})}  # fmt: skip
+    links = [
+        ("scene.image", "init.image"), ("init.context", "tdi.context"),
+        ("init.magnitude", "tdi.magnitude"), ("tdi.magnitude", "back.magnitude"),
+        ("init.phase", "back.phase"),
+    ]  # fmt: skip
+    return NodeBench(LIBRARY, folder, nodes, links)
+
+
+@pytest.mark.parametrize(("direction", "pitch"), [("y", 4.0), ("x", 2.0)])
+def test_the_picture_is_the_mean_of_shifted_exposures(tmp_path, direction, pitch):
+    """Each instant's picture moved by where the image is ahead of its charge, then averaged."""
+    params = {"stages": 6, "phases": 2, "velocity_mismatch_percent": 5.0, "direction": direction}
+    bench = bench_of(tmp_path, params)
+    scene, found = bench.value("scene.image"), bench.value("back.image")
+    spectrum = np.fft.fft2(scene)
+    # Nyquist's wave has no place to move to: it is the same either way.
+    frequency = np.fft.fftfreq(SIZE)
+    frequency = frequency[:, np.newaxis] if direction == "y" else frequency
+    instants, expected = 200, np.zeros_like(scene)
+    steps = np.arange(12)[:, np.newaxis]
+    shares = (np.arange(instants) + 0.5) / instants
+    ahead = ((1.05 * (steps + shares) - steps) * pitch / 2).ravel()
+    ahead -= 0.5 * (ahead[0] + ahead[-1])
+    for shift in ahead:
+        expected += np.fft.ifft2(spectrum * np.exp(-2j * np.pi * frequency * shift)).real
+    expected /= len(ahead)
+    np.testing.assert_allclose(found, expected, atol=2e-5 * np.ptp(scene))
+
+
+def test_figures(tmp_path):
+    params = {"stages": 10, "phases": 4, "velocity_mismatch_percent": -7.0, "detector_um": 300,
+              "focal_length_mm": 150}  # fmt: skip
+    found = bench_of(tmp_path, params).readouts("tdi")
+    assert found["step_mrad"] == pytest.approx(0.93 * 2.0 / 4)
+    assert found["drift_mrad"] == pytest.approx(-1.4)
+    assert found["mtf_at_nyquist_x"] == 1.0
+    # sin(πNx)/(N·sin(πx)) with N = 40 and x = −0.07·0.5·0.5.
+    shifts = np.sin(40 * np.pi * -0.0175) / (40 * np.sin(np.pi * -0.0175))
+    assert found["mtf_at_nyquist_y"] == pytest.approx(np.sinc(0.93 * 0.5 * 0.5) * shifts, rel=1e-6)
+
+
+def test_the_pitch_of_init_and_trans(tmp_path):
+    assert bench_of(tmp_path, {"phases": 1}).readouts("tdi")["step_mrad"] == pytest.approx(4.0)
+    error = str(bench_of(tmp_path, {}, {"focal_length_mm": 100}).error("tdi"))
+    assert "detector_y_um" in error
+
+
+def test_warnings(tmp_path):
+    def found(params):
+        bench = bench_of(tmp_path, params)
+        return [caution.message for caution in bench.plan.checks() if caution.node == "tdi"]
+
+    assert not found({"stages": 100, "velocity_mismatch_percent": 2.0})
+    assert "pixels from its charge" in found({"stages": 100, "velocity_mismatch_percent": 2.1})[0]
+    assert "detector_um" in found({"detector_um": 8.0})[0]
