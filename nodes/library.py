@@ -20,6 +20,7 @@ from nodes.detector.charge_eff_mtf import ChargeEffMTF
 from nodes.detector.charge_eff_phase import ChargeEffPhase
 from nodes.detector.detector_mtf import DetectorMTF
 from nodes.detector.focal_plane import FocalPlane
+from nodes.detector.nuc import Nuc
 from nodes.detector.tdi_mtf import TdiMTF
 from nodes.electronics.electronics_noise import ElectronicsNoise
 from nodes.electronics.noise_3d_source import Noise3DSource
@@ -83,6 +84,7 @@ MODULES: tuple[type[Module], ...] = (
     ChargeEffPhase,
     TdiMTF,
     FocalPlane,
+    Nuc,
     ElectronicsNoise,
     PeriodicNoise,
     NoiseFile,

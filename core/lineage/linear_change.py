@@ -84,6 +84,10 @@ class Linear:
         """Power of a noise behind it."""
         return power
 
+    def keeps(self, *, temporal: bool) -> bool:
+        """Whether noise of this kind goes on at all."""
+        return True
+
     def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
         """A row behind it, or a column (axis y), of a picture whose rows, or columns, are alike.
 

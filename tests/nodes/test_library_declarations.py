@@ -22,6 +22,7 @@ PURE_NUMBERS = {
     "tdi_stages", "frames_averaged", "quantum_efficiency", "cold_shield_efficiency",
     "obscuration_ratio", "emissivity",
     "stages", "phases",
+    "stages", "phases", "reference_frames",
     "sigma_tvh", "sigma_tv", "sigma_th", "sigma_t", "sigma_vh", "sigma_v", "sigma_h",
 }  # fmt: skip
 # Numbers of either sign without a natural limit.

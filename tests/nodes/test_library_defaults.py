@@ -81,6 +81,10 @@ RECORDED = {
         "rule_07": False, "nonlinearity_percent": 0.0, "read_noise_e": 0.0, "prnu_percent": 0.0,
         "dsnu_e": 0.0, "bad_pixel_percent": 0.0, "bits": 0, "offset_dn": 0.0, "units": "dn",
     },
+    "nuc": {
+        **SEED, "method": "two_point", "low_K": 290.0, "high_K": 310.0, "reference_frames": 16,
+        "drift_K": 0.0,
+    },
     "electronics_noise": {
         **SEED, "region": "VIS", "material": "HgCdTe", "optics_transmission": 1.0,
         "filter_transmission": 1.0, "snr_reference": "mean", "gain_percent": 0.0,

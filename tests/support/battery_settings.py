@@ -51,6 +51,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
         "prnu_percent": 1, "dsnu_e": 200, "nonlinearity_percent": 1, "bad_pixel_percent": 3,
         "bits": 12, "offset_dn": 10,
     },
+    "nuc": {},
     "electronics_noise": {
         "region": "LWIR", "scan_mirror_rate_Hz": 1, "amplifier_snr": 30, "gain_percent": 1,
         "bias_percent": 1, "noise_variability_percent": 10, "use_mtf": True,
@@ -99,6 +100,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "charge_eff_mtf": [{"efficiency": 1}, {"detectors_per_line": 0}],
     "charge_eff_phase": [{"efficiency": 1}, {"detectors_per_line": 0, "model": "published"}],
     "tdi_mtf": [{"phases": 0}, {"phases": 0, "stages": 9, "direction": "x"}],
+    "nuc": [{}, {"method": "none", "low_K": 400}],
     "periodic_noise": [{"amplitude": 0}],
     "noise_file": [{"path": "noise.npy", "scale": 0}],
     "noise_3d_source": [{}, {"sigma_v": 0, "longest_period_s": 1e-9}],

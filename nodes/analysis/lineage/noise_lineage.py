@@ -234,7 +234,11 @@ class _Follow:
 
     def _changed(self, change: Linear, noises: list[Noise]) -> list[Noise]:
         """The noises behind a linear change."""
-        return [replace(noise, power=change.noise(self._work, noise.power)) for noise in noises]
+        return [
+            replace(noise, power=change.noise(self._work, noise.power))
+            for noise in noises
+            if change.keeps(temporal=noise.temporal)
+        ]
 
     def _lost(self, recipe: Recipe) -> list[Noise]:
         """Nothing is known to come through; reported only where there was noise to be followed."""

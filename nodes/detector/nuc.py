@@ -1,0 +1,328 @@
+"""Non-Uniformity Correction: a camera's fixed pattern taken out by uniform references."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.results import TableData, TableRow
+from core.chain.wires import Image, Table
+from core.errors import DataError, ParameterError
+from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.work import Work
+from core.lineage.linear_change import Linear
+from core.lineage.step_lineage import picture_step
+from core.lineage.step_noise import AtStep, Noise
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.noise.noise_power import NoisePower
+from core.physics.detector.nonuniformity import (
+    LEAST_RESPONSE,
+    one_point_offset,
+    two_point_gain,
+    two_point_offset,
+)
+from core.physics.radiometry.planck import band_radiance
+from nodes.detector.reference_frames import MeanFrame, of_uniform, seen_by_camera
+from nodes.input_output.examine_image import figure
+from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
+from nodes.shared.unit_deviates import unit_deviates
+
+Array = NDArray[Any]
+
+
+class CorrectedOutputs(NamedTuple):
+    """The corrected picture, the maps that correct it, and figures."""
+
+    image: Image
+    gain: Image
+    offset: Image
+    table: Table
+
+
+def _figure(name: str, meaning: str) -> Callable[..., Step]:
+    """A read-out that is one figure of the table, in the picture's unit."""
+
+    def method(self: Module, outputs: CorrectedOutputs) -> Step:
+        return Step.of(figure, outputs.table.recipe, name=name)
+
+    method.__doc__ = meaning
+    return readout(name=name)(method)
+
+
+class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Detector"):
+    """Even out a camera's pixels, by what they give of uniform references at one or two heats.
+
+    It stands behind the camera's modules. What these give of a black body that fills the view, in
+    the place of what enters the first that adds noise, is averaged over `reference_frames` frames
+    of their own noise, once for all frames. `one_point`: the pattern at `low_K` is subtracted; what
+    is left grows with the distance from it as the gains differ. `two_point`: gains and offsets are
+    those of a straight line through both references; what is left is the noise of their means, and
+    what a bent response leaves. `drift_K` adds the offsets that have come since, as the rms among
+    pixels in kelvin of the scene. A pixel of less than a tenth of the mean response keeps its
+    gain. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+    """
+
+    method: Annotated[
+        Literal["none", "one_point", "two_point"], Param("references: none, one or two")
+    ] = "two_point"
+    low_K: Annotated[
+        float,
+        Param("temperature of the reference, of the cooler one", unit="K", low=1, high=1e4,
+              slider=(260, 340)),
+    ] = 290.0  # fmt: skip
+    high_K: Annotated[
+        float,
+        Param("temperature of the warmer reference", unit="K", low=1, high=1e4, slider=(260, 340)),
+    ] = 310.0
+    reference_frames: Annotated[
+        int, Param("frames of a reference that are averaged", low=1, high=100000, slider=(1, 64))
+    ] = 16
+    drift_K: Annotated[
+        float,
+        Param("rms among pixels of the offset that has come since, as scene temperature",
+              unit="K", low=0, high=1e4, slider=(0, 1)),
+    ] = 0.0  # fmt: skip
+
+    panel = (
+        Section("", ("method",)),
+        Section(
+            "References",
+            ("low_K", "high_K", "reference_frames"),
+            shown_when=("method", ("one_point", "two_point")),
+        ),
+        Section("Since then", ("drift_K",), shown_when=("method", ("one_point", "two_point"))),
+        *SEED_SECTIONS,
+    )
+
+    def check(self) -> None:
+        """Refuse references in the wrong order."""
+        if self.method != "none" and self.high_K <= self.low_K:
+            raise ParameterError("high_K", self.high_K, f"above low_K = {self.low_K:g}", unit="K")
+
+    def run(self, image: Image, here: NodeContext) -> CorrectedOutputs:
+        """Plan the references, the maps and the correction."""
+        node = here.node
+        seen = seen_by_camera(image.recipe)
+        if self.method == "none" or seen is None:
+            gain, offset = (
+                Step.of(constant, shape=image.shape, value=value, node=node) for value in (1.0, 0.0)
+            )
+            table = Table(Step.of(no_figures, node=node))
+            return CorrectedOutputs(
+                image, image.with_recipe(gain, unit=""), image.with_recipe(offset), table
+            )
+        band = image.band_um
+        if band is None:
+            raise DataError(
+                "the radiance of references needs the picture's band: give it where it is read"
+            )
+        low, high = (
+            MeanFrame(
+                of_uniform(
+                    image.recipe,
+                    seen,
+                    radiance=float(
+                        band_radiance(cut_on_um=band[0], cut_off_um=band[1], temperature_K=kelvin)
+                    ),
+                    node=node,
+                ),
+                first,
+                self.reference_frames,
+                node=node,
+            )
+            for kelvin, first in (
+                (self.low_K, -self.reference_frames),
+                (self.high_K, -2 * self.reference_frames),
+            )
+        )
+        two = self.method == "two_point"
+        gain = (
+            Step.of(gain_map, low, high, node=node)
+            if two
+            else Step.of(constant, shape=image.shape, value=1.0, node=node)
+        )
+        offset = Step.of(offset_map, low, gain, node=node, two=two)
+        if self.drift_K:
+            stream = self.stream(here, "drift", fixed=True)
+            deviates = Step.of(unit_deviates, node=node, stream=stream, shape=image.shape)
+            offset = Step.of(
+                drifted, offset, low, high, deviates, node=node, share=self._drift_share()
+            )
+        made = Step.of(
+            corrected,
+            image.recipe,
+            gain,
+            offset,
+            low,
+            high,
+            node=node,
+            two=two,
+            frames=self.reference_frames,
+            drift_share=self._drift_share(),
+        )
+        kelvin = self.high_K - self.low_K
+        return CorrectedOutputs(
+            image.with_recipe(made),
+            image.with_recipe(gain, unit=""),
+            image.with_recipe(offset),
+            Table(Step.of(figures, low, high, node=node, kelvin=kelvin, unit=image.unit)),
+        )
+
+    def _drift_share(self) -> float:
+        """The drift as a share of the difference of both references."""
+        return self.drift_K / (self.high_K - self.low_K)
+
+    @warning
+    def nothing(self, image: Image) -> Caution | None:
+        """A picture that no camera has added a pattern to."""
+        if self.method == "none" or seen_by_camera(image.recipe) is not None:
+            return None
+        return Caution(
+            "nothing before this node adds noise to samples: there is nothing to correct",
+            "put it behind the camera's modules, such as Focal Plane",
+        )
+
+    pattern_low = _figure("pattern_low", "Spread of pixels on the cooler reference, uncorrected.")
+    pattern_high = _figure("pattern_high", "Spread of pixels on the warmer reference, uncorrected.")
+    response_per_kelvin = _figure("response_per_kelvin", "Mean response between the references.")
+    weak_pixels = _figure("weak_pixels", "Pixels of too little response to be corrected.")
+
+
+@ends_lineage
+def constant(work: Work, *, shape: tuple[int, int], value: float) -> Array:
+    """A map of one value."""
+    return np.full(shape, value, work.policy.dtype)
+
+
+@ends_lineage
+def gain_map(work: Work, low: Array, high: Array) -> Array:
+    """Factors of a correction by two references."""
+    return two_point_gain(low=low, high=high).astype(work.policy.dtype)
+
+
+@ends_lineage
+def offset_map(work: Work, low: Array, gain: Array, *, two: bool) -> Array:
+    """What is added behind the factors."""
+    if two:
+        return two_point_offset(low=low, gain=gain).astype(work.policy.dtype)
+    return one_point_offset(low=low).astype(work.policy.dtype)
+
+
+@ends_lineage
+def drifted(
+    work: Work, offset: Array, low: Array, high: Array, deviates: Array, *, share: float
+) -> Array:
+    """Offsets that have changed since the references were seen."""
+    size = share * float(np.mean(high) - np.mean(low))
+    return np.asarray(offset + deviates * deviates.dtype.type(size))
+
+
+@ends_lineage
+def figures(work: Work, low: Array, high: Array, *, kelvin: float, unit: str) -> TableData:
+    """What the references show of the camera before its correction."""
+    rise = float(np.mean(high) - np.mean(low))
+    weak = np.count_nonzero(~((high - low) > LEAST_RESPONSE * rise))
+    rows = (
+        ("pattern_low", float(np.std(low)), unit, "spread of pixels on the cooler reference"),
+        ("pattern_high", float(np.std(high)), unit, "spread of pixels on the warmer reference"),
+        ("response_per_kelvin", rise / kelvin, f"{unit}/K", "mean response between them"),
+        ("weak_pixels", int(weak), "", "pixels of too little response to be corrected"),
+    )
+    return TableData(tuple(TableRow(*row) for row in rows))
+
+
+@ends_lineage
+def no_figures(work: Work) -> TableData:
+    """Nothing is known without references."""
+    names = ("pattern_low", "pattern_high", "response_per_kelvin", "weak_pixels")
+    return TableData(tuple(TableRow(name, None, "", "no reference is seen") for name in names))
+
+
+@dataclass(frozen=True)
+class PatternTakenOut(Linear):
+    """Fixed patterns end here; what is left of them the step adds itself."""
+
+    def keeps(self, *, temporal: bool) -> bool:
+        """Temporal noise alone."""
+        return temporal
+
+
+def _taken_out(picture: Recipe, *_: Recipe, **how: Any) -> Linear:
+    return PatternTakenOut()
+
+
+def _left(
+    at: AtStep,
+    picture: Recipe,
+    gain: Recipe,
+    offset: Recipe,
+    low: Recipe,
+    high: Recipe,
+    *,
+    two: bool,
+    frames: int,
+    drift_share: float,
+) -> list[Noise]:
+    """What the pattern on a straight line through both references leaves, and their noise."""
+    cool, warm = (np.asarray(at.work.value(one), np.float64) for one in (low, high))
+    start, rise = float(cool.mean()), float(warm.mean() - cool.mean())
+    noises = []
+    if rise:
+        # As corrected: a pattern is no distance from the reference.
+        seen, factor, added = (at.work.value(one) for one in (picture, gain, offset))
+        samples = np.asarray(seen * factor + added, np.float64)
+        place = (np.float64(samples.mean()) if at.uniform else samples) - start
+        place = np.broadcast_to(place / rise, samples.shape)
+        of_mean = (
+            sum(noise.power.moments().sample for noise in at.before if noise.temporal) / frames
+        )
+        if two:
+            noises.append(
+                at.white("references", of_mean * ((1.0 - place) ** 2 + place**2), temporal=False)
+            )
+        else:
+            noises.append(at.white("reference", of_mean, temporal=False))
+            differing = place * ((warm - cool) - rise)
+            shown = NoisePower.of_pattern(differing)
+            # The references' own noise is no difference of gains.
+            whole = shown.moments().sample
+            known = max(whole - 2.0 * of_mean * float(np.mean(place**2)), 0.0)
+            power = shown.scaled((known / whole) ** 0.5) if whole else shown
+            noises.append(at.coloured("gain", power, temporal=False))
+    if drift_share:
+        noises.append(at.white("drift", (drift_share * rise) ** 2, temporal=False))
+    return noises
+
+
+def _uncorrected(picture: Recipe, *_: Recipe, **how: Any) -> Recipe:
+    return picture
+
+
+@picture_step(
+    linear=_taken_out,
+    noise=_left,
+    looks_at=("picture", "gain", "offset", "low", "high"),
+    noise_free=_uncorrected,
+)
+@pointwise
+def corrected(
+    work: Work,
+    picture: Array,
+    gain: Array,
+    offset: Array,
+    low: Array,
+    high: Array,
+    *,
+    two: bool,
+    frames: int,
+    drift_share: float,
+) -> Array:
+    """Each sample by its own gain and offset."""
+    return np.asarray(picture * gain + offset, work.policy.dtype)

@@ -1,0 +1,86 @@
+"""What a camera gives of a uniform reference: its own recipe, with the scene replaced."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.frame_sequence import Remaking, at_frame
+from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.work import Work
+from core.lineage.step_lineage import Lineage, lineage_of
+
+Array = NDArray[Any]
+
+
+def seen_by_camera(picture: Recipe) -> Recipe | None:
+    """The picture that enters the first node that adds noise to samples; None without one.
+
+    Samples begin behind the transform that the optics' picture comes from, if there is one.
+    """
+    way = list(_samples(picture))
+    noisy = {step.node for step, lineage in way if lineage.noise is not None}
+    entered = [lineage.picture for step, lineage in way if step.node in noisy]
+    return entered[-1] if entered else None
+
+
+def _samples(recipe: Recipe) -> Iterator[tuple[Recipe, Lineage]]:
+    while isinstance(recipe, Step):
+        lineage = lineage_of(recipe)
+        if lineage is None or lineage.picture is None:
+            return
+        yield recipe, lineage
+        recipe = lineage.picture
+
+
+def of_uniform(picture: Recipe, seen: Recipe, *, radiance: float, node: str) -> Recipe:
+    """The camera's picture of a uniform radiance in the place of what it has seen."""
+    flat = Step.of(uniform_like, seen, radiance=radiance, node=node)
+    return Remaking(lambda part: flat if part.key == seen.key else None).of(picture)
+
+
+@ends_lineage
+def uniform_like(work: Work, picture: Array, *, radiance: float) -> Array:
+    """A uniform picture of the same size."""
+    return np.full(picture.shape, radiance, work.policy.dtype)
+
+
+@dataclass(frozen=True, eq=False)
+class MeanFrame(Recipe):
+    """Mean of several frames, in double. A sequence leaves it as it is: it is taken once.
+
+    Parameters
+    ----------
+    picture : Recipe
+        Frame 0.
+    start, frames : int
+        Number of the first of them, and how many.
+    """
+
+    picture: Recipe
+    start: int
+    frames: int
+    node: str | None = field(default=None, compare=False)
+
+    def _content(self) -> tuple[object, ...]:
+        return self.picture.key, self.start, self.frames
+
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """The first of them."""
+        return (at_frame(self.picture, self.start),)
+
+    def compute(self, work: Work) -> Array:
+        """Take the frames one after the other; none is kept."""
+        numbers = range(self.start, self.start + self.frames)
+        total: Array | None = None
+        for made in work.one_by_one(at_frame(self.picture, number) for number in numbers):
+            work.check()
+            total = np.array(made, np.float64) if total is None else total + made
+        assert total is not None
+        total /= self.frames
+        return total
