@@ -20,6 +20,7 @@ from nodes.detector.charge_eff_mtf import ChargeEffMTF
 from nodes.detector.charge_eff_phase import ChargeEffPhase
 from nodes.detector.detector_mtf import DetectorMTF
 from nodes.detector.focal_plane import FocalPlane
+from nodes.detector.microbolometer import Microbolometer
 from nodes.detector.nuc import Nuc
 from nodes.detector.tdi_mtf import TdiMTF
 from nodes.electronics.electronics_noise import ElectronicsNoise
@@ -84,6 +85,7 @@ MODULES: tuple[type[Module], ...] = (
     ChargeEffPhase,
     TdiMTF,
     FocalPlane,
+    Microbolometer,
     Nuc,
     ElectronicsNoise,
     PeriodicNoise,

@@ -84,9 +84,9 @@ class Linear:
         """Power of a noise behind it."""
         return power
 
-    def keeps(self, *, temporal: bool) -> bool:
-        """Whether noise of this kind goes on at all."""
-        return True
+    def carried(self, work: Work, power: NoisePower, *, temporal: bool) -> NoisePower | None:
+        """The same of one that is new in every frame or stays; None where it ends here."""
+        return self.noise(work, power)
 
     def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
         """A row behind it, or a column (axis y), of a picture whose rows, or columns, are alike.

@@ -249,9 +249,9 @@ def no_figures(work: Work) -> TableData:
 class PatternTakenOut(Linear):
     """Fixed patterns end here; what is left of them the step adds itself."""
 
-    def keeps(self, *, temporal: bool) -> bool:
+    def carried(self, work: Work, power: NoisePower, *, temporal: bool) -> NoisePower | None:
         """Temporal noise alone."""
-        return temporal
+        return power if temporal else None
 
 
 def _taken_out(picture: Recipe, *_: Recipe, **how: Any) -> Linear:

@@ -22,14 +22,13 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.frame_number import FrameNumber
 from core.noise.noise_power import NoisePower
-from core.noise.random_fields import Stream, uniform_field
 from core.physics.noise.flicker_noise import (
     FlickerBand,
     flicker_band,
     flicker_sigma,
-    flicker_wave,
 )
 from core.physics.noise.noise_components import COMPONENTS
+from nodes.shared.flicker_deviates import flicker_deviates
 from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
 from nodes.shared.unit_deviates import unit_deviates
 
@@ -192,37 +191,6 @@ class Noise3DSource(
             band=self._band(),
             frame_s=1.0 / self.frame_rate_Hz,
         )
-
-
-@ends_lineage
-def flicker_deviates(
-    work: Work,
-    *,
-    stream: Stream,
-    number: FrameNumber,
-    shape: tuple[int, int],
-    band: FlickerBand,
-    frame_s: float,
-) -> Array:
-    """1/f noise of variance 1 in a frame; waves are drawn anew, so that none has to be held."""
-
-    def uniform(field: str) -> Array:
-        named = Stream(stream.seed, stream.node, f"{stream.field} {field}", fixed=True)
-        return uniform_field(named, shape, for_each=work.for_each)
-
-    place, total = uniform("place"), np.zeros(shape)
-    for stratum in range(band.strata):
-        work.check()
-        total += flicker_wave(
-            band=band,
-            stratum=stratum,
-            time_s=number.frame * frame_s,
-            place=place,
-            level=uniform(f"{stratum} level"),
-            phase=uniform(f"{stratum} phase"),
-        )
-    total /= band.strata**0.5
-    return total.astype(work.policy.dtype)
 
 
 def _summed_part(

@@ -81,6 +81,11 @@ RECORDED = {
         "rule_07": False, "nonlinearity_percent": 0.0, "read_noise_e": 0.0, "prnu_percent": 0.0,
         "dsnu_e": 0.0, "bad_pixel_percent": 0.0, "bits": 0, "offset_dn": 0.0, "units": "dn",
     },
+    "microbolometer": {
+        **SEED, "netd_mK": 50.0, "reference_f_number": 1.0, "reference_K": 300.0,
+        "optics_transmission": 1.0, "time_constant_s": 0.01, "frame_rate_Hz": 30.0,
+        "corner_Hz": 0.0, "longest_period_s": 60.0, "response_percent": 0.0, "offset_mK": 0.0,
+    },
     "nuc": {
         **SEED, "method": "two_point", "low_K": 290.0, "high_K": 310.0, "reference_frames": 16,
         "drift_K": 0.0,

@@ -51,6 +51,10 @@ EXAMPLES: dict[str, dict[str, Any]] = {
         "prnu_percent": 1, "dsnu_e": 200, "nonlinearity_percent": 1, "bad_pixel_percent": 3,
         "bits": 12, "offset_dn": 10,
     },
+    "microbolometer": {
+        "netd_mK": 80, "corner_Hz": 2, "longest_period_s": 5, "response_percent": 2,
+        "offset_mK": 300,
+    },
     "nuc": {},
     "electronics_noise": {
         "region": "LWIR", "scan_mirror_rate_Hz": 1, "amplifier_snr": 30, "gain_percent": 1,
@@ -109,6 +113,7 @@ NEVER_NEUTRAL = {
     "detector_mtf": "a detector always has an area",
     "electronics_noise": "a detector always has noise",
     "diffraction_mtf": "an aperture always diffracts",
+    "microbolometer": "a bolometer always has noise",
     "focal_plane": "photons come one by one",
     "compare_images": "what it gives is a difference",
     "to_radiance": "radiance is no temperature",

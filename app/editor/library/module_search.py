@@ -19,6 +19,7 @@ _ALSO: Mapping[str, str] = MappingProxyType(
         "tdi_mtf": "time delay integration clock smear",
         "focal_plane": "FPA camera electrons QE well ADC NETD NEI PRNU DSNU dark current TDI",
         "noise_3d_source": "1/f flicker NVESD",
+        "microbolometer": "uncooled LWIR thermal detector VOx",
         "nuc": "FPN shutter flat field calibration gain offset",
         "electronics_noise": "banding striping fixed pattern FPN NUC ADC",
         "mtf_slices": "OTF plot",

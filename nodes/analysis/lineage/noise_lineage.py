@@ -233,12 +233,12 @@ class _Follow:
         return self._changed(lineage.linear, before)
 
     def _changed(self, change: Linear, noises: list[Noise]) -> list[Noise]:
-        """The noises behind a linear change."""
-        return [
-            replace(noise, power=change.noise(self._work, noise.power))
+        """The noises behind a linear change; those that end there are left out."""
+        carried = (
+            (noise, change.carried(self._work, noise.power, temporal=noise.temporal))
             for noise in noises
-            if change.keeps(temporal=noise.temporal)
-        ]
+        )
+        return [replace(noise, power=power) for noise, power in carried if power is not None]
 
     def _lost(self, recipe: Recipe) -> list[Noise]:
         """Nothing is known to come through; reported only where there was noise to be followed."""

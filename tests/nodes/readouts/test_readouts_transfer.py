@@ -294,6 +294,7 @@ def test_every_module_of_blur_has_its_row():
         "line_of_sight",
         "tdi_mtf",
         "nuc",
+        "microbolometer",
     }
     groups = ("Optics", "Motion", "Detector", "Atmosphere")
     assert {key for key, _, _ in CASES} | apart == with_readouts(*groups)

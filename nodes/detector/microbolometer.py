@@ -1,0 +1,335 @@
+"""Microbolometer: an uncooled detector by its data sheet's NETD and thermal time constant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, NamedTuple
+
+from core.chain.frame_sequence import at_frame
+from core.chain.wires import Context, Image, Table, Transfer
+from core.errors import ParameterError
+from core.evaluation.recipes import Recipe, Step
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.noise.frame_number import FrameNumber
+from core.physics.detector.bolometer import lag_weights, netd_noise_radiance, share_kept
+from core.physics.electronics.filters import lowpass_mtf, lowpass_ptf
+from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_sigma
+from core.physics.radiometry.planck import band_radiance_derivative
+from core.transfer.factors import Separable
+from nodes.detector import microbolometer_steps as steps
+from nodes.input_output.examine_image import figure
+from nodes.shared.context_defaults import given, given_band, with_interval
+from nodes.shared.factor_helpers import separable
+from nodes.shared.flicker_deviates import flicker_deviates
+from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
+from nodes.shared.shared_warnings import apart_caution, band_caution, unit_caution
+from nodes.shared.unit_deviates import unit_deviates
+
+_MOST_FRAMES = 64
+
+
+class BolometerOutputs(NamedTuple):
+    """The picture, its noise, the lag along a scan, and figures."""
+
+    image: Image
+    noise: Image
+    mtf: Transfer
+    ptf: Transfer
+    table: Table
+
+
+def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
+    """A read-out that is one figure of the table."""
+
+    def method(self: Module, outputs: BolometerOutputs) -> Step:
+        return Step.of(figure, outputs.table.recipe, name=name)
+
+    method.__doc__ = meaning
+    return readout(unit, name=name)(method)
+
+
+class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer", group="Detector"):
+    """Add an uncooled detector's noise by its data sheet, and the lag of its heat capacity.
+
+    Noise as radiance of the scene is NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ·√(t₀/t), with
+    the data sheet's F₀ (1), background and, where both are given, integration time t₀; a
+    bolometer's noise is its own, so that the NETD at another background goes as 1/(dL/dT). From
+    frame to frame exp(−1/(rate·time constant)) of a change is left: where frames differ, each
+    shows those before it too. With a scan velocity on Init & Trans the lag is a low-pass along the
+    lines, 1/(1 + 2πi·τ·v·ξ). 1/f noise equals the white one at `corner_Hz`. Unlike responses and
+    offsets of pixels are the same in every frame; Non-Uniformity Correction takes them out.
+    Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22.
+    """
+
+    netd_mK: Annotated[
+        float, Param("NETD of the data sheet", unit="mK", low=0, high=1e6, slider=(0, 200))
+    ] = 50.0
+    reference_f_number: Annotated[
+        float, Param("F-number of that NETD", low=0.1, high=1000, slider=(0.5, 4))
+    ] = 1.0
+    reference_K: Annotated[
+        float,
+        Param("background of that NETD", unit="K", low=1, high=1e4, slider=(250, 350)),
+    ] = 300.0
+    reference_integration_time_s: Annotated[
+        float | None,
+        Param("integration time of that NETD; empty: the camera's", unit="s", low=0, high=1e3),
+    ] = None
+    f_number: Annotated[
+        float | None,
+        Param("F-number of the camera; empty: of Init & Trans", low=0.1, high=1000,
+              slider=(0.5, 4)),
+    ] = None  # fmt: skip
+    optics_transmission: Annotated[
+        float, Param("transmission of the optics", low=0, high=1, above=True)
+    ] = 1.0
+    integration_time_s: Annotated[
+        float | None,
+        Param("integration time of the camera; empty: the data sheet's", unit="s", low=0, high=1e3),
+    ] = None
+    cut_on_um: Annotated[
+        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
+    ] = None
+    cut_off_um: Annotated[
+        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
+    ] = None
+    time_constant_s: Annotated[
+        float, Param("thermal time constant", unit="s", low=0, high=1e3, slider=(0, 0.03))
+    ] = 0.01
+    frame_rate_Hz: Annotated[
+        float, Param("frame rate", unit="Hz", low=1e-6, high=1e9, slider=(1, 120))
+    ] = 30.0
+    corner_Hz: Annotated[
+        float,
+        Param("where 1/f noise equals the white; 0: none", unit="Hz", low=0, high=1e9,
+              slider=(0, 10)),
+    ] = 0.0  # fmt: skip
+    longest_period_s: Annotated[
+        float,
+        Param("slowest 1/f noise: time since the last correction", unit="s", low=1e-9, high=1e9,
+              slider=(1, 3600)),
+    ] = 60.0  # fmt: skip
+    response_percent: Annotated[
+        float,
+        Param("spread of the response among pixels", unit="%", low=0, high=100, slider=(0, 10)),
+    ] = 0.0
+    offset_mK: Annotated[
+        float,
+        Param("spread of the offset among pixels, at the data sheet's background", unit="mK",
+              low=0, high=1e9, slider=(0, 5000)),
+    ] = 0.0  # fmt: skip
+
+    panel = (
+        Section(
+            "Data sheet",
+            ("netd_mK", "reference_f_number", "reference_K", "reference_integration_time_s"),
+        ),
+        Section(
+            "Camera",
+            (
+                "f_number", "optics_transmission", "integration_time_s", "cut_on_um", "cut_off_um",
+            ),
+        ),
+        Section("Heat", ("time_constant_s", "frame_rate_Hz")),
+        Section("1/f noise", ("corner_Hz", "longest_period_s")),
+        Section("Among pixels", ("response_percent", "offset_mK")),
+        *SEED_SECTIONS,
+    )  # fmt: skip
+
+    def check(self) -> None:
+        """Refuse one integration time without the other, and 1/f noise of no frames."""
+        own, other = self.integration_time_s, self.reference_integration_time_s
+        if (own is None) != (other is None):
+            missing = "integration_time_s" if own is None else "reference_integration_time_s"
+            raise ParameterError(
+                missing, None, "a number where the other integration time is given", unit="s"
+            )
+        if self.corner_Hz:
+            self._flicker_band()
+
+    def run(self, image: Image, context: Context, here: NodeContext) -> BolometerOutputs:
+        """Plan the lag, the patterns and the noise."""
+        node = here.node
+        band = given_band(self.cut_on_um, self.cut_off_um, context)
+        white = self._white(context, band)
+        flicker = 0.0
+        if self.corner_Hz:
+            flicker = flicker_sigma(
+                white_sigma=white, corner_Hz=self.corner_Hz, band=self._flicker_band()
+            )
+        grid = with_interval(image, context).grid()
+        factors = self._along_the_scan(context, node)
+        slow = self._lagging(self._scanned(image, context, factors, node), node)
+        made = self._uneven(slow, image, band, here)
+        made = self._noisy(made, image, white, flicker, here)
+        table = Step.of(
+            steps.figures,
+            image.recipe,
+            node=node,
+            band=band,
+            white=white,
+            flicker=flicker,
+            response=self.response_percent / 100.0,
+            offset=self._offset(band),
+            kept=self._kept(),
+        )
+        noise = Step.of(steps.less, made, slow, node=node)
+        mtf, ptf = (tuple(f for f in factors if f.part == part) for part in ("mtf", "ptf"))
+        return BolometerOutputs(
+            image=image.with_recipe(made),
+            noise=image.with_recipe(noise),
+            mtf=Transfer(grid, "mtf", mtf, label=self.title),
+            ptf=Transfer(grid, "ptf", ptf, label=self.title),
+            table=Table(table),
+        )
+
+    def _white(self, context: Context, band: tuple[float, float]) -> float:
+        noise = netd_noise_radiance(
+            netd_K=self.netd_mK / 1000.0,
+            reference_f_number=self.reference_f_number,
+            reference_K=self.reference_K,
+            f_number=given("f_number", self.f_number, context, unit=""),
+            optics_transmission=self.optics_transmission,
+            cut_on_um=band[0],
+            cut_off_um=band[1],
+        )
+        if self.integration_time_s is None or self.reference_integration_time_s is None:
+            return noise
+        return noise * float((self.reference_integration_time_s / self.integration_time_s) ** 0.5)
+
+    def _offset(self, band: tuple[float, float]) -> float:
+        """Spread of the offset as a radiance."""
+        if not self.offset_mK:
+            return 0.0
+        slope = band_radiance_derivative(
+            cut_on_um=band[0], cut_off_um=band[1], temperature_K=self.reference_K
+        )
+        return self.offset_mK / 1000.0 * float(slope)
+
+    def _flicker_band(self) -> FlickerBand:
+        return flicker_band(
+            frame_rate_Hz=self.frame_rate_Hz, longest_period_s=self.longest_period_s
+        )
+
+    def _kept(self) -> float:
+        return share_kept(time_constant_s=self.time_constant_s, frame_rate_Hz=self.frame_rate_Hz)
+
+    def _along_the_scan(self, context: Context, node: str) -> tuple[Separable, ...]:
+        velocity = context.scan_velocity_mrad_per_s
+        if not velocity or not self.time_constant_s:
+            return ()
+        law = {"scan_velocity_mrad_per_s": velocity, "time_constant_s": self.time_constant_s}
+        return (
+            *separable(lowpass_mtf, x=law, label=self.title, node=node),
+            *separable(lowpass_ptf, x=law, part="ptf", label=self.title, node=node),
+        )
+
+    def _scanned(
+        self, image: Image, context: Context, factors: tuple[Separable, ...], node: str
+    ) -> Recipe:
+        if not factors:
+            return image.recipe
+        grid = with_interval(image, context).grid()
+        how = {"factors": factors, "grid": grid, "edges": context.edges}
+        return Step.of(steps.lagged_lines, image.recipe, node=node, **how)
+
+    def _lagging(self, picture: Recipe, node: str) -> Recipe:
+        """With the frames before it, where these are others."""
+        kept = self._kept()
+        if not kept or at_frame(picture, -1).key == picture.key:
+            return picture
+        weights = lag_weights(kept=kept, most=_MOST_FRAMES)
+        before = [at_frame(picture, -age) for age in range(1, len(weights))]
+        return Step.of(steps.lagged_frames, picture, *before, node=node, weights=weights)
+
+    def _uneven(
+        self, picture: Recipe, image: Image, band: tuple[float, float], here: NodeContext
+    ) -> Recipe:
+        fields = [
+            self._deviates(name, image, here, fixed=True)
+            for name, size in (("response", self.response_percent), ("offset", self.offset_mK))
+            if size
+        ]
+        if not fields:
+            return picture
+        return Step.of(
+            steps.with_pattern_of_pixels,
+            picture,
+            *fields,
+            node=here.node,
+            response=self.response_percent / 100.0,
+            offset=self._offset(band),
+        )
+
+    def _noisy(
+        self, picture: Recipe, image: Image, white: float, flicker: float, here: NodeContext
+    ) -> Recipe:
+        fields = [self._deviates("white", image, here)] if white else []
+        if flicker:
+            fields.append(
+                Step.of(
+                    flicker_deviates,
+                    node=here.node,
+                    stream=self.stream(here, "1/f", fixed=True),
+                    number=FrameNumber(),
+                    shape=image.shape,
+                    band=self._flicker_band(),
+                    frame_s=1.0 / self.frame_rate_Hz,
+                )
+            )
+        if not fields:
+            return picture
+        return Step.of(
+            steps.with_temporal_noise,
+            picture,
+            *fields,
+            node=here.node,
+            white=white,
+            flicker=flicker,
+        )
+
+    def _deviates(self, name: str, image: Image, here: NodeContext, *, fixed: bool = False) -> Step:
+        stream = self.stream(here, name, fixed=fixed)
+        return Step.of(unit_deviates, node=here.node, stream=stream, shape=image.shape)
+
+    @warning
+    def unit(self, image: Image) -> Caution | None:
+        """A picture that is no radiance."""
+        return unit_caution(image.unit, meant="a NETD")
+
+    @warning
+    def band(self, image: Image) -> Caution | None:
+        """A band that is not the picture's."""
+        return band_caution(image.band_um, self.cut_on_um, self.cut_off_um)
+
+    @warning
+    def aperture(self, context: Context) -> Caution | None:
+        """An F-number that is not the one of Init & Trans."""
+        return apart_caution(
+            "f_number", self.f_number, context.f_number, unit="", where="on Init & Trans"
+        )
+
+    @warning
+    def settling(self) -> Caution | None:
+        """A lag that reaches further back than the frames that are counted."""
+        kept = self._kept()
+        left = kept ** (_MOST_FRAMES - 1)
+        if left <= 1e-3:
+            return None
+        return Caution(
+            f"after {_MOST_FRAMES - 1} frames {100 * left:.2g} % of a change is left, and earlier "
+            "frames are taken to be like the earliest of these",
+            "lower time_constant_s or frame_rate_Hz, unless that is near enough",
+        )
+
+    netd_figure = _figure("netd_K", "K", "Temporal noise as a temperature difference.")
+    white_netd_figure = _figure("white_netd_K", "K", "White noise as a temperature difference.")
+    flicker_figure = _figure("flicker_K", "K", "1/f noise as a temperature difference.")
+    fixed_figure = _figure("fixed_pattern_K", "K", "Unlike responses and offsets of pixels.")
+    noise_figure = _figure("noise_radiance", "W/m²/sr", "Temporal noise as radiance of the scene.")
+    snr_figure = _figure("snr", "", "Mean over temporal noise.")
+    scene_figure = _figure("scene_K", "K", "Brightness temperature of the mean.")
+    lag_figure = _figure("lag_percent", "%", "Share of a change that is left after a frame.")
