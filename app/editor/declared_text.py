@@ -14,7 +14,7 @@ from core.modules.parameters import Parameter
 
 # Ends of names that are the unit, which stands beside the value.
 _UNITS = re.compile(
-    r"_(um|mm|cm|m|km|s|K|Hz|W|deg|mrad|waves|dB|px|percent|per_km|m_per_s|mrad_per_s|cyc_per_mrad"
+    r"_(um|mm|cm|m|km|s|K|mK|Hz|W|deg|mrad|waves|dB|px|percent|per_km|m_per_s|mrad_per_s|cyc_per_mrad"
     r"|e|e_per_s|e_per_K|e_per_dn|dn|photons_per_cm2)$"
 )
 _WORDS: Mapping[str, str] = MappingProxyType(
@@ -32,6 +32,7 @@ _WORDS: Mapping[str, str] = MappingProxyType(
         "netd": "NETD",
         "nei": "NEI",
         "tdi": "TDI",
+        "psd": "PSD",
         "prnu": "PRNU",
         "dsnu": "DSNU",
         "dn": "DN",

@@ -21,7 +21,7 @@ from core.network.linked_values import following
 from core.network.network import Network
 
 ELECTRONICS = "electronics_noise"
-SENSORS = (ELECTRONICS, "focal_plane")
+SENSORS = (ELECTRONICS, "focal_plane", "microbolometer")
 _PLACES: Mapping[str, tuple[Axis, float, str]] = MappingProxyType(
     {
         "mtf_nyquist_x": ("x", 1.0, "at the Nyquist frequency across"),

@@ -29,6 +29,13 @@ def test_its_figures_are_what_a_trade_off_shows_by_default(camera):
     assert not any(name.startswith("beside.") for name in names)
 
 
+def test_a_bolometer_s_figures_are_shown_by_default():
+    nodes = {"scene": ("test_scene", {}), "init": ("init_trans", {}), "b": ("microbolometer", {})}
+    links = [("scene.image", "init.image"), ("init.context", "b.context")]
+    names = {figure.text for figure in default_figures(linked_network(nodes, links), LIBRARY)}
+    assert {"b.netd_K", "b.snr"} <= names
+
+
 def test_netd_and_snr_come_first(camera):
     known = in_order(figures_of(camera, LIBRARY), camera)
     assert next(iter(known)).startswith("fpa.")
@@ -41,6 +48,7 @@ def test_netd_and_snr_come_first(camera):
         ("full_well_e", "Full well"), ("dark_current_e_per_s", "Dark current"),
         ("gain_e_per_dn", "Gain"), ("tdi_stages", "TDI stages"), ("prnu_percent", "PRNU"),
         ("nei_photons_per_cm2", "NEI"), ("mean_dn", "Mean"), ("netd_K", "NETD"),
+        ("netd_mK", "NETD"), ("psd_path", "PSD path"),
     ],
 )  # fmt: skip
 def test_a_unit_at_the_end_of_a_name_stands_beside_the_value(name, label):

@@ -72,6 +72,38 @@ CASES = {
         ("0.4 µm", "5800 K", "photon_weighting source"),
         {"scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}, "photon_weighting": "source"},
     ),
+    ("microbolometer", "unit"): (
+        {"scene": {"unit": "K"}},
+        ("'K'", "NETD", "W/m²/sr", "Read Image"),
+        {"scene": {"unit": "W/m²/sr"}},
+    ),
+    ("microbolometer", "band"): (
+        {"cut_on_um": 3.0, "cut_off_um": 5.0},
+        ("8 to 12 µm", "3 to 5 µm", "do not overlap"),
+        {"cut_on_um": 8.0, "cut_off_um": 12.0},
+    ),
+    ("microbolometer", "aperture"): ({"f_number": 1.0}, ("f_number", "1", "2"), {"f_number": 2.0}),
+    ("microbolometer", "settling"): (
+        {"time_constant_s": 1.0, "frame_rate_Hz": 30.0},
+        ("63 frames", "12 %"),  # exp(−63/30)
+        {"time_constant_s": 0.1, "frame_rate_Hz": 30.0},
+    ),
+    ("nuc", "nothing"): ({}, ("nothing to correct", "Focal Plane"), {"method": "none"}),
+    ("line_of_sight", "exposure"): (
+        {"rms_x_mrad": 0.1, "integration_time_s": 0.02, "frame_rate_Hz": 100.0},
+        ("0.02 s", "0.01 s", "overlap"),
+        {"rms_x_mrad": 0.1, "integration_time_s": 0.01, "frame_rate_Hz": 100.0},
+    ),
+    ("tdi_mtf", "geometry"): (
+        {"detector_um": 30.0},
+        ("detector_um", "30 µm", "20 µm"),
+        {"detector_um": 20.0},
+    ),
+    ("tdi_mtf", "apart"): (
+        {"stages": 100, "velocity_mismatch_percent": 3.0},
+        ("100 stages", "3 pixels"),
+        {"stages": 100, "velocity_mismatch_percent": -2.0},
+    ),
     ("exit_pupil_mtf", "band"): (
         {"cut_on_um": 4.0, "cut_off_um": 4.0, "size_x_cm": 12.8},
         ("4 µm", "8 to 12 µm"),
@@ -206,6 +238,7 @@ BY_HAND = {  # need what only a file tells
     ("init_trans", "focal_length"),
     ("camera", "focal_length"),
     ("init_trans", "camera"),  # tests/nodes/optics/test_node_camera.py
+    ("noise_3d_source", "few_lines"),
 }
 
 
