@@ -40,7 +40,10 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
 
     `published`: a percentage of the Gaussian-weighted local mean is the mean of a Poisson deviate,
     which is added. `photon`: radiance becomes a number of photons, and a Poisson deviate takes its
-    place. Source: Tantalo 1996, section 4.3.4, after Frieden 1991.
+    place. The way of 1996 has no scale of photons: of a radiance in other units its noise is
+    another share of the picture, and it stands before the optics that would collect the light. The
+    shot noise of a detector is part of Focal Plane. Source: Tantalo 1996, section 4.3.4, after
+    Frieden 1991.
     """
 
     width_px: Annotated[
@@ -99,6 +102,20 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
         if self.mode != "photon" or not is_temperature(image.unit):
             return None
         return unit_caution(image.unit, meant="photons_per_unit")
+
+    @warning
+    def scale(self, image: Image) -> Caution | None:
+        """The way of 1996, whose size depends on the unit of radiance and not on the light."""
+        if self.mode != "published" or self.percent == 0:
+            return None
+        unit = image.unit.strip()
+        named = f", {unit!r:.40}," if unit else ""
+        return Caution(
+            f"Poisson deviates as in 1996 are counted in the picture's unit{named} so that their "
+            "share of the picture depends on it; and they are added before the optics",
+            "well to compare with the thesis; for a camera's shot noise leave this out and take "
+            "focal_plane, which counts electrons at the detector",
+        )
 
     @readout("W/m²/sr")
     def noise_mean(self, outputs: NoiseOutputs) -> Step:

@@ -125,6 +125,11 @@ CASES = {
         ("'K'", "photons_per_unit"),
         {"mode": "photon", "photons_per_unit": 1e3, "scene": {"unit": "DN"}},
     ),
+    ("poisson_noise", "scale"): (
+        {"percent": 2.0},
+        ("'W/m²/sr'", "before the optics", "focal_plane"),
+        {"percent": 0.0},
+    ),
     ("examine_image", "no_temperature"): (
         {"scene": {"unit": "counts"}},
         ("'counts'", "W/m²/sr"),
