@@ -25,7 +25,7 @@ from app.run.png import encode_png, grey_levels, robust_limits
 from app.run.readout_tables import columns, jsonable, readout_rows, warning_lines
 from app.run.responses import mtf_csv
 from app.run.saving import check_suffix, save_value
-from app.run.sequence import MOST_FRAMES, save_frames
+from app.run.sequence import MOST_FRAMES, format_for_frames, save_frames, series_of
 from app.run.shipped import Place, find_network
 from app.run.staging import Staging, check_folder
 from core.atomic import write_bytes, write_text
@@ -44,7 +44,12 @@ from core.names import close, in_line, printable, shown
 from core.network.file import read_network
 from core.network.network import Network
 from core.network.validation import NetworkProblems, check_network, plain_network
-from nodes.files.formats import NPY
+from nodes.files.frames.frame_series import FrameSeries
+from nodes.files.frames.frame_writing import (
+    FrameFormat,
+    header_beside_frames,
+    refuse_without_room,
+)
 from nodes.files.read import check_finite
 from nodes.library import standard_library
 
@@ -199,19 +204,32 @@ def input_files(plan: Plan, folder: Path) -> list[Path]:
 
 def _claim(plan: Plan, options: Options, staging: Staging) -> list[tuple[Path, str, Region | None]]:
     """Reserve early what will be written; gives the ``--save`` files, each with port and region."""
-    saves = []
+    saves, files = [], []
     if options.frames is not None and not 1 <= options.frames <= MOST_FRAMES:
         raise UsageError(f"--frames {options.frames}: give a whole number from 1 to {MOST_FRAMES}")
     for save in options.saves:
         path, value = Path(save.text), _port_value(plan, save.node, save.name)
-        check_suffix(save.port, value, path)
-        if options.frames is not None and isinstance(value, Image) and not NPY.matches(path):
-            raise UsageError(f"--save {save.port}={path}: --frames of an image need a .npy")
-        saves.append((path, save.port, _region(save, value)))
+        region = _region(save, value)
+        if options.frames is not None and isinstance(value, Image):
+            files.append((path, *_frames(save.port, value, path, options, region)))
+        else:
+            check_suffix(save.port, value, path)
+        saves.append((path, save.port, region))
         staging.claim(path)
+    for path, kind, _ in files:
+        if kind.beside is not None:
+            staging.claim(header_beside_frames(path))
+    refuse_without_room(files)
     for path in options.reports:
         staging.claim(path)
     return saves
+
+
+def _frames(
+    port: str, image: Image, path: Path, options: Options, region: Region | None
+) -> tuple[FrameFormat, FrameSeries]:
+    kind, policy = format_for_frames(port, path), policy_of(options)
+    return kind, series_of(image, kind, policy, frames=options.frames or 1, region=region)
 
 
 def _claim_guarded(
@@ -277,6 +295,7 @@ def _write(
     staging, folder = stage.staging, stage.folder
     for path, port, region in saves:
         staging.write(path, partial(_save, evaluation, port, region, (frames, stage.done)))
+        _write_beside(evaluation, (path, port, region), staging, frames)
     for node, path, writer in sink_files(evaluation):
         staging.write(path, writer, partial(stage.rules.check, node))
     if evaluation.chain.final is not None:
@@ -285,6 +304,24 @@ def _write(
     readouts = {**evaluation.readouts, **_warnings(evaluation.cautions)}
     text = json.dumps(jsonable(readouts), indent=2, ensure_ascii=False, allow_nan=False)
     staging.write(folder / READOUTS, partial(write_text, content=printable(text) + "\n"))
+
+
+def _write_beside(
+    evaluation: Evaluation,
+    save: tuple[Path, str, Region | None],
+    staging: Staging,
+    frames: int | None,
+) -> None:
+    """Write the header of frames that have one in a file of its own."""
+    path, port, region = save
+    image = evaluation.plan.output(port)
+    if frames is None or not isinstance(image, Image):
+        return
+    kind = format_for_frames(port, path)
+    if kind.beside is not None:
+        policy = evaluation.work.policy
+        text = kind.beside(series_of(image, kind, policy, frames=frames, region=region))
+        staging.write(header_beside_frames(path), partial(write_text, content=text))
 
 
 def _warnings(cautions: Iterable[Caution]) -> dict[str, dict[str, list[str]]]:

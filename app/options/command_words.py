@@ -112,8 +112,9 @@ def run_words(parser: argparse.ArgumentParser) -> None:
         "--frames",
         action=Once,
         metavar="N",
-        help="of each image saved (.npy: frames, rows, columns) N frames, each with temporal "
-        "noise of its own; the first is the picture",
+        help="of each image saved N frames, each with temporal noise of its own; the first is the "
+        "picture; as .npy (frames, rows, columns), .tif .tiff (a page each) or .bsq .img (ENVI, a "
+        "band each)",
     )
     place_words(parser)
     add(

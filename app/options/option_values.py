@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from core.errors import UsageError
 from nodes.files.common.file_format import CSV, HTML, JSON, Format, suffixes
 from nodes.files.formats import PNG, SAVED
+from nodes.files.frames.frame_suffixes import ENVI_FRAMES
 
 if TYPE_CHECKING:
     from core.evaluation.region import Region
@@ -91,7 +92,7 @@ def save_target(text: str) -> Save:
             raise UsageError(f"--save {text!r:.120}: write {form}")
         text = f"{port}={file}"
     save = assignment("--save", text, "NODE.PORT=FILE")
-    _with_suffix("--save", save.text, SAVED)
+    _with_suffix("--save", save.text, (*SAVED, ENVI_FRAMES))
     return Save(save.node, save.name, save.text, bounds)
 
 

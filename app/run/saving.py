@@ -25,6 +25,7 @@ from nodes.files.common.digital_numbers import integer_type
 from nodes.files.common.file_format import CSV, Format, suffixes
 from nodes.files.curve_text import columns_text, is_plain
 from nodes.files.formats import PNG, SAVED, WRITTEN, written_format
+from nodes.files.frames.frame_suffixes import ENVI_FRAMES
 from nodes.files.read import check_finite
 from nodes.files.write import write_picture
 
@@ -46,6 +47,11 @@ def check_suffix(port: str, value: Any, path: Path) -> None:
         allowed = _TABLES
     elif isinstance(value, Curve):
         allowed = _CURVES
+    if ENVI_FRAMES.matches(path):
+        words = " ".join(ENVI_FRAMES.suffixes)
+        raise UsageError(
+            f"--save {port}={path}: frames alone are written as {words}: give --frames"
+        )
     if not any(file_format.matches(path) for file_format in allowed):
         words = " ".join(suffixes(*allowed))
         raise UsageError(f"--save {port}={path}: a {value.port_type} is written as {words}")

@@ -2,21 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
-import numpy as np
+from numpy.typing import NDArray
 
-from app.run.saving import real_array
+from app.run.saving import metadata_of, real_array
 from core.chain.frame_sequence import at_frame
 from core.chain.wires import Image
-from core.errors import FileError
+from core.errors import UsageError
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import number_bits
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from nodes.files.arrays import write_npy_header
+from nodes.files.frames.frame_series import FrameSeries
+from nodes.files.frames.frame_writing import (
+    FrameFormat,
+    frame_format,
+    frame_suffixes,
+    write_frames,
+)
 from nodes.files.read import check_finite
 
 MOST_FRAMES = 1_000_000
+
+
+def format_for_frames(port: str, path: Path) -> FrameFormat:
+    """The format of the frames' file.
+
+    Raises
+    ------
+    UsageError
+        Saying which there are.
+    """
+    kind = frame_format(path)
+    if kind is None:
+        words = " ".join(frame_suffixes())
+        raise UsageError(f"--save {port}={path}: --frames of an image are written as {words}")
+    return kind
+
+
+def series_of(
+    image: Image, kind: FrameFormat, policy: Policy, *, frames: int, region: Region | None
+) -> FrameSeries:
+    """The frames of a picture, or of a region of it, as that format stores them."""
+    shape = region.shape if region else image.shape
+    stored = kind.stored_type(policy.dtype, number_bits(image.recipe))
+    return FrameSeries(frames, *shape, stored, metadata_of(image, shape))
 
 
 def save_frames(
@@ -29,7 +62,7 @@ def save_frames(
     region: Region | None = None,
     done: Callable[[int], None] | None = None,
 ) -> None:
-    """Write a ``.npy`` of shape (frames, rows, columns), one frame after the other.
+    """Write frames one after the other: they take the memory of a few, whatever their number.
 
     `done` is called after each with the number of frames that are written.
 
@@ -38,18 +71,15 @@ def save_frames(
     ImagechainError
         From computing, or if the file cannot be written.
     """
-    rows, columns = (region.rows, region.columns) if region else image.shape
+    kind = format_for_frames(port, path)
+    series = series_of(image, kind, work.policy, frames=frames, region=region)
     recipes = (at_frame(image.recipe, number) for number in range(frames))
-    try:
-        # Not mapped into memory: a disk that is full then ends the process (SIGBUS).
-        with path.open("wb") as file:
-            write_npy_header(file, (frames, rows, columns), work.policy.dtype)
-            for number, made in enumerate(work.one_by_one(recipes, region), start=1):
-                work.check()
-                frame = real_array(made, work)
-                check_finite(frame, port)
-                file.write(np.ascontiguousarray(frame).data)
-                if done is not None:
-                    done(number)
-    except OSError as error:
-        raise FileError(f"cannot write {path}: {error.strerror or error}") from error
+
+    def made() -> Iterator[NDArray[Any]]:
+        for value in work.one_by_one(recipes, region, forgetting=True):
+            work.check()
+            frame = real_array(value, work)
+            check_finite(frame, port)
+            yield frame
+
+    write_frames(path, kind, series, made(), done)

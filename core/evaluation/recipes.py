@@ -201,6 +201,20 @@ def pointwise(function: F) -> F:
     return in_parts(part)(function)
 
 
+def whole_numbers(function: F) -> F:
+    """Mark a step's function that makes whole numbers from 0 to 2^bits − 1, by its `bits`."""
+    function.whole_numbers = True  # type: ignore[attr-defined]
+    return function
+
+
+def number_bits(recipe: Recipe) -> int | None:
+    """Bits of the whole numbers that a recipe makes; None where its function is not marked so."""
+    if not isinstance(recipe, Step) or not hasattr(recipe.function, "whole_numbers"):
+        return None
+    bits: int = dict(recipe.parameters)["bits"]
+    return bits
+
+
 def ends_lineage(function: F) -> F:
     """Mark a step's function that carries no picture on.
 

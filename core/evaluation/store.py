@@ -157,6 +157,11 @@ class Store:
                 if running.users == 0:
                     self._running.pop(key, None)
 
+    def drop(self, key: str) -> None:
+        """Forget the value of `key`, unless it is pinned."""
+        with self._lock:
+            self._bytes -= self._values.pop(key, (None, 0))[1]
+
     def clear(self) -> None:
         """Forget everything."""
         with self._lock:

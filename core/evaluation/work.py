@@ -14,6 +14,7 @@ from core.errors import Cancelled, ImagechainError
 from core.evaluation.claims import Claims, Held
 from core.evaluation.evaluation_log import EvaluationLog
 from core.evaluation.float_guard import watched
+from core.evaluation.passing_values import PassingValues
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
@@ -85,16 +86,28 @@ class Work:
         """
         return Held(self._claims, recipes)
 
-    def one_by_one(self, recipes: Iterable[Recipe], region: Region | None = None) -> Iterator[Any]:
-        """The values of recipes in turn; only what the next one shares is held."""
+    def one_by_one(
+        self,
+        recipes: Iterable[Recipe],
+        region: Region | None = None,
+        *,
+        forgetting: bool = False,
+    ) -> Iterator[Any]:
+        """The values of recipes in turn; only what the next one shares is held.
+
+        `forgetting` drops what was made for one alone: any number takes the memory of a few.
+        """
         opened: list[Held] = []
         before: Recipe | None = None
+        passing = PassingValues(self.store, self.log, self._suffix) if forgetting else None
         try:
             for recipe in recipes:
                 opened.append(self.hold([recipe]))
                 if before is not None:
                     yield self.value(before) if region is None else self.part(before, region)
                     opened.pop(0).close()
+                    if passing is not None:
+                        passing.forget()
                 before = recipe
             if before is not None:
                 yield self.value(before) if region is None else self.part(before, region)

@@ -10,7 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.results import TableData, TableRow
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
+from core.evaluation.recipes import (
+    Recipe,
+    Step,
+    ends_lineage,
+    in_parts,
+    pointwise,
+    whole_numbers,
+)
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.lineage.linear_change import Linear
@@ -298,6 +305,7 @@ def _not_rounded(picture: Recipe, *, bits: int, **how: Any) -> Step:
     return Step.of(counted, picture, **how)
 
 
+@whole_numbers
 @picture_step(linear=_counts, noise=_rounding, noise_free=_not_rounded)
 @pointwise
 def digitized(

@@ -5,12 +5,16 @@ from __future__ import annotations
 import os
 import shlex
 import shutil
+import signal
+import subprocess
 import sys
 
 import numpy as np
 import pytest
+from PIL import Image as Pillow
 
-from child_process import ROOT, finished
+from child_process import PATIENCE_S, ROOT, finished, wait_for
+from nodes.files.read import read_info
 
 
 @pytest.fixture
@@ -81,20 +85,141 @@ def test_a_disk_that_is_full(frames, noisy, tmp_path):
     )
     assert (done.returncode, done.stdout) == (2, ""), done
     node = port.partition(".")[0]
-    assert done.stderr == f"imagechain: {node}: cannot write full/f.npy: No space left on device\n"
+    if "200" in frames:
+        # 200 × 20 × 24 samples of 4 bytes and the header of a .npy; 150 kB less what is taken.
+        line = (
+            "cannot write full/f.npy: 200 frames of 20 × 24 samples take 384 kB, and its disk has"
+        )
+        assert done.stderr.startswith(f"imagechain: {line} room for 15")
+        assert done.stderr.count("\n") == 1
+    else:
+        line = f"{node}: cannot write full/f.npy: No space left on device"
+        assert done.stderr == f"imagechain: {line}\n"
 
 
 @pytest.mark.parametrize(
     ("words", "line"),
     [
         (
-            ("--frames", "2", "--save", "electronics.image=f.tif"),
-            "--save electronics.image=f.tif: --frames of an image need a .npy",
+            ("--frames", "2", "--save", "electronics.image=f.exr"),
+            "--save electronics.image=f.exr: --frames of an image are written as "
+            ".npy .tif .tiff .bsq .img",
+        ),
+        (
+            ("--save", "electronics.image=f.bsq"),
+            "--save electronics.image=f.bsq: frames alone are written as .bsq .img: give --frames",
+        ),
+        (
+            ("--frames", "2", "--save", "electronics.image=f.bsq", "--save", "scene.image=f.bsq"),
+            "cannot write: two outputs are to go to f.bsq",
+        ),
+        (
+            (
+                "--frames",
+                "1000000",
+                "--save",
+                "electronics.image=f.npy",
+                "--set",
+                "scene.width=65536",
+                "--set",
+                "scene.height=65536",
+            ),
+            None,
         ),
         (("--frames", "0"), "--frames 0: give a whole number from 1 to 1000000"),
         (("--frames", "2000000"), "--frames 2000000: give a whole number from 1 to 1000000"),
         (("--frames", "many"), "--frames 'many': give a whole number"),
     ],
 )
-def test_what_cannot_be_is_refused_before_anything_runs(fails, noisy, words, line):
-    assert fails("run", noisy, *words) == f"imagechain: {line}\n"
+def test_what_cannot_be_is_refused_before_anything_runs(fails, noisy, tmp_path, words, line):
+    refusal = fails("run", noisy, *words)
+    if line is not None:
+        assert refusal == f"imagechain: {line}\n"
+    else:
+        assert "1000000 frames of 32768 × 32768 samples take 4.29e+06 GB" in refusal
+    assert [path.name for path in tmp_path.iterdir()] == ["net.json"]
+
+
+CAMERA = {
+    "integration_time_s": 1e-4, "read_noise_e": 500.0, "dsnu_e": 200.0, "prnu_percent": 1.0,
+    "full_well_e": 3e7, "bits": 12,
+}  # fmt: skip
+
+
+@pytest.fixture
+def camera(small, write):
+    small["nodes"]["init"]["params"] |= {"detector_x_um": 30.0, "detector_y_um": 30.0}
+    small["nodes"]["init"]["params"] |= {"f_number": 2.0, "platform": "array"}
+    small["nodes"]["camera"] = {"module": "focal_plane", "params": CAMERA}
+    small["links"] += [["init.context", "camera.context"], ["pixels.image", "camera.image"]]
+    return write(small)
+
+
+def test_all_formats_hold_the_same_numbers(imagechain, camera, tmp_path):
+    saves = [f"--save=camera.image={name}" for name in ("f.npy", "f.tif", "f.bsq")]
+    done = imagechain("run", camera, "--frames", "4", *saves, "--save=camera.image[3:8,2:]=p.img")
+    assert (done.returncode, done.stderr) == (0, "")
+    frames = np.load(tmp_path / "f.npy")
+    assert frames.dtype == np.float32
+    with Pillow.open(tmp_path / "f.tif") as picture:
+        assert picture.n_frames == 4
+        for number in range(4):
+            picture.seek(number)
+            page = np.asarray(picture)
+            assert page.dtype == np.uint16
+            np.testing.assert_array_equal(page, frames[number])
+    np.testing.assert_array_equal(
+        np.fromfile(tmp_path / "f.bsq", "<u2").reshape(frames.shape), frames
+    )
+    part = np.fromfile(tmp_path / "p.img", "<u2").reshape(4, 5, 22)
+    np.testing.assert_array_equal(part, frames[:, 3:8, 2:])
+    assert "data units = DN\n" in (tmp_path / "p.img.hdr").read_text()
+    assert (read_info(tmp_path / "f.bsq").bands, read_info(tmp_path / "f.tif").unit) == (4, "DN")
+
+
+@pytest.mark.parametrize("name", ["f.npy", "f.tif", "f.bsq"])
+def test_many_frames_take_the_memory_of_ten(camera, tmp_path, name):
+    """Kept, the pictures that lead to a thousand frames of 480 samples would be 15 MB and more."""
+    code = (
+        "import resource, sys\nfrom app.command.cli import main\ncode = main()\n"
+        "print(code, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+    )
+    peaks = {}
+    for frames in (10, 1500):
+        words = ["run", str(camera), f"--frames={frames}", f"--save=camera.image={name}"]
+        done = finished(
+            [sys.executable, "-c", code, *words],
+            folder=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )  # fmt: skip
+        exit_code, peak = done.stdout.splitlines()[-1].split()
+        assert exit_code == "0", done
+        peaks[frames] = int(peak) / 1024
+    assert peaks[1500] < peaks[10] + 5.0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="ends a process by a signal")
+@pytest.mark.parametrize("name", ["f.npy", "f.tif", "f.bsq"])
+def test_a_stop_leaves_nothing(camera, tmp_path, name):
+    command = [sys.executable, "-m", "app.command.cli", "run", str(camera), "--frames=900000"]
+    child = subprocess.Popen(
+        [*command, f"--save=camera.image={name}"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    try:
+
+        def begun():
+            return any(path.stat().st_size > 4096 for path in tmp_path.glob(f".*/*{name[1:]}"))
+
+        wait_for(begun, "frames are written", child=child)
+        child.send_signal(signal.SIGTERM)
+        _, said = child.communicate(timeout=PATIENCE_S)
+    finally:
+        child.kill()
+        child.wait()
+    assert child.returncode == 1
+    assert said == "imagechain: cancelled; nothing was written\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["net.json"]

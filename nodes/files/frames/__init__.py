@@ -1,0 +1,1 @@
+"""Files of many frames, written and read one frame at a time."""

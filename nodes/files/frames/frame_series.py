@@ -1,0 +1,52 @@
+"""How many frames a file holds, of which size and type, and what is known of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from nodes.files.common.picture_info import MetadataValue
+
+
+@dataclass(frozen=True)
+class FrameSeries:
+    """Frames of one size and type.
+
+    Attributes
+    ----------
+    frames, rows, columns
+        How many, and the size of each.
+    dtype
+        Of the samples.
+    metadata
+        Texts and numbers of all frames, as `nodes.files.write.write_picture` takes them.
+    """
+
+    frames: int
+    rows: int
+    columns: int
+    dtype: np.dtype[Any]
+    metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of a frame."""
+        return self.rows, self.columns
+
+    @property
+    def frame_bytes(self) -> int:
+        """Bytes of the samples of a frame."""
+        return self.rows * self.columns * self.dtype.itemsize
+
+    @property
+    def size_text(self) -> str:
+        """Number and size, in words."""
+        return f"{self.frames} frames of {self.rows} × {self.columns} samples"
+
+
+def metadata_lines(series: FrameSeries) -> list[str]:
+    """``key = value``, one on a line, as `nodes.files.headers.header_fields` reads it."""
+    return [f"{key} = {' '.join(str(value).split())}" for key, value in series.metadata.items()]

@@ -1,0 +1,168 @@
+"""Writing files of frames: what stands before them, between them and beside them.
+
+The samples follow from front to end, so a file of any number of frames takes the memory of one.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import FileError
+from nodes.files.arrays import write_npy_header
+from nodes.files.common.file_format import Format, suffixes
+from nodes.files.formats import NPY
+from nodes.files.frames.envi_frames import HEADER_SUFFIX, envi_header_text
+from nodes.files.frames.frame_series import FrameSeries
+from nodes.files.frames.frame_suffixes import ENVI_FRAMES, TIFF_FRAMES
+from nodes.files.frames.tiff_frames import tiff_head, tiff_page
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class FrameFormat(Format):
+    """A format of files of frames.
+
+    Attributes
+    ----------
+    head
+        The bytes before the first frame.
+    page
+        The bytes before each frame, as many for all of them.
+    whole_numbers
+        Whether a converter's numbers are stored as integers.
+    beside
+        Text of the file beside it, of that name and `HEADER_SUFFIX`; None where there is none.
+    """
+
+    head: Callable[[FrameSeries], bytes]
+    page: Callable[[FrameSeries, int], bytes]
+    whole_numbers: bool = True
+    beside: Callable[[FrameSeries], str] | None = None
+
+    def size_bytes(self, series: FrameSeries) -> int:
+        """Length of the file."""
+        page = len(self.page(series, 0)) + series.frame_bytes
+        return len(self.head(series)) + series.frames * page
+
+    def stored_type(self, precision: np.dtype[Any], bits: int | None) -> np.dtype[Any]:
+        """The type of a picture's samples: integers of a converter of that many bits, else floats.
+
+        Of 16 bits up to 16, of 32 beyond: `precision` holds them all, 24 bits at most.
+        """
+        if bits is None or not self.whole_numbers:
+            return precision.newbyteorder("<")
+        return np.dtype("<u2" if bits <= 16 else "<u4")
+
+
+def header_beside_frames(path: Path) -> Path:
+    """The header of an ENVI file of frames."""
+    return path.with_name(path.name + HEADER_SUFFIX)
+
+
+def _npy_head(series: FrameSeries) -> bytes:
+    head = io.BytesIO()
+    write_npy_header(head, (series.frames, *series.shape), series.dtype)
+    return head.getvalue()
+
+
+def _nothing(_series: FrameSeries, _number: int = 0) -> bytes:
+    return b""
+
+
+FRAME_FORMATS = (
+    # Floats, as .npy files of pictures are: whole numbers of 16 bits would wrap round where two
+    # frames are subtracted.
+    FrameFormat("npy", NPY.suffixes, ".npy", _npy_head, _nothing, whole_numbers=False),
+    FrameFormat("tif", TIFF_FRAMES.suffixes, TIFF_FRAMES.description, tiff_head, tiff_page),
+    FrameFormat(
+        "bsq",
+        ENVI_FRAMES.suffixes,
+        ENVI_FRAMES.description,
+        _nothing,
+        _nothing,
+        beside=envi_header_text,
+    ),
+)
+
+
+def frame_format(path: Path) -> FrameFormat | None:
+    """The format of a file of frames of that name; None where there is none."""
+    return next((kind for kind in FRAME_FORMATS if kind.matches(path)), None)
+
+
+def frame_suffixes() -> tuple[str, ...]:
+    """What names of files of frames may end in."""
+    return suffixes(*FRAME_FORMATS)
+
+
+def write_frames(
+    path: Path,
+    kind: FrameFormat,
+    series: FrameSeries,
+    frames: Iterable[Array],
+    done: Callable[[int], None] | None = None,
+) -> None:
+    """Write frames one after the other; `done` is called after each with how many there are.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written.
+    """
+    try:
+        # Not mapped into memory: a disk that is full then ends the process (SIGBUS).
+        with path.open("wb") as file:
+            file.write(kind.head(series))
+            for number, frame in enumerate(frames):
+                file.write(kind.page(series, number))
+                file.write(np.ascontiguousarray(frame, series.dtype).data)
+                if done is not None:
+                    done(number + 1)
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        raise FileError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def refuse_without_room(files: Sequence[tuple[Path, FrameFormat, FrameSeries]]) -> None:
+    """Refuse files of frames for which a disk has no room, before anything is computed.
+
+    Raises
+    ------
+    FileError
+        Naming the first one that does not fit, what it takes, and what is free.
+    """
+    left: dict[int, int] = {}
+    for path, kind, series in files:
+        folder = next((above for above in path.absolute().parents if above.exists()), None)
+        if folder is None:
+            continue
+        try:
+            device = folder.stat().st_dev
+            free = left.setdefault(device, shutil.disk_usage(folder).free)
+        except OSError as error:
+            raise FileError(f"cannot write {path}: {error.strerror or error}") from error
+        size = kind.size_bytes(series)
+        if size > free:
+            raise FileError(
+                f"cannot write {path}: {series.size_text} take {_amount(size)}, and its disk has "
+                f"room for {_amount(free)}"
+            )
+        left[device] = free - size
+
+
+def _amount(size: int) -> str:
+    for unit, bytes_of in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if size >= bytes_of:
+            return f"{size / bytes_of:.3g} {unit}"
+    return f"{size} bytes"

@@ -1,0 +1,79 @@
+"""A long row of values read once: store and log end as they began, less what the row shares."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Step
+from core.evaluation.region import Region
+from core.evaluation.store import Store
+from core.evaluation.work import Work
+
+CALLS: list[tuple[str, int]] = []
+
+
+def scene(work):
+    CALLS.append(("scene", 0))
+    return np.zeros((4, 4))
+
+
+def deviates(work, *, frame):
+    CALLS.append(("deviates", frame))
+    return np.full((4, 4), float(frame))
+
+
+def noisy(work, image, noise):
+    return image + noise
+
+
+def row(count):
+    source = Step.of(scene)
+    return [Step.of(noisy, source, Step.of(deviates, frame=number)) for number in range(count)]
+
+
+@pytest.fixture
+def work():
+    CALLS.clear()
+    return Work(Policy(), Store(1 << 30))
+
+
+@pytest.mark.parametrize("region", [None, Region(1, 1, 2, 2)])
+def test_any_number_leaves_what_a_few_leave(work, region):
+    left = {}
+    for count in (5, 50):
+        fresh = Work(Policy(), Store(1 << 30))
+        values = list(fresh.one_by_one(row(count), region, forgetting=True))
+        assert [float(value[0, 0]) for value in values] == list(range(count))
+        notes = fresh.log
+        left[count] = (
+            len(fresh.store), fresh.store.used_bytes, len(notes.requested), len(notes.parts),
+            len(notes.computed),
+        )  # fmt: skip
+        assert fresh.store.pinned == 0
+    assert left[5] == left[50]
+    assert left[50][0] < 6
+
+
+def test_what_the_row_shares_is_made_once(work):
+    list(work.one_by_one(row(20), forgetting=True))
+    assert CALLS.count(("scene", 0)) == 1
+    assert [number for name, number in CALLS if name == "deviates"] == list(range(20))
+
+
+def test_what_was_there_before_stays(work):
+    kept = Step.of(deviates, frame=99)
+    first = row(1)[0]
+    work.value(kept)
+    work.value(first)
+    list(work.one_by_one(row(20), forgetting=True))
+    assert work.has(kept)
+    assert work.has(first)
+    assert kept.key in work.log.requested
+
+
+def test_without_forgetting_all_stay(work):
+    recipes = row(5)
+    list(work.one_by_one(recipes))
+    assert all(work.has(recipe) for recipe in recipes)
