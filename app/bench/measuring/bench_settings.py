@@ -16,7 +16,7 @@ PARTS = {
     "editor": "The window",
 }
 TABLES = {
-    "speed": ("networks", "one_thread", "cameras", "growth", "fresh_process"),
+    "speed": ("networks", "one_thread", "cameras", "frames", "growth", "fresh_process"),
     "precision": (
         "precision",
         "edges",

@@ -27,15 +27,18 @@ class Camera(Chain):
     Parameters
     ----------
     size : int
-        Samples along each side.
+        Samples across, and along.
     threads : int
         Of the evaluation; 0 for all.
+    rows : int, optional
+        Samples along, where not as many as across.
     """
 
-    def __init__(self, size: int, threads: int = 0) -> None:
+    def __init__(self, size: int, threads: int = 0, rows: int | None = None) -> None:
+        rows = size if rows is None else rows
         scene = {
-            "kind": "dormitory", "width": size, "height": size, "fov_x_deg": 8.8,
-            "fov_y_deg": 8.8, "cut_on_um": 3.7, "cut_off_um": 4.8,
+            "kind": "dormitory", "width": size, "height": rows, "fov_x_deg": 8.8,
+            "fov_y_deg": 8.8 * rows / size, "cut_on_um": 3.7, "cut_off_um": 4.8,
         }  # fmt: skip
         sensor = {
             "detector_x_um": 15.0, "detector_y_um": 15.0, "focal_length_mm": 100.0,

@@ -14,6 +14,7 @@ from app.bench.measuring.isolation import environment
 from app.bench.measuring.kodak import FINAL, NAME, PIXELS, SHIPPED_SIZE, Kodak
 from app.bench.measuring.timing import paired, round_trip, seconds
 from app.bench.speed.camera_speed import cameras
+from app.bench.speed.frame_speed import frames
 from app.bench.speed.growth import growth
 from app.bench.truth.stage_by_stage import whole_chain
 from app.run.own_process import command
@@ -188,4 +189,4 @@ def fresh_process(settings: Settings) -> list[Table]:
     return [Table("fresh_process", title, heads, (row,), text, brief=tuple(heads))]
 
 
-MEASURES = (networks, one_thread, cameras, growth, fresh_process)
+MEASURES = (networks, one_thread, cameras, frames, growth, fresh_process)

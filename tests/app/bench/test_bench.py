@@ -25,7 +25,7 @@ from child_process import finished
 from core.errors import FileError, UsageError
 
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
-UNDRAWN = {"fresh_process", "one_thread", "editor", "cameras", "poisson_quantile"}
+UNDRAWN = {"fresh_process", "one_thread", "editor", "cameras", "frames", "poisson_quantile"}
 
 
 @pytest.fixture
