@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from core.errors import UsageError
-from nodes.files.common.file_format import CSV, HTML, JSON, Format, suffixes
+from nodes.files.common.file_format import CSV, ENVI_FRAMES, HTML, JSON, Format, suffixes
 from nodes.files.formats import PNG, SAVED
-from nodes.files.frames.frame_suffixes import ENVI_FRAMES
 
 if TYPE_CHECKING:
     from core.evaluation.region import Region
 
 REPORTS = (JSON, HTML)
+_SAVED = (*SAVED[:-1], ENVI_FRAMES, SAVED[-1])
 OUTPUTS = (CSV, JSON, PNG, HTML)
 _LONGEST_NUMBER = 20
 _BOUNDS = re.compile(r"([0-9]{0,18}):([0-9]{0,18}),([0-9]{0,18}):([0-9]{0,18})", re.ASCII)
@@ -92,7 +92,7 @@ def save_target(text: str) -> Save:
             raise UsageError(f"--save {text!r:.120}: write {form}")
         text = f"{port}={file}"
     save = assignment("--save", text, "NODE.PORT=FILE")
-    _with_suffix("--save", save.text, (*SAVED, ENVI_FRAMES))
+    _with_suffix("--save", save.text, _SAVED)
     return Save(save.node, save.name, save.text, bounds)
 
 

@@ -22,10 +22,9 @@ from core.evaluation.region import Region
 from core.evaluation.work import Work
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.digital_numbers import integer_type
-from nodes.files.common.file_format import CSV, Format, suffixes
+from nodes.files.common.file_format import CSV, ENVI_FRAMES, Format, suffixes
 from nodes.files.curve_text import columns_text, is_plain
 from nodes.files.formats import PNG, SAVED, WRITTEN, written_format
-from nodes.files.frames.frame_suffixes import ENVI_FRAMES
 from nodes.files.read import check_finite
 from nodes.files.write import write_picture
 

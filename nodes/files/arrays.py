@@ -42,7 +42,7 @@ def is_npy(path: Path) -> bool:
 def read_npy_info(path: str | os.PathLike[str]) -> PictureInfo:
     """Read shape and type of a ``.npy`` file; errors as `read_npy`."""
     file = readable_file(path)
-    mapped = _mapped(file)
+    mapped = mapped_npy(file)
     return _info(file, mapped.shape, mapped.dtype, "npy")
 
 
@@ -69,7 +69,7 @@ def read_npy(path: str | os.PathLike[str], band: int = 0) -> Samples:
         is not 2-D or 3-D, is empty of samples, or has no such band.
     """
     file = readable_file(path)
-    mapped = _mapped(file)
+    mapped = mapped_npy(file)
     info = _info(file, mapped.shape, mapped.dtype, "npy")
     band = checked_band(band, info.bands, file)
     samples = mapped if mapped.ndim == 2 else mapped[:, :, band]
@@ -236,7 +236,8 @@ def write_curves(path: str | os.PathLike[str], columns: Mapping[str, ArrayLike])
     write_text(path, "\n".join(lines) + "\n")
 
 
-def _mapped(path: Path) -> NDArray[Any]:
+def mapped_npy(path: Path) -> NDArray[Any]:
+    """The array of a ``.npy`` file, mapped into memory; errors as `read_npy`."""
     if not is_npy(path):
         raise FileError(f"{path}: is not a .npy file; it must begin with \\x93NUMPY")
     try:

@@ -71,15 +71,16 @@ NPY = PictureFormat(
     "npy", (".npy",), ".npy", arrays.read_npy_info, arrays.read_npy, arrays.write_npy_picture,
     ("float", "double"), recognizes=arrays.is_npy, plain=True,
 )  # fmt: skip
+TIFF = PictureFormat(
+    "tif", (".tif", ".tiff"), "TIFF", *_OIIO, write_by_oiio,
+    ("float", "double", "uint8", "uint16"),
+)  # fmt: skip
 PNG = PictureFormat("png", (".png",), "PNG", *_OIIO, write_by_oiio, ("uint8", "uint16"))
 # The first that claims a file reads it.
 PICTURES: tuple[PictureFormat, ...] = (
     NPY,
     PictureFormat("exr", (".exr",), "EXR", *_OIIO, write_by_oiio, ("float", "half")),
-    PictureFormat(
-        "tif", (".tif", ".tiff"), "TIFF", *_OIIO, write_by_oiio,
-        ("float", "double", "uint8", "uint16"),
-    ),
+    TIFF,
     PNG,
     PictureFormat("jpg", (".jpg", ".jpeg"), "JPEG", *_OIIO),
     PictureFormat("jp2", (".jp2",), "JPEG 2000", *_OIIO),

@@ -13,6 +13,13 @@ ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 900.0
 """When a wait is given up: far beyond what a busy machine takes, so that no verdict hangs on it."""
 
+PEAK = (
+    "lines = open('/proc/self/status').read().splitlines()\n"
+    "print(next(line.split()[1] for line in lines if line.startswith('VmHWM')))"
+)
+"""Lines of Python that print the peak memory of their process, kB: its own, where `ru_maxrss` of a
+child begins with that of its parent."""
+
 _TO_STOP = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
 
 

@@ -30,6 +30,7 @@ class Format:
 
 
 CSV = Format("csv", (".csv",), "numbers separated by commas")
+ENVI_FRAMES = Format("bsq", (".bsq", ".img"), "ENVI BSQ")
 BLANKS = Format("txt", (".txt", ".prn"), "numbers separated by blanks")
 JSON = Format("json", (".json",), "JSON")
 HTML = Format("html", (".html",), "page")

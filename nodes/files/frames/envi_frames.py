@@ -5,8 +5,6 @@ from __future__ import annotations
 from nodes.files.frames.frame_series import FrameSeries
 from nodes.files.headers.envi_header import REAL_TYPES
 
-HEADER_SUFFIX = ".hdr"  # after the whole name, as DIRSIG names it
-
 
 def envi_header_text(series: FrameSeries) -> str:
     """The header of the data file: size, type and what is known of the frames."""

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 
 from core.errors import FileError
 from nodes.files.arrays import write_npy_header
-from nodes.files.common.file_format import Format, suffixes
-from nodes.files.formats import NPY
-from nodes.files.frames.envi_frames import HEADER_SUFFIX, envi_header_text
+from nodes.files.common.file_format import ENVI_FRAMES, Format, suffixes
+from nodes.files.formats import NPY, TIFF
+from nodes.files.frames.envi_frames import envi_header_text
 from nodes.files.frames.frame_series import FrameSeries
-from nodes.files.frames.frame_suffixes import ENVI_FRAMES, TIFF_FRAMES
 from nodes.files.frames.tiff_frames import tiff_head, tiff_page
+from nodes.files.headers.envi_header import HEADER_SUFFIX
 
 Array = NDArray[Any]
 
@@ -82,10 +82,10 @@ def _nothing(_series: FrameSeries, _number: int = 0) -> bytes:
 FRAME_FORMATS = (
     # Floats, as .npy files of pictures are: whole numbers of 16 bits would wrap round where two
     # frames are subtracted.
-    FrameFormat("npy", NPY.suffixes, ".npy", _npy_head, _nothing, whole_numbers=False),
-    FrameFormat("tif", TIFF_FRAMES.suffixes, TIFF_FRAMES.description, tiff_head, tiff_page),
+    FrameFormat(NPY.name, NPY.suffixes, NPY.description, _npy_head, _nothing, whole_numbers=False),
+    FrameFormat(TIFF.name, TIFF.suffixes, "multi-page TIFF", tiff_head, tiff_page),
     FrameFormat(
-        "bsq",
+        ENVI_FRAMES.name,
         ENVI_FRAMES.suffixes,
         ENVI_FRAMES.description,
         _nothing,

@@ -26,6 +26,7 @@ REAL_TYPES: Mapping[str, str] = {
     "15": "u8",
 }
 COMPLEX_TYPES = ("6", "9")
+HEADER_SUFFIX = ".hdr"  # after the data file's whole name, as DIRSIG names it
 INTERLEAVES = ("bsq", "bil", "bip")
 DATA_SUFFIXES = (".img", "", ".dat", ".raw", ".bin", ".bsq", ".bil", ".bip")
 # What ENVI calls files of samples without a format of their own around them.

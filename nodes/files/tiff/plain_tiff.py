@@ -54,27 +54,37 @@ def read_channel(path: Path, expected: tuple[int, int, int], band: int) -> Sampl
                 f"{path}: 64-bit samples in tiles or a single row cannot be read from TIFF "
                 f"compression {layout.compression}; allowed: none or deflate"
             )
-        if layout.numpy_kind is None or layout.predictor not in _predictors(layout.numpy_kind):
+        if not is_plain(layout):
             return None
         size = layout.rows, layout.columns, layout.channels
         if size != expected:
             raise FileError(f"{path}: this TIFF file is damaged: it gives two sizes")
-        kind = np.dtype(layout.numpy_kind)
-        stored_kind = np.dtype(layout.order + layout.numpy_kind)
-        channel = np.full((layout.rows, layout.columns), np.nan, delivered_dtype(kind))
+        return channel_of(content, layout, path, band)
 
-        def read(block: Block) -> None:
-            raw = _raw(content, layout, block, path)
-            shape = (block.rows, layout.wide, layout.block_channels)
-            samples = _unpredicted(raw, shape, layout.predictor, stored_kind)
-            part = channel[
-                block.top : block.top + block.rows, block.left : block.left + layout.wide
-            ]
-            own = 0 if layout.separate else band
-            part[...] = samples[: part.shape[0], : part.shape[1], own]
 
-        each_block(read, (b for b in layout.blocks if not layout.separate or b.plane == band))
-        return channel
+def channel_of(content: mmap.mmap, layout: TiffLayout, path: Path, band: int = 0) -> Samples:
+    """Read one channel of a picture whose layout has been checked; errors as above."""
+    kind = np.dtype(layout.numpy_kind)
+    stored_kind = np.dtype(f"{layout.order}{layout.numpy_kind}")
+    channel = np.full((layout.rows, layout.columns), np.nan, delivered_dtype(kind))
+
+    def read(block: Block) -> None:
+        raw = _raw(content, layout, block, path)
+        shape = (block.rows, layout.wide, layout.block_channels)
+        samples = _unpredicted(raw, shape, layout.predictor, stored_kind)
+        part = channel[block.top : block.top + block.rows, block.left : block.left + layout.wide]
+        own = 0 if layout.separate else band
+        part[...] = samples[: part.shape[0], : part.shape[1], own]
+
+    each_block(read, (b for b in layout.blocks if not layout.separate or b.plane == band))
+    return channel
+
+
+def is_plain(layout: TiffLayout) -> bool:
+    """Whether the samples are the numbers they stand for, packed in a way that is read here."""
+    if layout.compression not in (NONE, *DEFLATES) or layout.numpy_kind is None:
+        return False
+    return layout.predictor in _predictors(layout.numpy_kind)
 
 
 def _predictors(kind: str) -> tuple[int, ...]:

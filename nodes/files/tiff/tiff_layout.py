@@ -94,8 +94,8 @@ def refuse_predictor(path: Path) -> None:
         )
 
 
-def read_tiff_layout(content: mmap.mmap, path: Path) -> TiffLayout:
-    """Read the first directory.
+def read_tiff_layout(content: mmap.mmap, path: Path, directory: int | None = None) -> TiffLayout:
+    """Read a directory, the first one if its place is not given.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def read_tiff_layout(content: mmap.mmap, path: Path) -> TiffLayout:
         It is damaged, or incomplete.
     """
     try:
-        return _layout(byte_order(content), read_tags(content))
+        return _layout(byte_order(content), read_tags(content, directory))
     except KeyError as error:
         what = f"tag {error} is missing or damaged"
         raise FileError(f"{path}: this TIFF file is damaged: {what}") from error

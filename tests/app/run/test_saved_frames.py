@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image as Pillow
 
-from child_process import PATIENCE_S, ROOT, finished, wait_for
+from child_process import PATIENCE_S, PEAK, ROOT, finished, wait_for
 from nodes.files.read import read_info
 
 
@@ -180,10 +180,7 @@ def test_all_formats_hold_the_same_numbers(imagechain, camera, tmp_path):
 @pytest.mark.parametrize("name", ["f.npy", "f.tif", "f.bsq"])
 def test_many_frames_take_the_memory_of_ten(camera, tmp_path, name):
     """Kept, the pictures that lead to a thousand frames of 480 samples would be 15 MB and more."""
-    code = (
-        "import resource, sys\nfrom app.command.cli import main\ncode = main()\n"
-        "print(code, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
-    )
+    code = f"from app.command.cli import main\ncode = main()\nprint(code, end=' ')\n{PEAK}"
     peaks = {}
     for frames in (10, 1500):
         words = ["run", str(camera), f"--frames={frames}", f"--save=camera.image={name}"]

@@ -1,0 +1,189 @@
+"""Reading files of frames one frame at a time, in the memory of one.
+
+``.npy`` of (frames, rows, columns), TIFF of a page each, ENVI of a band each.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import mmap
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from core.errors import FileError
+from nodes.files.arrays import is_npy, mapped_npy
+from nodes.files.common.paths import readable_file
+from nodes.files.common.picture_info import Samples, delivered_dtype
+from nodes.files.common.size_limits import oversized
+from nodes.files.formats import NPY, TIFF
+from nodes.files.headers.envi import info_of, map_cube
+from nodes.files.headers.envi_header import is_envi, read_layout
+from nodes.files.read import check_finite, read_info
+from nodes.files.tiff.plain_tiff import channel_of, is_plain
+from nodes.files.tiff.tiff_directory import directories
+from nodes.files.tiff.tiff_layout import TiffLayout, read_tiff_layout
+
+_READ = ".npy (frames, rows, columns), TIFF of a page each, ENVI of a band each"
+
+
+@dataclass(frozen=True)
+class FrameFile:
+    """A file of frames of one size.
+
+    Attributes
+    ----------
+    path
+        The file; for ENVI its data.
+    kind
+        How it is read.
+    frames, rows, columns
+        How many there are, and the size of each.
+    dtype
+        Of the stored samples.
+    unit
+        Of the samples as the file words it, or None.
+    """
+
+    path: Path
+    kind: Literal["npy", "tiff", "envi"]
+    frames: int
+    rows: int
+    columns: int
+    dtype: np.dtype[Any]
+    unit: str | None
+
+    def each(self) -> Iterator[Samples]:
+        """The frames in turn, in single or double precision as `delivered_dtype`.
+
+        Raises
+        ------
+        FileError
+            The file is damaged.
+        DataError
+            A frame has samples that are not finite.
+        """
+        read = {"npy": self._of_npy, "tiff": self._of_tiff, "envi": self._of_envi}[self.kind]
+        for number, samples in enumerate(read()):
+            check_finite(samples, f"{self.path}, frame {number}")
+            yield samples
+
+    def _of_npy(self) -> Iterator[Samples]:
+        for number in range(self.frames):
+            # Mapped anew: what was read of a mapping counts as memory of the process.
+            mapped = mapped_npy(self.path)
+            frame = mapped if mapped.ndim == 2 else mapped[number]
+            yield np.array(frame, delivered_dtype(mapped.dtype), order="C")
+
+    def _of_envi(self) -> Iterator[Samples]:
+        layout = read_layout(self.path)
+        for number in range(self.frames):
+            stored = map_cube(layout)[:, :, number]
+            samples = np.array(stored, delivered_dtype(layout.dtype), order="C")
+            if layout.missing is not None:
+                samples[stored == layout.missing] = np.nan
+            yield samples
+
+    def _of_tiff(self) -> Iterator[Samples]:
+        with _mapped_tiff(self.path) as content:
+            for layout in _pages(content, self.path):
+                yield channel_of(content, layout, self.path)
+
+
+def open_frames(path: Path) -> FrameFile:
+    """Describe a file of frames; every page of a TIFF is looked at.
+
+    Raises
+    ------
+    FileError
+        The file is missing, damaged, of another format, or its frames differ in size or type.
+    """
+    file = readable_file(path)
+    if NPY.matches(file) or is_npy(file):
+        found = _npy(file)
+    elif TIFF.matches(file):
+        found = _tiff(file)
+    elif is_envi(file):
+        found = _envi(file)
+    else:
+        raise FileError(f"{path}: frames cannot be read from it; allowed: {_READ}")
+    if reason := oversized(found.rows, found.columns, delivered_dtype(found.dtype)):
+        raise FileError(f"{path}: {reason}")
+    return found
+
+
+def _npy(path: Path) -> FrameFile:
+    mapped = mapped_npy(path)
+    if mapped.dtype.kind not in "buif":
+        raise FileError(f"{path}: holds samples of type {mapped.dtype}; allowed: real numbers")
+    if mapped.ndim not in (2, 3) or 0 in mapped.shape:
+        raise FileError(
+            f"{path}: holds an array of shape {mapped.shape}; allowed: (frames, rows, columns), "
+            "none of them 0"
+        )
+    frames, rows, columns = mapped.shape if mapped.ndim == 3 else (1, *mapped.shape)
+    return FrameFile(path, "npy", frames, rows, columns, mapped.dtype, None)
+
+
+def _envi(path: Path) -> FrameFile:
+    layout = read_layout(path)
+    info = info_of(layout)
+    return FrameFile(
+        layout.data, "envi", layout.bands, layout.rows, layout.columns, layout.dtype, info.unit
+    )
+
+
+def _tiff(path: Path) -> FrameFile:
+    unit = read_info(path).unit
+    with _mapped_tiff(path) as content:
+        frames, first = 0, None
+        for layout in _pages(content, path):
+            frames += 1
+            first = layout if first is None else first
+            if _shape(layout) != _shape(first):
+                raise FileError(
+                    f"{path}: its frames differ: page {frames} has {_words(layout)}, the first "
+                    f"{_words(first)}; allowed: frames of one size and type"
+                )
+    if first is None:
+        raise FileError(f"{path}: holds no picture")
+    return FrameFile(
+        path, "tiff", frames, first.rows, first.columns, np.dtype(first.numpy_kind), unit
+    )
+
+
+@contextlib.contextmanager
+def _mapped_tiff(path: Path) -> Iterator[mmap.mmap]:
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        yield content
+
+
+def _pages(content: mmap.mmap, path: Path) -> Iterator[TiffLayout]:
+    """How each page is cut into strips, once it is known to be a plain picture of one channel."""
+    try:
+        for number, place in enumerate(directories(content), start=1):
+            layout = read_tiff_layout(content, path, place)
+            if layout.channels != 1 or not is_plain(layout):
+                raise FileError(
+                    f"{path}: page {number} has {layout.channels} channels in compression "
+                    f"{layout.compression}; allowed: one of plain numbers, not compressed or by "
+                    "deflate"
+                )
+            yield layout
+            if hasattr(content, "madvise"):  # not on every system
+                content.madvise(mmap.MADV_DONTNEED)  # it would count as memory of the process
+    except (KeyError, ValueError, struct.error) as error:
+        raise FileError(f"{path}: this TIFF file is damaged: its directories: {error}") from error
+
+
+def _shape(layout: TiffLayout) -> tuple[object, ...]:
+    return layout.rows, layout.columns, layout.numpy_kind
+
+
+def _words(layout: TiffLayout) -> str:
+    kind = np.dtype(layout.numpy_kind).name
+    return f"{layout.rows} × {layout.columns} samples of {kind}"
