@@ -55,7 +55,7 @@ def picture_source(path: Path | None, here: NodeContext) -> Source:
     # Not resolved: an ENVI header lies beside the link, not beside what the link points to.
     file = readable_file((here.folder / path).absolute())
     header = header_beside(file)
-    stamps = tuple(_stamp(one) for one in (file, header) if one is not None)
+    stamps = stamps_of(file, header)
     info = _described(file, stamps)
     if info.path != file:
         stamps += (_stamp(info.path),)
@@ -135,11 +135,21 @@ def count_missing(
 def _stored(
     file: Path, stamps: tuple[Stamp, ...], band: int, interval_um: tuple[float, float] | None
 ) -> NDArray[Any]:
-    if tuple(_stamp(Path(name)) for name, _, _ in stamps) != stamps:
-        raise FileError(f"{file}: has changed since the network was planned: run it again")
+    check_unchanged(file, stamps)
     if interval_um is None:
         return read_pixels(file, band)
     return integrate_bands(file, *interval_um)
+
+
+def check_unchanged(file: Path, stamps: tuple[Stamp, ...]) -> None:
+    """Refuse a file that is another one than was planned with (`FileError`)."""
+    if tuple(_stamp(Path(name)) for name, _, _ in stamps) != stamps:
+        raise FileError(f"{file}: has changed since the network was planned: run it again")
+
+
+def stamps_of(*files: Path | None) -> tuple[Stamp, ...]:
+    """The state of files, those that are None left out."""
+    return tuple(_stamp(one) for one in files if one is not None)
 
 
 def _filled(samples: NDArray[Any], missing: Missing, file: Path) -> NDArray[Any]:

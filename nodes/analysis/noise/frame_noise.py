@@ -69,47 +69,72 @@ class FrameNoise(Recipe):
 
 @ends_lineage
 def table_of(
-    work: Work, predicted: ImageNoise, measured: MeasuredNoise | None = None, *, unit: str
+    work: Work,
+    predicted: ImageNoise | None,
+    measured: MeasuredNoise | None = None,
+    *,
+    unit: str,
 ) -> TableData:
     """Each component predicted and measured, with the standard error of what was measured."""
-    predicted.require_known()
     rows = []
-    expected = predicted.total.variances
+    expected = _expected(predicted)
     for name in COMPONENTS:
         meaning = f"noise {MEANINGS[name]}"
-        rows.append(TableRow(f"sigma_{name}", expected.sigma(name), unit, f"{meaning}, predicted"))
+        if expected is not None:
+            value = expected.sigma(name)
+            rows.append(TableRow(f"sigma_{name}", value, unit, f"{meaning}, predicted"))
         if measured is not None:
             value, error = measured.variances.sigma(name), measured.errors.variance(name)
             rows.append(TableRow(f"sigma_{name}_measured", value, unit, f"{meaning}, measured"))
             # The error of a root by that of its square; of one next to nothing the root of it.
             spread = error / (2.0 * abs(value)) if value * value > error else error**0.5
             rows.append(TableRow(f"sigma_{name}_error", spread, unit, "standard error of it"))
-    rows += [
-        TableRow("temporal", expected.temporal**0.5, unit, "temporal noise, predicted"),
-        TableRow("fixed", expected.fixed**0.5, unit, "fixed-pattern noise, predicted"),
-    ]
+    if expected is not None:
+        rows += [
+            TableRow("temporal", expected.temporal**0.5, unit, "temporal noise, predicted"),
+            TableRow("fixed", expected.fixed**0.5, unit, "fixed-pattern noise, predicted"),
+        ]
     if measured is not None:
         of_time, fixed = measured.variances.temporal, measured.variances.fixed
         rows += [
             TableRow("temporal_measured", max(of_time, 0.0) ** 0.5, unit, "temporal noise"),
             TableRow("fixed_measured", max(fixed, 0.0) ** 0.5, unit, "fixed-pattern noise"),
         ]
-    rows.append(TableRow("mean", predicted.mean, unit, "mean of the picture without noise"))
+    if predicted is not None:
+        rows.append(TableRow("mean", predicted.mean, unit, "mean of the picture without noise"))
+    elif measured is not None:
+        rows += [
+            TableRow("mean", measured.mean, unit, "mean of all frames"),
+            TableRow("frames", measured.frames, "", "frames of the file"),
+        ]
     return TableData(tuple(rows))
+
+
+def _expected(predicted: ImageNoise | None) -> NoiseVariances | None:
+    if predicted is None:
+        return None
+    predicted.require_known()
+    return predicted.total.variances
 
 
 @ends_lineage
 def bars_of(
-    work: Work, predicted: ImageNoise, measured: MeasuredNoise | None = None, *, unit: str
+    work: Work,
+    predicted: ImageNoise | None,
+    measured: MeasuredNoise | None = None,
+    *,
+    unit: str,
 ) -> CurveData:
     """The seven components as bars; those estimated below zero are drawn at zero."""
-    predicted.require_known()
+    expected = _expected(predicted)
     places = np.arange(float(len(COMPONENTS)))
 
     def heights(variances: NoiseVariances) -> NDArray[np.float64]:
         return np.array([max(variances.sigma(name), 0.0) for name in COMPONENTS])
 
-    series = [Series("predicted", places, heights(predicted.total.variances))]
+    series = []
+    if expected is not None:
+        series.append(Series("predicted", places, heights(expected)))
     if measured is not None:
         series.append(Series("measured", places, heights(measured.variances)))
     names = tuple(f"σ {name}" for name in COMPONENTS)

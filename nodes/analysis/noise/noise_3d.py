@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Annotated, NamedTuple
 
 from core.chain.wires import Curve, Image, Table
@@ -12,6 +13,7 @@ from core.modules.declaration import Module, NodeContext, readout
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.analysis.lineage import NoiseOf, noise_free
+from nodes.analysis.noise.file_noise import bars_of_file, frames_in_file, table_of_file
 from nodes.analysis.noise.frame_noise import FrameNoise, bars_of, sigma_of, table_of
 
 
@@ -41,32 +43,61 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     variance is split into the seven components by unbiased estimates. One pattern is measured, so a
     fixed component of few rows or columns scatters about what is predicted for all sensors of this
     kind. Noise correlated between neighbours shows in σ tv and σ th too. Rounding counts as noise.
-    Sources: D'Agostino and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and
-    McCulloch 1992, Variance Components (unbiased estimates).
+    A file of frames (`path`), of a camera say, is measured in place of simulated ones, one frame at
+    a time: all that stays from frame to frame is then a fixed pattern, the scene too, so give
+    frames of a uniform one. With a picture linked its prediction stands beside. Sources: D'Agostino
+    and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance
+    Components (unbiased estimates).
     """
 
     frames: Annotated[
-        int, Param("frames to simulate; 0: prediction alone", low=0, high=100000, slider=(0, 200))
+        int,
+        Param(
+            "frames to simulate, 0: prediction alone; of a file all are measured",
+            low=0,
+            high=100000,
+            slider=(0, 200),
+        ),
     ] = 16
+    path: Annotated[
+        Path | None,
+        Param(
+            "file of frames to measure in place of simulated ones, or empty: .npy (frames, rows, "
+            "columns), TIFF of a page each, ENVI of a band each"
+        ),
+    ] = None
 
-    panel = (Section("Measurement", ("frames",)),)
+    panel = (Section("Measurement", ("frames", "path")),)
 
     def check(self) -> None:
         """Refuse a single frame, of which nothing temporal can be measured."""
         if self.frames == 1:
             raise ParameterError("frames", 1, "0, or 2 and more")
 
-    def run(self, image: Image, here: NodeContext) -> NoiseOutputs:
+    def run(self, here: NodeContext, image: Image | None = None) -> NoiseOutputs:
         """Plan the prediction, and the frames if any."""
-        predicted: tuple[Recipe, ...] = (NoiseOf(image, node=here.node),)
-        if self.frames:
-            clean = noise_free(image.recipe)
-            measured = FrameNoise(image.recipe, clean, self.frames, node=here.node)
+        if image is None and self.path is None:
+            raise ParameterError("path", None, "a file of frames, where no image is linked")
+        predicted: tuple[Recipe, ...] = ()
+        unit = "" if image is None else image.unit
+        if image is not None:
+            predicted = (NoiseOf(image, node=here.node),)
+        if self.path is not None:
+            measured, of_file = frames_in_file(self.path, here, image)
+            unit = of_file or unit
             predicted = (*predicted, measured)
-        return NoiseOutputs(
-            Curve(Step.of(bars_of, *predicted, node=here.node, unit=image.unit)),
-            Table(Step.of(table_of, *predicted, node=here.node, unit=image.unit)),
-        )
+        elif self.frames and image is not None:
+            clean = noise_free(image.recipe)
+            simulated = FrameNoise(image.recipe, clean, self.frames, node=here.node)
+            predicted = (*predicted, simulated)
+        node = here.node
+        if image is None:
+            bars = Step.of(bars_of_file, *predicted, node=node, unit=unit)
+            table = Step.of(table_of_file, *predicted, node=node, unit=unit)
+        else:
+            bars = Step.of(bars_of, *predicted, node=node, unit=unit)
+            table = Step.of(table_of, *predicted, node=node, unit=unit)
+        return NoiseOutputs(Curve(bars), Table(table))
 
     sigma_tvh = _figure("sigma_tvh", "Random noise, predicted.")
     sigma_vh = _figure("sigma_vh", "Fixed pattern of samples, predicted.")

@@ -1,0 +1,175 @@
+"""3-D Noise of files of frames: drawn by numpy with components that are known, and of a chain."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image as Pillow
+
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
+from core.network.file import parse_network
+from core.physics.noise.noise_components import COMPONENTS
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+SIGMAS = {"tvh": 9.0, "vh": 6.0, "v": 3.0, "h": 4.0, "t": 2.0, "tv": 2.5, "th": 1.5}
+FRAMES, ROWS, COLUMNS = 150, 80, 120
+
+
+def drawn(seed=4):
+    """Frames that are sums of seven independent fields about a level of 5000."""
+    random = np.random.default_rng(seed)
+    sizes = {"t": FRAMES, "v": ROWS, "h": COLUMNS}
+    cube = np.full((FRAMES, ROWS, COLUMNS), 5000.0)
+    for name, sigma in SIGMAS.items():
+        shape = [sizes[axis] if axis in name else 1 for axis in "tvh"]
+        cube += sigma * random.standard_normal(shape)
+    return cube
+
+
+def write(folder, name, cube):
+    path = folder / name
+    if name.endswith(".npy"):
+        np.save(path, cube.astype(np.float32))
+    elif name.endswith(".tif"):
+        first, *others = (Pillow.fromarray(one) for one in cube.astype(np.float32))
+        first.save(path, save_all=True, append_images=others)
+    else:
+        cube.astype("<f4").tofile(path)
+        frames, rows, columns = cube.shape
+        path.with_name(f"{name}.hdr").write_text(
+            f"ENVI\nsamples = {columns}\nlines = {rows}\nbands = {frames}\ndata type = 4\n"
+            "interleave = bsq\nbyte order = 0\ndata units = DN\n"
+        )
+
+
+def planned(folder, params, *, image=None):
+    nodes = {"noise": {"module": "noise_3d", "params": params}}
+    links = []
+    if image is not None:
+        nodes["scene"] = {"module": "read_image", "params": image}
+        links = [["scene.image", "noise.image"]]
+    document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links}
+    engine = Engine(LIBRARY)
+    return engine, engine.plan(parse_network(json.dumps(document), library=LIBRARY), folder=folder)
+
+
+def table(folder, params, **how):
+    engine, plan = planned(folder, params, **how)
+    assert plan.errors() == []
+    return engine.value(plan, "noise.table", engine.work(Policy()))
+
+
+@pytest.mark.parametrize("name", ["f.npy", "f.tif", "f.bsq"])
+def test_components_of_a_file(tmp_path, name):
+    """Within four standard errors: σ²·√(2/degrees of freedom) of each component's own average."""
+    write(tmp_path, name, drawn())
+    made = table(tmp_path, {"path": name})
+    figures = made.as_dict()
+    free = {"t": FRAMES - 1, "v": ROWS - 1, "h": COLUMNS - 1}
+    sizes = {"t": FRAMES, "v": ROWS, "h": COLUMNS}
+    for component, sigma in SIGMAS.items():
+        # A mean square is of the components that contain its axes, each over what it averages.
+        square = sum(
+            other**2 * np.prod([sizes[axis] for axis in sizes if axis not in within], initial=1.0)
+            for within, other in SIGMAS.items()
+            if set(component) <= set(within)
+        ) / np.prod([sizes[axis] for axis in sizes if axis not in component], initial=1.0)
+        error = square * np.sqrt(2.0 / np.prod([free[axis] for axis in component]))
+        measured = figures[f"sigma_{component}_measured"]
+        assert abs(measured**2 - sigma**2) < 4 * 1.5 * error, component
+    assert figures["mean"] == pytest.approx(5000.0, abs=4 * np.hypot(2 / 12, 0.6))
+    assert figures["frames"] == FRAMES
+    assert {row.unit for row in made.rows} == {"DN" if name == "f.bsq" else "", ""}
+    assert f"sigma_{COMPONENTS[0]}" not in figures
+
+
+def test_readouts_without_a_picture(tmp_path):
+    write(tmp_path, "f.npy", drawn())
+    engine, plan = planned(tmp_path, {"path": "f.npy"})
+    told = engine.readouts(plan, "noise", engine.work(Policy()))
+    assert told["sigma_tvh"] is None
+    expected = np.sqrt(9.0**2 + 2.0**2 + 2.5**2 + 1.5**2)
+    assert told["temporal_measured"] == pytest.approx(expected, rel=0.05)
+
+
+def test_a_prediction_stands_beside(tmp_path):
+    write(tmp_path, "f.npy", drawn())
+    np.save(tmp_path / "one.npy", np.full((ROWS, COLUMNS), 5000.0))
+    figures = table(tmp_path, {"path": "f.npy"}, image={"path": "one.npy", "unit": "DN"}).as_dict()
+    assert figures["sigma_tvh"] == 0.0
+    assert figures["sigma_tvh_measured"] == pytest.approx(9.0, rel=0.01)
+
+
+def test_what_is_refused(tmp_path):
+    cube = drawn()[:3]
+    for name in ("f.npy", "f.bsq"):
+        write(tmp_path, name, cube)
+    np.save(tmp_path / "one.npy", cube[0])
+    np.save(tmp_path / "small.npy", cube[0, :7])
+
+    def line(params, **how):
+        _, plan = planned(tmp_path, params, **how)
+        (error,) = plan.errors()
+        return str(error).replace(f"{tmp_path}/", "")
+
+    assert line({}) == (
+        "noise: path is empty: a file of frames, where no image is linked"
+    )  # fmt: skip
+    assert line({"path": "none.npy"}) == "noise: none.npy: no such file"
+    assert line({"path": "one.npy"}) == (
+        "noise: one.npy: holds a single frame; noise in time needs 2 or more"
+    )
+    assert line({"path": "f.npy"}, image={"path": "small.npy"}) == (
+        "noise: f.npy: holds frames of 80 × 120 samples, and the picture that predicts their noise "
+        "has 7 × 120: link that camera's, or none"
+    )
+    assert line({"path": "f.bsq"}, image={"path": "one.npy", "unit": "K"}) == (
+        "noise: f.bsq: holds frames in 'DN', and the picture that predicts their noise is in 'K': "
+        "link one in the same unit, or none"
+    )
+
+
+def test_frames_of_a_chain_measure_what_it_predicts(imagechain_run):
+    """400 frames of a focal plane, through a multi-page TIFF of whole numbers."""
+    figures = imagechain_run
+    for name in ("tvh", "vh"):
+        off = figures[f"sigma_{name}_measured"] - figures[f"sigma_{name}"]
+        assert abs(off) < 4 * figures[f"sigma_{name}_error"], name
+
+
+@pytest.fixture
+def imagechain_run(tmp_path):
+    from app.command.cli import main
+
+    scene = {"kind": "uniform", "width": 24, "height": 20, "fov_x_deg": 1.0, "fov_y_deg": 0.8}
+    scene |= {"cut_on_um": 3.7, "cut_off_um": 4.8}
+    init = {"detector_x_um": 15.0, "detector_y_um": 15.0, "focal_length_mm": 100.0, "f_number": 4.0}
+    camera = {
+        "integration_time_s": 0.004, "full_well_e": 7e6, "bits": 14, "read_noise_e": 400.0,
+        "prnu_percent": 0.3, "dsnu_e": 300.0,
+    }  # fmt: skip
+    document = {
+        "format": "imagechain-network", "version": 1, "seed": 3,
+        "nodes": {
+            "scene": {"module": "test_scene", "params": scene},
+            "init": {"module": "init_trans", "params": {**init, "platform": "array"}},
+            "camera": {"module": "focal_plane", "params": camera},
+            "noise": {"module": "noise_3d", "params": {"frames": 0}},
+        },
+        "links": [
+            ["scene.image", "init.image"], ["scene.image", "camera.image"],
+            ["init.context", "camera.context"], ["camera.image", "noise.image"],
+        ],
+    }  # fmt: skip
+    (tmp_path / "net.json").write_text(json.dumps(document))
+    words = ["run", str(tmp_path / "net.json"), "--frames", "400", "--output-dir"]
+    assert main([*words, str(tmp_path / "out"), f"--save=camera.image={tmp_path / 'f.tif'}"]) == 0
+    document["nodes"]["noise"]["params"] = {"path": "f.tif"}
+    engine = Engine(LIBRARY)
+    plan = engine.plan(parse_network(json.dumps(document), library=LIBRARY), folder=tmp_path)
+    assert plan.errors() == []
+    return engine.value(plan, "noise.table", engine.work(Policy())).as_dict()
