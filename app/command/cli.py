@@ -109,6 +109,11 @@ def _carry_out(words: list[str], stop: Stop) -> None:
 
         _stop_if(stop)
         solve_readout(options, stop)
+    elif options.command == "photon-transfer":
+        from app.command.photon_transfer_command import measure_photon_transfer
+
+        _stop_if(stop)
+        measure_photon_transfer(options, stop)
     elif options.command == "bench":
         from app.bench import bench
 

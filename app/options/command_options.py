@@ -14,6 +14,7 @@ from app.options.command_words import (
     bench_words,
     edit_words,
     network_words,
+    photon_transfer_words,
     place_words,
     run_words,
     solve_words,
@@ -24,10 +25,12 @@ from app.options.option_values import (
     Save,
     assignment,
     file_path,
+    finite_number,
     output_path,
     report_path,
     save_target,
     tolerance,
+    transfer_path,
     whole_number,
     window_size,
 )
@@ -55,7 +58,10 @@ Look = Literal["dark", "light"]
 class Options:
     """What the command line gives."""
 
-    command: Literal["edit", "run", "check", "tradeoff", "solve", "modules", "networks", "bench"]
+    command: Literal[
+        "edit", "run", "check", "tradeoff", "solve", "photon-transfer", "modules", "networks",
+        "bench",
+    ]  # fmt: skip
     network: str = ""
     settings: tuple[Assignment, ...] = ()
     final: str | None = None
@@ -67,6 +73,9 @@ class Options:
     vary: tuple[str, ...] = ()
     figures: tuple[str, ...] = ()
     outputs: tuple[Path, ...] = ()
+    flats: tuple[Path, ...] = ()
+    dark: Path | None = None
+    offset_dn: float | None = None
     solve_for: str = ""
     until: str = ""
     precision: Precision = "single"
@@ -128,8 +137,9 @@ def parse(argv: list[str]) -> Options:
     arguments = _arguments(argv)
     if arguments.command == "networks":
         return Options("networks")
-    if arguments.command == "modules":
-        return Options("modules", as_json=arguments.json, module=arguments.key or "")
+    if arguments.command in ("modules", "photon-transfer"):
+        of_files = arguments.command == "photon-transfer"
+        return _photon_transfer(arguments) if of_files else _modules(arguments)
     if arguments.command == "bench":
         return Options(
             "bench",
@@ -191,6 +201,21 @@ def parse(argv: list[str]) -> Options:
         frames=whole_number("--frames", arguments.frames),
         **_places(arguments),
         **common,
+    )
+
+
+def _modules(arguments: argparse.Namespace) -> Options:
+    return Options("modules", as_json=arguments.json, module=arguments.key or "")
+
+
+def _photon_transfer(arguments: argparse.Namespace) -> Options:
+    flats = (file_path("photon-transfer", text) for text in arguments.flats)
+    return Options(
+        "photon-transfer",
+        flats=tuple(file for file in flats if file is not None),
+        dark=file_path("--dark", arguments.dark),
+        offset_dn=finite_number("--offset-dn", arguments.offset_dn),
+        outputs=tuple(transfer_path(text) for text in arguments.output),
     )
 
 
@@ -267,6 +292,10 @@ _COMMANDS: Mapping[str, tuple[str, Callable[[argparse.ArgumentParser], object]]]
         "check": ("validate a network", _check_words),
         "tradeoff": ("figures of merit as a parameter moves", tradeoff_words),
         "solve": ("the value of a parameter at which a read-out is as wanted", solve_words),
+        "photon-transfer": (
+            "gain, read noise and full well from frames of flat fields",
+            photon_transfer_words,
+        ),
         "networks": ("list the shipped networks", lambda _: None),
         "modules": ("list the library", _modules_words),
         "bench": ("time against error", bench_words),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from app.options.option_values import OUTPUTS, REPORTS
+from app.options.option_values import OUTPUTS, REPORTS, TRANSFERS
 from nodes.files.common.file_format import suffixes
 from nodes.files.formats import SAVED
 
@@ -200,6 +200,38 @@ def _numerical_words(parser: argparse.ArgumentParser) -> None:
     )
     add("--seed", action=Once, metavar="N", help="of the noise, in place of the network's")
     add("--threads", action=Once, metavar="N", help="worker threads (default: all)")
+
+
+def photon_transfer_words(parser: argparse.ArgumentParser) -> None:
+    """``imagechain photon-transfer``."""
+    add: Any = parser.add_argument
+    add(
+        "flats",
+        metavar="FILE",
+        nargs="+",
+        help="frames of a flat field, two or more, a file for each level: .npy (frames, rows, "
+        "columns), TIFF of a page each, ENVI of a band each",
+    )
+    add(
+        "--dark",
+        action=Once,
+        metavar="FILE",
+        help="frames without light: they give offset, read noise and DSNU",
+    )
+    add(
+        "--offset-dn",
+        action=Once,
+        metavar="DN",
+        help="the number of no electrons, where there are no dark frames",
+    )
+    add(
+        "--output",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help=f"write the figures, and the levels, as {' '.join(suffixes(*TRANSFERS))}; may be "
+        "repeated",
+    )
 
 
 def bench_words(parser: argparse.ArgumentParser) -> None:

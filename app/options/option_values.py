@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 REPORTS = (JSON, HTML)
 _SAVED = (*SAVED[:-1], ENVI_FRAMES, SAVED[-1])
+TRANSFERS = (CSV, JSON)
 OUTPUTS = (CSV, JSON, PNG, HTML)
 _LONGEST_NUMBER = 20
 _BOUNDS = re.compile(r"([0-9]{0,18}):([0-9]{0,18}),([0-9]{0,18}):([0-9]{0,18})", re.ASCII)
@@ -104,6 +105,21 @@ def report_path(text: str) -> Path:
 def output_path(text: str) -> Path:
     """The file of a trade-off."""
     return _with_suffix("--output", text, OUTPUTS)
+
+
+def transfer_path(text: str) -> Path:
+    """The file of a photon transfer curve."""
+    return _with_suffix("--output", text, TRANSFERS)
+
+
+def finite_number(option: str, text: str | None) -> float | None:
+    """A number, None if not given."""
+    if text is None:
+        return None
+    number = float(text) if _NUMBER.fullmatch(text) else math.nan
+    if not math.isfinite(number):
+        raise UsageError(f"{option} {text!r:.80}: give a number")
+    return number
 
 
 def _with_suffix(option: str, text: str, allowed: tuple[Format, ...]) -> Path:

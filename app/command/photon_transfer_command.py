@@ -1,0 +1,187 @@
+"""``imagechain photon-transfer``: what a camera's flat fields give of its gain, noise and well."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from app.options.command_options import Options
+from app.options.progress import Progress
+from app.run.readout_tables import columns, number_text
+from app.run.staging import Staging
+from core.atomic import write_text
+from core.errors import Cancelled, DataError
+from core.names import in_line
+from core.physics.measurement.flat_field import FlatField, FlatFrames
+from core.physics.measurement.photon_transfer import PhotonTransfer, photon_transfer
+from nodes.files.common.file_format import JSON
+from nodes.files.frames.frame_reading import FrameFile, open_frames
+
+Row = tuple[str, float | None, str, str]
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The files with what each shows, and the curve through them."""
+
+    files: tuple[tuple[Path, FlatField], ...]
+    curve: PhotonTransfer
+
+
+def measure_photon_transfer(options: Options, cancel: threading.Event | None = None) -> None:
+    """Carry out the command; prints the figures when all is written.
+
+    Parameters
+    ----------
+    options : Options
+        What the command line gives.
+    cancel : threading.Event, optional
+        Set to stop before the next frame.
+
+    Raises
+    ------
+    ImagechainError
+        The first fault; nothing has been written then.
+    """
+    flats = [open_frames(path) for path in options.flats]
+    dark = None if options.dark is None else open_frames(options.dark)
+    _check(flats, dark)
+    with Staging(None, [*options.flats, *filter(None, [options.dark])]) as staging:
+        for path in options.outputs:
+            staging.claim(path)
+        with Progress(len(flats) + 1) as progress:
+            fields = [_field(file, progress, cancel) for file in flats]
+            dark_field = None if dark is None else _field(dark, progress, cancel)
+        curve = photon_transfer(levels=fields, dark=dark_field, offset_dn=options.offset_dn)
+        made = Measured(tuple(zip(options.flats, fields, strict=True)), curve)
+        for path in options.outputs:
+            text = _json(made) if JSON.matches(path) else _csv(made)
+            staging.write(path, partial(write_text, content=text))
+        staging.commit()
+    figures = [
+        (name, number_text(value), unit, meaning) for name, value, unit, meaning in _rows(curve)
+    ]
+    print(columns(figures, right=(1,)), end="\n\n")
+    print(columns([_LEVEL_HEAD, *_levels(made)], right=(1, 2, 3, 4)))
+    for line in _remarks(curve, options):
+        print(in_line(line))
+
+
+def _check(flats: Sequence[FrameFile], dark: FrameFile | None) -> None:
+    """Refuse files of which no curve can be made."""
+    files = [*flats, *([dark] if dark is not None else [])]
+    first = files[0]
+    for file in files:
+        if file.frames < 2:
+            raise DataError(f"{file.path}: holds a single frame; a flat field needs 2 or more")
+        if (file.rows, file.columns) != (first.rows, first.columns):
+            raise DataError(
+                f"{file.path}: holds frames of {file.rows} × {file.columns} samples, and "
+                f"{first.path} of {first.rows} × {first.columns}: give those of one camera"
+            )
+
+
+def _field(file: FrameFile, progress: Progress, cancel: threading.Event | None) -> FlatField:
+    progress(file.path.name)
+    taken = FlatFrames(file.rows, file.columns)
+    for frame in file.each():
+        if cancel is not None and cancel.is_set():
+            raise Cancelled("stopped on request")
+        taken.add(frame)
+    return taken.measured()
+
+
+def _rows(curve: PhotonTransfer) -> list[Row]:
+    decibels = None
+    if curve.full_well_e and curve.read_noise_e:
+        decibels = 20.0 * math.log10(curve.full_well_e / curve.read_noise_e)
+    return [
+        ("gain_e_per_dn", curve.gain_e_per_dn, "e-/DN", "electrons of one digital number"),
+        ("gain_error", curve.gain_error, "e-/DN", "its standard error"),
+        ("offset_dn", curve.offset_dn, "DN", "number of no electrons"),
+        ("read_noise_e", curve.read_noise_e, "e-", "temporal noise in the dark, less rounding"),
+        ("read_noise_error", curve.read_noise_error, "e-", "its standard error"),
+        ("full_well_e", curve.full_well_e, "e-", "level of saturation"),
+        ("brightest_e", curve.brightest_e, "e-", "the brightest level"),
+        ("dynamic_range_dB", decibels, "dB", "full well over read noise"),
+        ("dsnu_e", curve.dsnu_e, "e-", "fixed pattern in the dark"),
+        ("prnu_percent", curve.prnu_percent, "%", "fixed pattern that grows with the signal"),
+    ]
+
+
+_LEVEL_HEAD = ("file", "frames", "mean (DN)", "temporal σ² (DN²)", "fixed σ² (DN²)", "")
+
+
+def _levels(made: Measured) -> list[tuple[str, ...]]:
+    states = zip(made.curve.used, made.curve.saturated, strict=True)
+    return [
+        (
+            path.name,
+            str(field.frames),
+            number_text(field.mean_dn),
+            number_text(field.temporal_dn2),
+            number_text(field.fixed_dn2),
+            "saturated" if saturated else "" if used else "not in the line",
+        )
+        for (path, field), (used, saturated) in zip(made.files, states, strict=True)
+    ]
+
+
+def _remarks(curve: PhotonTransfer, options: Options) -> list[str]:
+    lines = []
+    if curve.dark_cut_off:
+        lines.append(
+            f"{options.dark}: noise reaches down to 0, where the converter ends: these dark frames "
+            "count for nothing; raise the camera's offset, or give --offset-dn"
+        )
+    elif curve.offset_dn is None:
+        lines.append("read noise and full well need --dark FILE, or --offset-dn DN")
+    if curve.offset_dn is not None and curve.full_well_e is None:
+        lines.append("no level is saturated: the full well is beyond the brightest level")
+    return lines
+
+
+def _json(made: Measured) -> str:
+    content = {
+        "format": "imagechain-photon-transfer",
+        "version": 1,
+        "figures": {name: value for name, value, _, _ in _rows(made.curve)},
+        "dark_cut_off": made.curve.dark_cut_off,
+        "levels": [
+            {
+                "file": str(path),
+                "frames": field.frames,
+                "mean_dn": field.mean_dn,
+                "temporal_dn2": field.temporal_dn2,
+                "fixed_dn2": field.fixed_dn2,
+                "pixels": field.pixels,
+                "bad_pixels": field.bad,
+                "used": used,
+                "saturated": saturated,
+            }
+            for (path, field), used, saturated in zip(
+                made.files, made.curve.used, made.curve.saturated, strict=True
+            )
+        ],
+    }
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _csv(made: Measured) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("name", "value", "unit", "meaning"))
+    for name, value, unit, meaning in _rows(made.curve):
+        writer.writerow((name, "" if value is None else repr(value), unit, meaning))
+    for path, field in made.files:
+        writer.writerow((f"{path.name}: mean_dn", repr(field.mean_dn), "DN", "mean of a level"))
+        meaning = "variance in time of a level"
+        writer.writerow((f"{path.name}: temporal_dn2", repr(field.temporal_dn2), "DN²", meaning))
+    return text.getvalue()

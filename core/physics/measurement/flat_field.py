@@ -1,0 +1,141 @@
+"""Mean, temporal variance and fixed pattern of frames of a flat field, taken one by one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import DataError
+
+_FAR = 8.0  # robust deviations beyond which a pixel is a bad one: a normal one is so 1e-15 times
+_NORMAL = 1.4826  # deviation over the median of absolute deviations, of a normal distribution
+_REACHES = 3.0  # deviations below the mean
+_ROUNDING_DN2 = 1.0 / 12.0
+
+
+@dataclass(frozen=True)
+class FlatField:
+    """What frames of one level show, of the pixels that are no bad ones.
+
+    Parameters
+    ----------
+    mean_dn : float
+        Of all of them.
+    temporal_dn2 : float
+        Variance of a pixel from frame to frame, the mean of all, without what whole frames share.
+    fixed_dn2 : float
+        Variance among the pixels' means in time, less what temporal noise leaves in these.
+    frames, pixels, bad : int
+        How many frames, pixels that count, and bad ones.
+    whole_numbers : bool
+        Whether all samples are whole: rounded by a converter.
+    least_dn : float
+        The least sample.
+    """
+
+    mean_dn: float
+    temporal_dn2: float
+    fixed_dn2: float
+    frames: int
+    pixels: int
+    bad: int
+    whole_numbers: bool
+    least_dn: float
+
+    @property
+    def cut_off(self) -> bool:
+        """Whether noise reaches down to zero, where a converter ends: mean and variance are off."""
+        deviation = math.sqrt(max(self.temporal_dn2 + self.fixed_dn2, 0.0))
+        return self.least_dn == 0.0 and self.mean_dn < _REACHES * deviation
+
+    @property
+    def unrounded_dn2(self) -> float:
+        """Temporal variance less that of rounding to whole numbers (Bennett 1948)."""
+        rounding = _ROUNDING_DN2 if self.whole_numbers else 0.0
+        return max(self.temporal_dn2 - rounding, 0.0)
+
+
+class FlatFrames:
+    """Takes frames of a flat field one by one and keeps sums alone.
+
+    Parameters
+    ----------
+    rows, columns : int
+        Size of the frames.
+    """
+
+    def __init__(self, rows: int, columns: int) -> None:
+        self._first: NDArray[np.float64] | None = None
+        self._sum = np.zeros((rows, columns))
+        self._squares = np.zeros((rows, columns))
+        self._levels = 0.0
+        self._frames = 0
+        self._whole = True
+        self._least = math.inf
+
+    def add(self, frame: NDArray[Any]) -> None:
+        """Take another frame, shape (rows, columns).
+
+        Raises
+        ------
+        DataError
+            For a frame of another size.
+        """
+        if frame.shape != self._sum.shape:
+            raise DataError(
+                f"a frame of {frame.shape[0]} × {frame.shape[1]} samples does not go with "
+                f"{self._sum.shape[0]} × {self._sum.shape[1]}"
+            )
+        samples = frame.astype(np.float64)
+        self._whole = self._whole and bool((samples == np.rint(samples)).all())
+        self._least = min(self._least, float(samples.min()))
+        level = float(np.median(samples))  # a lamp flickers: whole frames differ
+        samples -= level
+        self._levels += level
+        self._frames += 1
+        if self._first is None:
+            self._first = samples.copy()
+        samples -= self._first  # what all frames share would cost the squares their digits
+        self._sum += samples
+        self._squares += samples * samples
+
+    def measured(self) -> FlatField:
+        """What the frames so far show.
+
+        Raises
+        ------
+        DataError
+            With fewer than two frames.
+        """
+        n = self._frames
+        if n < 2 or self._first is None:
+            raise DataError(f"a flat field needs 2 frames or more, not {n}")
+        drift = self._sum / n
+        means = self._first + drift + self._levels / n
+        variances = (self._squares - n * drift**2) / (n - 1)
+        good = _near(means)
+        pixels = int(np.count_nonzero(good))
+        temporal = float(variances[good].mean())
+        fixed = float(np.var(means[good], ddof=1)) - temporal / n if pixels > 1 else 0.0
+        return FlatField(
+            float(means[good].mean()),
+            temporal,
+            fixed,
+            n,
+            pixels,
+            good.size - pixels,
+            self._whole,
+            self._least,
+        )
+
+
+def _near(means: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Pixels that are not far from the others: dead and hot ones are."""
+    middle = float(np.median(means))
+    away = np.abs(means - middle)
+    spread = _NORMAL * float(np.median(away))
+    return np.asarray(away <= max(_FAR * spread, 1.0))

@@ -1,0 +1,207 @@
+"""The photon transfer curve: gain, read noise and full well of a camera from its flat fields.
+
+Shot noise makes the temporal variance of a pixel rise with its mean by one electron for each
+electron: σ² = σ_read² + (μ − offset)/K in digital numbers, K electrons of one. Its slope gives the
+gain K, its foot the read noise, the level at which it collapses the full well.
+
+Source: Janesick 2007, Photon Transfer, chapters 4 and 5; EMVA Standard 1288, release 3.1 (2016),
+sections 2, 6 and 8. The numbers of their equations could not be checked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import DataError
+from core.physics.measurement.flat_field import FlatField
+
+Vector = NDArray[np.float64]
+_USED = 0.7  # of saturation, up to which the curve is taken for straight (EMVA 1288)
+_COLLAPSED = 0.5  # of the largest variance; what has less beyond it is saturated
+_ROUNDS = 5
+
+
+@dataclass(frozen=True)
+class PhotonTransfer:
+    """What the curve gives; None of what the flat fields do not show.
+
+    Parameters
+    ----------
+    gain_e_per_dn, gain_error : float
+        Electrons of one digital number, and the standard error.
+    offset_dn : float or None
+        The number of no electrons.
+    read_noise_e, read_noise_error : float or None
+        Temporal noise without light and rounding, and the standard error.
+    full_well_e : float or None
+        Electrons at which the variance has collapsed; None where no level is saturated.
+    brightest_e : float or None
+        Electrons of the brightest level.
+    dsnu_e, prnu_percent : float or None
+        Fixed pattern in the dark, and the part that grows with the signal, of the straight part.
+    used, saturated : tuple of bool
+        Which levels the straight line is fitted to, and which are saturated.
+    dark_cut_off : bool
+        Whether the dark frames end at the converter's zero, so that they count for nothing.
+    """
+
+    gain_e_per_dn: float
+    gain_error: float
+    offset_dn: float | None
+    read_noise_e: float | None
+    read_noise_error: float | None
+    full_well_e: float | None
+    brightest_e: float | None
+    dsnu_e: float | None
+    prnu_percent: float | None
+    used: tuple[bool, ...]
+    saturated: tuple[bool, ...]
+    dark_cut_off: bool
+
+
+def photon_transfer(
+    *, levels: Sequence[FlatField], dark: FlatField | None = None, offset_dn: float | None = None
+) -> PhotonTransfer:
+    """Gain, read noise, full well and fixed pattern.
+
+    Parameters
+    ----------
+    levels
+        Flat fields of light, in any order.
+    dark
+        Frames without light, of the same integration time.
+    offset_dn
+        The number of no electrons, where there are no dark frames.
+
+    Raises
+    ------
+    DataError
+        Fewer than two levels are left below saturation, or the variance does not rise with the
+        mean.
+
+    Notes
+    -----
+    The straight line is fitted to levels below 0.7 of saturation, or to all where none is
+    saturated, and to the dark frames. Weights are those of variances of normal deviates, 2σ⁴/((n −
+    1)·pixels), of the fitted σ². Rounding is taken off before.
+    """
+    means = np.array([level.mean_dn for level in levels])
+    variances = np.array([level.unrounded_dn2 for level in levels])
+    cut_off = dark is not None and dark.cut_off
+    dark = None if cut_off else dark
+    zero = dark.mean_dn if dark is not None else offset_dn
+    saturated = _saturated(means, variances)
+    foot = zero if zero is not None else 0.0
+    ceiling = foot + _USED * (means[saturated].min() - foot) if saturated.any() else math.inf
+    used = ~saturated & (means <= ceiling)
+    fitted = [level for level, taken in zip(levels, used, strict=True) if taken]
+    fitted += [dark] if dark is not None else []
+    if len({field.mean_dn for field in fitted}) < 2:
+        raise DataError(
+            f"{int(used.sum())} of {len(levels)} levels lie below {_USED:g} of saturation; a "
+            "photon transfer curve needs 2 or more of different brightness, or one and dark frames "
+            "that do not end at zero"
+        )
+    line = _Line.through(fitted, foot)
+    if not line.slope > 0.0:
+        raise DataError(
+            "the temporal variance does not rise with the mean: these are no flat fields of a "
+            "camera whose shot noise shows"
+        )
+    gain = 1.0 / line.slope
+    read, error = _read_noise(dark, line, gain, known=zero is not None)
+    full_well = brightest = None
+    if zero is not None:
+        brightest = gain * float(means.max() - zero)
+        if saturated.any():
+            full_well = gain * float(means[saturated].mean() - zero)
+    dsnu, prnu = _fixed(levels, used, dark, gain)
+    return PhotonTransfer(
+        gain,
+        line.slope_error / line.slope**2,
+        zero,
+        read,
+        error,
+        full_well,
+        brightest,
+        dsnu,
+        prnu,
+        tuple(map(bool, used)),
+        tuple(map(bool, saturated)),
+        cut_off,
+    )
+
+
+def _saturated(means: Vector, variances: Vector) -> NDArray[np.bool_]:
+    """Levels at or beyond the mean of the largest variance that have less than half of it."""
+    top = int(np.argmax(variances))
+    return np.asarray((means > means[top]) & (variances < _COLLAPSED * variances[top]))
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A straight line of variances over means less `foot`, and standard errors."""
+
+    at_foot: float
+    slope: float
+    at_foot_error: float
+    slope_error: float
+
+    @classmethod
+    def through(cls, fields: Sequence[FlatField], foot: float) -> _Line:
+        """The weighted least squares."""
+        x = np.array([field.mean_dn - foot for field in fields])
+        y = np.array([field.unrounded_dn2 for field in fields])
+        freedom = np.array([(field.frames - 1.0) * field.pixels for field in fields])
+        model = np.maximum(y, 1e-12 * y.max())
+        for _ in range(_ROUNDS):
+            weights = freedom / (2.0 * model**2)
+            matrix = np.stack([np.ones_like(x), x], axis=1)
+            normal = matrix.T @ (weights[:, np.newaxis] * matrix)
+            at_foot, slope = np.linalg.solve(normal, matrix.T @ (weights * y))
+            model = np.maximum(at_foot + slope * x, 1e-3 * y)
+        errors = np.sqrt(np.diag(np.linalg.inv(normal)))
+        return cls(float(at_foot), float(slope), float(errors[0]), float(errors[1]))
+
+
+def _read_noise(
+    dark: FlatField | None, line: _Line, gain: float, *, known: bool
+) -> tuple[float | None, float | None]:
+    """Of the dark frames, else where the line meets the offset."""
+    if not known:
+        return None, None
+    if dark is not None:
+        variance = dark.unrounded_dn2
+        error = dark.temporal_dn2 * math.sqrt(2.0 / ((dark.frames - 1) * dark.pixels))
+    else:
+        variance, error = max(line.at_foot, 0.0), line.at_foot_error
+    noise = math.sqrt(variance)
+    # Of a root that is next to nothing, the root of the error of its square.
+    spread = error / (2.0 * noise) if variance > error else math.sqrt(error)
+    return gain * noise, gain * spread
+
+
+def _fixed(
+    levels: Sequence[FlatField], used: NDArray[np.bool_], dark: FlatField | None, gain: float
+) -> tuple[float | None, float | None]:
+    """DSNU in electrons, PRNU in percent of the signal."""
+    if dark is None:
+        return None, None
+    lit = [level for level, taken in zip(levels, used, strict=True) if taken]
+    signal = np.array([level.mean_dn - dark.mean_dn for level in lit])
+    squares = np.array([level.fixed_dn2 - dark.fixed_dn2 for level in lit])
+    dsnu = gain * math.sqrt(max(dark.fixed_dn2, 0.0))
+    weights = (
+        np.array([level.pixels for level in lit])
+        / np.maximum(
+            np.array([level.fixed_dn2 + level.temporal_dn2 / level.frames for level in lit]), 1e-12
+        )
+        ** 2
+    )
+    square = float(np.sum(weights * signal**2 * squares) / np.sum(weights * signal**4))
+    return dsnu, 100.0 * math.sqrt(max(square, 0.0))

@@ -1,0 +1,144 @@
+"""Photon transfer of frames that numpy has drawn: gain, noise, full well and patterns known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from core.errors import DataError
+from core.physics.measurement.flat_field import FlatFrames
+from core.physics.measurement.photon_transfer import photon_transfer
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera by numpy alone: Poisson electrons, patterns, read noise, well, converter."""
+
+    gain: float = 4.0
+    read_e: float = 25.0
+    well_e: float = 50_000.0
+    offset: float = 200.0
+    prnu: float = 0.01
+    dsnu_e: float = 15.0
+    bits: int = 16
+    bad: float = 0.0
+    flicker: float = 0.0
+    shape: tuple[int, int] = (96, 128)
+
+    def frames(self, electrons, count, seed):
+        pattern = np.random.default_rng(99)
+        factor = 1 + self.prnu * pattern.standard_normal(self.shape)
+        dark = self.dsnu_e * pattern.standard_normal(self.shape)
+        bad = pattern.random(self.shape) < self.bad
+        random = np.random.default_rng(seed)
+        for _ in range(count):
+            lamp = electrons * (1 + self.flicker * random.standard_normal())
+            n = random.poisson(lamp * factor) + dark
+            n = np.minimum(n + self.read_e * random.standard_normal(self.shape), self.well_e)
+            n = np.where(bad, np.where(factor > 1, self.well_e, 0.0), n)
+            numbers = np.rint(n / self.gain + self.offset)
+            yield np.clip(numbers, 0, 2**self.bits - 1).astype(np.uint16)
+
+
+def field(camera, electrons, count=40, seed=1):
+    taken = FlatFrames(*camera.shape)
+    for frame in camera.frames(electrons, count, seed):
+        taken.add(frame)
+    return taken.measured()
+
+
+LEVELS = (500, 2000, 5000, 10_000, 20_000, 30_000, 40_000, 49_000, 70_000)
+
+
+def curve(camera, levels=LEVELS, *, dark=True, offset=None, count=40):
+    fields = [field(camera, level, count, seed) for seed, level in enumerate(levels, start=5)]
+    return photon_transfer(
+        levels=fields, dark=field(camera, 0, count) if dark else None, offset_dn=offset
+    )
+
+
+CAMERAS = {
+    "usual": Camera(),
+    "fine": Camera(gain=0.25, read_e=1.5, well_e=12_000.0, dsnu_e=0.5, prnu=0.005),
+    "coarse": Camera(gain=450.0, read_e=400.0, well_e=7e6, dsnu_e=300.0, bits=14, offset=20.0,
+                     prnu=0.003),
+    "with bad pixels": Camera(bad=0.004),
+    "with a lamp that flickers": Camera(flicker=0.01),
+    "without patterns": Camera(prnu=0.0, dsnu_e=0.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_within_two_percent(name):
+    camera = CAMERAS[name]
+    scale = camera.well_e / 50_000
+    made = curve(camera, [level * scale for level in LEVELS])
+    assert made.gain_e_per_dn == pytest.approx(camera.gain, rel=0.02)
+    assert abs(made.gain_e_per_dn - camera.gain) < 5 * made.gain_error
+    assert made.full_well_e == pytest.approx(camera.well_e, rel=0.02)
+    assert made.read_noise_e == pytest.approx(camera.read_e, rel=0.02)
+    assert made.offset_dn == pytest.approx(camera.offset, abs=0.5)
+    if camera.prnu:
+        assert made.prnu_percent == pytest.approx(100 * camera.prnu, rel=0.05)
+        assert made.dsnu_e == pytest.approx(camera.dsnu_e, rel=0.05)
+    else:
+        assert made.prnu_percent < 0.02
+
+
+def test_read_noise_is_the_foot_of_the_line_where_only_the_offset_is_known():
+    made = curve(Camera(read_e=60.0), dark=False, offset=200.0)
+    assert made.read_noise_e == pytest.approx(60.0, rel=0.02)
+    assert made.full_well_e == pytest.approx(50_000, rel=0.02)
+    assert (made.dsnu_e, made.prnu_percent) == (None, None)
+
+
+def test_without_dark_and_offset_only_the_gain():
+    made = curve(Camera(), dark=False)
+    assert made.gain_e_per_dn == pytest.approx(4.0, rel=0.02)
+    assert (made.read_noise_e, made.full_well_e, made.offset_dn) == (None, None, None)
+
+
+def test_without_a_saturated_level_no_full_well():
+    made = curve(Camera(), LEVELS[:6])
+    assert made.full_well_e is None
+    assert made.brightest_e == pytest.approx(30_000, rel=0.02)
+    assert not any(made.saturated)
+    assert all(made.used)
+
+
+def test_two_frames_of_a_level_do():
+    """The way of differences of pairs: 2 frames of 96 × 128 give σ² to √(2/12288) = 1.3 %."""
+    made = curve(Camera(), count=2)
+    assert made.gain_e_per_dn == pytest.approx(4.0, rel=4 * 0.006)
+
+
+def test_dark_frames_that_end_at_zero_count_for_nothing():
+    """Of read noise of 6 numbers about 2, half of what is below is cut off."""
+    camera = Camera(offset=2.0)
+    made = curve(camera)
+    assert made.dark_cut_off
+    assert made.gain_e_per_dn == pytest.approx(4.0, rel=0.02)
+    assert (made.read_noise_e, made.offset_dn, made.full_well_e) == (None, None, None)
+    assert curve(camera, offset=2.0).full_well_e == pytest.approx(50_000, rel=0.02)
+
+
+def test_which_levels_count():
+    made = curve(Camera())
+    assert made.saturated == (*[False] * 8, True)
+    assert made.used == (*[True] * 6, False, False, False)  # 0.7 · 50000 = 35000
+
+
+def test_what_is_refused():
+    with pytest.raises(DataError, match="2 frames or more, not 1"):
+        field(Camera(), 100, count=1)
+    with pytest.raises(DataError, match="2 or more of different brightness, or one"):
+        curve(Camera(), (5000,), dark=False)
+    quiet = field(Camera(offset=10_000.0), 20_000)
+    loud = field(Camera(read_e=5000.0, offset=10_000.0), 0)
+    with pytest.raises(DataError, match="does not rise with the mean"):
+        photon_transfer(levels=[quiet], dark=loud)
+    taken = FlatFrames(4, 5)
+    with pytest.raises(DataError, match="3 × 5 samples does not go with 4 × 5"):
+        taken.add(np.zeros((3, 5)))
