@@ -9,6 +9,7 @@ from core.modules.library_type import Library, library_of
 from nodes.analysis.camera.camera_geometry import CameraGeometry
 from nodes.analysis.camera.line_by_line import LineByLine
 from nodes.analysis.merit.figures_of_merit import FiguresOfMerit
+from nodes.analysis.merit.image_quality import ImageQuality
 from nodes.analysis.mtf.compare_images import CompareImages
 from nodes.analysis.mtf.measured_mtf import MeasuredMTF
 from nodes.analysis.mtf.mtf_slices import MtfSlices
@@ -100,6 +101,7 @@ MODULES: tuple[type[Module], ...] = (
     SpatialBlur,
     LineByLine,
     CameraGeometry,
+    ImageQuality,
 )
 
 

@@ -25,6 +25,7 @@ PURE_NUMBERS = {
     "stages", "phases", "reference_frames",
     "stages", "phases", "reference_f_number", "reference_frames",
     "sigma_tvh", "sigma_tv", "sigma_th", "sigma_t", "sigma_vh", "sigma_v", "sigma_h",
+    "snr", "overshoot", "noise_gain",
 }  # fmt: skip
 # Numbers of either sign without a natural limit.
 UNBOUNDED = {

@@ -118,6 +118,7 @@ RECORDED = {
         "n50_recognition": 3.0, "n50_identification": 6.0, "v50": 18.8, "scene_contrast_K": 5.0,
         "display_cd_m2": 34.0, "display_deg": 15.0,
     },
+    "image_quality": {"off_nadir_deg": 0.0, "noise_gain": 1.0},
     "noise_budget": {"frequency": 0.5, "noise": "all", "show": "share"},
     "noise_3d": {"frames": 16},
     "compare_images": {"average": "axes", "edges": "reflect"},

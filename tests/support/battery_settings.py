@@ -72,6 +72,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "spatial_blur": {"truncation": "none"},
     "line_by_line": {"look_angle_deg": 30},
     "figures_of_merit": {"frame_rate_Hz": 25},
+    "image_quality": {"range_m": 5000, "off_nadir_deg": 20},
     "noise_3d": {"frames": 3},
     "noise_budget": {"frequency": 0.7},
     "camera_geometry": {"fov_x_deg": 1.1, "columns": 9, "rows": 7},

@@ -24,6 +24,7 @@ _ALSO: Mapping[str, str] = MappingProxyType(
         "electronics_noise": "banding striping fixed pattern FPN NUC ADC",
         "mtf_slices": "OTF plot",
         "measured_mtf": "ROI region of interest knife edge ESF LSF SFR ISO 12233",
+        "image_quality": "NIIRS RER interpretability",
         "figures_of_merit": "Johnson TTP FLIR92 NVTherm target",
         "noise_budget": "share contribution breakdown",
         "noise_3d": "3D fixed pattern FPN banding striping",

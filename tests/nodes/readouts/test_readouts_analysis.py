@@ -247,4 +247,5 @@ def test_every_module_has_its_row():
     assert with_readouts("Analysis") == {
         "mtf_slices", "measured_mtf", "figures_of_merit", "noise_budget", "noise_3d",
         "compare_images", "spatial_blur", "line_by_line", "camera_geometry",
+        "image_quality",  # each by hand in test_node_image_quality
     }  # fmt: skip

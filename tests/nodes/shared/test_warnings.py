@@ -120,6 +120,11 @@ CASES = {
         {},
     ),
     ("figures_of_merit", "unit"): ({"scene": {"unit": "DN"}}, ("'DN'", "MRTD"), {}),
+    ("image_quality", "band"): (
+        {},
+        ("8 to 12 µm", "visible", "figures_of_merit"),
+        {"scene": {"cut_on_um": 0.4, "cut_off_um": 0.8}},
+    ),
     ("poisson_noise", "unit"): (
         {"mode": "photon", "photons_per_unit": 1e3, "scene": {"unit": "K"}},
         ("'K'", "photons_per_unit"),
@@ -244,6 +249,7 @@ BY_HAND = {  # need what only a file tells
     ("camera", "focal_length"),
     ("init_trans", "camera"),  # tests/nodes/optics/test_node_camera.py
     ("noise_3d_source", "few_lines"),
+    ("image_quality", "limits"),  # of figures, in test_node_image_quality
 }
 
 

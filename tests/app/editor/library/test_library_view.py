@@ -124,7 +124,8 @@ def test_the_groups_wear_the_themes_colours(view):
         ("fixed pattern", "focal_plane", {"electronics_noise", "noise_3d"}),
         ("pushbroom", "camera_geometry", set()),
         ("budget", "noise_budget", set()),
-        ("gsd", "camera_geometry", set()),
+        ("gsd", "camera_geometry", {"image_quality"}),
+        ("niirs", "image_quality", set()),
     ],
 )
 def test_words_of_the_trade_find_their_module(view, chosen, typed, best, also):

@@ -1,0 +1,119 @@
+"""The image quality equations against the reference and mpmath, edge responses by closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.special import ndtr
+
+from core.errors import ParameterError
+from core.physics.acquisition.edge_response import (
+    edge_overshoot,
+    edge_response,
+    relative_edge_response,
+)
+from core.physics.acquisition.giqe import beyond_limits, giqe_3, giqe_4, giqe_5
+from reference_cases import CAMERA, reference_cases
+
+
+@pytest.mark.parametrize("case", reference_cases("giqe", file=CAMERA))
+def test_the_reference(case):
+    given = {name: float(value) for name, value in case["inputs"].items()}
+    assert giqe_4(**given) == pytest.approx(float(case["expected"]["giqe4"]), rel=1e-9)
+    del given["overshoot"], given["noise_gain"]
+    assert giqe_5(**given) == pytest.approx(float(case["expected"]["giqe5"]), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("gsd", "rer", "snr", "height", "gain"),
+    [(12, 0.9, 50, 1.0, 1.0), (5.3, 0.42, 11.5, 1.3, 2.7), (79.0, 1.2, 4.0, 1.1, 0.5)],
+)
+def test_by_mpmath(gsd, rer, snr, height, gain):
+    with mpmath.workdps(30):
+        log = mpmath.log10
+        third = 11.81 + 3.32 * log(mpmath.mpf(rer) / gsd) - 1.48 * height - mpmath.mpf(gain) / snr
+        a, b = (3.32, 1.559) if rer >= 0.9 else (3.16, 2.817)
+        fourth = 10.251 - a * log(gsd) + b * log(rer) - 0.656 * height - 0.344 * gain / snr
+        fifth = 9.57 - 3.32 * log(gsd) - 2 * log(rer) ** 4 - mpmath.mpf("1.8") / snr
+        fifth += 3.32 * (1 - mpmath.exp(-mpmath.mpf("1.9") / snr)) * log(rer)
+    all_of = {"gsd_inch": gsd, "rer": rer, "snr": snr}
+    beside = {"overshoot": height, "noise_gain": gain}
+    assert giqe_3(**all_of, **beside) == pytest.approx(float(third), rel=1e-13)
+    assert giqe_4(**all_of, **beside) == pytest.approx(float(fourth), rel=1e-13)
+    assert giqe_5(**all_of) == pytest.approx(float(fifth), rel=1e-13)
+
+
+def test_without_noise_its_terms_vanish():
+    assert giqe_5(gsd_inch=1.0, rer=0.5, snr=math.inf) == pytest.approx(
+        9.57 - 2 * math.log10(0.5) ** 4, rel=1e-14
+    )
+
+
+def test_limits_are_named():
+    assert beyond_limits(gsd_inch=12.0, rer=0.9, overshoot=1.0, snr=50.0) == ()
+    assert beyond_limits(gsd_inch=2.0, rer=0.9, overshoot=1.0, snr=279.0) == (
+        "gsd_inch = 2 (3 to 80)",
+        "snr = 279 (2 to 130)",
+    )
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"gsd_inch": 0.0}, {"rer": -1.0}, {"snr": 0.0}, {"overshoot": 0.0}]
+)
+def test_what_is_refused(wrong):
+    with pytest.raises(ParameterError, match=next(iter(wrong))):
+        giqe_4(**{"gsd_inch": 12.0, "rer": 0.9, "snr": 50.0, **wrong})
+
+
+PLACES = np.array([-2.0, -0.5, 0.0, 0.25, 0.5, 1.25, 3.0])
+
+
+@pytest.mark.parametrize("sigma", [0.2, 0.45, 1.7])
+@pytest.mark.parametrize("sample", [0.02, 3.0])
+def test_the_edge_behind_a_gaussian(sigma, sample):
+    def mtf(xi):
+        return np.exp(-2 * (np.pi * sigma * sample * xi) ** 2)
+
+    made = edge_response(mtf=mtf, places_px=PLACES, sample_mrad=sample)
+    np.testing.assert_allclose(made, ndtr(PLACES / sigma), atol=1e-12)
+    rer = relative_edge_response(mtf=mtf, sample_mrad=sample)
+    assert rer == pytest.approx(2 * ndtr(0.5 / sigma) - 1, rel=1e-12)
+    assert edge_overshoot(mtf=mtf, sample_mrad=sample) == pytest.approx(
+        ndtr(1.25 / sigma), abs=1e-12
+    )
+
+
+@pytest.mark.parametrize("width", [1.0, 1.6, 3.0])
+def test_the_edge_behind_an_aperture(width):
+    """A ramp as wide as the aperture."""
+
+    def mtf(xi):
+        return np.sinc(width * 0.1 * xi)
+
+    made = edge_response(mtf=mtf, places_px=PLACES, sample_mrad=0.1)
+    np.testing.assert_allclose(made, np.clip(0.5 + PLACES / width, 0, 1), atol=2e-4)
+
+
+def test_the_edge_behind_exponential_blur():
+    """Of exp(−a·ξ) it is 1/2 + atan(2πd/a)/π."""
+    made = edge_response(mtf=lambda xi: np.exp(-0.7 * xi), places_px=PLACES, sample_mrad=1.0)
+    np.testing.assert_allclose(made, 0.5 + np.arctan(2 * np.pi * PLACES / 0.7) / np.pi, atol=1e-12)
+
+
+def test_a_sharpened_edge_overshoots():
+    """Gaussian and its second derivative: H = (1 + k·ξ²)·exp(−2π²σ²ξ²)."""
+    sigma, k = 0.5, 12.0
+
+    def mtf(xi):
+        return (1 + k * xi**2) * np.exp(-2 * (np.pi * sigma * xi) ** 2)
+
+    places = np.arange(1.0, 3.01, 0.25)
+    # −k/(4π²) times the second derivative of Φ(d/σ).
+    bump = k / (4 * np.pi**2) * places / sigma**3
+    bump *= np.exp(-((places / sigma) ** 2) / 2) / math.sqrt(2 * np.pi)
+    expected = ndtr(places / sigma) + bump
+    assert expected.max() > 1.02
+    assert edge_overshoot(mtf=mtf, sample_mrad=1.0) == pytest.approx(expected.max(), rel=1e-10)

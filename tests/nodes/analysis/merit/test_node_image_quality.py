@@ -1,0 +1,111 @@
+"""Image Quality of a visible camera behind a Gaussian blur: every figure by hand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import ndtr
+
+from node_bench import NodeBench
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+SIZE, FOV_DEG, RANGE_M = 40, 0.02, 600e3
+SAMPLE_MRAD = math.radians(FOV_DEG) * 1000 / SIZE  # small angles: as Init & Trans to 1e-8
+SIGMA_X, SIGMA_Y = 0.45, 0.6  # of the blur, in samples
+SCENE = {
+    "kind": "uniform", "width": SIZE, "height": SIZE, "fov_x_deg": FOV_DEG, "fov_y_deg": FOV_DEG,
+    "temperature_K": 1250.0, "cut_on_um": 0.5, "cut_off_um": 0.8,
+}  # fmt: skip
+INIT = {
+    "detector_x_um": 8, "detector_y_um": 8, "focal_length_mm": 900, "f_number": 8,
+    "platform": "array", "range_m": RANGE_M,
+}  # fmt: skip
+CAMERA = {"integration_time_s": 0.5, "read_noise_e": 20, "photon_weighting": "source"}
+
+
+def bench_of(folder, quality=None, *, scene=None, camera=None, init=None):
+    blur = {"sigma_x_mrad": SIGMA_X * SAMPLE_MRAD, "sigma_y_mrad": SIGMA_Y * SAMPLE_MRAD}
+    nodes = {
+        "scene": ("test_scene", {**SCENE, **(scene or {})}),
+        "init": ("init_trans", {**INIT, **(init or {})}),
+        "blur": ("gaussian_mtf", blur),
+        "back": ("back_transform", {}),
+        "fpa": ("focal_plane", {**CAMERA, **(camera or {})}),
+        "merit": ("image_quality", quality or {}),
+    }
+    links = [
+        ("scene.image", "init.image"), ("init.context", "blur.context"),
+        ("init.magnitude", "blur.magnitude"), ("blur.magnitude", "back.magnitude"),
+        ("init.phase", "back.phase"), ("back.image", "fpa.image"),
+        ("init.context", "fpa.context"), ("fpa.image", "merit.image"),
+        ("init.context", "merit.context"),
+    ]  # fmt: skip
+    return NodeBench(LIBRARY, folder, nodes, links)
+
+
+def rer(sigma):
+    return 2 * ndtr(0.5 / sigma) - 1
+
+
+def test_figures_of_the_chain(tmp_path):
+    bench = bench_of(tmp_path)
+    found, camera = bench.readouts("merit"), bench.readouts("fpa")
+    table = bench.value("merit.table").as_dict()
+    gsd = SAMPLE_MRAD * RANGE_M / 1000
+    edge = math.sqrt(rer(SIGMA_X) * rer(SIGMA_Y))
+    height = math.sqrt(ndtr(1.25 / SIGMA_X) * ndtr(1.25 / SIGMA_Y))
+    assert found["gsd_m"] == pytest.approx(gsd, rel=1e-7)
+    assert (table["rer_x"], table["rer_y"]) == pytest.approx((rer(SIGMA_X), rer(SIGMA_Y)))
+    assert found["rer"] == pytest.approx(edge, rel=1e-7)
+    assert found["overshoot"] == pytest.approx(height, rel=1e-7)
+    assert found["snr"] == pytest.approx(camera["snr"], rel=1e-6)
+    snr, inch, log = camera["snr"], gsd / 0.0254, math.log10(edge)
+    fifth = 9.57 - 3.32 * math.log10(inch) + 3.32 * (1 - math.exp(-1.9 / snr)) * log
+    assert found["giqe5"] == pytest.approx(fifth - 2 * log**4 - 1.8 / snr, rel=1e-6)
+    fourth = 10.251 - 3.16 * math.log10(inch) + 2.817 * log - 0.656 * height - 0.344 / snr
+    assert found["giqe4"] == pytest.approx(fourth, rel=1e-6)
+    third = 11.81 + 3.32 * (log - math.log10(inch)) - 1.48 * height - 1 / snr
+    assert found["giqe3"] == pytest.approx(third, rel=1e-6)
+    curve = bench.value("merit.edge")
+    for series, sigma in zip(curve.series, (SIGMA_X, SIGMA_Y), strict=True):
+        np.testing.assert_allclose(series.y, ndtr(series.x / sigma), atol=1e-7)
+
+
+def test_what_is_typed_counts(tmp_path):
+    typed = {"range_m": 300e3, "off_nadir_deg": 60.0, "snr": 50.0, "overshoot": 1.2,
+             "noise_gain": 4.0}  # fmt: skip
+    found = bench_of(tmp_path, typed).readouts("merit")
+    gsd = SAMPLE_MRAD * 300 * math.sqrt(2)
+    assert found["gsd_m"] == pytest.approx(gsd, rel=1e-7)
+    assert (found["snr"], found["overshoot"]) == (50.0, 1.2)
+    log = math.log10(math.sqrt(rer(SIGMA_X) * rer(SIGMA_Y)))
+    fourth = 10.251 - 3.16 * math.log10(gsd / 0.0254) + 2.817 * log - 0.656 * 1.2
+    assert found["giqe4"] == pytest.approx(fourth - 0.344 * 4 / 50, rel=1e-6)
+
+
+def test_a_level_of_digital_numbers_does_not_count_as_signal(tmp_path):
+    plain = bench_of(tmp_path, camera={"units": "electrons"}).readouts("merit")
+    lifted = {"bits": 16, "gain_e_per_dn": 3.0, "offset_dn": 500.0, "full_well_e": 1e6}
+    found = bench_of(tmp_path, camera=lifted).readouts("merit")
+    assert found["snr"] == pytest.approx(plain["snr"], rel=1e-3)  # less rounding
+
+
+def test_a_warning_names_what_lies_beyond_the_limits(tmp_path):
+    """A camera of high SNR, as many satellites have; one within them is silent."""
+    bench = bench_of(tmp_path, {"snr": 279.0, "range_m": 1000.0})
+    (caution,) = [one for one in bench.engine.warnings(bench.plan, bench.work)
+                  if one.node == "merit"]  # fmt: skip
+    assert caution.check == "limits"
+    assert "snr = 279 (2 to 130)" in caution.text
+    assert "gsd_inch = 0.3436 (3 to 80)" in caution.text  # 8.727 mm
+    within = bench_of(tmp_path, {"snr": 50.0, "range_m": 40e3})
+    told = [one for one in within.engine.warnings(within.plan, within.work) if one.node == "merit"]
+    assert told == []
+
+
+def test_without_a_range_it_says_so(tmp_path):
+    bench = bench_of(tmp_path, init={"range_m": 0})
+    assert str(bench.error("merit")).startswith("merit: range_m is empty")
