@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Annotated, Literal, NamedTuple
 
 from core.chain.wires import Context, Curve, Image, Table
+from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
@@ -15,6 +16,7 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.acquisition.eye import frames_integrated
 from core.physics.acquisition.mdtd import Window
+from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.grid import Grid
 from nodes.analysis.lineage import NoiseOf, transfer_of
 from nodes.analysis.merit.acquisition_curves import (
@@ -88,6 +90,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     noise: bandwidth_Hz (one detector in place of n is n times as fast, and noisier by √n), and what
     gain and bias do on a uniform field: on `line`, of one detector, nothing; on `push` σ_h, which
     hides upright bars; on `array` σ_vh. 1/f noise of channels (σ_tv) is not simulated.
+
+    A picture of a band that begins below 2.5 µm is of reflected light, which has no temperature: it
+    is refused, unless `background_K` states how hot the scene glows; Image Quality takes it.
 
     Johnson: cycles across the target up to where ΔT·exp(−extinction·range) reaches the 2-D MRTD,
     over N50. TTP: the sum of √(contrast/threshold) over frequencies, the threshold being that of
@@ -241,6 +246,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         known = replace(context, band_um=image.band_um or context.band_um)
         passed, grid, node = transfer_of(image), image.grid(), here.node
         sensor = {"stages": passed.part("mtf"), "grid": grid, "observer": self._observer(context)}
+        band_um = given_band(self.cut_on_um, self.cut_off_um, known)
+        self._refuse_reflected(known.band_um or band_um)
         seen = Step.of(
             sensitivity,
             NoiseOf(image, node, uniform=True),
@@ -248,7 +255,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             node=node,
             gain=passed.gain,
             gain_before=passed.gain_before,
-            band_um=given_band(self.cut_on_um, self.cut_off_um, known),
+            band_um=band_um,
             background_K=self.background_K,
         )
         threshold_step = Step.of(thresholds, seen, node=node, **sensor)
@@ -268,6 +275,16 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             Curve(Step.of(mdtd_curve, seen, node=node, **sensor)),
             Curve(Step.of(probability_curve, reached, node=node)),
             Table(table),
+        )
+
+    def _refuse_reflected(self, band_um: tuple[float, float]) -> None:
+        """Light that is reflected has no temperature (`DataError`)."""
+        if band_um[0] >= SHORTEST_THERMAL_UM or self.background_K is not None:
+            return
+        raise DataError(
+            f"the band begins at {band_um[0]:g} µm, where a scene reflects light and shows no "
+            "temperature: NETD, MRTD, MDTD and the ranges made of them do not apply; take "
+            "image_quality, or give background_K of a scene that glows"
         )
 
     @warning

@@ -257,3 +257,22 @@ def told(engine, plan, work):
     if plan.nodes["merit"].error is not None:
         raise plan.nodes["merit"].error
     return engine.value(plan, "merit.table", work)
+
+
+VISIBLE = {"cut_on_um": 0.4, "cut_off_um": 0.8, "temperature_K": 1250.0}
+
+
+def test_reflected_light_is_refused():
+    """Its brightness temperature of 1250 K would be nobody's."""
+    _, plan, _ = sensor(scene=VISIBLE, noisy=False)
+    assert [str(error) for error in plan.errors()] == [
+        "merit: the band begins at 0.4 µm, where a scene reflects light and shows no temperature: "
+        "NETD, MRTD, MDTD and the ranges made of them do not apply; take image_quality, or give "
+        "background_K of a scene that glows"
+    ]
+
+
+def test_a_scene_that_glows_is_not():
+    engine, plan, work = sensor({"background_K": 1250.0}, scene=VISIBLE, noisy=False)
+    assert plan.errors() == []
+    assert engine.value(plan, "merit.table", work).as_dict()["background_K"] == 1250.0
