@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,12 @@ from numpy.typing import NDArray
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.physics.acquisition.eye_contrast import CYC_PER_DEG, eye_contrast_threshold
+from core.physics.acquisition.eye_contrast import (
+    CYC_PER_DEG,
+    eye_contrast_threshold,
+    system_contrast_threshold,
+)
+from core.physics.acquisition.perceived_noise import perceived_share
 from core.physics.acquisition.target_acquisition import (
     apparent_difference,
     johnson_probability,
@@ -26,6 +31,7 @@ from core.transfer.grid import Grid
 from nodes.analysis.merit.threshold_curves import Sensitivity, Thresholds
 
 Vector = NDArray[np.float64]
+TtpForm = Literal["mrtd", "system_contrast_threshold"]
 TASKS = ("detection", "recognition", "identification")
 _POINTS = 201
 _LEAST = 0.1  # of the easiest task, where the curve ends by itself
@@ -60,6 +66,11 @@ class Task:
         The display.
     range_max_km : float or None
         Where the curve ends; None: where the easiest task has become unlikely.
+    ttp_threshold : TtpForm
+        The threshold that TTP values are sums over.
+    seconds_per_frame, seconds_fixed : float
+        Time over which the eye sees temporal noise as one picture, and fixed patterns; 0 for those
+        if they do not count.
     """
 
     size_m: float
@@ -72,6 +83,9 @@ class Task:
     display_deg: float
     magnification: float
     range_max_km: float | None
+    ttp_threshold: TtpForm = "mrtd"
+    seconds_per_frame: float = 0.0
+    seconds_fixed: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -86,7 +100,9 @@ class Acquisition:
 
 
 @ends_lineage
-def acquisition(work: Work, thresholds: Thresholds, *, task: Task) -> Acquisition:
+def acquisition(
+    work: Work, thresholds: Thresholds, noise: Sensitivity, *, task: Task, grid: Grid
+) -> Acquisition:
     """Johnson's and the TTP probability, and the ranges at which they are one half."""
 
     def johnson(n50: float, range_m: Any) -> Any:
@@ -102,11 +118,26 @@ def acquisition(work: Work, thresholds: Thresholds, *, task: Task) -> Acquisitio
         )
         return johnson_probability(cycles=cycles, n50=n50)
 
+    spectrum = noise.spectrum
+    turned = None if spectrum is None else spectrum.T
     limits = [
-        TtpThreshold(thresholds.frequency, _contrast_threshold(thresholds, mrtd, mtf, task))
-        for mrtd, mtf in (
-            (thresholds.horizontal, thresholds.mtf_x),
-            (thresholds.vertical, thresholds.mtf_y),
+        TtpThreshold(
+            thresholds.frequency,
+            _contrast_threshold(thresholds, mrtd, mtf, task)
+            if task.ttp_threshold == "mrtd"
+            else _through_the_system(thresholds, mrtd, mtf, task, _relative_noise(task, *seen)),
+        )
+        for mrtd, mtf, seen in (
+            (
+                thresholds.horizontal,
+                thresholds.mtf_x,
+                (noise, thresholds.frequency, grid.nyquist_x, grid.nyquist_y, spectrum),
+            ),
+            (
+                thresholds.vertical,
+                thresholds.mtf_y,
+                (noise, thresholds.frequency, grid.nyquist_y, grid.nyquist_x, turned),
+            ),
         )
     ]
 
@@ -155,6 +186,49 @@ def _contrast_threshold(thresholds: Thresholds, mrtd: Vector, mtf: Vector, task:
     resolved = np.isfinite(mrtd)
     through = eye / np.where(resolved, mtf, 1.0)
     return np.where(resolved, np.hypot(through, noise), np.inf)
+
+
+def _through_the_system(
+    thresholds: Thresholds, mrtd: Vector, mtf: Vector, task: Task, relative_noise: Vector
+) -> Vector:
+    """The published contrast threshold of the eye through MTF and noise; as far as is sampled."""
+    resolved = np.isfinite(mrtd)
+    threshold = system_contrast_threshold(
+        frequency=thresholds.frequency,
+        mtf=np.where(resolved, mtf, 1.0),
+        luminance_cd_m2=task.luminance_cd_m2,
+        display_deg=task.display_deg,
+        magnification=task.magnification,
+        relative_noise=relative_noise,
+    )
+    return np.where(resolved, threshold, np.inf)
+
+
+def _relative_noise(
+    task: Task,
+    noise: Sensitivity,
+    frequency: Vector,
+    across: float,
+    along: float,
+    spectrum: Vector | None,
+) -> Vector:
+    """Noise that hides a sine, over the display's mean luminance, 1/√Hz."""
+
+    def share(of: Vector | None) -> Vector:
+        return perceived_share(
+            frequency=frequency,
+            across_cyc_per_mrad=across,
+            along_cyc_per_mrad=along,
+            magnification=task.magnification,
+            luminance_cd_m2=task.luminance_cd_m2,
+            spectrum=of,
+        )
+
+    variances = noise.noise_K2
+    temporal = variances.temporal * task.seconds_per_frame * share(spectrum)
+    fixed = variances.fixed * task.seconds_fixed
+    total = temporal + fixed * share(None) if fixed else temporal
+    return np.asarray(np.sqrt(total) / task.scene_contrast_K, np.float64)
 
 
 @ends_lineage

@@ -21,6 +21,7 @@ from core.transfer.grid import Grid
 from nodes.analysis.lineage import NoiseOf, transfer_of
 from nodes.analysis.merit.acquisition_curves import (
     Task,
+    TtpForm,
     acquisition,
     merit_table,
     probability_curve,
@@ -96,9 +97,12 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
 
     Johnson: cycles across the target up to where ΔT·exp(−extinction·range) reaches the 2-D MRTD,
     over N50. TTP: the sum of √(contrast/threshold) over frequencies, the threshold being that of
-    the eye through the MTF and of the MRTD, as the root of their squares. Display and eye have no
-    part in the MRTD. The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50
-    of 18.8 is quoted for identifying tracked vehicles, which could not be checked.
+    the eye through the MTF and of the MRTD, as the root of their squares (`mrtd`), or the published
+    CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), to which published V50 belong: α =
+    169.6 √Hz, σ the noise in K·√s that channels of vision and eyeball leave beside a sine, S the
+    scene contrast; fixed patterns count with `flir92`. Display and eye have no part in the MRTD.
+    The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is quoted
+    for identifying tracked vehicles, which could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
@@ -183,10 +187,17 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             low=0, above=True, high=1000, slider=(0.1, 10),
         ),
     ] = 6.0  # fmt: skip
+    ttp_threshold: Annotated[
+        TtpForm,
+        Param("TTP: threshold of eye and MRTD, or the published one through MTF and noise"),
+    ] = "mrtd"
     v50: Annotated[
         float,
-        Param("TTP value at which half succeed", low=0, above=True, high=10000, slider=(1, 40)),
-    ] = 18.8
+        Param(
+            "TTP value at which half succeed; published ones go with system_contrast_threshold",
+            low=0, above=True, high=10000, slider=(1, 40),
+        ),
+    ] = 18.8  # fmt: skip
     scene_contrast_K: Annotated[
         float,
         Param(
@@ -236,7 +247,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         Section(
             "Johnson", ("n50_detection", "n50_recognition", "n50_identification"), page="Target"
         ),
-        Section("Task and scene", ("v50", "scene_contrast_K"), page="TTP"),
+        Section("Task and scene", ("ttp_threshold", "v50", "scene_contrast_K"), page="TTP"),
         Section("Display", ("display_cd_m2", "display_deg", "magnification"), page="TTP"),
     )
 
@@ -259,7 +270,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             background_K=self.background_K,
         )
         threshold_step = Step.of(thresholds, seen, node=node, **sensor)
-        reached = Step.of(acquisition, threshold_step, node=node, task=self._task(grid))
+        task = self._task(grid)
+        reached = Step.of(acquisition, threshold_step, seen, node=node, task=task, grid=grid)
         table = Step.of(
             merit_table,
             seen,
@@ -335,6 +347,9 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             display_deg=self.display_deg,
             magnification=self.magnification or self.display_deg / field_deg,
             range_max_km=self.range_max_km,
+            ttp_threshold=self.ttp_threshold,
+            seconds_per_frame=self.eye_integration_s / self._frames(),
+            seconds_fixed=self.eye_integration_s if self.model == "flir92" else 0.0,
         )
 
     snr = _figure("snr", "", "Noise-free mean over temporal noise; none without noise.")

@@ -197,6 +197,49 @@ class TestAcquisition:
         assert curve.x[-1] == 1
         assert curve.y[-1] == pytest.approx(truth, rel=2e-3)
 
+    @pytest.mark.parametrize("amplifier_snr", [100.0, 8.0])
+    def test_the_published_ttp_by_a_plain_sum(self, amplifier_snr):
+        """CTF_eye/MTF·√(1 + (169.6·σ/S)²); white noise through channel and eyeball, summed plainly.
+
+        30 frames a second: σ² is that of a frame, over 30 Hz.
+        """
+        noise = {"amplifier_snr": amplifier_snr}
+        form = {"ttp_threshold": "system_contrast_threshold", "v50": 5.0}
+        found = table_of(form, noise=noise)
+        variance = sum(found[f"sigma_{name}_K"] ** 2 for name in ("tvh", "t", "tv", "th")) / 30.0
+        magnification = 15 / FOV
+        fine = (np.arange(20000) + 0.5) * NYQUIST / 20000
+        pupil = -9.011 + 13.23 * math.exp(-math.log10(34 / 3.4262590996) / 21.082)
+        f0 = math.exp(3.663 - 0.0216 * pupil**2 * math.log(pupil))
+        i0 = (0.7155 + 0.277 / math.sqrt(pupil)) ** 2
+        at_eye = fine / magnification
+        ball = np.exp(-((43.69 * at_eye / f0) ** i0) - 0.375 * at_eye**1.21 - 0.4441 * at_eye**2)
+        mrtd = curves_of("mrtd", noise=noise)  # as far as anything is resolved
+        sums, grains = [], []
+        for label, sigma in (("horizontal", 0.2), ("vertical", 0.1)):
+            f = np.linspace(mrtd[label].x[0], mrtd[label].x[-1], 2001)
+            channel = np.array(
+                [np.mean(np.exp(-4.4 * np.log(fine / one) ** 2) * ball**2) for one in f]
+            )
+            grain = 169.6**2 * variance * channel * np.mean(ball**2) / 5.0**2
+            u = f * 17.453293 / magnification
+            a = 540 * (1 + 0.7 / 34) ** -0.2 / (1 + 12 / (15 * (1 + u / 3) ** 2))
+            b = 0.3 * (1 + 100 / 34) ** 0.15
+            eye = 1 / (a * u * np.exp(-b * u) * np.sqrt(1 + 0.06 * np.exp(b * u)))
+            threshold = eye / transfer(f, sigma) * np.sqrt(1 + grain)
+            sums.append(np.sqrt(0.163746 / threshold) * (threshold < 0.163746))
+            grains.append(grain.max())
+        assert max(grains) > 0.3  # noise counts
+        v = 2.3 * math.sqrt(np.prod([np.sum(each[1:]) * (f[1] - f[0]) for each in sums]))
+        ratio = v / 5.0
+        exponent = 1.51 + 0.24 * ratio
+        truth = ratio**exponent / (1 + ratio**exponent)
+        how = {**form, "range_max_km": 1.0}
+        curve = curves_of("probability", how, noise=noise)["TTP"]
+        assert curve.y[-1] == pytest.approx(truth, rel=3e-3)
+        other = curves_of("probability", {**how, "ttp_threshold": "mrtd"}, noise=noise)["TTP"]
+        assert other.y[-1] != pytest.approx(truth, rel=1e-2)
+
     def test_a_picture_fills_the_display_by_its_width(self):
         """Of 80 × 36 samples in 2° × 1.2°, 15° at the eye are 7.5 times the width."""
         oblong = {"height": 36, "fov_y_deg": 1.2}
