@@ -21,8 +21,6 @@ PURE_NUMBERS = {
     "magnification", "nodes", "tolerance", "frames",
     "tdi_stages", "frames_averaged", "quantum_efficiency", "cold_shield_efficiency",
     "obscuration_ratio", "emissivity",
-    "stages", "phases",
-    "stages", "phases", "reference_frames",
     "stages", "phases", "reference_f_number", "reference_frames",
     "sigma_tvh", "sigma_tv", "sigma_th", "sigma_t", "sigma_vh", "sigma_v", "sigma_h",
     "snr", "overshoot", "noise_gain",
