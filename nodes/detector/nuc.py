@@ -66,7 +66,8 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     those of a straight line through both references; what is left is the noise of their means, and
     what a bent response leaves. `drift_K` adds the offsets that have come since, as the rms among
     pixels in kelvin of the scene. A pixel of less than a tenth of the mean response keeps its
-    gain. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+    gain. Budgets count 1/f noise, which frames of a reference have in common, as if it were new in
+    each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
     """
 
     method: Annotated[
