@@ -74,7 +74,7 @@ CASES = {
     ),
     ("microbolometer", "unit"): (
         {"scene": {"unit": "K"}},
-        ("'K'", "NETD", "W/m²/sr", "Read Image"),
+        ("'K'", "NETD", "W/m²/sr", "To Radiance"),
         {"scene": {"unit": "W/m²/sr"}},
     ),
     ("microbolometer", "band"): (
