@@ -7,6 +7,7 @@ from typing import Any
 
 from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text, Warnings
 from app.report.budget_section import budget
+from app.report.data_sheet_section import data_sheet
 from app.report.drawing.node_curves import MOST, curves_png, node_curves
 from app.report.drawing.picture_drawing import noise_png, panels_png, pictures_png
 from app.report.drawing.printed_numbers import number
@@ -35,6 +36,7 @@ def page(evaluation: Evaluation, facts: dict[str, Any]) -> str:
         _run_line(facts),
         *_warnings(facts),
         *_pictures(evaluation, facts),
+        *data_sheet(facts),
         *_published(facts),
         *transfer(evaluation, facts),
         *judged(facts),

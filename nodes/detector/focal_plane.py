@@ -16,6 +16,7 @@ from nodes.detector.focal_plane_figures import (
     ReadOut,
     electron_levels,
     figures,
+    overflow_caution,
     picture_range,
 )
 from nodes.detector.focal_plane_panel import FocalPlanePanel
@@ -199,6 +200,13 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             f"the band begins at {shortest:g} µm, where a radiance has no brightness temperature: "
             f"photons are weighted by the source of {self.source_K:g} K",
             "choose photon_weighting source, or middle, and NETD is left out",
+        )
+
+    @warning
+    def overflow(self, outputs: FocalPlaneOutputs) -> Recipe:
+        """A mean beyond the full well, or beyond the converter's last number."""
+        return Step.of(
+            overflow_caution, outputs.table.recipe.inputs[0], top_dn=self.read_out().top_dn
         )
 
     signal_e = _figure("signal_e", "e-", "Electrons of the scene, at the picture's mean.")

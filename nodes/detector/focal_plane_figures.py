@@ -14,6 +14,7 @@ from core.errors import DataError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
 from core.lineage.linear_change import LevelChange
+from core.modules.caution import Caution
 from core.physics.electrons.electron_noise import (
     dynamic_range_dB,
     fixed_pattern_e,
@@ -291,6 +292,27 @@ def figures(
         *_worth(levels, collection),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
+
+
+@ends_lineage
+def overflow_caution(work: Work, table: TableData, *, top_dn: float) -> Caution | None:
+    """A picture whose mean is clipped, so that its figures are of a larger well."""
+    figures = table.as_dict()
+    fill, number = figures["well_fill_percent"], figures["mean_dn"]
+    if fill is not None and fill > 100.0:
+        return Caution(
+            f"the mean of the picture is {fill:.4g} % of the full well: SNR and noise are those of "
+            "a well that would hold it, and the picture is clipped",
+            "make integration_time_s, tdi_stages or the picture's radiance smaller, or full_well_e "
+            "larger",
+        )
+    if number > top_dn:
+        return Caution(
+            f"the mean of the picture is number {number:.5g}, beyond the converter's last, "
+            f"{top_dn:.0f}: the picture is clipped",
+            "make gain_e_per_dn or bits larger, or offset_dn smaller",
+        )
+    return None
 
 
 def _worth(

@@ -115,7 +115,7 @@ class ExamineImage(
         unit = f"in {image.unit!r:.40}" if image.unit.strip() else "without a unit"
         return Caution(
             f"no apparent temperatures are given for a picture {unit}",
-            "convert it to W/m²/sr by scale and unit on Read Image",
+            "convert it to W/m²/sr: by scale and unit on Read Image, by units on Focal Plane",
         )
 
     @readout()

@@ -13,6 +13,7 @@ from app.options.command_options import version
 from app.report.drawing.drawn_as import drawn_as
 from app.report.drawing.node_curves import curve_facts
 from app.report.facts.budget_facts import budget_facts
+from app.report.facts.data_sheet_facts import data_sheet_facts
 from app.report.facts.edge_facts import judged_facts
 from app.report.facts.published import conflicts, published_rows
 from app.run.evaluation import Evaluation
@@ -33,6 +34,7 @@ def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str,
     """The contents of a report, without its pictures."""
     network, chain = evaluation.network, evaluation.chain
     nyquist = at_nyquist(chain, evaluation.work)
+    nodes = {name: _node(evaluation, name, node) for name, node in evaluation.plan.nodes.items()}
     return {
         "format": "imagechain-report",
         "version": 1,
@@ -66,9 +68,8 @@ def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str,
         "drawn_as": drawn_as(network),
         "curves": curve_facts(evaluation),
         "budget": budget_facts(evaluation),
-        "nodes": {
-            name: _node(evaluation, name, node) for name, node in evaluation.plan.nodes.items()
-        },
+        "data_sheet": data_sheet_facts(evaluation, nodes),
+        "nodes": nodes,
         "published": published_rows(evaluation, nyquist),
         "conflicts": conflicts(network),
         "skipped": _skipped(skipped),

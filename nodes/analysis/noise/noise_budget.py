@@ -81,9 +81,9 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
             Table(Step.of(budget_table, noise, blur, node=node, **noise_kind)),
         )
 
-    sigma = _figure("sigma", "W/m²/sr", "All noise together.")
-    sigma_temporal = _figure("sigma_temporal", "W/m²/sr", "All temporal noise.")
-    sigma_fixed = _figure("sigma_fixed", "W/m²/sr", "All fixed patterns.")
+    sigma = _figure("sigma", "", "All noise together, in the picture's unit.")
+    sigma_temporal = _figure("sigma_temporal", "", "All temporal noise, in the picture's unit.")
+    sigma_fixed = _figure("sigma_fixed", "", "All fixed patterns, in the picture's unit.")
     mtf_x = _figure("mtf_x", "", "|MTF| of all stages across, at the frequency.")
     mtf_y = _figure("mtf_y", "", "|MTF| of all stages along, at the frequency.")
     xi = _figure("xi", "cyc/mrad", "The frequency across.")

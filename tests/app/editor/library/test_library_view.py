@@ -124,7 +124,7 @@ def test_the_groups_wear_the_themes_colours(view):
         ("fixed pattern", "focal_plane", {"electronics_noise", "noise_3d"}),
         ("pushbroom", "camera_geometry", set()),
         ("budget", "noise_budget", set()),
-        ("gsd", "camera_geometry", {"image_quality"}),
+        ("gsd", "camera", {"camera_geometry", "image_quality"}),
         ("niirs", "image_quality", set()),
     ],
 )

@@ -1,0 +1,69 @@
+"""The section that reads as a camera's data sheet."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from app.report.blocks import Block, Grid, Heading, Text
+from app.report.drawing.printed_numbers import number
+
+Fact = dict[str, Any]
+_SIZES = {  # from, up to, the unit in which that is written
+    "K": ((1e-9, 0.2, 1e-3, "mK"),),
+    "s": ((1e-9, 1e-3, 1e-6, "µs"), (1e-3, 1.0, 1e-3, "ms")),
+    "e-": ((1e4, 1e6, 1e3, "ke-"), (1e6, 1e15, 1e6, "Me-")),
+}
+
+
+def data_sheet(facts: Fact) -> list[Block]:
+    """The section; empty of a network without a camera of today."""
+    sheet = facts["data_sheet"]
+    if sheet is None:
+        return []
+    blocks: list[Block] = [Heading(2, "Data sheet")]
+    for group in sheet["groups"]:
+        rows = [(row["label"], *_values(row["values"], row["unit"])) for row in group["rows"]]
+        if rows:
+            blocks.append(Heading(3, group["title"], group["node"]))
+            blocks.append(Grid(("figure", "value", "unit"), rows, numbers=(1,)))
+    for noise in sheet["noises"]:
+        rows = [
+            (row["label"], *(" ".join(_quantity(row[unit], unit)) for unit in ("e-", "K")))
+            for row in noise["rows"]
+        ]
+        blocks.append(Heading(3, "Noise by source", noise["node"]))
+        blocks.append(Grid(("noise", "electrons", "kelvin"), rows, numbers=(1, 2)))
+    mtf = sheet["mtf"]
+    if mtf is not None:
+        where = f"{_rounded(mtf['nyquist_x'])} cyc/mrad across, {_rounded(mtf['nyquist_y'])} along"
+        blocks.append(Heading(3, "MTF at the pixels' Nyquist frequency"))
+        blocks.append(Text(f"At {where}: half a cycle in a pixel of the delivered picture."))
+        shown = [(r["label"], r["node"], _rounded(r["x"]), _rounded(r["y"])) for r in mtf["rows"]]
+        blocks.append(Grid(("stage", "node", "across", "along"), shown, numbers=(2, 3)))
+    return blocks
+
+
+def _values(values: list[Any], unit: str) -> tuple[str, str]:
+    """One value, or across × along where they differ or are counts of pixels; and the unit."""
+    if len(values) == 1:
+        return _quantity(values[0], unit)
+    shown = [_rounded(value) for value in values]
+    if shown[0] == shown[1] and not isinstance(values[0], int):
+        return shown[0], unit
+    return " × ".join(shown), unit
+
+
+def _quantity(value: Any, unit: str) -> tuple[str, str]:
+    """A value in the size of its unit that data sheets use: 25 mK, 4 ms, 7 Me-."""
+    if isinstance(value, int | float) and value:
+        for least, beyond, size, written in _SIZES.get(unit, ()):
+            if least <= abs(value) < beyond:
+                return _rounded(value / size), written
+    return _rounded(value), unit if value is not None else ""
+
+
+def _rounded(value: Any) -> str:
+    """Four digits: a data sheet gives no more."""
+    if isinstance(value, float):
+        return number(float(f"{value:.4g}"))
+    return number(value)

@@ -1,0 +1,170 @@
+"""A camera's data sheet: its figures in the order in which makers give them, as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from app.run.evaluation import Evaluation
+from app.run.responses import response
+from core.chain.wires import Image
+
+Fact = dict[str, Any]
+Rows = Sequence[tuple[str, str, str]]
+
+_CAMERA: Rows = (  # label, figure, of both axes where it ends in *; in the order of a data sheet
+    ("Pixels", "pixels_*", ""),
+    ("Pixel pitch", "pitch_*_um", "µm"),
+    ("Fill factor", "fill_*", ""),
+    ("Focal length", "focal_length_mm", "mm"),
+    ("F-number", "f_number", ""),
+    ("Aperture", "aperture_mm", "mm"),
+    ("Obscuration", "obscuration_ratio", ""),
+    ("Field of view", "fov_*_deg", "deg"),
+    ("IFOV (angle of a pixel)", "pixel_*_mrad", "mrad"),
+    ("Nyquist frequency", "nyquist_*", "cyc/mrad"),
+    ("Q (λ·F/pitch)", "q", ""),
+    ("Range", "range_m", "m"),
+    ("Ground sample distance", "gsd_*_m", "m"),
+)
+_FOCAL_PLANE: Rows = (
+    ("Integration time", "integration_time_s", "s"),
+    ("TDI stages", "tdi_stages", ""),
+    ("Frames averaged", "frames_averaged", ""),
+    ("Quantum efficiency", "quantum_efficiency", ""),
+    ("Full well", "full_well_e", "e-"),
+    ("Bits", "bits", ""),
+    ("Gain", "gain_e_per_dn", "e-/DN"),
+    ("Electrons of the scene", "signal_e", "e-"),
+    ("Electrons of the optics", "optics_e", "e-"),
+    ("Electrons of the housing", "housing_e", "e-"),
+    ("Dark electrons", "dark_e", "e-"),
+    ("Well fill", "well_fill_percent", "%"),
+    ("Dynamic range", "dynamic_range_dB", "dB"),
+    ("SNR", "snr", ""),
+    ("NETD", "netd_K", "K"),
+    ("NEI", "nei_photons_per_cm2", "1/cm²"),
+)
+_MICROBOLOMETER: Rows = (
+    ("NETD of the data sheet", "netd_mK", "mK"),
+    ("at F-number", "reference_f_number", ""),
+    ("Thermal time constant", "time_constant_s", "s"),
+    ("Frame rate", "frame_rate_Hz", "Hz"),
+    ("NETD", "netd_K", "K"),
+    ("White noise", "white_netd_K", "K"),
+    ("1/f noise", "flicker_K", "K"),
+    ("Fixed pattern", "fixed_pattern_K", "K"),
+    ("Left of a change after a frame", "lag_percent", "%"),
+    ("SNR", "snr", ""),
+)
+_RANGES: Rows = (
+    ("NETD of the chain", "netd_K", "K"),
+    ("Detection (Johnson)", "detection_range_km", "km"),
+    ("Recognition (Johnson)", "recognition_range_km", "km"),
+    ("Identification (Johnson)", "identification_range_km", "km"),
+    ("TTP range", "ttp_range_km", "km"),
+)
+_QUALITY: Rows = (
+    ("Ground sample distance", "gsd_m", "m"),
+    ("Relative edge response", "rer", ""),
+    ("Overshoot H", "overshoot", ""),
+    ("SNR", "snr", ""),
+    ("NIIRS by GIQE 5", "giqe5", "NIIRS"),
+    ("NIIRS by GIQE 4", "giqe4", "NIIRS"),
+)
+_GROUPS: Mapping[str, tuple[str, Rows]] = {
+    "camera": ("Camera", _CAMERA),
+    "focal_plane": ("Focal plane", _FOCAL_PLANE),
+    "microbolometer": ("Microbolometer", _MICROBOLOMETER),
+    "figures_of_merit": ("Range", _RANGES),
+    "image_quality": ("Image quality", _QUALITY),
+}
+_CAMERAS = ("camera", "focal_plane", "microbolometer")  # without one there is no data sheet
+_NOISES = (
+    ("Shot noise", "shot_noise_e"),
+    ("Read noise", "read_noise_e"),
+    ("Rounding", "quantization_noise_e"),
+    ("All temporal noise", "temporal_noise_e"),
+    ("Fixed pattern", "fixed_pattern_e"),
+)
+
+
+def data_sheet_facts(evaluation: Evaluation, nodes: Fact) -> Fact | None:
+    """The figures by module, noise by source, and the MTF at the pixels' Nyquist frequency.
+
+    None of a network without a camera of today.
+
+    Parameters
+    ----------
+    evaluation : Evaluation
+        The run.
+    nodes : dict
+        What the report has of every node.
+    """
+    working = {name: node for name, node in nodes.items() if not node["disabled"]}
+    if not any(node["module"] in _CAMERAS for node in working.values()):
+        return None
+    groups = []
+    for module, (title, wanted) in _GROUPS.items():
+        for name, node in working.items():
+            if node["module"] == module:
+                rows = list(_rows(_figures(node), wanted))
+                groups.append({"title": title, "node": name, "rows": rows})
+    noises = [
+        {"node": name, "rows": list(_noise_rows(_figures(node)))}
+        for name, node in working.items()
+        if node["module"] == "focal_plane"
+    ]
+    return {"groups": groups, "noises": noises, "mtf": _at_pixel_nyquist(evaluation)}
+
+
+def _figures(node: Fact) -> dict[str, Any]:
+    """Parameters, tables and read-outs by name; of one name the read-out counts."""
+    return {
+        **{name: given["value"] for name, given in node["parameters"].items()},
+        **{row["name"]: row["value"] for table in node["tables"].values() for row in table},
+        **{name: shown["value"] for name, shown in node["readouts"].items()},
+    }
+
+
+def _rows(figures: Mapping[str, Any], wanted: Rows) -> Iterator[Fact]:
+    """What there is of the figures; those along both axes in one row."""
+    for label, name, unit in wanted:
+        places = [name.replace("*", axis) for axis in "xy"] if "*" in name else [name]
+        values = [figures.get(place) for place in places]
+        if all(value is not None for value in values):
+            yield {"label": label, "values": values, "unit": unit}
+
+
+def _noise_rows(figures: Mapping[str, Any]) -> Iterator[Fact]:
+    """Noises in electrons, and in kelvin where the scene is warm."""
+    per_kelvin = figures.get("responsivity_e_per_K")
+    for label, name in _NOISES:
+        noise = figures[name]
+        yield {"label": label, "e-": noise, "K": noise / per_kelvin if per_kelvin else None}
+
+
+def _at_pixel_nyquist(evaluation: Evaluation) -> Fact | None:
+    """The MTF of every stage at the Nyquist frequency of the picture that is delivered.
+
+    The stages are evaluated there themselves: their spectrum is sampled more finely.
+    """
+    chain, work = evaluation.chain, evaluation.work
+    final = evaluation.plan.output(chain.final) if chain.final else None
+    if not isinstance(final, Image) or not final.interval_x_mrad or not final.interval_y_mrad:
+        return None
+    if not chain.stages or not chain.cascade:
+        return None
+    nyquist = {"x": 0.5 / final.interval_x_mrad, "y": 0.5 / final.interval_y_mrad}
+    rows, product = [], {"x": 1.0, "y": 1.0}
+    for stage in (*chain.stages, *chain.later):
+        mtf = {}
+        for axis in ("x", "y"):
+            frequency = np.array([nyquist[axis]])
+            mtf[axis] = float(response(work, stage.factors, frequency, axis).mtf[0])
+            product[axis] *= mtf[axis]
+        rows.append({"label": stage.title, "node": stage.node, **mtf})
+    rows.append({"label": "All together", "node": "", **product})
+    return {"nyquist_x": nyquist["x"], "nyquist_y": nyquist["y"], "rows": rows}
