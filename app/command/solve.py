@@ -119,7 +119,9 @@ def _wanted(text: str, network: Network, library: Library) -> tuple[Figure, floa
 def _found(solution: Solution, port: str, unit: str, figure: Figure, wanted: float) -> str:
     at = solution.at
     assert at is not None
-    text = f"{port} = {shown_value(at.value, unit)}: {_is(figure, at.figure)}"
+    # What is found is typed in again: with the six digits of figures it would be off by 1e-6.
+    found = at.value if isinstance(at.value, int) else float(f"{at.value:.10g}")
+    text = f"{port} = {found!r} {unit}".rstrip() + f": {_is(figure, at.figure)}"
     if solution.beside is not None:
         other = solution.beside
         text += (

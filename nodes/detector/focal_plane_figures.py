@@ -297,7 +297,7 @@ def figures(
 @ends_lineage
 def overflow_caution(work: Work, table: TableData, *, top_dn: float) -> Caution | None:
     """A picture whose mean is clipped, so that its figures are of a larger well."""
-    figures = table.as_dict()
+    figures: dict[str, Any] = table.as_dict()
     fill, number = figures["well_fill_percent"], figures["mean_dn"]
     if fill is not None and fill > 100.0:
         return Caution(

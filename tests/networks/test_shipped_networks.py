@@ -25,10 +25,13 @@ EXPECTED = {
     "line_by_line",
     "magnitude_of_one_phase_of_another",
     "measured_mtf",
+    "microbolometer",
+    "mwir_camera",
     "noise_budget",
     "poisson_two_panel",
     "pupils",
     "pushbroom_banding",
+    "satellite_tdi",
     "spatial_blur",
 }
 

@@ -293,3 +293,21 @@ def test_a_response_that_is_none_is_refused(tmp_path, text, line):
     error = bench_of(tmp_path, {"response": "qe.csv"}).error("it")
     assert line in str(error)
     assert "\n" not in str(error)
+
+
+@pytest.mark.parametrize(
+    ("params", "said"),
+    [
+        ({"integration_time_s": 0.1}, ("% of the full well", "tdi_stages", "full_well_e")),
+        ({"gain_e_per_dn": 10.0}, ("16383", "gain_e_per_dn", "offset_dn")),
+        ({}, ()),
+    ],
+    ids=["well", "converter", "neither"],
+)
+def test_a_mean_that_is_clipped_is_warned_of(tmp_path, params, said):
+    """25 times the exposure of the reference fills its well to 1.6; 4.5e5 electrons are 45,000."""
+    bench = bench_of(tmp_path, {**CAMERA_SHEET, **params}, size=(8, 8))
+    found = [c for c in bench.engine.warnings(bench.plan, bench.work) if c.check == "overflow"]
+    assert len(found) == bool(said)
+    for words in said:
+        assert words in found[0].text

@@ -1,0 +1,131 @@
+"""The shipped cameras of today, against formulas written out here and by the command line."""
+
+import json
+import math
+import subprocess
+import sys
+
+import mpmath
+import pytest
+from scipy import constants
+
+from app.run.own_process import environment
+from app.run.shipped import shipped_networks
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
+from core.network.file import load_network
+from nodes.library import standard_library
+
+MWIR = {"pitch": 15e-6, "fill": 0.95**2, "f_number": 4, "transmission": 0.765, "efficiency": 0.7}
+BAND_UM = 3.7, 4.8
+
+
+def command(*words):
+    """What the command line prints, and its exit code."""
+    run = [sys.executable, "-P", "-m", "app", *words]
+    done = subprocess.run(run, env=environment(), capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+def photon_radiance(kelvin):
+    """Photons of a black body in the band, per m² s sr."""
+    h, c, k = constants.h, constants.c, constants.k
+
+    def spectral(um):
+        metres = um * mpmath.mpf("1e-6")
+        return 2 * c / metres**4 / mpmath.expm1(h * c / (metres * k * kelvin)) * 1e-6
+
+    return float(mpmath.quad(spectral, BAND_UM))
+
+
+def netd(integration_s, kelvin, read_e=400.0, well_e=7e6, bits=14):
+    """Shot, read and rounding noise over the electrons of a kelvin."""
+    per_photon = (
+        integration_s * MWIR["pitch"] ** 2 * MWIR["fill"] * MWIR["efficiency"]
+        * MWIR["transmission"] * math.pi / (4 * MWIR["f_number"] ** 2 + 1)
+    )  # fmt: skip
+    electrons = per_photon * photon_radiance(kelvin)
+    rounding = well_e / (2**bits - 1) / math.sqrt(12)
+    step = 0.01
+    warmer, cooler = photon_radiance(kelvin + step), photon_radiance(kelvin - step)
+    slope = per_photon * (warmer - cooler) / (2 * step)
+    return math.sqrt(electrons + read_e**2 + rounding**2) / slope
+
+
+def opened(name):
+    library = standard_library()
+    engine = Engine(library)
+    path = shipped_networks()[name]
+    plan = engine.plan(load_network(path, library=library), folder=path.parent)
+    return engine, plan, engine.work(Policy("double"))
+
+
+def test_the_netd_of_the_cooled_camera_is_that_of_its_electrons():
+    engine, plan, work = opened("mwir_camera")
+    found = engine.readouts(plan, "focal_plane", work)
+    table = work.value(plan.output("focal_plane.table").recipe).as_dict()
+    assert found["netd_K"] == pytest.approx(netd(0.004, table["scene_K"]), rel=1e-6)
+    assert 0.046 < found["netd_K"] < 0.051  # as the data sheet says
+    merit = engine.readouts(plan, "merit", work)
+    assert merit["netd_K"] == pytest.approx(found["netd_K"], rel=1e-3)
+
+
+def test_solve_gives_the_integration_time_of_a_netd():
+    words = ["--for", "focal_plane.integration_time_s", "--until", "focal_plane.netd_K=0.025"]
+    code, out, err = command("solve", "mwir_camera", *words, "--precision", "double")
+    assert (code, err) == (0, "")
+    value = next(line for line in out.splitlines() if "integration_time_s" in line)
+    found = float(next(word for word in value.replace("=", " ").split() if _is_number(word)))
+    _, plan, work = opened("mwir_camera")
+    kelvin = work.value(plan.output("focal_plane.table").recipe).as_dict()["scene_K"]
+    low, high = 0.004, 0.1
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if netd(middle, kelvin) > 0.025 else (low, middle)
+    assert found == pytest.approx(low, rel=1e-6)
+
+
+def _is_number(word):
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def test_a_pixel_of_the_satellite_is_averaged_once(tmp_path):
+    """At the pixels' Nyquist frequency the detector's contrast is sin(π/2)/(π/2), once."""
+    report = tmp_path / "report.json"
+    code, _, _ = command(
+        "run", "satellite_tdi", "--report", str(report), "--output-dir", str(tmp_path / "out")
+    )
+    assert code == 0
+    facts = json.loads(report.read_text())
+    sheet = facts["data_sheet"]
+    mtf = {row["label"]: row["x"] for row in sheet["mtf"]["rows"]}
+    assert sheet["mtf"]["nyquist_x"] == pytest.approx(625.0)
+    assert mtf["Detector MTF"] == pytest.approx(2 / math.pi, rel=1e-9)
+    jitter = math.exp(-2 * math.pi**2 * 0.15e-3**2 * 625.0**2)
+    assert mtf["Jitter MTF"] == pytest.approx(jitter, rel=1e-9)
+    product = mtf["Diffraction MTF"] * mtf["Jitter MTF"] * mtf["TDI MTF"] * mtf["Detector MTF"]
+    assert mtf["All together"] == pytest.approx(product, rel=1e-9)
+    groups = {group["title"]: group for group in sheet["groups"]}
+    rows = {row["label"]: row["values"] for row in groups["Camera"]["rows"]}
+    assert rows["Ground sample distance"] == pytest.approx([0.48, 0.48])
+    noises = {row["label"]: row for row in sheet["noises"][0]["rows"]}
+    assert noises["Shot noise"]["K"] is None  # reflected light has no kelvins
+    assert not any(
+        "counted twice" in row["message"] for row in json.loads(report.read_text())["warnings"]
+    )
+
+
+@pytest.mark.parametrize("name", ["mwir_camera", "microbolometer", "satellite_tdi"])
+def test_the_report_reads_as_a_data_sheet(name, tmp_path):
+    report = tmp_path / "report.html"
+    code, _, _ = command("run", name, "--report", str(report), "--output-dir", str(tmp_path / "o"))
+    assert code == 0
+    page = report.read_text()
+    for words in ("Data sheet", "IFOV", "Ground sample distance", "Nyquist frequency"):
+        assert words in page
+    assert ("NIIRS" in page) == (name == "satellite_tdi")
+    assert ("Johnson" in page) == (name != "satellite_tdi")
