@@ -26,6 +26,7 @@ class Handling:
         self.release = mouse.release
         self.double_click = mouse.double_click
         self.leave = mouse.leave
+        self.interrupted = mouse.cancel
         self.key_released = keys.release
         self.menu = menus.open
         self.drag_over = dropping.over

@@ -67,6 +67,9 @@ class Handler(Protocol):
     def double_click(self, event: QMouseEvent) -> None:
         """Handle a double click."""
 
+    def interrupted(self) -> None:
+        """Handle a dialog that has opened, behind which no button's release arrives."""
+
     def leave(self) -> None:
         """Handle a pointer that has left."""
 
@@ -285,7 +288,9 @@ class GraphView(NodeViewer):
         return False if onward else bool(QGraphicsView.focusNextPrevChild(self, onward))
 
     def event(self, event: QEvent) -> bool:
-        """Claim the keys that a gesture needs before they become shortcuts."""
+        """Claim the keys that a gesture needs before they become shortcuts; end it by a dialog."""
+        if event.type() == QEvent.Type.WindowBlocked and self.handler is not None:
+            self.handler.interrupted()
         if (
             event.type() == QEvent.Type.ShortcutOverride
             and isinstance(event, QKeyEvent)

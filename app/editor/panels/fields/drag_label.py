@@ -48,6 +48,13 @@ class DragLabel(QLabel):
         if event.type() == QEvent.Type.EnabledChange:
             self._show_cursor()
 
+    def event(self, event: QEvent) -> bool:
+        """A dialog ends a drag: the release of the button behind it does not arrive."""
+        if event.type() == QEvent.Type.WindowBlocked and self._last is not None:
+            self._last = None
+            self.released.emit()
+        return bool(super().event(event))
+
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin."""
         if event.button() != Qt.MouseButton.LeftButton or not self.drags:

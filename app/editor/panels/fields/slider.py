@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QSignalBlocker, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QSignalBlocker, Qt, QTimer, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QSlider, QWidget
 
@@ -65,6 +65,13 @@ class Slider(QSlider):
         super().keyReleaseEvent(event)
         if not event.isAutoRepeat():
             self.finished.emit()
+
+    def event(self, event: QEvent) -> bool:
+        """A dialog ends a drag: the release of the button behind it does not arrive."""
+        if event.type() == QEvent.Type.WindowBlocked and self.isSliderDown():
+            self.setSliderDown(False)
+            self.finished.emit()
+        return bool(super().event(event))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """The end of a drag."""
