@@ -214,6 +214,7 @@ class MainWindow(QMainWindow):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Close, unless work would be lost: then ask first, and change nothing until answered."""
+        self.full_screen.leave()  # a question brings this window before it, its viewer missing
         if not self._ended and self.files.has_unsaved_work():
             event.ignore()
             self.files.ask_to_save(self._close_with_runs)

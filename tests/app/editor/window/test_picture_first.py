@@ -5,10 +5,11 @@ import pytest
 from PySide6.QtCore import QPoint, QPointF, QSize, Qt
 from PySide6.QtGui import QContextMenuEvent, QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMenu
+from PySide6.QtWidgets import QApplication, QMenu, QMessageBox
 
 from app.editor.window.docks import window_layout
 from app.editor.window.docks.full_screen import FullScreenPage
+from core.editing.fields import set_parameter
 
 SIZES = [(1366, 768), (1600, 900), (1920, 1080), (2560, 1440), (3840, 2160)]
 SHARE = 0.4
@@ -256,6 +257,21 @@ def test_the_window_ends_while_a_viewer_is_over_the_whole_screen(opened, idle):
     idle(opened)
     assert opened.close()
     assert not page_of(opened) or not page_of(opened).isVisible()
+
+
+def test_the_viewer_is_back_in_its_place_when_the_window_asks(opened, idle):
+    """The question brings the window to the front, where the viewer would be missing."""
+    opened.session.do(set_parameter("scene", "width", 256))
+    opened.actions_by_name["full_screen"].trigger()
+    idle(opened)
+    assert not opened.close()
+    (question,) = opened.findChildren(QMessageBox, "save_changes")
+    assert opened.full_screen.page is None
+    assert question.isVisible()
+    QTest.keyClick(question, Qt.Key.Key_Escape)
+    idle(opened)
+    assert canvas(opened).isVisible()
+    assert canvas(opened).window() is opened
 
 
 # --- the picture in its viewer -----------------------------------------------------------------
