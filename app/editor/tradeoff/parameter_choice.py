@@ -64,8 +64,11 @@ class ParameterChoice(QComboBox):
         field.editingFinished.connect(self._finish_typing)
 
     def _finish_typing(self) -> None:
-        """Where what was typed is no parameter, show the chosen one again."""
-        place = self.findText(self._field.text(), Qt.MatchFlag.MatchFixedString)
+        """Take a parameter by its words or its name in files; else show the chosen one again."""
+        text = self._field.text().strip()
+        place = self.findText(text, Qt.MatchFlag.MatchFixedString)
+        if place < 0 and text:
+            place = self.findData(text, _NAME)
         if place < 0 or not self.itemData(place, _NAME):
             self.setCurrentIndex(max(0, self.findData(self._name, _NAME)))
             self._field.setText(self.currentText())

@@ -86,6 +86,19 @@ def test_a_parameter_is_found_by_typing_a_part_of_its_name(opened_window, idle):
     assert len(view.points) == view.span.count
 
 
+def test_a_parameter_is_chosen_by_its_name_in_files(opened_window, idle):
+    """As the history, links and `--vary` write it."""
+    window = opened_window
+    window.actions_by_name["trade_off"].trigger()
+    combo = window.viewers.tradeoff.bar.parameter
+    give_focus(combo)
+    idle(window)
+    QTest.keyClicks(combo.lineEdit(), SIGMA)
+    QTest.keyClick(combo.lineEdit(), KEY.Key_Return)
+    assert combo.currentText() == LISTED
+    assert combo.toolTip() == SIGMA
+
+
 def test_the_menu_of_a_value_leads_to_it(opened_window, idle, qtbot):
     window = opened_window
     window.session.select(["jitter"])
