@@ -10,6 +10,7 @@ from core.editing.document import Document
 from core.editing.stored_file import mark
 from core.errors import ParameterError
 from core.modules.library_type import Library
+from core.network.expansion import unfolded
 from core.network.file import parse_network, read_text
 from core.network.validation import NetworkProblems, problems
 
@@ -42,11 +43,14 @@ def open_network_file(path: Path, *, library: Library) -> Opened:
     if wiring:
         raise NetworkProblems(wiring)
     document = Document(network, library=library, path=path, stored=mark(text.encode()))
-    unknown = [node.module for node in network.nodes.values() if node.module not in library]
+    nodes = unfolded(network).nodes.values()
+    modules = [node.module for node in nodes if node.macro is None and node.module not in library]
     remarks = []
+    unknown = list(dict.fromkeys(modules))
     if unknown:
-        names = ", ".join(dict.fromkeys(unknown[:4])) + (" …" if len(unknown) > 4 else "")
-        remarks.append(f"{_count(len(unknown), 'unknown module')} kept as they are: {names}")
+        names = ", ".join(unknown[:4]) + (" …" if len(unknown) > 4 else "")
+        as_found = "it is" if len(unknown) == 1 else "they are"
+        remarks.append(f"{_count(len(unknown), 'unknown module')} kept as {as_found}: {names}")
     if faults:
         remarks.append(f"{_count(len(faults), 'value')} not allowed: see the marked nodes")
     return Opened(document, "; ".join(remarks))

@@ -32,13 +32,27 @@ def test_unknown_modules_stay_with_all_they_hold(tmp_path, library):
     }
     path = network_file(tmp_path, nodes, [["scene.image", "star.image"]], future={"kept": True})
     found = open_network_file(path, library=library)
-    assert "1 unknown module kept as they are: starlight" in found.remark
+    assert "1 unknown module kept as it is: starlight" in found.remark
     saved = tmp_path / "again.json"
     found.document.save(saved)
     again = json.loads(saved.read_text())
     assert again["nodes"]["star"] == nodes["star"]
     assert again["links"] == [["scene.image", "star.image"]]
     assert again["future"] == {"kept": True}
+
+
+def test_a_macro_is_no_unknown_module_but_one_inside_of_it_is(tmp_path, library):
+    inside = {"scene": {"module": "test_scene"}}
+    camera = {"module": "macro", "macro": {"nodes": inside, "links": []}}
+    found = open_network_file(
+        network_file(tmp_path, {"camera": camera}, version=2), library=library
+    )
+    assert found.remark == ""
+    inside |= {"star": {"module": "starlight"}, "moon": {"module": "moonlight"}}
+    found = open_network_file(
+        network_file(tmp_path, {"camera": camera}, version=2), library=library
+    )
+    assert found.remark == "2 unknown modules kept as they are: starlight, moonlight"
 
 
 def test_a_value_that_is_not_allowed_opens_to_be_mended(tmp_path, library):
