@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from core.editing.fields import set_network_field
+from core.editing.layout.reach import is_in_reach
 from core.editing.operation import ABSENT, Operation
 from core.errors import NetworkError
 from core.names import thaw
@@ -41,7 +42,8 @@ class Backdrop:
 def backdrops_of(network: Network) -> tuple[Backdrop, ...]:
     """The network's backdrops, the hindmost first. What a file has in their place is no backdrop.
 
-    Their places in this tuple are what `change`, `remove` and `nodes_on` call `index`.
+    Neither is one out of the canvas's reach. Their places in this tuple are what `change`,
+    `remove` and `nodes_on` call `index`.
     """
     return tuple(backdrop for _, backdrop in _indexed(network))
 
@@ -170,7 +172,7 @@ def _backdrop(entry: Any) -> Backdrop | None:
     if not isinstance(title, str) or not all(_is_number(number) for number in numbers):
         return None
     x, y, width, height = (float(number) for number in numbers if number is not None)
-    if not (width > 0 and height > 0):
+    if not (width > 0 and height > 0 and is_in_reach(x, y, width, height)):
         return None
     colour = entry.get("colour")
     return Backdrop(

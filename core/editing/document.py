@@ -8,6 +8,7 @@ from os.path import realpath
 from pathlib import Path
 
 from core.editing.history import History
+from core.editing.layout.reach import is_in_reach
 from core.editing.links import check_new_wires
 from core.editing.operation import Operation
 from core.editing.stored_file import GONE, mark, mark_of
@@ -179,6 +180,21 @@ class Document:
 
 
 def _tidied(network: Network) -> Network:
-    """Without points of nodes that are not there."""
-    layout = {name: at for name, at in network.layout.items() if name in network.nodes}
+    """Without points of nodes that are not there, or that no canvas reaches; in macros, too."""
+    layout = {
+        name: at
+        for name, at in network.layout.items()
+        if name in network.nodes and is_in_reach(*at)
+    }
+    inside = {
+        name: body
+        for name, node in network.nodes.items()
+        if node.macro is not None and (body := _tidied(node.macro)) is not node.macro
+    }
+    if inside:
+        nodes = {
+            name: replace(node, macro=inside.get(name, node.macro))
+            for name, node in network.nodes.items()
+        }
+        return replace(network, nodes=nodes, layout=layout)
     return network if len(layout) == len(network.layout) else replace(network, layout=layout)

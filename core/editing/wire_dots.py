@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from core.editing.fields import set_network_field
+from core.editing.layout.reach import is_in_reach
 from core.editing.nodes import Move
 from core.editing.operation import ABSENT, Operation, together
 from core.editing.references import WIRE_DOTS, dots_entry_link
@@ -23,7 +24,10 @@ Dots = Mapping[Link, tuple[Point, ...]]
 
 
 def dots_of(network: Network) -> dict[Link, tuple[Point, ...]]:
-    """The dots of the wires there are. What a file has in their place are no dots."""
+    """The dots of the wires there are. What a file has in their place are no dots.
+
+    Neither are those out of the canvas's reach.
+    """
     there = set(network.links)
     return {link: points for link, points in _read(network.extra).items() if link in there}
 
@@ -178,7 +182,8 @@ def _is_point(value: Any) -> bool:
     return (
         isinstance(value, list)
         and len(value) == 2
-        and all(type(number) in (int, float) and math.isfinite(number) for number in value)
+        and all(type(number) in (int, float) for number in value)
+        and is_in_reach(*value)
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from core.editing.layout.reach import is_in_reach
 from core.editing.nodes import Point
 from core.network.graph import topological
 from core.network.network import Network
@@ -10,8 +11,11 @@ COLUMN, ROW = 240.0, 160.0
 
 
 def points_of(network: Network) -> dict[str, Point]:
-    """A point for every node; those without one stand below the others, each after its sources."""
-    points: dict[str, Point] = {name: network.layout[name] for name in network.layout}
+    """A point for every node; those without one stand below the others, each after its sources.
+
+    A point that the canvas does not reach is none.
+    """
+    points: dict[str, Point] = {name: at for name, at in network.layout.items() if is_in_reach(*at)}
     lost = [name for name in network.nodes if name not in points]
     if not lost:
         return points
