@@ -30,6 +30,11 @@ from edited_networks import DRAGS, MAKERS, Editor
 
 CTRL = Qt.KeyboardModifier.ControlModifier
 SHIFT = Qt.KeyboardModifier.ShiftModifier
+# What shows or keeps something beside the canvas, and is open when the editor is killed.
+BESIDE = (
+    "keep_snapshot", "flip", "wipe", "snapshots", "history", "runs", "full_screen", "trade_off",
+)  # fmt: skip
+REPORT = Path("reports/report.html")
 
 
 class Journal:
@@ -118,6 +123,12 @@ class Person(QObject):
         elif chosen < 0.93:
             self.gesture = self.random.choice((None, object()))
             window.session.end_gesture()
+        elif chosen < 0.98:
+            window.actions_by_name[self.random.choice(BESIDE)].trigger()
+        elif not window.runs.queue.unfinished:
+            REPORT.parent.mkdir(exist_ok=True)
+            self.journal.write("report begins")
+            window.runs.report_to(str(REPORT.absolute()))
         self.journal.write("step ends", state=self.states)
 
     def _edit(self, window: MainWindow) -> None:

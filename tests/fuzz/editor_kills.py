@@ -3,7 +3,8 @@
     python tests/fuzz/editor_kills.py --count 500 --seed 1
 
 It draws offscreen unless QT_QPA_PLATFORM says otherwise. Each case kills one to three editors in a
-row, and then starts one that must offer what was not saved, take it over and leave nothing behind.
+row, with snapshots, full screen or a report under way, and then starts one that must offer what
+was not saved, take it over and leave nothing behind.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from cases import Case, FindingError, command
+from edited_window import REPORT
 
 from app.run.shipped import shipped_networks
 from core.errors import ImagechainError
@@ -36,7 +38,7 @@ WAIT_S = 90.0
 # Work is kept a second after an edit, and writing it takes less; more than this is never lost,
 # however busy the machine.
 MOST_LOST_S = 20.0
-MARKS = ("saving", "autosave begins", "step begins", "recovering")
+MARKS = ("saving", "autosave begins", "step begins", "recovering", "report begins")
 ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
 
@@ -54,6 +56,7 @@ def attempt(case: Case) -> None:
             moment = _wait_and_kill(editor, random)
         finally:
             editor.end()
+        _expect_no_run(case, editor)
         entries = editor.entries()
         said = editor.stderr()
         case.expect(not said, f"the editor says {said[:500]!r}")
@@ -161,6 +164,32 @@ def _wait_and_kill(editor: _Editor, random: Random) -> str:
     editor.process.kill()
     editor.process.wait(10)
     return moment
+
+
+def _expect_no_run(case: Case, editor: _Editor) -> None:
+    """The reports under way end with the editor, and one that was written is whole."""
+    end = time.monotonic() + WAIT_S
+    while left := _processes_of_session(editor.process.pid):
+        case.expect(time.monotonic() < end, f"the editor is gone, its processes are not: {left}")
+        time.sleep(0.05)
+    if _kinds(editor.entries(), "report begins"):
+        case.counts["reports under way or written"] += 1
+        if REPORT.exists():
+            whole = REPORT.read_text().rstrip().endswith("</html>")
+            case.expect(whole, "the report is cut off")
+
+
+def _processes_of_session(number: int) -> list[int]:
+    """The processes, zombies left out, that the editor of this number started."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = path.read_text().rpartition(")")[2].split()
+        except OSError:  # it has ended meanwhile
+            continue
+        if int(fields[3]) == number and fields[0] != "Z":
+            found.append(int(path.parent.name))
+    return found
 
 
 def _kinds(entries: Iterable[Entry], *kinds: str) -> list[Entry]:

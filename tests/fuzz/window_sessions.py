@@ -3,8 +3,10 @@
     python tests/fuzz/window_sessions.py --count 60 --actions 200
 
 Each session begins from a shipped network or an empty one; it adds, wires, deletes, undoes,
-disables, drags, types, lays out, saves and reopens. After it: no exception, no warning of Qt, the
-saved file is the document, and undoing all gives the start. It draws offscreen unless
+disables, drags, types, lays out, saves and reopens, and does what `window_actions` has: macros,
+presets, expressions, dots, snapshots, jumps in the history. After each action the canvas draws the
+network; after all of them: no exception, no warning of Qt, the saved file is the document, undoing
+all gives the start, and doing it again the end. It draws offscreen unless
 QT_QPA_PLATFORM says otherwise. A session that failed is printed with its seed and its last actions.
 """
 
@@ -25,6 +27,7 @@ os.environ.setdefault("QT_QPA_PLATFORM", f"offscreen:configfile={SCREEN}")
 from PySide6.QtCore import QPoint, Qt, qInstallMessageHandler  # noqa: E402
 from PySide6.QtTest import QTest  # noqa: E402
 from PySide6.QtWidgets import QApplication, QLineEdit  # noqa: E402
+from window_actions import NewerActions  # noqa: E402
 
 from app.editor.window.documents.remembered_settings import Settings  # noqa: E402
 from app.editor.window.main_window import MainWindow  # noqa: E402
@@ -35,11 +38,11 @@ from window_hands import CTRL, KEY, SHIFT, WindowHands  # noqa: E402
 
 ALT = Qt.KeyboardModifier.AltModifier
 QUIET = ("propagateSizeHints", "does not support raise", "grabbing the keyboard")
-STARTS = ("", "first_steps", "kodak_kir310", "spatial_blur", "camera_and_sensor")
+STARTS = ("", "first_steps", "kodak_kir310", "spatial_blur", "camera_and_sensor", "pupils")
 TYPED = ("0.3", "1e-3", "-1", "", "abc", "600", "2*0.3", "1e400")
 
 
-class WindowSession:
+class WindowSession(NewerActions):
     """One session; `log` has what was done."""
 
     def __init__(self, seed, folder):
@@ -67,7 +70,7 @@ class WindowSession:
         self.start = self.text()
 
     def text(self):
-        return format_network(self.session.network, library=self.library)
+        return format_network(self.session.document.network, library=self.library)
 
     def run(self, actions):
         names = [name for name in dir(self) if name.startswith("do_")]
@@ -77,6 +80,7 @@ class WindowSession:
             getattr(self, name)()
             QApplication.processEvents()
             self.put_dialogs_away()
+            self.check_drawn()
         self.settle()
 
     def settle(self):
@@ -95,7 +99,8 @@ class WindowSession:
             self.hands.key(KEY.Key_Escape)
 
     def node(self):
-        names = list(self.session.network.nodes)
+        """One of the nodes that the canvas shows."""
+        names = list(self.window.level.network.nodes)
         return self.random.choice(names) if names else None
 
     def visible(self, pos):
@@ -215,7 +220,7 @@ class WindowSession:
         name = self.node()
         if name is None:
             return
-        self.session.select([name])
+        self.window.level.select([name])
         QApplication.processEvents()
         edits = [
             edit
@@ -263,12 +268,26 @@ class WindowSession:
         assert not self.session.document.modified
         return path
 
+    def check_drawn(self):
+        """The canvas has the nodes and the wires of the network that it shows."""
+        shown, content = self.window.level.network, self.window.canvas.content
+        assert set(content.nodes) == set(shown.nodes), "the canvas draws other nodes"
+        assert set(content.wires) == set(shown.links), "the canvas draws other wires"
+
     def check_undone(self):
+        history = self.session.document.history
+        self.session.go_to(history.last)
+        end = self.text()
         for _ in range(100_000):
-            if not self.session.document.history.undo_text:
+            if not history.undo_text:
                 break
             self.session.undo()
         assert self.text() == self.start, "undo to the start is not the start"
+        for _ in range(100_000):
+            if not history.redo_text:
+                break
+            self.session.redo()
+        assert self.text() == end, "redo to the end is not the end"
 
 
 def run_session(seed, actions):
@@ -291,14 +310,14 @@ def run_session(seed, actions):
             session.check_saved()
             session.check_undone()
         except Exception:
-            complaints.append(traceback.format_exc(limit=-4))
+            complaints.append(traceback.format_exc(limit=-6))
         finally:
             session.window.close_for_good()
             session.window.deleteLater()
             QApplication.processEvents()
     sys.excepthook = sys.__excepthook__
     qInstallMessageHandler(before)
-    return [f"{text}\n  last: {' '.join(session.log[-6:])}" for text in complaints]
+    return [f"{text}\n  last: {' '.join(session.log[-8:])}" for text in complaints]
 
 
 def main():
