@@ -30,7 +30,9 @@ def test_what_gives_a_context_or_a_phase(library):
     assert fitting(library, ["context"], "output") == (Candidate("init_trans", "context"),)
     assert fitting(library, ["phase"], "output") == (
         Candidate("init_trans", "phase"),
+        Candidate("diffraction_mtf", "phase"),
         Candidate("exit_pupil_mtf", "phase"),
+        Candidate("line_of_sight", "phase"),
         Candidate("charge_eff_phase", "phase"),
     )
 
