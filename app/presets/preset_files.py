@@ -12,7 +12,7 @@ from pathlib import Path
 
 import networks
 from core.editing.clipboard import as_new, pasted
-from core.editing.nodes import Point
+from core.editing.layout.boxes import Point
 from core.editing.operation import Operation
 from core.errors import FileError, ImagechainError, NetworkError
 from core.names import shown

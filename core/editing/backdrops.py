@@ -9,6 +9,7 @@ from typing import Any
 
 from core.editing.fields import set_network_field
 from core.editing.layout.reach import is_in_reach
+from core.editing.layout.boxes import Box, Sizes, boxes_of
 from core.editing.operation import ABSENT, Operation
 from core.errors import NetworkError
 from core.names import thaw
@@ -16,10 +17,7 @@ from core.network.network import Network
 
 FIELD = "backdrops"
 NOTE = "note"  # of the field `kind`; a program that does not know it shows a backdrop
-NODE_SIZE = (180.0, 100.0)  # of a node whose size is not given
 MARGIN, HEAD = 24.0, 30.0  # kept free round the nodes, and for the title
-
-Sizes = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -102,7 +100,7 @@ def around(
     NetworkError
         If none of them has a point.
     """
-    boxes = [_box(network, name, sizes) for name in names if name in network.layout]
+    boxes = _boxes(network, names, sizes).values()
     if not boxes:
         raise NetworkError("there are no nodes to put a backdrop behind")
     left, top = min(box[0] for box in boxes), min(box[1] for box in boxes)
@@ -132,18 +130,17 @@ def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
     if ground.note:
         return ()
     right, bottom = ground.x + ground.width, ground.y + ground.height
-    boxes = {name: _box(network, name, sizes) for name in network.nodes if name in network.layout}
     return tuple(
         name
-        for name, box in boxes.items()
+        for name, box in _boxes(network, network.nodes, sizes).items()
         if ground.x <= box[0] and ground.y <= box[1] and box[2] <= right and box[3] <= bottom
     )
 
 
-def _box(network: Network, name: str, sizes: Sizes) -> tuple[float, float, float, float]:
-    x, y = network.layout[name]
-    width, height = sizes.get(name, NODE_SIZE)
-    return x, y, x + width, y + height
+def _boxes(network: Network, names: Iterable[str], sizes: Sizes) -> dict[str, Box]:
+    """What those of the nodes take up that have a point."""
+    points = {name: network.layout[name] for name in names if name in network.layout}
+    return boxes_of(points, sizes)
 
 
 def _entries(network: Network) -> list[Any]:

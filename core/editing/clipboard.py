@@ -8,10 +8,11 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
-from core.editing.layout.arrange import Sizes, arranged
+from core.editing.layout.arrange import arranged
+from core.editing.layout.boxes import Point, Sizes
 from core.editing.layout.room import free_places
 from core.editing.links import check_new_wires
-from core.editing.nodes import Add, Placed, Point, fresh_name
+from core.editing.nodes import Add, Placed, fresh_name
 from core.editing.operation import Operation, named
 from core.editing.references import WIRE_DOTS
 from core.editing.wire_dots import dots_along, dots_among, joined_fields

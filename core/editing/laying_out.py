@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from core.editing.backdrops import HEAD, MARGIN, backdrops_of, change, nodes_on
-from core.editing.layout.arrange import NODE_SIZE, Point, Sizes, placed
+from core.editing.layout.arrange import placed
+from core.editing.layout.boxes import Box, Point, Sizes, boxes_of, size_of
 from core.editing.nodes import Move
 from core.editing.operation import Operation, together
 from core.network.graph import cycles
@@ -38,9 +39,10 @@ def laid_out(
     places = {name: (at[0] + x, at[1] + y) for name, at in places.items()}
     steps: list[Operation] = [Move(dict(places))]
     # The innermost first: an outer one goes round it, too.
-    frames: dict[int, tuple[float, float, float, float]] = {}
+    frames: dict[int, Box] = {}
     for index in reversed(order):
-        boxes = [(*places[name], *_end(places[name], sizes, name)) for name in members[index]]
+        points = {name: places[name] for name in members[index]}
+        boxes = list(boxes_of(points, sizes).values())
         boxes += [
             frame for inner, frame in frames.items() if set(members[inner]) <= set(members[index])
         ]
@@ -78,7 +80,7 @@ def _places(
             break
         outer = [index for index in outer if index not in broken]
     inside: dict[int, dict[str, Point]] = {}
-    unit_sizes = {name: sizes.get(name, NODE_SIZE) for name in names}
+    unit_sizes = {name: size_of(name, sizes) for name in names}
     for index in outer:
         # Of two that hold the same nodes the larger one holds the other.
         smaller = order[order.index(index) + 1 :]
@@ -88,7 +90,7 @@ def _places(
         points = _places(network, sizes, members[index], within, members, wide)
         depth = 1 + _depth(within, members)
         inside[index] = _set_in(points, depth)
-        boxes = [(*at, *_end(at, sizes, name)) for name, at in inside[index].items()]
+        boxes = boxes_of(inside[index], sizes).values()
         unit_sizes[_key(index)] = (
             max(box[2] for box in boxes) + depth * MARGIN,
             max(box[3] for box in boxes) + depth * MARGIN,
@@ -130,7 +132,7 @@ def _onward(
     }
 
 
-def _round(boxes: list[tuple[float, float, float, float]]) -> tuple[float, float, float, float]:
+def _round(boxes: list[Box]) -> Box:
     left, top, right, bottom = zip(*boxes, strict=True)
     return min(left) - MARGIN, min(top) - MARGIN - HEAD, max(right) + MARGIN, max(bottom) + MARGIN
 
@@ -143,11 +145,6 @@ def _way_back(network: Network, places: Mapping[str, Point]) -> Point:
     was = [min((point[axis] for point in old), default=0.0) for axis in (0, 1)]
     now = [min(point[axis] for point in places.values()) for axis in (0, 1)]
     return was[0] - now[0], was[1] - now[1]
-
-
-def _end(at: Point, sizes: Sizes, name: str) -> Point:
-    width, height = sizes.get(name, NODE_SIZE)
-    return at[0] + width, at[1] + height
 
 
 def _key(index: int) -> str:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from core.editing.fields import set_network_field, set_parameter
+from core.editing.layout.boxes import Point
 from core.editing.links import Rewire, displaced
 from core.editing.operation import ABSENT, Operation, Together, named
 from core.editing.references import dropped, of_nodes, renamed
@@ -17,8 +18,6 @@ from core.expressions.grammar import ExpressionError
 from core.names import shown, thaw
 from core.network.linked_values import naming, with_names
 from core.network.network import Link, Network, Node
-
-Point = tuple[float, float]
 
 
 @dataclass(frozen=True)

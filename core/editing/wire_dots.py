@@ -12,6 +12,7 @@ from typing import Any
 
 from core.editing.fields import set_network_field
 from core.editing.layout.reach import is_in_reach
+from core.editing.layout.boxes import Point
 from core.editing.nodes import Move
 from core.editing.operation import ABSENT, Operation, together
 from core.editing.references import WIRE_DOTS, dots_entry_link
@@ -19,7 +20,6 @@ from core.errors import NetworkError
 from core.names import thaw
 from core.network.network import Link, Network
 
-Point = tuple[float, float]
 Dots = Mapping[Link, tuple[Point, ...]]
 
 

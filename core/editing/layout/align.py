@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Literal, get_args
 
-from core.editing.layout.arrange import NODE_SIZE, Point, Sizes
+from core.editing.layout.boxes import Point, Sizes, size_of
 from core.network.network import Network
 
 Edge = Literal["left", "right", "top", "bottom"]
@@ -34,8 +34,7 @@ def aligned(network: Network, names: Collection[str], sizes: Sizes, edge: Edge) 
     axis = 0 if edge in ("left", "right") else 1
     far = edge in ("right", "bottom")
     ends = {
-        name: at[axis] + (sizes.get(name, NODE_SIZE)[axis] if far else 0.0)
-        for name, at in points.items()
+        name: at[axis] + (size_of(name, sizes)[axis] if far else 0.0) for name, at in points.items()
     }
     line = max(ends.values()) if far else min(ends.values())
     return {name: _shifted(at, axis, line - ends[name]) for name, at in points.items()}
@@ -53,7 +52,7 @@ def distributed(
     if len(points) < 2:
         return {}
     order = sorted(points, key=lambda name: points[name][axis])
-    extents = [sizes.get(name, NODE_SIZE)[axis] for name in order]
+    extents = [size_of(name, sizes)[axis] for name in order]
     start = points[order[0]][axis]
     end = points[order[-1]][axis] + extents[-1]
     gap = (end - start - sum(extents)) / (len(order) - 1)

@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping
 
+from core.editing.layout.boxes import Point, Sizes, size_of
 from core.editing.layout.layers import columns_of, components, rows_of
 from core.editing.layout.wrapping import Column, wrapped
 from core.network.network import Network
 
-NODE_SIZE = (180.0, 100.0)  # of a node whose size is not given
 COLUMN_GAP, ROW_GAP = 60.0, 40.0
 
-Point = tuple[float, float]
-Sizes = Mapping[str, tuple[float, float]]
 Followers = Mapping[str, tuple[str, ...]]
 
 
@@ -73,7 +71,7 @@ def _put(places: dict[str, Point], points: Mapping[str, Point], sizes: Sizes, to
     """Put a part below the others; where the next one begins."""
     highest = min(y for _, y in points.values())
     places |= {name: (x, y - highest + top) for name, (x, y) in points.items()}
-    return max(places[name][1] + _size(sizes, name)[1] for name in points) + 2 * ROW_GAP
+    return max(places[name][1] + size_of(name, sizes)[1] for name in points) + 2 * ROW_GAP
 
 
 def _part(followers: Followers, sizes: Sizes, room: tuple[float, float] | None) -> dict[str, Point]:
@@ -84,8 +82,8 @@ def _part(followers: Followers, sizes: Sizes, room: tuple[float, float] | None) 
     columns = [
         Column(
             {name: heights[name] for name in layer},
-            max((_size(sizes, name)[0] for name in layer), default=0.0),
-            max((heights[name] + _size(sizes, name)[1] for name in layer), default=0.0),
+            max((size_of(name, sizes)[0] for name in layer), default=0.0),
+            max((heights[name] + size_of(name, sizes)[1] for name in layer), default=0.0),
         )
         for layer in layers
     ]
@@ -114,7 +112,7 @@ def _heights(
                 if wanted is None:
                     wanted = max(top, 0.0)
                 heights[name] = max(wanted, top)
-                top = heights[name] + _size(sizes, name)[1] + ROW_GAP
+                top = heights[name] + size_of(name, sizes)[1] + ROW_GAP
     return heights
 
 
@@ -131,8 +129,8 @@ def _leading(followers: Followers, column: Mapping[str, int]) -> dict[str, str]:
 def _grid(names: list[str], sizes: Sizes) -> dict[str, Point]:
     """Rows of about as many nodes as there are rows."""
     across = math.ceil(math.sqrt(len(names)))
-    width = max(_size(sizes, name)[0] for name in names) + COLUMN_GAP
-    height = max(_size(sizes, name)[1] for name in names) + ROW_GAP
+    width = max(size_of(name, sizes)[0] for name in names) + COLUMN_GAP
+    height = max(size_of(name, sizes)[1] for name in names) + ROW_GAP
     return {
         name: (number % across * width, float(number // across) * height)
         for number, name in enumerate(names)
@@ -146,7 +144,3 @@ def _anchored(network: Network, places: Mapping[str, Point]) -> dict[str, Point 
     left, top = (min((point[axis] for point in old), default=0.0) for axis in (0, 1))
     x, y = (min(point[axis] for point in places.values()) for axis in (0, 1))
     return {name: (at[0] - x + left, at[1] - y + top) for name, at in places.items()}
-
-
-def _size(sizes: Sizes, name: str) -> tuple[float, float]:
-    return sizes.get(name, NODE_SIZE)

@@ -5,19 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping
 
-from core.editing.layout.arrange import NODE_SIZE, Point, Sizes
+from core.editing.layout.boxes import Box, Point, Sizes, box_of, boxes_of, size_of
 from core.network.network import Network
 
 GAP_X, GAP_Y = 40.0, 24.0  # left free between a new node and the others
 _MOST_NEAR = 60  # of ranges whose edges are combined
 _MOST_APART = 6  # of new nodes that are looked at one by one, more as one
-
-Box = tuple[float, float, float, float]  # left, top, right, bottom
-
-
-def box_of(at: Point, size: tuple[float, float]) -> Box:
-    """What a node of that size takes up at a point."""
-    return at[0], at[1], at[0] + size[0], at[1] + size[1]
 
 
 def free_places(
@@ -42,11 +35,6 @@ def free_places(
         new = [_around(new)]
     x, y = _least_way([_shift_range(a, b) for a in new for b in there.values()])
     return {name: (at[0] + x, at[1] + y) for name, at in points.items()}
-
-
-def boxes_of(points: Mapping[str, Point], sizes: Sizes) -> dict[str, Box]:
-    """What every node with a point takes up."""
-    return {name: box_of(at, sizes.get(name, NODE_SIZE)) for name, at in points.items()}
 
 
 def made_way(
@@ -77,7 +65,7 @@ def made_way(
         The nodes that do not stand there yet.
     """
     others = boxes_of({name: p for name, p in network.layout.items() if name != node}, sizes)
-    box = box_of(at, sizes.get(node, NODE_SIZE))
+    box = box_of(at, size_of(node, sizes))
     x = box[0]
     while left := [
         other

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-Point = tuple[float, float]
+from core.editing.layout.boxes import Point
 
 _MOST_ROWS = 64
 _GAIN = 1.1  # how much larger all must become for another row

@@ -8,6 +8,7 @@ from typing import Any
 
 from core.editing.backdrops import FIELD as BACKDROPS
 from core.editing.backdrops import backdrops_of
+from core.editing.layout.boxes import Point
 from core.editing.macros.border_links import (
     after_ungrouping,
     expressions_for_macro,
@@ -24,7 +25,7 @@ from core.editing.macros.macro_wires import (
     with_inside_shown,
     with_macro_shown,
 )
-from core.editing.nodes import Point, fresh_name
+from core.editing.nodes import fresh_name
 from core.editing.operation import Operation, named
 from core.editing.references import of_nodes, renamed, without_dots
 from core.editing.restoring import Restored

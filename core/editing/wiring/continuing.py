@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from core.editing.layout.boxes import Point
 from core.editing.links import declared
-from core.editing.nodes import Point
 from core.editing.operation import Operation, together
 from core.editing.wiring.fitting import Candidate, End, new_node, wired_to
 from core.editing.wiring.inserting import inserted

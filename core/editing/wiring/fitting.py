@@ -6,8 +6,9 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
+from core.editing.layout.boxes import Point
 from core.editing.links import Rewire, check_new_wires, declared, misfit, reached_from, refusal
-from core.editing.nodes import Add, Placed, Point, fresh_name
+from core.editing.nodes import Add, Placed, fresh_name
 from core.editing.operation import Operation, together
 from core.editing.wiring.inserting import inserted
 from core.editing.wiring.partners import (

@@ -10,7 +10,7 @@ import pytest
 from core.editing.backdrops import Backdrop, add, backdrops_of, nodes_on
 from core.editing.laying_out import laid_out
 from core.editing.layout.arrange import arranged
-from core.editing.layout.room import boxes_of
+from core.editing.layout.boxes import boxes_of
 from core.editing.nodes import Move
 from core.network.file import format_network
 from core.network.network import Link, Network, Node

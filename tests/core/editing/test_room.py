@@ -8,7 +8,8 @@ from random import Random
 
 import pytest
 
-from core.editing.layout.room import GAP_X, GAP_Y, boxes_of, free_places, made_way
+from core.editing.layout.boxes import boxes_of
+from core.editing.layout.room import GAP_X, GAP_Y, free_places, made_way
 from core.network.network import Network, Node
 
 SIZE = (180.0, 100.0)

@@ -17,8 +17,8 @@ from app.editor.canvas.items.node_item import NodePort
 from app.editor.canvas.view.choice_popup import Choice, ChoicePopup
 from app.editor.library.module_search import found_by
 from app.editor.theme import Theme
+from core.editing.layout.boxes import Point
 from core.editing.links import Rewire
-from core.editing.nodes import Point
 from core.editing.operation import Operation, together
 from core.editing.wiring.fitting import Candidate, End, Side, fitting, wired_to
 from core.errors import ImagechainError

@@ -5,9 +5,10 @@ from __future__ import annotations
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.faces import face_of
 from app.editor.canvas.items.geometry import geometry_of
+from core.editing.layout.boxes import Point
 from core.editing.layout.room import GAP_X, free_places, made_way
 from core.editing.links import reached_from
-from core.editing.nodes import Move, Point
+from core.editing.nodes import Move
 from core.editing.operation import Operation, together
 from core.editing.wiring.continuing import continued
 from core.editing.wiring.fitting import new_node

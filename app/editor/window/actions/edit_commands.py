@@ -15,7 +15,8 @@ from core.editing.clipboard import copied, duplicated, pasted
 from core.editing.fields import set_node_field
 from core.editing.laying_out import laid_out
 from core.editing.layout.align import Edge, Way, aligned, distributed
-from core.editing.layout.arrange import Point, arranged
+from core.editing.layout.arrange import arranged
+from core.editing.layout.boxes import Point
 from core.editing.links import Rewire
 from core.editing.macros.grouping import group, ungroup
 from core.editing.nodes import Move, keeping_values
