@@ -15,8 +15,9 @@ from app.editor.session import Session, renamed_node
 from core.editing.macros.inside import at_level
 from core.editing.operation import Operation
 from core.modules.declaration import Declaration
+from core.modules.library_type import Library
 from core.network.macro import SEPARATOR
-from core.network.network import Library, Network
+from core.network.network import Network
 
 
 class Level(QObject):

@@ -18,6 +18,7 @@ from core.editing.macros.inside import addressed
 from core.editing.operation import Operation
 from core.errors import ImagechainError
 from core.modules.declaration import Declaration
+from core.modules.library_type import Library
 from core.network.expansion import expanded, unfolded
 from core.network.linked_values import (
     LinkError,
@@ -27,7 +28,7 @@ from core.network.linked_values import (
     with_values,
 )
 from core.network.macro import SEPARATOR, declared_node, path_of
-from core.network.network import Library, Network, Node
+from core.network.network import Network, Node
 
 
 class Session(QObject):

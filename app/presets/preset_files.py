@@ -15,10 +15,11 @@ from core.editing.clipboard import as_new, pasted
 from core.editing.layout.boxes import Point
 from core.editing.operation import Operation
 from core.errors import FileError, ImagechainError, NetworkError
+from core.modules.library_type import Library
 from core.names import shown
 from core.network.file import read_network, read_text, save_network
 from core.network.linked_values import expression_text
-from core.network.network import Library, Network
+from core.network.network import Network
 
 KEY = "preset:"
 """What the key of a preset begins with; no module's key has a colon."""

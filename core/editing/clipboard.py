@@ -18,11 +18,12 @@ from core.editing.references import WIRE_DOTS
 from core.editing.wire_dots import dots_along, dots_among, joined_fields
 from core.errors import NetworkError
 from core.expressions.grammar import ExpressionError
+from core.modules.library_type import Library
 from core.names import shown
 from core.network.file import format_network
 from core.network.json_reading import read_json
 from core.network.linked_values import named_nodes, naming, resolved, with_names
-from core.network.network import Library, Link, Network, Node
+from core.network.network import Link, Network, Node
 from core.network.parsing import FORMAT, parse_network
 
 NODES_FORMAT = "imagechain-nodes"

@@ -13,8 +13,9 @@ from core.editing.links import check_new_wires
 from core.editing.operation import Operation
 from core.editing.stored_file import GONE, mark, mark_of
 from core.errors import ChangedFileError, NetworkError
+from core.modules.library_type import Library
 from core.network.file import format_network, save_network
-from core.network.network import Library, Network
+from core.network.network import Network
 
 Listener = Callable[[Network, Network], None]
 

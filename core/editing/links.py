@@ -10,10 +10,11 @@ from core.editing.operation import Operation, Together
 from core.editing.references import WIRE_DOTS, without_dots
 from core.errors import NetworkError
 from core.modules.declaration import Declaration, Port
+from core.modules.library_type import Library
 from core.names import close, shown, thaw
 from core.network.graph import cycles
 from core.network.macro import declared_node
-from core.network.network import Library, Link, Network, cycle_error
+from core.network.network import Link, Network, cycle_error
 
 _MOST_NAMED = 8
 

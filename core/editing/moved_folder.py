@@ -8,7 +8,8 @@ from pathlib import Path
 from core.editing.fields import set_parameter
 from core.editing.operation import Operation, together
 from core.modules.declaration import declaration
-from core.network.network import Library, Network
+from core.modules.library_type import Library
+from core.network.network import Network
 
 
 def rebased(

@@ -9,9 +9,10 @@ from core.editing.fields import check_value
 from core.editing.operation import ABSENT, Operation, with_field
 from core.errors import NetworkError
 from core.modules.declaration import Declaration
+from core.modules.library_type import Library
 from core.names import shown, thaw
 from core.network.macro import SEPARATOR, declared_node, face_of_macro
-from core.network.network import Library, Network, Node, with_marks
+from core.network.network import Network, Node, with_marks
 
 
 @dataclass(frozen=True)

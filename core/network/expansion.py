@@ -12,9 +12,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from core.expressions.grammar import rewritten
+from core.modules.library_type import Library
 from core.network.interface import End, text
 from core.network.macro import SEPARATOR, face_of_macro, opened, passing_input, under
-from core.network.network import EXPRESSION, Library, Link, Network, Node
+from core.network.network import EXPRESSION, Link, Network, Node
 
 
 def expanded(network: Network, library: Library) -> Network:

@@ -21,12 +21,13 @@ from core.expressions.grammar import (
     rewritten,
 )
 from core.modules.declaration import declaration
+from core.modules.library_type import Library
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown, thaw
 from core.network.expansion import expanded
 from core.network.graph import cycles, topological
 from core.network.macro import SEPARATOR
-from core.network.network import EXPRESSION, Library, Network, Node
+from core.network.network import EXPRESSION, Network, Node
 
 _Place = tuple[str, str]  # node and parameter
 

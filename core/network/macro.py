@@ -8,11 +8,12 @@ from typing import Any
 
 from core.errors import NetworkError, ParameterError
 from core.modules.declaration import Declaration, Port, declaration
+from core.modules.library_type import Library
 from core.modules.panel_sections import complete
 from core.modules.parameters import Parameter
 from core.names import shown, thaw
 from core.network.interface import FIELDS, End, Interface, interface_of
-from core.network.network import MACRO, Library, Network, Node, passed_through
+from core.network.network import MACRO, Network, Node, passed_through
 
 SEPARATOR = "/"
 """Between a macro's id and that of a node inside: ``camera/blur``."""

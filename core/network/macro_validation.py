@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from core.errors import ImagechainError, NetworkError, ParameterError
 from core.modules.declaration import Declaration
+from core.modules.library_type import Library
 from core.names import close, shown
 from core.network.expansion import has_macros
 from core.network.graph import cycles
@@ -18,7 +19,7 @@ from core.network.macro import (
     macros_in,
     passing_input,
 )
-from core.network.network import Library, Network, Node, cycle_error
+from core.network.network import Network, Node, cycle_error
 
 
 def macro_problems(

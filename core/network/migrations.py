@@ -8,8 +8,9 @@ from typing import Any
 
 from core.errors import NetworkError
 from core.modules.declaration import Module, declaration
+from core.modules.library_type import Library
 from core.network.interface import End, Interface, interface_of
-from core.network.network import Library, Link, Network, Node
+from core.network.network import Link, Network, Node
 
 Document = dict[str, Any]
 Migration = Callable[[Document], Document]

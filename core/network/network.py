@@ -9,12 +9,11 @@ from types import MappingProxyType
 from typing import Any
 
 from core.errors import NetworkError, ParameterError
-from core.modules.declaration import Declaration, Module, declaration
+from core.modules.declaration import Declaration, declaration
+from core.modules.library_type import Library
 from core.modules.parameters import LARGEST_INTEGER
 from core.names import check_id, close, freeze, shown, thaw
 from core.network.graph import cycles, topological
-
-Library = Mapping[str, type[Module]]
 
 NODE_FIELDS = ("module", "params", "auto", "disabled", "final", "noise", "macro")
 NETWORK_FIELDS = ("format", "version", "name", "description", "seed", "nodes", "links", "layout")

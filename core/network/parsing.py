@@ -6,20 +6,13 @@ import difflib
 from typing import Any
 
 from core.errors import ImagechainError, NetworkError
+from core.modules.library_type import Library
 from core.names import check_id, shown
 from core.network.interface import interface_of
 from core.network.json_reading import read_json
 from core.network.macro import checked_depth
 from core.network.migrations import VERSION, migrate, with_current_names
-from core.network.network import (
-    MACRO,
-    NETWORK_FIELDS,
-    NODE_FIELDS,
-    Library,
-    Link,
-    Network,
-    Node,
-)
+from core.network.network import MACRO, NETWORK_FIELDS, NODE_FIELDS, Link, Network, Node
 
 FORMAT = "imagechain-network"
 

@@ -7,20 +7,13 @@ from typing import Any
 
 from core.errors import ImagechainError, NetworkError, ParameterError
 from core.modules.declaration import Declaration, Port, declaration
+from core.modules.library_type import Library
 from core.names import close, shown, thaw
 from core.network.expansion import expanded
 from core.network.graph import cycles
 from core.network.linked_values import with_values
 from core.network.macro_validation import macro_problems
-from core.network.network import (
-    Library,
-    Link,
-    Network,
-    Node,
-    cycle_error,
-    marked_twice,
-    passed_through,
-)
+from core.network.network import Link, Network, Node, cycle_error, marked_twice, passed_through
 
 MOST_SUGGESTIONS = 100  # comparing names is slow, and a hostile file has a million wrong ones
 

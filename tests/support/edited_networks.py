@@ -22,9 +22,10 @@ from core.editing.wiring.fitting import fitting, inserted, new_node, refusal, wi
 from core.editing.wiring.healing import deleted, dissolved
 from core.expressions.grammar import quoted
 from core.modules.declaration import declaration
+from core.modules.library_type import Library
 from core.network.file import format_network
 from core.network.linked_values import expression, resolved
-from core.network.network import Library, Link, Network, Node
+from core.network.network import Link, Network, Node
 
 GONE = "module_of_another_version"
 Maker = Callable[["Editor"], Operation | None]

@@ -19,7 +19,7 @@ from app.editor.library.module_search import found_by, rank
 from app.editor.theme import DARK, Theme
 from app.presets.preset_files import KEY, Preset
 from core.modules.declaration import declaration
-from core.network.network import Library
+from core.modules.library_type import Library
 
 PRESETS, OWN_PRESETS = "Presets", "Own presets"
 MIME_TYPE = "application/x-imagechain-module"

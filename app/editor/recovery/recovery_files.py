@@ -22,8 +22,9 @@ from core.editing.links import check_new_wires
 from core.editing.moved_folder import rebased
 from core.errors import FileError, NetworkError
 from core.file_lock import FileLock, is_held, take
+from core.modules.library_type import Library
 from core.network.file import format_network
-from core.network.network import Library, Network
+from core.network.network import Network
 from core.network.parsing import parse_network
 from core.process_token import own_token, runs
 

@@ -31,6 +31,7 @@ from core.editing.references import of_nodes, renamed, without_dots
 from core.editing.restoring import Restored
 from core.editing.wire_dots import dots_among, dots_of, joined_fields, shifted
 from core.errors import NetworkError
+from core.modules.library_type import Library
 from core.names import shown, thaw
 from core.network.expansion import unfolded
 from core.network.graph import cycles
@@ -44,7 +45,7 @@ from core.network.macro import (
     opened,
     with_face,
 )
-from core.network.network import MACRO, Library, Link, Network, Node, cycle_error
+from core.network.network import MACRO, Link, Network, Node, cycle_error
 
 
 @dataclass(frozen=True)

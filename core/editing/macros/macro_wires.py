@@ -7,9 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 from core.editing.nodes import fresh_name
+from core.modules.library_type import Library
 from core.network.interface import End, Interface
 from core.network.macro import declared_node, face_of_macro
-from core.network.network import Library, Link, Network, Node
+from core.network.network import Link, Network, Node
 
 
 def inputs_of(

@@ -11,7 +11,8 @@ from core.editing.wiring.fitting import Candidate, End, new_node, wired_to
 from core.editing.wiring.inserting import inserted
 from core.errors import NetworkError
 from core.modules.declaration import Port, declaration
-from core.network.network import Library, Network
+from core.modules.library_type import Library
+from core.network.network import Network
 
 _BESIDE_THE_CHAIN = ("context", "pupil")  # a module goes on from these only for lack of others
 

@@ -22,8 +22,9 @@ from core.editing.wiring.partners import (
 )
 from core.errors import NetworkError
 from core.modules.declaration import Declaration, declaration
+from core.modules.library_type import Library
 from core.names import close, shown
-from core.network.network import Library, Link, Network, Node
+from core.network.network import Link, Network, Node
 
 __all__ = ["Candidate", "End", "Side", "fitting", "inserted", "new_node", "refusal", "wired_to"]
 

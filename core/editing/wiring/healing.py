@@ -7,8 +7,9 @@ from collections.abc import Collection
 from core.editing.links import Rewire, declared, misfit
 from core.editing.nodes import Remove
 from core.editing.operation import Operation, named, together
+from core.modules.library_type import Library
 from core.names import shown
-from core.network.network import Library, Link, Network, passed_through
+from core.network.network import Link, Network, passed_through
 
 
 def dissolved(

@@ -7,8 +7,9 @@ from core.editing.operation import Operation
 from core.editing.wiring.partners import MAGNITUDE, PARTNER, PHASE, port_of, side_links, wire_beside
 from core.errors import NetworkError
 from core.modules.declaration import Port
+from core.modules.library_type import Library
 from core.names import shown
-from core.network.network import Library, Link, Network
+from core.network.network import Link, Network
 
 
 def inserted(network: Network, library: Library, link: Link, node: str) -> Operation | None:

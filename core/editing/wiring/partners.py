@@ -9,7 +9,8 @@ from collections.abc import Iterable
 
 from core.editing.links import declared, reached_from
 from core.modules.declaration import Declaration, Port
-from core.network.network import Library, Link, Network
+from core.modules.library_type import Library
+from core.network.network import Link, Network
 
 End = tuple[str, str]
 """Node and port."""

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from core.editing.wiring.fitting import refusal
 from core.modules.declaration import Port, declaration
-from core.network.network import Library, Link, Network
+from core.modules.library_type import Library
+from core.network.network import Link, Network
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,9 @@ from app.editor.evaluation.queries import Badge
 from core.editing.backdrops import Backdrop, backdrops_of
 from core.editing.layout.boxes import Point
 from core.editing.wire_dots import dots_of
+from core.modules.library_type import Library
 from core.network.macro import SEPARATOR, declared_node
-from core.network.network import Library, Link, Network, Node
+from core.network.network import Link, Network, Node
 
 
 class Content:
