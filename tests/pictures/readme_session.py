@@ -24,6 +24,7 @@ from core.editing.document import Document
 from core.editing.fields import set_parameter
 from core.network.network import Link
 from nodes.library import standard_library
+from screen_places import place_of_head, place_of_module, place_of_wire
 
 NETWORK = "first_steps"
 FRAMES_PER_S = 10
@@ -58,10 +59,10 @@ def insert(clip, start):
     """Drag the module from the library onto the wire; gives the node's name."""
     window = clip.window
     clip.caption = "Drag a module from the library onto a wire"
-    clip.glide(clip.ask(lambda: window.library_view.module_on_screen(MODULE)), 1.2)
+    clip.glide(clip.ask(lambda: place_of_module(window.library_view, MODULE)), 1.2)
     clip.rest(0.2)
     clip.press()
-    clip.glide(clip.ask(lambda: window.canvas.wire_on_screen(WIRE)), 1.5, least=8)
+    clip.glide(clip.ask(lambda: place_of_wire(window.canvas, WIRE)), 1.5, least=8)
     clip.rest(0.3)
     clip.release()
     clip.until(lambda: set(window.session.network.nodes) - set(start.nodes), "a node is added")
@@ -104,7 +105,7 @@ def group(clip, name):
     window = clip.window
     clip.caption = "Select modules with Ctrl held …"
     for number, node in enumerate(("init", "blur", name, "back")):
-        clip.glide(clip.ask(lambda node=node: window.canvas.node_head_on_screen(node)), 0.4)
+        clip.glide(clip.ask(lambda node=node: place_of_head(window.canvas, node)), 0.4)
         clip.click(held_key="ctrl" if number else None)
     clip.caption = "… and Ctrl+G makes them one: a macro"
     clip.keys("ctrl+g")
@@ -115,7 +116,7 @@ def group(clip, name):
     clip.until(lambda: MACRO in window.session.network.nodes, "the macro has its name")
     clip.rest(0.8)
     clip.caption = "A double-click shows its inside"
-    clip.glide(clip.ask(lambda: window.canvas.node_head_on_screen(MACRO)), 0.5)
+    clip.glide(clip.ask(lambda: place_of_head(window.canvas, MACRO)), 0.5)
     clip.click(times=2)
     clip.until(lambda: window.level.path == (MACRO,), "the inside is shown")
     clip.rest(1.2)

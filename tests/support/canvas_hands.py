@@ -1,9 +1,11 @@
-"""Real mouse events on the canvas's view, at points told by the canvas or in scene units."""
+"""Real mouse events on the canvas's view, at the places of its parts or in units of the scene."""
 
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QContextMenuEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
+
+from screen_places import place_of_head, place_of_node, place_of_port, place_of_wire
 
 LEFT, MIDDLE = Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton
 PLAIN = Qt.KeyboardModifier.NoModifier
@@ -19,16 +21,16 @@ class CanvasHands:
         self.port_of_view = canvas.view.viewport()
 
     def port(self, node, port, side):
-        return self.port_of_view.mapFromGlobal(self.canvas.port_on_screen(node, port, side))
+        return self.port_of_view.mapFromGlobal(place_of_port(self.canvas, node, port, side))
 
     def head(self, node):
-        return self.port_of_view.mapFromGlobal(self.canvas.node_head_on_screen(node))
+        return self.port_of_view.mapFromGlobal(place_of_head(self.canvas, node))
 
     def middle(self, node):
-        return self.port_of_view.mapFromGlobal(self.canvas.node_center_on_screen(node))
+        return self.port_of_view.mapFromGlobal(place_of_node(self.canvas, node))
 
     def wire(self, link):
-        return self.port_of_view.mapFromGlobal(self.canvas.wire_on_screen(link))
+        return self.port_of_view.mapFromGlobal(place_of_wire(self.canvas, link))
 
     def at(self, x, y):
         """The pixel of a point of the scene."""

@@ -28,6 +28,7 @@ from core.modules.declaration import declaration
 from core.network.file import load_network
 from hands import Hands, centre, process_events, wait_until
 from nodes.library import standard_library
+from screen_places import place_of_head, place_of_module, place_of_port, place_of_wire
 from values_by_hand import ValuesByHand
 
 SHIPPED = shipped_networks()["inframetrics"]
@@ -114,7 +115,7 @@ class Builder(ValuesByHand):
         before = set(self.network.nodes)
         title = declaration(self.library[node.module]).title
         if by == "drag":
-            self.hands.drag(self.window.library_view.module_on_screen(node.module), point)
+            self.hands.drag(place_of_module(self.window.library_view, node.module), point)
         else:
             if by == "search":
                 self.hands.click(point)
@@ -148,7 +149,7 @@ class Builder(ValuesByHand):
         wait_until(lambda: new in self.network.nodes, f"{old} is called {new}")
 
     def select(self, name):
-        self.hands.click(self.canvas.node_head_on_screen(name))
+        self.hands.click(place_of_head(self.canvas, name))
         wait_until(lambda: self.window.session.selection == (name,), f"{name} is selected")
 
     def deselect(self):
@@ -158,7 +159,7 @@ class Builder(ValuesByHand):
     # --- wires -------------------------------------------------------------------------------
 
     def port(self, node, port, side):
-        return self.canvas.port_on_screen(node, port, side)
+        return place_of_port(self.canvas, node, port, side)
 
     def wire(self):
         by_menu = [link for link in self.wanted.links if _ends(link) == DROPPED_WIRE]
@@ -195,8 +196,8 @@ class Builder(ValuesByHand):
 
     def drop_on_wire(self, name):
         (link,) = [link for link in self.network.links if _ends(link)[0] == "aberration"]
-        head = self.canvas.node_head_on_screen(name)
-        self.hands.drag(head, self.canvas.wire_on_screen(link), hold=0.1)
+        head = place_of_head(self.canvas, name)
+        self.hands.drag(head, place_of_wire(self.canvas, link), hold=0.1)
         wait_until(
             lambda: len(self.network.links_into(name)) == 2, "the wire runs through the node"
         )

@@ -21,11 +21,8 @@ from app.editor.canvas.hands.mouse import Mouse
 from app.editor.canvas.hands.surface import Hint, Surface
 from app.editor.canvas.items.canvas_style import CanvasStyle
 from app.editor.canvas.items.content import Content
-from app.editor.canvas.items.faces import Side
-from app.editor.canvas.items.geometry import HEAD_MIDDLE
 from app.editor.canvas.items.marks import Marks
 from app.editor.canvas.items.wire_item import LiveWire
-from app.editor.canvas.places import pixel_of_port, pixel_of_wire
 from app.editor.canvas.thumbnails.node_thumbnails import NodeThumbnails
 from app.editor.canvas.view.canvas_view import GraphView
 from app.editor.canvas.view.choice_popup import ChoicePopup
@@ -221,33 +218,11 @@ class Canvas(QWidget):
             self.marks.choose(None, None)
             self._session.do(remove(self._session.network, backdrop.index))
 
-    # Where things are on the screen
-
-    def node_center_on_screen(self, name: str) -> QPoint:
-        """The pixel of the screen in a node's middle."""
-        return self._on_screen(self.view.pixel(self.content.nodes[name].frame().center()))
-
-    def node_head_on_screen(self, name: str) -> QPoint:
-        """The pixel of the screen on a node's title."""
-        item = self.content.nodes[name]
-        return self._on_screen(self.view.pixel(item.pos() + HEAD_MIDDLE))
-
-    def port_on_screen(self, name: str, port: str, side: Side) -> QPoint:
-        """The pixel of the screen at a port."""
-        return self._on_screen(pixel_of_port(self._surface, name, port, side))
-
-    def wire_on_screen(self, link: Link) -> QPoint:
-        """A pixel of the screen where a press meets the wire."""
-        return self._on_screen(pixel_of_wire(self._surface, link))
-
     def changeEvent(self, event: QEvent) -> None:
         """Follow the window's font."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.FontChange and hasattr(self, "adding"):
             self.set_theme(self._theme)
-
-    def _on_screen(self, pixel: QPoint) -> QPoint:
-        return self.view.viewport().mapToGlobal(pixel)
 
     def _connect(self) -> None:
         session = self._session

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from PySide6.QtCore import QEvent, QMimeData, QModelIndex, QObject, QPoint, Qt, Signal
+from PySide6.QtCore import QEvent, QMimeData, QModelIndex, QObject, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QKeyEvent, QPixmap
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -190,18 +190,6 @@ class LibraryView(QWidget):
         self.tree.show_presets(presets)
         self.tree.show_matching(self.filter.text())
         self.set_theme(self._theme)
-
-    def module_on_screen(self, key: str) -> QPoint:
-        """The pixel of the screen in a module's middle, scrolled into view.
-
-        Raises
-        ------
-        KeyError
-            If there is no such module.
-        """
-        item = self.tree.modules[key]
-        self.tree.scrollToItem(item)
-        return self.tree.viewport().mapToGlobal(self.tree.visualItemRect(item).center())
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """From the field, the arrows lead to the modules."""

@@ -17,7 +17,6 @@ PORT_RADIUS = 4.5
 _PADDING = 9.0
 _FOOT = 6.0
 BADGE_ROOM = 20.0
-HEAD_MIDDLE = QPointF(NARROWEST / 2, HEAD / 2)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QMenu
 from canvas_networks import chain_and_free_blur
 from core.editing.document import Document
 from core.network.network import Link
+from screen_places import place_of_module
 from window_hands import CTRL, KEY, SHIFT, WindowHands, add
 
 
@@ -75,7 +76,7 @@ def test_escape_closes_the_search_before_it_cancels_anything(window, hand):
 
 def test_a_double_click_in_the_library_adds(window, hand):
     tree = window.library_view.tree
-    spot = tree.viewport().mapFromGlobal(window.library_view.module_on_screen("test_scene"))
+    spot = tree.viewport().mapFromGlobal(place_of_module(window.library_view, "test_scene"))
     hand.double_click_on(tree.viewport(), spot)
     assert list(window.session.network.nodes) == ["test_scene"]
 

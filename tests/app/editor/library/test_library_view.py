@@ -7,6 +7,7 @@ from PySide6.QtTest import QTest
 from app.editor.library.library_view import MIME_TYPE, LibraryView, dragged_module
 from app.editor.theme import DARK, LIGHT
 from core.modules.declaration import declaration
+from screen_places import place_of_module
 
 NONE, LEFT = Qt.KeyboardModifier.NoModifier, Qt.MouseButton.LeftButton
 
@@ -81,7 +82,7 @@ def test_the_arrows_lead_from_the_field_to_the_modules(view, chosen):
 
 def test_a_double_click_chooses_and_a_group_does_not(view, chosen):
     viewport = view.tree.viewport()
-    pos = viewport.mapFromGlobal(view.module_on_screen("detector_mtf"))
+    pos = viewport.mapFromGlobal(place_of_module(view, "detector_mtf"))
     QTest.mouseClick(viewport, LEFT, NONE, pos)
     QTest.mouseDClick(viewport, LEFT, NONE, pos)
     assert chosen == ["detector_mtf"]

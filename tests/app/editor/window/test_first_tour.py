@@ -12,6 +12,7 @@ from app.editor.window.documents.remembered_settings import Settings
 from app.run.shipped import shipped_networks
 from colour_sight import contrast
 from core.network.network import Link
+from screen_places import place_of_module
 from window_hands import CTRL, KEY, WindowHands, add, answer, give_focus
 
 MODEL = json.loads(shipped_networks()["first_steps"].read_text())
@@ -58,7 +59,7 @@ def wire(hand, source, output, target, entry):
 def test_it_goes_on_as_the_user_does_each_step(window, hand, idle, qtbot):
     assert place(window) == "Step 1 of 6"
     tree = window.library_view.tree
-    at = tree.viewport().mapFromGlobal(window.library_view.module_on_screen("test_scene"))
+    at = tree.viewport().mapFromGlobal(place_of_module(window.library_view, "test_scene"))
     QTest.mouseClick(tree.viewport(), Qt.MouseButton.LeftButton, pos=at)
     QTest.mouseDClick(tree.viewport(), Qt.MouseButton.LeftButton, pos=at)
     QTest.qWait(20)
