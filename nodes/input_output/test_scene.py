@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,22 +18,11 @@ from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.size_limits import oversized
 from nodes.scenes import draw_scene, draw_shares, in_two_steps, with_radiance
+from nodes.scenes.checks import Kind
 from nodes.scenes.two_steps import GEOMETRY, Shares
 from nodes.shared.module_ports import ImageOutput
 
 SOURCES = ("cut_on_um", "cut_off_um", "temperature_K", "delta_K")
-
-Kind = Literal[
-    "dormitory",
-    "airfield",
-    "slanted_edge",
-    "four_bar",
-    "siemens_star",
-    "point",
-    "sine",
-    "two_panel",
-    "uniform",
-]
 
 
 class TestScene(Module, key="test_scene", title="Test Scene", group="Input and output"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +12,7 @@ from core.errors import ParameterError
 
 MAX_SIDE = 65536
 
-KINDS = (
+Kind = Literal[
     "dormitory",
     "airfield",
     "slanted_edge",
@@ -21,7 +22,8 @@ KINDS = (
     "sine",
     "two_panel",
     "uniform",
-)
+]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
 def check_frame(kind: str, width: int, height: int, dtype: npt.DTypeLike) -> np.dtype[np.floating]:
