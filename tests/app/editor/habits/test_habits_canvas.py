@@ -9,15 +9,7 @@ from canvas_networks import chain_and_free_blur
 from core.editing.document import Document
 from core.network.network import Link
 from screen_places import place_of_module
-from window_hands import CTRL, KEY, SHIFT, WindowHands, add
-
-
-@pytest.fixture
-def hand(window):
-    """Hands on a window with an empty network."""
-    made = WindowHands(window)
-    made.begin()
-    return made
+from window_hands import CTRL, KEY, SHIFT, add
 
 
 @pytest.fixture

@@ -21,14 +21,6 @@ from window_hands import CTRL, KEY, SHIFT, WindowHands, add, answer, drag_event,
 _BUTTON = QMessageBox.StandardButton
 
 
-@pytest.fixture
-def hand(window):
-    """Hands on a window with an empty network."""
-    made = WindowHands(window)
-    made.begin()
-    return made
-
-
 def dialog_of(window):
     found = [each for each in window.findChildren(QFileDialog, "file_dialog") if each.isVisible()]
     assert len(found) == 1

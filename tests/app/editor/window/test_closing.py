@@ -16,17 +16,9 @@ from PySide6.QtWidgets import (
 
 from app.editor.recovery.recovery_files import recoverable
 from core.editing.fields import set_parameter
-from window_hands import CTRL, KEY, SHIFT, WindowHands, add, answer, give_focus
+from window_hands import CTRL, KEY, SHIFT, add, answer, give_focus
 
 _BUTTON = QMessageBox.StandardButton
-
-
-@pytest.fixture
-def hand(window):
-    """Hands on a window with an empty network."""
-    made = WindowHands(window)
-    made.begin()
-    return made
 
 
 def questions(window):

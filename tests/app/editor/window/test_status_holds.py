@@ -1,6 +1,5 @@
 """The status bar shows nothing that no longer holds, and the empty canvas what to do first."""
 
-import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLabel, QWidget
@@ -8,14 +7,7 @@ from PySide6.QtWidgets import QLabel, QWidget
 from core.editing.fields import set_parameter
 from core.network.network import Link
 from region_hands import PictureHand
-from window_hands import CTRL, KEY, WindowHands, add, give_focus
-
-
-@pytest.fixture
-def hand(window):
-    made = WindowHands(window)
-    made.begin()
-    return made
+from window_hands import CTRL, KEY, add, give_focus
 
 
 def test_that_it_was_saved_is_gone_with_the_next_edit(window, hand, tmp_path):

@@ -5,17 +5,10 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from core.editing.fields import set_parameter
-from window_hands import CTRL, KEY, WindowHands, add
+from window_hands import CTRL, KEY, add
 
 LEFT = Qt.MouseButton.LeftButton
 ROLE = Qt.ItemDataRole
-
-
-@pytest.fixture
-def hand(window):
-    made = WindowHands(window)
-    made.begin()
-    return made
 
 
 @pytest.fixture

@@ -14,18 +14,8 @@ from app.editor.viewers.pixels.grey_levels import grey_levels
 from core.editing.fields import set_parameter
 from core.editing.nodes import Remove
 from region_hands import PictureHand
-from snapshot_hands import PORT, Person
+from snapshot_hands import PORT
 from window_hands import CTRL, KEY, SHIFT, give_focus
-
-
-@pytest.fixture
-def person(window, idle):
-    window.files.open_now("first_steps")
-    idle(window)
-    window.activateWindow()
-    made = Person(window, idle)
-    assert made.viewer.choices.port == PORT
-    return made
 
 
 def plain_spot(one, other):

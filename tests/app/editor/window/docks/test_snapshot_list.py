@@ -11,18 +11,8 @@ from colour_sight import contrast
 from core.editing.fields import set_parameter
 from core.editing.links import Rewire
 from core.editing.nodes import Remove
-from snapshot_hands import PORT, Person
+from snapshot_hands import PORT
 from window_hands import CTRL, KEY, add, give_focus
-
-
-@pytest.fixture
-def person(window, idle):
-    window.files.open_now("first_steps")
-    idle(window)
-    window.activateWindow()
-    made = Person(window, idle)
-    assert made.viewer.choices.port == PORT
-    return made
 
 
 def test_the_list_has_name_time_and_what_changed_since(person):

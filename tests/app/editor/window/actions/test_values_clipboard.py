@@ -12,17 +12,10 @@ from core.editing.fields import set_parameter
 from core.editing.nodes import Add, Placed
 from core.network.linked_values import expression
 from core.network.network import Node
-from window_hands import CTRL, KEY, SHIFT, WindowHands
+from window_hands import CTRL, KEY, SHIFT
 
 LEFT = Qt.MouseButton.LeftButton
 BOTH = CTRL | SHIFT
-
-
-@pytest.fixture
-def hand(window):
-    made = WindowHands(window)
-    made.begin()
-    return made
 
 
 @pytest.fixture

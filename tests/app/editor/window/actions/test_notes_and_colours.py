@@ -13,15 +13,6 @@ from app.editor.theme import DARK, LIGHT
 from core.editing.backdrops import backdrops_of, nodes_on
 
 
-@pytest.fixture
-def kodak(window, idle):
-    window.files.open_now("kodak_kir310")
-    idle(window)
-    window.activateWindow()
-    window.canvas.setFocus()
-    return window
-
-
 def press(key):
     QTest.keyClick(QApplication.focusWidget(), key)
 

@@ -10,13 +10,6 @@ def links_of(window):
     return {str(link) for link in window.session.network.links}
 
 
-@pytest.fixture
-def kodak(window, idle):
-    window.files.open_now("kodak_kir310")
-    idle(window)
-    return window
-
-
 @pytest.mark.parametrize(
     ("key", "keys"),
     [

@@ -17,15 +17,6 @@ ALT, CTRL, NONE = (
 SHIFT = Qt.KeyboardModifier.ShiftModifier
 
 
-@pytest.fixture
-def kodak(window, idle):
-    window.files.open_now("kodak_kir310")
-    idle(window)
-    window.activateWindow()
-    window.canvas.setFocus()
-    return window
-
-
 def press(window, key, keys=NONE):
     QTest.keyClick(QApplication.focusWidget() or window, key, keys)
 

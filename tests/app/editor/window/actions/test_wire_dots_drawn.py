@@ -8,18 +8,11 @@ from canvas_networks import chain_and_free_blur
 from core.editing.document import Document
 from core.editing.wire_dots import add_dot, dots_of
 from core.network.network import Link
-from window_hands import CTRL, KEY, SHIFT, WindowHands
+from window_hands import CTRL, KEY, SHIFT
 
 ALT = Qt.KeyboardModifier.AltModifier
 WIRE = Link.between("init.magnitude", "back.magnitude")
 OTHER = Link.between("scene.image", "init.image")
-
-
-@pytest.fixture
-def hand(window):
-    made = WindowHands(window)
-    made.begin()
-    return made
 
 
 @pytest.fixture
