@@ -7,7 +7,7 @@ from typing import Any
 
 from PySide6.QtCore import QPointF, Qt, QTimer
 from PySide6.QtGui import QCloseEvent
-from PySide6.QtWidgets import QApplication, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QMainWindow, QVBoxLayout, QWidget
 
 from app.editor.canvas.canvas import Canvas
 from app.editor.canvas.crumbs import Crumbs
@@ -19,14 +19,13 @@ from app.editor.recovery.autosaving import Autosaver
 from app.editor.session import Session
 from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.figures.figures_strip import FiguresStrip
-from app.editor.widgets.second_click import SecondClick
 from app.editor.window.actions.action_targets import targets
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.focus import go_to_next
 from app.editor.window.actions.help import Help
 from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.background.background_runs import BackgroundRuns
-from app.editor.window.docks.dock_places import Curtain, add_dock, stand_behind
+from app.editor.window.docks.dock_places import add_dock, stand_behind
 from app.editor.window.docks.dock_toggles import add_dock_toggles, follow_docks
 from app.editor.window.docks.first_views import FirstViews
 from app.editor.window.docks.full_screen import FullScreen
@@ -43,6 +42,7 @@ from app.editor.window.documents.recovery import Recovery
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.documents.share_question import ShareQuestion
 from app.editor.window.documents.welcome import WelcomePage
+from app.editor.window.pages import Pages
 from app.editor.window.status import StatusBar
 from app.editor.window.tour.first_tour import FirstTour
 from core.errors import ImagechainError
@@ -77,8 +77,7 @@ class MainWindow(QMainWindow):
         self.theme: Theme = THEMES[settings.look]
         self.evaluator = Evaluator(self.session, parent=self)
         self._remembered = remembered
-        self._ended = self._docks_remembered = self._docks_sized = False
-        self._second_click = SecondClick(self)
+        self._ended = False
         self._build(library)
         self.canvas.show_thumbnails(self.evaluator)
         self.files = Files(self.session, settings, self)
@@ -90,7 +89,6 @@ class MainWindow(QMainWindow):
         )
         self.panels.sets_folder = self.shelf.folder / "parameters"
         self.drops = Drops(self.level, self.files, self.canvas, self)
-        self.layout_in_use = WindowLayout(self, self._docks)
         self.full_screen = FullScreen(self.viewers, self.session, self)
         self.tour = FirstTour(
             self.session,
@@ -103,7 +101,6 @@ class MainWindow(QMainWindow):
             self.canvas.frame_all,
         )
         self.actions_by_name = Actions(targets(self), window=self, canvas=self.canvas)
-        self.curtain = Curtain(self)
         self.viewers.set_picture_actions(
             self.actions_by_name["full_screen"], self.actions_by_name["export"]
         )
@@ -137,10 +134,12 @@ class MainWindow(QMainWindow):
         self.resize(first_size(self.screen().availableSize()))
         if remembered:
             with self.layout_in_use.placing():
-                self._docks_remembered = settings.restore_window(self)
+                has_sizes = settings.restore_window(self)
                 stand_behind(self, self.viewers.plot_dock, self.history_dock)
-            if self._docks_remembered and self.layout_in_use.restore(settings.layout):
-                self._docks_remembered = False  # the layout sizes them
+            # Where a layout is remembered, it sizes the docks.
+            self.pages.sizes_remembered = has_sizes and not self.layout_in_use.restore(
+                settings.layout
+            )
         self.show_welcome()
         self._follow_state()
         self._follow_level()
@@ -176,34 +175,20 @@ class MainWindow(QMainWindow):
         """Show the first page."""
         self.status.forget()
         self._show_lists()
-        self.pages.setCurrentWidget(self.welcome)
-        self.curtain.close()
+        self.pages.show_first()
 
     def _show_lists(self) -> None:
         self.welcome.show_lists(self.settings.recent, self.recovery.unsaved_work())
 
     def show_canvas(self) -> None:
         """Show the network."""
-        if self.pages.currentWidget() is self.welcome:
-            self._second_click.drop()
-        self.pages.setCurrentWidget(self._work_page)
-        with self.layout_in_use.placing():
-            self.curtain.open()
-        if not self._docks_sized:
-            self._docks_sized = True
-            (self.layout_in_use.keep if self._docks_remembered else self.layout_in_use.begin)()
+        self.pages.show_work()
         self.canvas.setFocus()
 
     def choose_layout(self, name: LayoutName) -> None:
-        """Place the docks by a named layout; beside the first page they stay hidden until later."""
-        covered = self.pages.currentWidget() is self.welcome
+        """Place the docks by a named layout."""
         self.full_screen.leave()
-        with self.layout_in_use.placing():
-            self.curtain.open()
-        self.layout_in_use.choose(name)
-        if covered:
-            self.curtain.close()
-            self._docks_remembered = self._docks_sized = False
+        self.pages.choose_layout(name)
 
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""
@@ -258,8 +243,7 @@ class MainWindow(QMainWindow):
         self._ended = True
         self.tour.close()
         self.full_screen.close()
-        with self.layout_in_use.placing():
-            self.curtain.open()
+        self.pages.show_docks()
         if self._remembered:
             self.settings.remember_window(self, self.layout_in_use.state())
         # Dialogs, docks that float: the process goes on while one is shown.
@@ -279,15 +263,14 @@ class MainWindow(QMainWindow):
         self.welcome = WelcomePage(library)
         self.status = StatusBar(self.theme, self)
         self.setStatusBar(self.status)
-        self._work_page = QWidget()
-        layout = QVBoxLayout(self._work_page)
+        work_page = QWidget()
+        layout = QVBoxLayout(work_page)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
         layout.addWidget(self.canvas, 1)
         layout.addWidget(self.figures)
-        self.pages = QStackedWidget()
-        self.pages.addWidget(self.welcome)
-        self.pages.addWidget(self._work_page)
+        self.layout_in_use = WindowLayout(self, self._docks)
+        self.pages = Pages(self.welcome, work_page, self.layout_in_use, self)
         self.setCentralWidget(self.pages)
         self.setDockNestingEnabled(True)
         self.setCorner(Qt.Corner.BottomRightCorner, _RIGHT)
@@ -364,7 +347,7 @@ class MainWindow(QMainWindow):
 
     def _changed(self, *_: object) -> None:
         self.status.forget()
-        if self.pages.currentWidget() is self.welcome:
+        if self.pages.at_first:
             self.show_canvas()
 
     def _follow_state(self) -> None:
