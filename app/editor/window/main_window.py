@@ -19,6 +19,7 @@ from app.editor.recovery.autosaving import Autosaver
 from app.editor.session import Session
 from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.figures.figures_strip import FiguresStrip
+from app.editor.window.actions.action_specs import CANVAS_MENU, NODE_MENU
 from app.editor.window.actions.action_targets import targets
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.focus import go_to_next
@@ -113,19 +114,7 @@ class MainWindow(QMainWindow):
         self.recent_menu = RecentMenu(settings, self.files.open, self._show_lists, self)
         self.recent_menu.stand_after(self.actions_by_name["open"], self.menus["&File"])
         self.canvas.set_menus(
-            [
-                self.actions_by_name[name]
-                for name in (
-                    *("rename", "disable", "mark_output"),
-                    *("duplicate", "copy", "cut", "delete", "connect", "group", "ungroup"),
-                    "save_preset",
-                    *("copy_values", "paste_values"),
-                )
-            ],
-            [
-                self.actions_by_name[name]
-                for name in ("add_module", "paste", "select_all", "arrange", "frame")
-            ],
+            self.actions_by_name.of_names(NODE_MENU), self.actions_by_name.of_names(CANVAS_MENU)
         )
         self.autosaver = Autosaver(self.session, recovery, self)
         self.recovery = Recovery(recovery, self.autosaver, self)
@@ -352,18 +341,11 @@ class MainWindow(QMainWindow):
 
     def _follow_state(self) -> None:
         document = self.session.document
-        history = document.history
         name = document.path.name if document.path else self.session.network.name or "untitled"
         self.setWindowTitle(f"{name}[*] — Imagechain")
         if document.modified != self.isWindowModified():  # Qt signals it in any case
             self.setWindowModified(document.modified)
-        for key, verb, text in (
-            ("undo", "&Undo", history.undo_text),
-            ("redo", "&Redo", history.redo_text),
-        ):
-            action = self.actions_by_name[key]
-            action.setEnabled(bool(text))
-            action.setText(f"{verb} {text.replace('&', '&&')}".strip())
+        self.actions_by_name.follow_history(document.history)
 
     def _badges_changed(self, badges: Any) -> None:
         head = self.level.head

@@ -280,6 +280,17 @@ ACTIONS: tuple[ActionSpec, ...] = (
     ActionSpec("about", "&Help", "&About", "Version and sources"),
 )
 
+NODE_MENU = (
+    *("rename", "disable", "mark_output"),
+    *("duplicate", "copy", "cut", "delete", "connect", "group", "ungroup"),
+    "save_preset",
+    *("copy_values", "paste_values"),
+)
+"""What the menu of a node on the canvas has of them."""
+
+CANVAS_MENU = ("add_module", "paste", "select_all", "arrange", "frame")
+"""What the menu of the empty canvas has."""
+
 VIEWERS = tuple(range(1, 10))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QMenu, QMenuBar, QWidget
 
 from app.editor.window.actions.action_specs import ACTIONS, ActionSpec, starts_a_group, viewer_specs
 from app.editor.window.actions.shortcut_search import OR
+from core.editing.history import History
 
 _SCOPES = {
     "application": Qt.ShortcutContext.ApplicationShortcut,
@@ -48,6 +49,10 @@ class Actions:
     def __getitem__(self, name: str) -> QAction:
         return self._actions[name]
 
+    def of_names(self, names: Iterable[str]) -> list[QAction]:
+        """The actions of these names, in their order."""
+        return [self._actions[name] for name in names]
+
     def fill(self, bar: QMenuBar) -> dict[str, QMenu]:
         """Make the menus; returns them by title."""
         menus: dict[str, QMenu] = {}
@@ -66,6 +71,16 @@ class Actions:
         for spec in self.specs:
             if spec.needs_selection:
                 self._actions[spec.name].setEnabled(selected)
+
+    def follow_history(self, history: History) -> None:
+        """Have the entries of undo and redo name what each would do."""
+        for name, verb, step in (
+            ("undo", "&Undo", history.undo_text),
+            ("redo", "&Redo", history.redo_text),
+        ):
+            action = self._actions[name]
+            action.setEnabled(bool(step))
+            action.setText(f"{verb} {step.replace('&', '&&')}".strip())
 
     def listed(self) -> list[tuple[str, str, str, str]]:
         """Menu, text, keys and meaning of every action that has keys, read off the actions."""
