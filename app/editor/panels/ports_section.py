@@ -8,11 +8,9 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QToolButton, QWidget
 
 from app.editor.declared_text import tip
 from app.editor.theme import Theme
+from app.editor.viewers.network_ports import PLOT_TYPES, VIEWER_NUMBERS
 from core.modules.declaration import Declaration, Port
 from core.network.network import Link, Network
-
-VIEWERS = range(1, 10)
-PLOTTED = frozenset({"curve", "table"})  # types of ports that are shown in Curves
 
 
 class PortsView(QWidget):
@@ -82,7 +80,7 @@ class _PortRow(QObject):
         self.button.setText("View")
         self.button.setAccessibleName(f"view {side} {port.name}")
         self.button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        if set(port.types) <= PLOTTED:
+        if set(port.types) <= set(PLOT_TYPES):
             self.button.setToolTip(tip("Show it in Curves"))
         else:
             self._offer_viewers()
@@ -94,7 +92,7 @@ class _PortRow(QObject):
         self.button.setToolTip(tip(tooltip))
         self.button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
         menu = QMenu(self.button)
-        for number in VIEWERS:
+        for number in VIEWER_NUMBERS:
             menu.addAction(f"Viewer &{number}").setData(number)
         menu.triggered.connect(self._chosen)
         self.button.setMenu(menu)

@@ -9,6 +9,15 @@ from core.modules.library_type import Library
 from core.network.macro import declared_node
 from core.network.network import Network, Node, passed_through
 
+PICTURE_TYPES = ("image", "magnitude", "phase", "transfer", "pupil")
+"""Types of ports that are shown in the viewers of pictures."""
+
+PLOT_TYPES = ("curve", "table")
+"""Types of ports that are shown in the viewer of curves."""
+
+VIEWER_NUMBERS = tuple(range(1, 10))
+"""Of the viewers of pictures there may be."""
+
 HOW_TO_MARK = "select the node of the one that is the output and press O"
 
 

@@ -19,6 +19,7 @@ from app.editor.recovery.autosaving import Autosaver
 from app.editor.session import Session
 from app.editor.theme import THEMES, Look, Theme
 from app.editor.viewers.figures.figures_strip import FiguresStrip
+from app.editor.viewers.network_ports import PLOT_TYPES
 from app.editor.window.actions.action_specs import CANVAS_MENU, NODE_MENU
 from app.editor.window.actions.action_targets import targets
 from app.editor.window.actions.edit_commands import EditCommands
@@ -379,7 +380,7 @@ class MainWindow(QMainWindow):
     def _view_requested(self, node: str, port: str, number: int) -> None:
         declared = self.session.declared(node)
         output = declared.output(port) if declared is not None else None
-        if output is not None and output.types[0] in ("curve", "table"):
+        if output is not None and output.types[0] in PLOT_TYPES:
             self.viewers.plot_port(f"{node}.{port}")
         else:
             self.viewers.look_at(number, f"{node}.{port}")

@@ -15,7 +15,7 @@ from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.neighbours import neighbours
-from app.editor.viewers.network_ports import ports_by_node
+from app.editor.viewers.network_ports import PICTURE_TYPES, ports_by_node
 from app.editor.viewers.picture.kept_side import (
     KeptSide,
     Prepared,
@@ -32,7 +32,7 @@ from app.editor.viewers.picture.region_tool import RegionTool
 from app.editor.viewers.picture.zoom_links import ZoomLinks
 from app.editor.viewers.pixels.colour_maps import NAMES, colour_table
 from app.editor.viewers.pixels.picture_choices import Choices, numbers_of
-from app.editor.viewers.pixels.picture_facts import PICTURES, Facts, laid_over
+from app.editor.viewers.pixels.picture_facts import Facts, laid_over
 from app.editor.viewers.pixels.picture_query import Picture, PictureQuery
 from app.editor.viewers.pixels.picture_text import facts_text
 from app.editor.viewers.status_line import StatusLine
@@ -379,7 +379,7 @@ class ImageViewer(Viewer):
 
     def _fill_menus(self) -> None:
         compare = self.bar.compare
-        groups = ports_by_node(self.session.network, self.session.library, PICTURES)
+        groups = ports_by_node(self.session.network, self.session.library, PICTURE_TYPES)
         compare.fill_others(groups, self.choices.other)
         linked = {viewer.number: self.links.has(viewer.links) for viewer in neighbours(self)}
         compare.fill_links(linked)

@@ -6,8 +6,8 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from app.editor.session import Session
+from app.editor.viewers.network_ports import PICTURE_TYPES
 from app.editor.viewers.picture.picture_menus import CompareMenu, DisplayMenu
-from app.editor.viewers.pixels.picture_facts import PICTURES
 from app.editor.viewers.port_choice import PortChoice
 from app.editor.widgets.buttons import menu_button, toggle_button, tool_button
 
@@ -34,7 +34,7 @@ class PictureBar(QWidget):
 
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
-        self.ports = PortChoice(session, PICTURES, "no wire", self)
+        self.ports = PortChoice(session, PICTURE_TYPES, "no wire", self)
         self.ports.setObjectName(f"{owner}.port")
         self.ports.setAccessibleName("Wire that is shown")
         shown = menu_button(f"{owner}.display", "Display", "How the picture is drawn", self)

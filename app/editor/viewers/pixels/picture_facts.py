@@ -6,11 +6,11 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from app.editor.viewers.network_ports import PICTURE_TYPES
 from core.chain.wires import Image, Magnitude, Phase, Pupil, SpectrumWire, Transfer
 from core.errors import NetworkError
 from core.transfer.grid import Grid
 
-PICTURES = ("image", "magnitude", "phase", "transfer", "pupil")
 Band = tuple[float, float]
 Kind = Literal["picture", "plane", "pupil"]
 _MOST_OBLONG = 8.0  # longer over shorter side; a pixel beyond is drawn square
@@ -102,9 +102,9 @@ def check_is_picture(value: Any, port: str) -> None:
         Saying what has.
     """
     kind = getattr(value, "port_type", None)
-    if kind not in PICTURES:
-        shown = ", ".join(PICTURES[:-1])
-        raise NetworkError(f"{port} is a {kind}: only {shown} and {PICTURES[-1]} are pictures")
+    if kind not in PICTURE_TYPES:
+        shown = ", ".join(PICTURE_TYPES[:-1])
+        raise NetworkError(f"{port} is a {kind}: only {shown} and {PICTURE_TYPES[-1]} are pictures")
 
 
 def laid_over(preview: Facts, full: Facts) -> Facts:

@@ -7,11 +7,11 @@ from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QWidget
 
 from app.editor.session import Session
 from app.editor.theme import Theme
+from app.editor.viewers.network_ports import PLOT_TYPES
 from app.editor.viewers.plot.output_buttons import OutputButtons
 from app.editor.viewers.port_choice import PortChoice
 from app.editor.widgets.buttons import toggle_button, tool_button
 
-_TYPES = ("curve", "table")
 PARTS = {"mtf": "MTF", "ptf": "PTF", "both": "MTF, PTF"}
 
 
@@ -43,10 +43,10 @@ class PlotBar(QWidget):
 
     def __init__(self, session: Session, owner: str, parent: QWidget) -> None:
         super().__init__(parent)
-        self.ports = PortChoice(session, _TYPES, "Chain's transfer functions", self)
+        self.ports = PortChoice(session, PLOT_TYPES, "Chain's transfer functions", self)
         self.ports.setObjectName(f"{owner}.port")
         self.ports.setAccessibleName("What is plotted")
-        self.outputs = OutputButtons(session, _TYPES, owner, self)
+        self.outputs = OutputButtons(session, PLOT_TYPES, owner, self)
         self._x = tool_button(f"{owner}.x", "x", "Along ξ, across the picture", self)
         self._y = tool_button(f"{owner}.y", "y", "Along η, down the picture", self)
         self.angle = QDoubleSpinBox(self)

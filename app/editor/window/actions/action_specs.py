@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from app.editor.viewers.network_ports import VIEWER_NUMBERS
+
 Scope = Literal["application", "window", "canvas"]
 
 
@@ -291,8 +293,6 @@ NODE_MENU = (
 CANVAS_MENU = ("add_module", "paste", "select_all", "arrange", "frame")
 """What the menu of the empty canvas has."""
 
-VIEWERS = tuple(range(1, 10))
-
 
 def viewer_specs() -> tuple[ActionSpec, ...]:
     """One action for each viewer: show the selected node in it."""
@@ -306,7 +306,7 @@ def viewer_specs() -> tuple[ActionSpec, ...]:
             "canvas",
             needs_selection=True,
         )
-        for number in VIEWERS
+        for number in VIEWER_NUMBERS
     )
 
 

@@ -11,8 +11,8 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.level import Level
 from app.editor.panels.panel_area import PanelArea
 from app.editor.session import Session
+from app.editor.viewers.network_ports import VIEWER_NUMBERS
 from app.editor.widgets.triggered import without_argument
-from app.editor.window.actions.action_specs import VIEWERS
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.help import Help
 from app.editor.window.background.background_runs import BackgroundRuns
@@ -137,7 +137,7 @@ def targets(window: Window) -> dict[str, Target]:
         "first_tour": window.tour.begin,
         "about": window.help.about,
     }
-    for number in VIEWERS:
+    for number in VIEWER_NUMBERS:
         by_name[f"view_{number}"] = partial(_view, window, number)
     return {name: partial(without_argument, target) for name, target in by_name.items()}
 

@@ -13,13 +13,13 @@ from app.editor.evaluation.evaluator import Evaluator
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.tradeoff.tradeoff_view import TradeOffView
+from app.editor.viewers.network_ports import PICTURE_TYPES, PLOT_TYPES
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot.plot_viewer import PlotViewer
 from app.editor.window.docks.dock_places import add_dock
 from app.editor.window.documents.first_look import FirstLook
 
 _BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
-_PICTURES = ("image", "magnitude", "phase", "transfer", "pupil")
 
 
 class ViewerDocks(QObject):
@@ -92,12 +92,12 @@ class ViewerDocks(QObject):
         if declared is None:
             self._session.message.emit("error", f"{name}: an unknown module has nothing to show")
             return
-        for kinds in (_PICTURES[:1], _PICTURES):
+        for kinds in (PICTURE_TYPES[:1], PICTURE_TYPES):
             for port in declared.outputs:
                 if port.types[0] in kinds:
                     self.look_at(number, f"{name}.{port.name}")
                     return
-        curves = [port.name for port in declared.outputs if port.types[0] in ("curve", "table")]
+        curves = [port.name for port in declared.outputs if port.types[0] in PLOT_TYPES]
         if curves:
             self.plot_port(f"{name}.{curves[0]}")
         elif declared.inputs:
