@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import networks
-from core.editing.clipboard import as_new, pasted
+from core.editing.copying.clipboard import as_new, pasted
 from core.editing.layout.boxes import Point
 from core.editing.operation import Operation
 from core.errors import FileError, ImagechainError, NetworkError

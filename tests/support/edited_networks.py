@@ -7,8 +7,8 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from core.editing import backdrops, wire_dots
-from core.editing.clipboard import copied, duplicated, pasted
+from core.editing.copying.clipboard import copied, duplicated, pasted
+from core.editing.drawing import backdrops, wire_dots
 from core.editing.fields import set_network_field, set_node_field, set_parameter
 from core.editing.layout.arrange import arranged
 from core.editing.layout.room import made_way

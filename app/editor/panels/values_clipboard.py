@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from PySide6.QtGui import QGuiApplication
 
 from app.editor.session import Session
-from core.editing.copied_values import copied_values, pasted_values
+from core.editing.copying.copied_values import copied_values, pasted_values
 from core.editing.operation import named
 from core.errors import ImagechainError
 

@@ -6,8 +6,9 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from core.editing.backdrops import FIELD as BACKDROPS
-from core.editing.backdrops import backdrops_of
+from core.editing.drawing.backdrops import FIELD as BACKDROPS
+from core.editing.drawing.backdrops import backdrops_of
+from core.editing.drawing.wire_dots import dots_among, dots_of, joined_fields, shifted
 from core.editing.layout.boxes import Point
 from core.editing.macros.border_links import (
     after_ungrouping,
@@ -29,7 +30,6 @@ from core.editing.nodes import fresh_name
 from core.editing.operation import Operation, named
 from core.editing.references import of_nodes, renamed, without_dots
 from core.editing.restoring import Restored
-from core.editing.wire_dots import dots_among, dots_of, joined_fields, shifted
 from core.errors import NetworkError
 from core.modules.library_type import Library
 from core.names import shown, thaw

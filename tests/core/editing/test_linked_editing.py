@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from core.editing.clipboard import copied, duplicated, pasted
+from core.editing.copying.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
 from core.editing.fields import set_parameter
 from core.editing.nodes import Remove, Rename, keeping_values

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from core.editing.clipboard import copied, duplicated, pasted
+from core.editing.copying.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
 from core.editing.nodes import Remove, Rename
 from core.editing.output_mark import SetOutput, output_toggled

@@ -10,10 +10,11 @@ from PySide6.QtGui import QGuiApplication
 from app.editor.canvas.canvas import Canvas
 from app.editor.level import Level
 from app.editor.panels.values_clipboard import copy_values, paste_values
-from core.editing.backdrops import Backdrop, add, around
-from core.editing.clipboard import copied, duplicated, pasted
+from core.editing.copying.clipboard import copied, duplicated, pasted
+from core.editing.drawing.backdrops import Backdrop, add, around
+from core.editing.drawing.laying_out import laid_out
+from core.editing.drawing.wire_dots import dots_of, moved_with_dots, straighten
 from core.editing.fields import set_node_field
-from core.editing.laying_out import laid_out
 from core.editing.layout.align import Edge, Way, aligned, distributed
 from core.editing.layout.arrange import arranged
 from core.editing.layout.boxes import Point
@@ -22,7 +23,6 @@ from core.editing.macros.grouping import group, ungroup
 from core.editing.nodes import Move, keeping_values
 from core.editing.operation import Operation, together
 from core.editing.output_mark import output_toggled
-from core.editing.wire_dots import dots_of, moved_with_dots, straighten
 from core.editing.wiring.healing import deleted, dissolved
 from core.errors import ImagechainError
 

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from core.chain.engine import Engine
-from core.editing.clipboard import copied, pasted
+from core.editing.copying.clipboard import copied, pasted
 from core.editing.document import Document
 from core.editing.fields import set_node_field, set_parameter
 from core.editing.macros.exposing import expose, hide, rename_exposed

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from core.editing.copied_values import copied_values, pasted_values
+from core.editing.copying.copied_values import copied_values, pasted_values
 from core.editing.document import Document
 from core.editing.fields import set_parameter
 from core.errors import NetworkError

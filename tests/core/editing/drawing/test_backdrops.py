@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from core.editing.backdrops import (
+from core.editing.document import Document
+from core.editing.drawing.backdrops import (
     Backdrop,
     add,
     around,
@@ -16,7 +17,6 @@ from core.editing.backdrops import (
     nodes_on,
     remove,
 )
-from core.editing.document import Document
 from core.errors import NetworkError
 from core.network.file import read_network
 from core.network.network import Network, Node

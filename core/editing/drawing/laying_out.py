@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from core.editing.backdrops import HEAD, MARGIN, backdrops_of, change, nodes_on
+from core.editing.drawing.backdrops import HEAD, MARGIN, backdrops_of, change, nodes_on
 from core.editing.layout.arrange import placed
 from core.editing.layout.boxes import Box, Point, Sizes, boxes_of, size_of
 from core.editing.nodes import Move

@@ -6,12 +6,9 @@ from dataclasses import replace
 import pytest
 
 from core.chain.engine import Engine
-from core.editing.clipboard import copied, duplicated, pasted
+from core.editing.copying.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
-from core.editing.links import Rewire
-from core.editing.macros.grouping import group, ungroup
-from core.editing.nodes import Move, Remove, Rename
-from core.editing.wire_dots import (
+from core.editing.drawing.wire_dots import (
     add_dot,
     dots_of,
     move_dot,
@@ -19,6 +16,9 @@ from core.editing.wire_dots import (
     remove_dot,
     straighten,
 )
+from core.editing.links import Rewire
+from core.editing.macros.grouping import group, ungroup
+from core.editing.nodes import Move, Remove, Rename
 from core.errors import NetworkError
 from core.network.file import format_network, parse_network
 from core.network.network import Link, Network, Node

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from core.editing.clipboard import copied, duplicated, pasted
+from core.editing.copying.clipboard import copied, duplicated, pasted
 from core.editing.document import Document
 from core.errors import NetworkError
 from core.network.file import format_network

@@ -7,8 +7,8 @@ from random import Random
 
 import pytest
 
-from core.editing.backdrops import Backdrop, add, backdrops_of, nodes_on
-from core.editing.laying_out import laid_out
+from core.editing.drawing.backdrops import Backdrop, add, backdrops_of, nodes_on
+from core.editing.drawing.laying_out import laid_out
 from core.editing.layout.arrange import arranged
 from core.editing.layout.boxes import boxes_of
 from core.editing.nodes import Move

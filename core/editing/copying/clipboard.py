@@ -8,6 +8,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+from core.editing.drawing.wire_dots import dots_along, dots_among, joined_fields
 from core.editing.layout.arrange import arranged
 from core.editing.layout.boxes import Point, Sizes
 from core.editing.layout.room import free_places
@@ -15,7 +16,6 @@ from core.editing.links import check_new_wires
 from core.editing.nodes import Add, Placed, fresh_name
 from core.editing.operation import Operation, named
 from core.editing.references import WIRE_DOTS
-from core.editing.wire_dots import dots_along, dots_among, joined_fields
 from core.errors import NetworkError
 from core.expressions.grammar import ExpressionError
 from core.modules.library_type import Library

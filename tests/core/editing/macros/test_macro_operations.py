@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.chain.engine import Engine
-from core.editing.clipboard import copied, pasted
+from core.editing.copying.clipboard import copied, pasted
 from core.editing.document import Document
 from core.editing.fields import set_parameter
 from core.editing.links import Rewire

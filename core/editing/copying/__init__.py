@@ -1,0 +1,1 @@
+"""Nodes and their values as text, to be copied and pasted."""
