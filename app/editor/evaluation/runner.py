@@ -10,11 +10,11 @@ import numpy as np
 
 from app.editor.evaluation.badges import badges, skip_texts
 from app.editor.evaluation.failures import as_error
-from app.editor.evaluation.holding import Planned, plan_held
 from app.editor.evaluation.mailbox import Inbox, Outbox, Snapshot
 from app.editor.evaluation.pace import PAUSE_S, REDUCTIONS, Pace
 from app.editor.evaluation.pass_work import PassWork, Position
-from app.editor.evaluation.preview import reduced_network, with_same_nodes
+from app.editor.evaluation.planned.holding import Planned, plan_held
+from app.editor.evaluation.planned.preview import reduced_network, with_same_nodes
 from app.editor.evaluation.queries import Answer, Badge, PassDone, Passing
 from app.editor.evaluation.sent import Sent, SentAnswers
 from app.editor.evaluation.tasks import Change, Due, Task, due_queries, edited, overtaken

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from app.editor.evaluation.sample_counts import IN_SAMPLES, Ratio
+from app.editor.evaluation.planned.sample_counts import IN_SAMPLES, Ratio
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Image, Magnitude, Phase
 from core.network.network import Link, Network, Node

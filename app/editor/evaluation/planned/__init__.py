@@ -1,0 +1,1 @@
+"""What is planned in the place of the network: with nodes held back, or with smaller pictures."""
