@@ -14,9 +14,10 @@ from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from app.editor.evaluation.badges import with_macros
 from app.editor.evaluation.collector import Collector
 from app.editor.evaluation.frames import Frames
-from app.editor.evaluation.mailbox import Inbox, Outbox, Request, Snapshot
+from app.editor.evaluation.mailbox import Inbox, Outbox, Snapshot
+from app.editor.evaluation.owned_queries import OwnedQueries
 from app.editor.evaluation.pace import PAUSE_S
-from app.editor.evaluation.queries import Answer, Badge, Busy, Query
+from app.editor.evaluation.queries import Badge, Busy, Query
 from app.editor.evaluation.runner import Runner
 from app.editor.evaluation.tasks import computes_alike
 from app.editor.session import Session
@@ -105,10 +106,7 @@ class Evaluator(QObject):
             self._outbox,
         )
         self._thread: threading.Thread | None = None
-        self._requests: dict[str, tuple[Request, ...]] = {}
-        self._since: dict[str, int] = {}
-        self._answered: dict[str, int] = {}
-        self._numbers = 0
+        self._queries = OwnedQueries()
         self._generation = self._finished = 0
         self._document = self._edits = self._generates = self._gestures = 0
         self._planned_document = 0
@@ -160,18 +158,12 @@ class Evaluator(QObject):
 
         A query that stays is answered again once its answer changes.
         """
-        known = {request.query: request for request in self._requests.get(owner, ())}
-        requests = tuple(known.get(query) or self._numbered(owner, query) for query in queries)
-        if requests != self._requests.get(owner):
-            self._since.setdefault(owner, self._generation + 1)
-            self._requests[owner] = requests
+        if self._queries.post(owner, queries, self._generation + 1):
             self._post_soon()
 
     def forget(self, owner: str) -> None:
         """Drop the queries of that owner."""
-        self._requests.pop(owner, None)
-        self._since.pop(owner, None)
-        self._answered.pop(owner, None)
+        self._queries.drop(owner)
         self._post_soon()
 
     def generate(self) -> None:
@@ -205,10 +197,6 @@ class Evaluator(QObject):
         self._finished = self._generation
         self._rest()
 
-    def _numbered(self, owner: str, query: Query) -> Request:
-        self._numbers += 1
-        return Request(owner, query, self._numbers)
-
     def _follow_change(self, before: Any, after: Any) -> None:
         if not computes_alike(before, after):
             self._note_edit()
@@ -239,14 +227,13 @@ class Evaluator(QObject):
         session = self._session
         network, barred = session.shares.without_barred(session.plain, session.library)
         self._posted = network
-        requests = tuple(request for group in self._requests.values() for request in group)
         self._inbox.post(
             Snapshot(
                 self._generation,
                 self._document,
                 network,
                 self._session.folder,
-                requests if self._is_planned else (),
+                self._queries.all() if self._is_planned else (),
                 self._edits,
                 self._generates,
                 self._gestures,
@@ -295,20 +282,13 @@ class Evaluator(QObject):
                 self.planned.emit(news.plan)
             self._post()
         for answer in news.answers:
-            self._pass_on(answer)
+            if self._queries.accept(answer):
+                self.answered.emit(answer)
         if self.idle:
             self._rest()
         self._emit_badges()
         for done in news.done:
             self.pass_done.emit(done)
-
-    def _pass_on(self, answer: Answer) -> None:
-        """Emit an answer, unless the owner has a newer one, or has gone meanwhile."""
-        owner = answer.owner
-        newest = max(self._since.get(owner, self._generation + 1), self._answered.get(owner, 0))
-        if answer.generation >= newest:
-            self._answered[owner] = answer.generation
-            self.answered.emit(answer)
 
     def _look_at_worker(self) -> None:
         """While a pass takes long, signal where it is."""
