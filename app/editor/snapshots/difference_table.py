@@ -17,7 +17,7 @@ from app.editor.declared_text import tip
 from app.editor.snapshots.all_figures import NodeFigure
 from app.editor.snapshots.figure_differences import FigureDifference
 from app.editor.theme import Theme
-from app.editor.viewers.figures.figures_strip import NONE
+from app.editor.viewers.figures.figure_text import NONE
 from app.editor.widgets.copied_table import CopiedTable
 
 _HEADS = ("Figure", "A", "B", "", "Change")

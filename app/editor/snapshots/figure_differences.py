@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from app.editor.number_text import shown_figure
 from app.editor.snapshots.all_figures import NodeFigure
-from app.editor.viewers.figures.figures_strip import NONE, figure_text, prefixed
+from app.editor.viewers.figures.figure_text import NONE, figure_text, prefixed
 from app.run.readout_tables import number_text, without_rounding
 
 Way = Literal["same", "up", "down", "other", "only A", "only B", "unit"]

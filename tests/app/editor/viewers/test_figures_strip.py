@@ -6,8 +6,9 @@ from PySide6.QtGui import QFontMetricsF, QPalette
 
 from app.editor.evaluation.queries import PassDone, Passing
 from app.editor.theme import DARK, LIGHT
+from app.editor.viewers.figures.figure_text import figure_text
 from app.editor.viewers.figures.figures_query import SHOWN, FiguresQuery
-from app.editor.viewers.figures.figures_strip import FiguresStrip, figure_text
+from app.editor.viewers.figures.figures_strip import FiguresStrip
 from app.editor.widgets.elided_label import ElidedLabel
 from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Add, Placed, Remove
