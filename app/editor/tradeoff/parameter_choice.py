@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from typing import Any
+from collections.abc import Iterable, Sequence
 
 from PySide6.QtCore import Qt, QTimer, Signal
-from PySide6.QtGui import QFocusEvent, QStandardItem, QStandardItemModel
+from PySide6.QtGui import QFocusEvent, QStandardItem
 from PySide6.QtWidgets import QComboBox, QCompleter, QLineEdit, QWidget
 
 from app.editor.declared_text import label_of, tip, titled
 from app.editor.session import Session
-from app.editor.viewers.network_ports import ports_depend_on
+from app.editor.viewers.node_choice import VALUE, NodeChoice, entry
 from core.modules.parameters import Parameter
 from core.network.network import MACRO
 
 NUMERIC = ("number", "integer")
 _NOTHING = "Choose a parameter"
-_NAME = Qt.ItemDataRole.UserRole
 
 
-class ParameterChoice(QComboBox):
+class ParameterChoice(NodeChoice):
     """Every number of every node, under the names of the nodes.
 
     Signals
@@ -32,27 +30,17 @@ class ParameterChoice(QComboBox):
     chosen = Signal(str, str)
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self._session = session
-        self._filled: Hashable = None
-        self._name = ""
-        self._list = QStandardItemModel(self)
+        super().__init__(session, _NOTHING, parent)
         self._field = QLineEdit(self)
-        self.setModel(self._list)
-        self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.setMinimumContentsLength(16)
-        self.setMaxVisibleItems(24)
         self._make_searchable()
-        self.activated.connect(self._activated)
-        session.changed.connect(self._changed)
-        session.opened.connect(self._fill)
-        self._fill()
+        self.fill()
 
     def _make_searchable(self) -> None:
         """What is typed lists the parameters in which it occurs, of any node."""
         self.setLineEdit(self._field)  # which makes it editable
         self.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
-        completer = QCompleter(self._list, self)
+        completer = QCompleter(self.entries, self)
         self.setCompleter(completer)
         field = self._field
         field.setPlaceholderText(_NOTHING)
@@ -71,10 +59,14 @@ class ParameterChoice(QComboBox):
             place = self.findData(text, _NAME)
         if place < 0 or not self.itemData(place, _NAME):
             self.setCurrentIndex(max(0, self.findData(self._name, _NAME)))
+        """Where what was typed is no parameter, show the chosen one again."""
+        place = self.findText(self._field.text(), Qt.MatchFlag.MatchFixedString)
+        if place < 0 or not self.itemData(place, VALUE):
+            self.setCurrentIndex(max(0, self.findData(self.value, VALUE)))
             self._field.setText(self.currentText())
-        elif self.itemData(place, _NAME) != self._name:
+        elif self.itemData(place, VALUE) != self.value:
             self.setCurrentIndex(place)
-            self._activated(place)
+            self.take_at(place)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """All of the text is replaced by what is typed."""
@@ -83,55 +75,28 @@ class ParameterChoice(QComboBox):
 
     def choose(self, node: str, parameter: str) -> None:
         """Show one as chosen, without a signal; empty names: none."""
-        self._name = f"{node}.{parameter}" if node else ""
-        self.setCurrentIndex(max(0, self.findData(self._name, _NAME)))
-        self.setToolTip(self._name or _NOTHING)
+        self.show_value(f"{node}.{parameter}" if node else "")
 
-    def showPopup(self) -> None:
-        """Make the list as wide as its longest line."""
-        bar = self.view().verticalScrollBar().sizeHint().width()
-        width = self.view().sizeHintForColumn(0) + bar
-        self.view().setMinimumWidth(max(width, self.width()))
-        super().showPopup()
+    def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
+        """The numbers by node; a macro has none of its own."""
+        for name in self.session.network.nodes:
+            declared = self.session.declared(name)
+            numbers = [p for p in declared.parameters if p.kind in NUMERIC] if declared else []
+            if declared is not None and declared.key != MACRO and numbers:
+                yield titled(name, declared.title), [_entry(name, number) for number in numbers]
 
-    def _activated(self, index: int) -> None:
-        name = self.itemData(index, _NAME)
-        if name:
-            self._name = name
-            node, _, parameter = name.rpartition(".")
+    def take(self, value: str | None) -> None:
+        """Signal the parameter; of what is none, go back to the one before."""
+        if value:
+            self.value = value
+            node, _, parameter = value.rpartition(".")
             self.chosen.emit(node, parameter)
         else:
-            self.setCurrentIndex(max(0, self.findData(self._name, _NAME)))
-
-    def _changed(self, _before: Any, after: Any) -> None:
-        if ports_depend_on(after) != self._filled:
-            self._fill()
-
-    def _fill(self) -> None:
-        network = self._session.network
-        self._filled = ports_depend_on(network)
-        model = self._list
-        model.clear()
-        nothing = QStandardItem(_NOTHING)
-        nothing.setData("", _NAME)
-        model.appendRow(nothing)
-        for name in network.nodes:
-            declared = self._session.declared(name)
-            numbers = [p for p in declared.parameters if p.kind in NUMERIC] if declared else []
-            if declared is None or declared.key == MACRO or not numbers:
-                continue
-            head = QStandardItem(titled(name, declared.title))
-            head.setFlags(Qt.ItemFlag.NoItemFlags)
-            model.appendRow(head)
-            for parameter in numbers:
-                model.appendRow(_item(name, parameter))
-        node, _, chosen = self._name.rpartition(".")
-        self.choose(node, chosen)
+            self.setCurrentIndex(max(0, self.findData(self.value, VALUE)))
 
 
-def _item(node: str, parameter: Parameter) -> QStandardItem:
+def _entry(node: str, parameter: Parameter) -> QStandardItem:
     unit = f" ({parameter.param.unit})" if parameter.param.unit else ""
-    item = QStandardItem(f"{label_of(parameter.name)} of {node}{unit}")
-    item.setData(f"{node}.{parameter.name}", _NAME)
-    item.setToolTip(tip(f"{parameter.param.text}\nIn network files: {node}.{parameter.name}"))
-    return item
+    name = f"{node}.{parameter.name}"
+    text = f"{label_of(parameter.name)} of {node}{unit}"
+    return entry(text, name, tip(f"{parameter.param.text}\nIn network files: {name}"))

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from typing import Any
+from collections.abc import Iterable, Sequence
 
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QStandardItem, QStandardItemModel
-from PySide6.QtWidgets import QComboBox, QSizePolicy, QWidget
+from PySide6.QtCore import Signal
+from PySide6.QtGui import QStandardItem
+from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from app.editor.declared_text import titled
 from app.editor.session import Session
-from app.editor.viewers.network_ports import ports_by_node, ports_depend_on
+from app.editor.viewers.network_ports import ports_by_node
+from app.editor.viewers.node_choice import NodeChoice, entry
 
-_PORT = Qt.ItemDataRole.UserRole
 
-
-class PortChoice(QComboBox):
+class PortChoice(NodeChoice):
     """A list of ports under the names of their nodes.
 
     Parameters
@@ -41,67 +39,28 @@ class PortChoice(QComboBox):
     def __init__(
         self, session: Session, types: tuple[str, ...], nothing: str, parent: QWidget | None = None
     ) -> None:
-        super().__init__(parent)
-        self._session = session
+        super().__init__(session, nothing, parent)
         self._types = types
-        self._nothing = nothing
-        self._filled: Hashable = None
-        self._port = ""
-        self._list = QStandardItemModel(self)
-        self.setModel(self._list)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.setMinimumContentsLength(3)
-        self.setMaxVisibleItems(24)
-        self.activated.connect(self._activated)
-        session.changed.connect(self._changed)
-        session.opened.connect(self._fill)
-        self._fill()
+        self.fill()
 
     @property
     def port(self) -> str:
         """The port that is chosen, ``NODE.PORT``; empty for none."""
-        return self._port
+        return self.value
 
     def choose(self, port: str | None) -> None:
         """Show a port as chosen, without a signal."""
-        self._port = port or ""
-        index = max(0, self.findData(self._port, _PORT))
-        self.setCurrentIndex(index)
-        self.setToolTip(self._port or self._nothing)
+        self.show_value(port or "")
 
-    def showPopup(self) -> None:
-        """Make the list as wide as its longest line."""
-        width = (
-            self.view().sizeHintForColumn(0) + self.view().verticalScrollBar().sizeHint().width()
-        )
-        self.view().setMinimumWidth(max(width, self.width()))
-        super().showPopup()
+    def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
+        """The ports by node."""
+        for group in ports_by_node(self.session.network, self.session.library, self._types):
+            yield titled(group.node, group.title), [entry(port, port) for port in group.ports]
 
-    def _activated(self, index: int) -> None:
-        port = self.itemData(index, _PORT)
-        if port is not None:
-            self._port = port
-            self.chosen.emit(port)
-
-    def _changed(self, _before: Any, after: Any) -> None:
-        if ports_depend_on(after) != self._filled:
-            self._fill()
-
-    def _fill(self) -> None:
-        network = self._session.network
-        self._filled = ports_depend_on(network)
-        model = self._list
-        model.clear()
-        nothing = QStandardItem(self._nothing)
-        nothing.setData("", _PORT)
-        model.appendRow(nothing)
-        for group in ports_by_node(network, self._session.library, self._types):
-            head = QStandardItem(titled(group.node, group.title))
-            head.setFlags(Qt.ItemFlag.NoItemFlags)
-            model.appendRow(head)
-            for port in group.ports:
-                item = QStandardItem(port)
-                item.setData(port, _PORT)
-                model.appendRow(item)
-        self.choose(self._port)
+    def take(self, value: str | None) -> None:
+        """Signal the port."""
+        if value is not None:
+            self.value = value
+            self.chosen.emit(value)
