@@ -56,11 +56,7 @@ class ParameterChoice(NodeChoice):
         text = self._field.text().strip()
         place = self.findText(text, Qt.MatchFlag.MatchFixedString)
         if place < 0 and text:
-            place = self.findData(text, _NAME)
-        if place < 0 or not self.itemData(place, _NAME):
-            self.setCurrentIndex(max(0, self.findData(self._name, _NAME)))
-        """Where what was typed is no parameter, show the chosen one again."""
-        place = self.findText(self._field.text(), Qt.MatchFlag.MatchFixedString)
+            place = self.findData(text, VALUE)
         if place < 0 or not self.itemData(place, VALUE):
             self.setCurrentIndex(max(0, self.findData(self.value, VALUE)))
             self._field.setText(self.currentText())

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from core.editing.fields import set_network_field
-from core.editing.layout.reach import is_in_reach
 from core.editing.layout.boxes import Box, Sizes, boxes_of
+from core.editing.layout.reach import is_in_reach
 from core.editing.operation import ABSENT, Operation
 from core.errors import NetworkError
 from core.names import thaw

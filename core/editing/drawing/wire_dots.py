@@ -11,8 +11,8 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 from core.editing.fields import set_network_field
-from core.editing.layout.reach import is_in_reach
 from core.editing.layout.boxes import Point
+from core.editing.layout.reach import is_in_reach
 from core.editing.nodes import Move
 from core.editing.operation import ABSENT, Operation, together
 from core.editing.references import WIRE_DOTS, dots_entry_link

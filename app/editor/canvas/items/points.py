@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from core.editing.layout.reach import is_in_reach
-from core.editing.nodes import Point
 from core.editing.layout.boxes import Point
+from core.editing.layout.reach import is_in_reach
 from core.network.graph import topological
 from core.network.network import Network
 
