@@ -20,7 +20,7 @@ from app.editor.snapshots.figure_differences import FigureDifference, figure_dif
 from app.editor.snapshots.snapshot_list import SnapshotList
 from app.editor.snapshots.snapshots import Snapshots
 from app.editor.theme import Theme
-from app.editor.viewers.figures.figures_query import SHOWN
+from app.editor.viewers.figures.figures_query import BY_MODULE
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets.buttons import toggle_button, tool_button
 from app.editor.widgets.elided_label import ElidedLabel
@@ -28,7 +28,7 @@ from core.modules.declaration import Declaration
 from core.network.network import Network, Node
 
 _HINT = "nothing is kept yet: Ctrl+K keeps the present state"
-_ALWAYS = frozenset(name for name, _ in SHOWN)
+_ALWAYS = frozenset(name for shown in BY_MODULE.values() for name, _ in shown)
 
 
 class SnapshotsView(Viewer):

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 NONE = "—"
-_PREFIXED = ("Hz", "K", "s", "W/m²/sr")
+_PREFIXED = ("Hz", "K", "s", "W/m²/sr", "e-")
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 

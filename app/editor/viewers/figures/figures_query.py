@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 from app.editor.error_text import error_text
@@ -14,7 +15,7 @@ from app.run.sound_plan import sound_part
 from core.chain.engine import Plan
 from core.errors import ImagechainError
 
-MODULE = "electronics_noise"
+ELECTRONICS = "electronics_noise"
 SHOWN = (
     ("g_number", "G#"),
     ("bandwidth_Hz", "Bandwidth"),
@@ -24,6 +25,30 @@ SHOWN = (
     ("snr", "SNR"),
     ("quantization_rms", "Quantization"),
 )
+BY_MODULE: Mapping[str, tuple[tuple[str, str], ...]] = MappingProxyType(
+    {
+        ELECTRONICS: SHOWN,
+        "focal_plane": (
+            ("well_fill_percent", "Well fill"),
+            ("signal_e", "Signal"),
+            ("temporal_noise_e", "Noise"),
+            ("fixed_pattern_e", "Fixed pattern"),
+            ("netd_K", "NETD"),
+            ("snr", "SNR"),
+            ("dynamic_range_dB", "Dynamic range"),
+        ),
+        "microbolometer": (
+            ("netd_K", "NETD"),
+            ("white_netd_K", "White noise"),
+            ("flicker_K", "1/f noise"),
+            ("fixed_pattern_K", "Fixed pattern"),
+            ("noise_radiance", "NER"),
+            ("snr", "SNR"),
+            ("lag_percent", "Lag"),
+        ),
+    }
+)
+"""Read-outs and captions by the key of the detector's or the electronics' module."""
 
 
 @dataclass(frozen=True)
@@ -112,18 +137,18 @@ class FiguresQuery(Query):
                     declared[readout].unit,
                     declared[readout].meaning,
                 )
-                for readout, caption in SHOWN
+                for readout, caption in BY_MODULE[planned.node.module]
             ),
             *output,
         )
 
     def node(self, plan: Plan) -> str | None:
-        """Id of the node whose figures are shown; None without electronics.
+        """Id of the node whose figures are shown; None without a detector or electronics.
 
         Of several, the preferred one, else the last one that leads to the output, else the last of
         all; None where none of several pictures is marked as the output.
         """
-        named = [name for name, node in plan.network.nodes.items() if node.module == MODULE]
+        named = [name for name, node in plan.network.nodes.items() if node.module in BY_MODULE]
         if not named or self.preferred in named:
             return self.preferred if named else None
         leading = set(named)

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtGui import QColor
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
 
 from app.editor.evaluation.freshness import Freshness
 from app.editor.evaluation.queries import Answer, PassDone, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.figures.figure_text import NONE, figure_text
-from app.editor.viewers.figures.figures_query import SHOWN, Figures, FiguresQuery
+from app.editor.viewers.figures.figures_query import (
+    BY_MODULE,
+    SHOWN,
+    Figure,
+    Figures,
+    FiguresQuery,
+)
 from app.editor.viewers.viewer import Viewer
 from app.editor.widgets.colours import set_ink
 from app.editor.widgets.elided_label import ElidedLabel
@@ -25,7 +32,7 @@ OUTPUT = "output"
 
 
 class FiguresStrip(Viewer):
-    """Read-outs of the electronics that lead to the final picture, and the run time.
+    """Read-outs of the detector or electronics that lead to the final picture, and the run time.
 
     That is how long all that is shown took after the last change. Figures from before the last
     edit are faint.
@@ -45,13 +52,14 @@ class FiguresStrip(Viewer):
     ) -> None:
         super().__init__(session, evaluator, theme, "figures_strip", parent)
         self.setAccessibleName("Figures of the sensor")
-        self._values: dict[str, ElidedLabel] = {}
-        self._captions: list[QLabel] = []
+        self._slots: list[tuple[ElidedLabel, ElidedLabel]] = []
+        self._names: tuple[str, ...] = ()
         self._layout = QHBoxLayout(self)
         self._layout.setContentsMargins(8, 2, 8, 3)
         self._layout.setSpacing(14)
         for name, caption in ((OUTPUT, "Output"), *SHOWN, (RUN_TIME, "Run time")):
             self._add(name, caption)
+        self._name_slots(SHOWN)
         self._layout.addStretch(1)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
         session.selection_changed.connect(self._follow_selection)
@@ -61,17 +69,27 @@ class FiguresStrip(Viewer):
             self._freshness = Freshness(session, evaluator, self)
             self._freshness.changed.connect(self._mark)
         self._show(None)
-        self._values[RUN_TIME].show_text(NONE)
+        self.label(RUN_TIME).show_text(NONE)
         self.set_theme(theme)
 
     def text(self, name: str) -> str:
         """The text shown for a read-out, such as ``snr``, for ``output`` or ``run_time``."""
-        return self._values[name].text()
+        return self.label(name).text()
+
+    def label(self, name: str) -> ElidedLabel:
+        """Where that is shown.
+
+        Raises
+        ------
+        ValueError
+            It is no figure of the module that is shown.
+        """
+        return self._slots[(OUTPUT, *self._names, RUN_TIME).index(name)][1]
 
     def set_theme(self, theme: Theme) -> None:
         """Write in other colours."""
         self.theme = theme
-        for label in self._captions:
+        for label, _ in self._slots:
             palette = self.palette()
             palette.setColor(label.foregroundRole(), QColor(theme.faint_text))
             label.setPalette(palette)
@@ -81,8 +99,8 @@ class FiguresStrip(Viewer):
         """Draw figures that are older than the last edit faint."""
         # In words the status bar says it: captions that grow would move the figures.
         old = self._freshness is not None and self._freshness.is_old
-        for name, _ in SHOWN:
-            set_ink(self._values[name], self.theme.faint_text if old else self.theme.text)
+        for name in self._names:
+            set_ink(self.label(name), self.theme.faint_text if old else self.theme.text)
 
     def state(self) -> dict[str, Any]:
         """Nothing to restore."""
@@ -92,7 +110,7 @@ class FiguresStrip(Viewer):
         """Nothing to restore."""
 
     def queries(self) -> tuple[Query, ...]:
-        """The figures of the node selected, if it is an electronics, else of the last one."""
+        """The figures of the node selected, if it has such figures, else of the last one."""
         return (FiguresQuery(self._preferred()),)
 
     def take(self, answer: Answer) -> None:
@@ -105,7 +123,7 @@ class FiguresStrip(Viewer):
     def follow_opening(self) -> None:
         """Show nothing of another document."""
         self._show(None)
-        self._values[RUN_TIME].show_text(NONE)
+        self.label(RUN_TIME).show_text(NONE)
 
     def _add(self, name: str, caption: str) -> None:
         head = ElidedLabel(f"{self.owner}.{name}.caption", f"{caption}, what it is", self)
@@ -119,16 +137,30 @@ class FiguresStrip(Viewer):
         cell.addWidget(head)
         cell.addWidget(value)
         self._layout.addLayout(cell)
-        self._captions.append(head)
-        self._values[name] = value
+        self._slots.append((head, value))
+
+    def _name_slots(self, shown: Sequence[tuple[str, str]]) -> None:
+        """Give the places between output and run time to these figures."""
+        names = tuple(name for name, _ in shown)
+        if names == self._names:
+            return
+        self._names = names
+        for (head, value), (name, caption) in zip(self._slots[1:-1], shown, strict=True):
+            head.setObjectName(f"{self.owner}.{name}.caption")
+            head.setAccessibleName(f"{caption}, what it is")
+            head.show_text(caption)
+            value.setObjectName(f"{self.owner}.{name}")
+            value.setAccessibleName(caption)
 
     def _show(self, answer: Figures | None, why: str = "") -> None:
         figures = {} if answer is None else {figure.name: figure for figure in answer.figures}
         missing = self._show_output(answer, why)
-        none = why or missing or "no Electronics & Noise in the network computes it"
-        for name, _ in SHOWN:
-            label = self._values[name]
-            figure = figures.get(name)
+        none = why or missing or "no Focal Plane or Electronics & Noise in the network computes it"
+        if figures:
+            self._name_slots([(figure.name, figure.caption) for figure in figures.values()])
+        for name in self._names:
+            label = self.label(name)
+            figure: Figure | None = figures.get(name)
             if figure is None:
                 label.show_text(NONE, none)
             else:
@@ -139,7 +171,7 @@ class FiguresStrip(Viewer):
 
     def _show_output(self, answer: Figures | None, why: str) -> str:
         """Show which picture is the output; returns why none is."""
-        label = self._values[OUTPUT]
+        label = self.label(OUTPUT)
         if answer is None:
             label.show_text(NONE, why)
         elif answer.output is not None:
@@ -153,7 +185,7 @@ class FiguresStrip(Viewer):
     def _preferred(self) -> str | None:
         for name in reversed(self.session.selection):
             declared = self.session.declared(name)
-            if declared is not None and declared.key == "electronics_noise":
+            if declared is not None and declared.key in BY_MODULE:
                 return name
         return None
 
@@ -164,4 +196,4 @@ class FiguresStrip(Viewer):
         if isinstance(done, PassDone) and done.after_edit and not done.cancelled:
             kind = f"a preview of 1:{done.reduced}" if done.reduced > 1 else "all that is shown"
             about = f"Time that {kind} took after the last change: {done.seconds:.4f} s"
-            self._values[RUN_TIME].show_text(figure_text(done.seconds, "s"), about)
+            self.label(RUN_TIME).show_text(figure_text(done.seconds, "s"), about)

@@ -52,7 +52,7 @@ def test_the_published_figures_stand_there(strip):
     assert strip.text("g_number") == "5.207 1/sr"
     assert strip.text("bandwidth_Hz") == "49.15 kHz"
     assert strip.text("run_time").endswith("s")
-    assert "NETD" in strip._values["netd_system_K"].toolTip()
+    assert "NETD" in strip.label("netd_system_K").toolTip()
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_follows_edits(bench, strip):
 def test_without_electronics_there_are_dashes(bench, strip):
     bench.do(Remove(("electronics",)))
     assert {strip.text(name) for name in NAMES} == {"—"}
-    assert "Electronics & Noise" in strip._values["snr"].toolTip()
+    assert "Electronics & Noise" in strip.label("snr").toolTip()
 
 
 def test_a_disabled_electronics_has_no_figures(bench, strip):
@@ -97,7 +97,7 @@ def test_a_disabled_electronics_has_no_figures(bench, strip):
 def test_why_there_are_none_is_told(bench, strip):
     bench.do(set_parameter("electronics", "material", "manual"))
     assert {strip.text(name) for name in NAMES} == {"—"}
-    assert "d_star" in strip._values["snr"].toolTip()
+    assert "d_star" in strip.label("snr").toolTip()
 
 
 def second(bench):
@@ -192,7 +192,7 @@ def test_another_document(bench, strip, opened):
 
 def test_captions_have_the_themes_colour(strip):
     strip.set_theme(LIGHT)
-    label = strip._captions[0]
+    label = strip._slots[0][0]
     assert label.palette().color(label.foregroundRole()).name() == LIGHT.faint_text
 
 
@@ -210,7 +210,7 @@ def test_figures_from_before_the_last_edit_are_faint(strip, bench, qtbot):
     """While something else takes the worker's time."""
 
     def ink():
-        return strip._values["snr"].palette().color(QPalette.ColorRole.WindowText).name()
+        return strip.label("snr").palette().color(QPalette.ColorRole.WindowText).name()
 
     assert ink() == DARK.text
     before = strip.text("snr")
@@ -224,3 +224,27 @@ def test_figures_from_before_the_last_edit_are_faint(strip, bench, qtbot):
     bench.evaluator.forget("panel")
     qtbot.waitUntil(lambda: ink() == DARK.text)
     assert strip.text("snr") != before
+
+
+@pytest.mark.parametrize(
+    ("network", "node", "captions"),
+    [
+        ("mwir_camera", "focal_plane", ("Well fill", "Signal", "NETD", "SNR")),
+        ("microbolometer", "bolometer", ("NETD", "1/f noise", "Lag")),
+        ("satellite_tdi", "focal_plane", ("Well fill", "Dynamic range")),
+    ],
+)
+def test_a_camera_of_today_shows_its_own_figures(qtbot, opened, network, node, captions):
+    bench = ViewerBench(qtbot, opened(network))
+    strip = bench.show(FiguresStrip(bench.session, bench.evaluator, DARK), 900, 40)
+    engine, plan, work = bench.truth()
+    truth = engine.readouts(plan, node, work)
+    heads = [head.text() for head, _ in strip._slots]
+    assert set(captions) <= set(heads)
+    assert heads[0] == "Output"
+    assert heads[-1] == "Run time"
+    units = {each.name: each.unit for each in plan.node(node).declaration.readouts}
+    for name in strip._names:
+        assert strip.text(name) == figure_text(truth[name], units[name])
+    assert node in strip.label("snr").toolTip()
+    bench.close()

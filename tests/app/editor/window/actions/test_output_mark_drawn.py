@@ -126,7 +126,7 @@ def test_the_strip_names_the_output_or_says_how_to_mark_it(bench):
     assert strip.text("output") == "electronics.image"
     bench.do(SECOND)
     assert strip.text("output") == "2 pictures"
-    told = strip._values["output"].toolTip()
+    told = strip.label("output").toolTip()
     assert "electronics.image, noisy.image" in told
     assert "press O" in told
     assert strip.text("snr") != "—"  # there is one electronics: no doubt which is meant
@@ -140,9 +140,9 @@ def test_the_figures_of_two_electronics_wait_for_a_mark(bench):
     wires = (Link("back", "image", "more", "image"), Link("init", "context", "more", "context"))
     bench.do(Add((Placed(Node("more", "electronics_noise", params)),), wires))
     assert strip.text("snr") == "—"
-    assert "electronics.image, more.image" in strip._values["snr"].toolTip()
+    assert "electronics.image, more.image" in strip.label("snr").toolTip()
     bench.do(SetOutput(("more",)))
-    assert "(more)" in strip._values["snr"].toolTip()
+    assert "(more)" in strip.label("snr").toolTip()
 
 
 def test_the_legend_says_why_there_is_no_total(bench):
