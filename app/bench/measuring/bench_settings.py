@@ -31,7 +31,7 @@ TABLES = {
         "scanning",
         "spatial",
     ),
-    "peers": ("peers",),
+    "peers": ("peers", "peer_cameras"),
     "editor": ("editor",),
 }
 SIZE = 1024

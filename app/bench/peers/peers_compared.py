@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from app.bench.measuring.bench_settings import Settings
 from app.bench.measuring.bench_tables import Chart, Table
 from app.bench.measuring.timing import paired, round_trip, seconds
+from app.bench.peers.cameras_compared import cameras
 from app.bench.peers.peer_imports import why_missing
 from app.bench.peers.peer_programs import PEERS, Task
 from app.bench.peers.peer_self import OURS
@@ -119,4 +120,4 @@ def _analytic(task: Task) -> Array:
     return np.asarray(modulus, np.float64)
 
 
-MEASURES = (peers,)
+MEASURES = (peers, cameras)

@@ -25,7 +25,15 @@ from child_process import finished
 from core.errors import FileError, UsageError
 
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
-UNDRAWN = {"fresh_process", "one_thread", "editor", "cameras", "frames", "poisson_quantile"}
+UNDRAWN = {
+    "fresh_process",
+    "one_thread",
+    "editor",
+    "cameras",
+    "peer_cameras",
+    "frames",
+    "poisson_quantile",
+}
 
 
 @pytest.fixture
@@ -67,6 +75,22 @@ def test_part(part, imagechain_process, tmp_path):
     assert files == {"b.html", "b.json", "b.md", *drawn}
     for name in drawn:
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
+
+
+def test_another_program_has_the_same_electrons(imagechain_process, tmp_path):
+    """Where pyBSM is installed; without it every row says so and has our own figures."""
+    done = imagechain_process(
+        "bench", "--quick", "--only", "peers", "--size", 32, "--json", "b.json"
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    tables = json.loads((tmp_path / "b.json").read_text())["parts"]["peers"]
+    rows = next(table["rows"] for table in tables if table["name"] == "peer_cameras")
+    assert len(rows) == 9
+    for row in rows:
+        assert row["ours"] > 0
+        assert (row["pybsm"] is None) == bool(row["note"])
+        if row["pybsm"] is not None:
+            assert abs(row["percent"]) < 0.01
 
 
 @pytest.mark.parametrize(
