@@ -86,7 +86,7 @@ _KINDS: Mapping[str, Mapping[str, Factor]] = MappingProxyType(
         "detectivity": {"cm √Hz/W": _TEN**0, "cm Hz^0.5/W": _TEN**0, "Jones": _TEN**0},
         "turbulence": {"m^(-2/3)": _TEN**0},
         "share": {"": _TEN**0, "%": _TEN**-2},
-        "count of samples": {"px": _TEN**0, "samples": _TEN**0},
+        "count of samples": {"px": _TEN**0, "samples": _TEN**0, "pixels": _TEN**0},
         "resolution of numbers": {"bit": _TEN**0, "bits": _TEN**0},
         "frequency of the samples": {"Nyquist": _TEN**0},
         "frequency in the frame": {"cycles per frame": _TEN**0},

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -71,8 +71,9 @@ class MeanFrame(Recipe):
 
     @property
     def inputs(self) -> tuple[Recipe, ...]:
-        """The first of them."""
-        return (at_frame(self.picture, self.start),)
+        """The first of them, and what they share: the pattern of the pixels."""
+        first, next_one = (at_frame(self.picture, self.start + step) for step in (0, 1))
+        return (first, *_shared(first, {recipe.key for recipe in _all(next_one)}))
 
     def compute(self, work: Work) -> Array:
         """Take the frames one after the other; none is kept."""
@@ -84,3 +85,30 @@ class MeanFrame(Recipe):
         assert total is not None
         total /= self.frames
         return total
+
+
+def _all(recipe: Recipe) -> Iterator[Recipe]:
+    """A recipe and all it is made of, each once."""
+    seen: dict[str, Recipe] = {}
+    left = [recipe]
+    while left:
+        one = left.pop()
+        if one.key not in seen:
+            seen[one.key] = one
+            left += one.inputs
+    return iter(seen.values())
+
+
+def _shared(recipe: Recipe, keys: Set[str]) -> Iterator[Recipe]:
+    """What of those keys a recipe is made of, without what these are made of."""
+    seen: set[str] = set()
+    left = list(recipe.inputs)
+    while left:
+        one = left.pop()
+        if one.key in seen:
+            continue
+        seen.add(one.key)
+        if one.key in keys:
+            yield one
+        else:
+            left += one.inputs

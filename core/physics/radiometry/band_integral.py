@@ -120,9 +120,15 @@ def unit_rule() -> tuple[FloatArray, FloatArray]:
     return (places + 1.0) / 2.0, weights / 2.0
 
 
-def temperature_from_log(radiance: BandIntegral, logs: FloatArray) -> FloatArray:
-    """Temperatures at which ln `radiance` takes the values of a flat array."""
-    if logs.size <= DIRECT_SIZE:
+def temperature_from_log(
+    radiance: BandIntegral, logs: FloatArray, *, fitted: bool = False
+) -> FloatArray:
+    """Temperatures at which ln `radiance` takes the values of a flat array.
+
+    `fitted`: by the fits of large arrays in any case, so that each value's temperature is the same
+    to the bit whatever else is in the array.
+    """
+    if logs.size <= DIRECT_SIZE and not fitted:
         return _solve(radiance, logs)
     lowest, highest = _solve(radiance, np.array([logs.min(), logs.max()]))
     octaves = np.arange(np.floor(np.log2(lowest)) - 1.0, np.ceil(np.log2(highest)) + 2.0)

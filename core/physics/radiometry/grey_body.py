@@ -11,7 +11,7 @@ from core.errors import DataError
 from core.physics.radiometry.planck import (
     band_radiance,
     band_radiance_derivative,
-    brightness_temperature,
+    brightness_temperature_of_samples,
 )
 
 FloatArray = NDArray[np.float64]
@@ -102,7 +102,7 @@ def grey_temperature(
     emitted = np.asarray(radiance, np.float64)
     if surroundings_K is not None:
         emitted = emitted - (1.0 - share) * band_radiance(temperature_K=surroundings_K, **band)
-    return np.asarray(brightness_temperature(radiance=emitted / share, **band))
+    return np.asarray(brightness_temperature_of_samples(radiance=emitted / share, **band))
 
 
 def grey_radiance_slope(

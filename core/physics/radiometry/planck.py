@@ -136,6 +136,22 @@ def brightness_temperature(
     ParameterError
         For a band out of range.
     """
+    return _brightness(radiance, cut_on_um, cut_off_um, fitted=False)
+
+
+def brightness_temperature_of_samples(
+    *, radiance: FloatOrArray, cut_on_um: float, cut_off_um: float
+) -> FloatOrArray:
+    """As `brightness_temperature`, by the fits of large arrays also where there are few samples.
+
+    A part of a picture then has what the whole picture has there, to the bit.
+    """
+    return _brightness(radiance, cut_on_um, cut_off_um, fitted=True)
+
+
+def _brightness(
+    radiance: FloatOrArray, cut_on_um: float, cut_off_um: float, *, fitted: bool
+) -> FloatOrArray:
     band = _radiance(cut_on_um, cut_off_um)
     values = np.asarray(radiance, dtype=float)
     brightest = float(band(np.array([_HOTTEST_K]))[0])
@@ -149,7 +165,7 @@ def brightness_temperature(
     temperature = np.zeros(values.size)
     lit = np.flatnonzero(values)
     if lit.size:
-        temperature[lit] = temperature_from_log(band, np.log(values.ravel()[lit]))
+        temperature[lit] = temperature_from_log(band, np.log(values.ravel()[lit]), fitted=fitted)
     result: FloatOrArray = _as_given(temperature.reshape(values.shape))
     return result
 
