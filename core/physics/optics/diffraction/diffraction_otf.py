@@ -109,6 +109,27 @@ class Spectrum:
     weighting: SpectralWeighting = "photons"
     temperature_K: float = 300.0
 
+    def check(self) -> None:
+        """Refuse a band or a temperature that is none.
+
+        Raises
+        ------
+        ParameterError
+            For a value that is not finite, not above zero, or a band that ends before it begins.
+        """
+        if not (math.isfinite(self.cut_on_um) and self.cut_on_um > 0.0):
+            raise ParameterError(
+                "cut_on_um", self.cut_on_um, "a finite number above zero", unit="µm"
+            )
+        if not (math.isfinite(self.cut_off_um) and self.cut_off_um >= self.cut_on_um):
+            allowed = f"a finite number from cut_on_um = {self.cut_on_um:g}"
+            raise ParameterError("cut_off_um", self.cut_off_um, allowed, unit="µm")
+        if self.weighting != "uniform" and not (
+            math.isfinite(self.temperature_K) and self.temperature_K > 0.0
+        ):
+            what = "a finite number above zero"
+            raise ParameterError("temperature_K", self.temperature_K, what, unit="K")
+
     def weight(self, wavelength_um: Vector) -> Vector:
         """Relative weight of wavelengths."""
         return spectral_weight(
@@ -164,7 +185,10 @@ def diffraction_otf(
     6.4; the weights of a photon detector: Boreman 2001, Modulation Transfer Function, chapter 1.
     """
     spectrum = Spectrum(cut_on_um, cut_off_um, weighting, temperature_K)
+    spectrum.check()
     aperture.check(cut_on_um)
+    if not (math.isfinite(wavelengths) and wavelengths >= 0):
+        raise ParameterError("wavelengths", wavelengths, "a whole number, zero or above")
     radii = np.abs(np.asarray(rho, np.float64))
     if wavelengths or cut_on_um == cut_off_um:
         places, weights = _fixed(spectrum, max(1, wavelengths))
