@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 from core.errors import ImagechainError
 from node_bench import NodeBench
+from nodes.library import standard_library
 from readout_bench import (
     COLUMNS,
     DX,
@@ -112,6 +115,18 @@ def test_figures_of_a_picture(tmp_path):
     assert found == pytest.approx(expected, rel=1e-12)
 
 
+def test_nyquist_of_sampled_pixels(tmp_path):
+    """Half a cycle in a pixel of three by two samples of 0.5 and 0.25 mrad."""
+    seen = {"width": 12, "height": 8, "fov_x_deg": math.degrees(6e-3),
+            "fov_y_deg": math.degrees(2e-3)}  # fmt: skip
+    nodes = {
+        "scene": ("test_scene", seen),
+        "pixels": ("sample_pixels", {"factor_x": 3, "factor_y": 2}),
+    }
+    bench = NodeBench(standard_library(), tmp_path, nodes, [("scene.image", "pixels.image")])
+    assert bench.readouts("pixels") == pytest.approx({"nyquist_x": 1 / 3, "nyquist_y": 1.0})
+
+
 def test_every_module_has_its_row():
-    checked = {"init_trans", "anti_alias", "read_image", "examine_image"}
+    checked = {"init_trans", "anti_alias", "read_image", "examine_image", "sample_pixels"}
     assert checked == with_readouts("Input and output", "Transform")

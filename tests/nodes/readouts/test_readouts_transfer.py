@@ -286,7 +286,9 @@ def test_readouts_of_photon_noise(tmp_path):
 
 
 def test_every_module_of_blur_has_its_row():
-    apart = {
+    apart = {  # in tests of their own
+        "camera",
+        "diffraction_mtf",
         "exit_pupil",
         "exit_pupil_mtf",
         "poisson_noise",

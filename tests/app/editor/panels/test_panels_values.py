@@ -57,6 +57,8 @@ SOURCES = {
 PARAMS = {
     "read_image": {"path": "picture.npy", "fov_x_deg": 10.0, "fov_y_deg": 10.0},
     "noise_file": {"path": "picture.npy"},
+    "camera": {"pixels_x": 64, "pixels_y": 64, "pitch_um": 20.0, "focal_length_mm": 50.0},
+    "image_quality": {"range_m": 1000.0},
     "electronics_noise": {
         "cut_on_um": 8.0,
         "cut_off_um": 12.0,
@@ -85,6 +87,9 @@ def chain_with(key, folder):
     inputs = [(SOURCES[p.types[0]], f"node.{p.name}") for p in declaration(LIBRARY[key]).inputs]
     scene = ("test_scene", {"kind": SCENES.get(key, "dormitory"), "width": 64, "height": 64})
     nodes = {**CHAIN, "scene": scene, "node": (key, PARAMS.get(key, {}))}
+    if key == "nuc":  # a correction needs a pattern to correct
+        nodes["pattern"] = ("noise_3d_source", {"sigma_vh": 1.0})
+        inputs = [("back.image", "pattern.image"), ("pattern.image", "node.image")]
     return linked_network(nodes, (*LINKS, *inputs))
 
 
