@@ -230,7 +230,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         "nei_photons_per_cm2", "1/cm²", "Photons in an exposure that equal the temporal noise."
     )
     dynamic_range_dB = _figure(
-        "dynamic_range_dB", "dB", "Full well over the temporal noise in the dark."
+        "dynamic_range_dB",
+        "dB",
+        "Saturation, at the full well or the last number, over the temporal noise in the dark.",
     )
     gain_figure = _figure("gain_e_per_dn", "e-/DN", "Electrons of one digital number.")
     mean_dn = _figure("mean_dn", "DN", "Digital number of the picture's mean.")

@@ -105,6 +105,12 @@ class ReadOut:
         """The converter's last number; infinite without one."""
         return 2.0**self.bits - 1.0 if self.bits else np.inf
 
+    @property
+    def saturation_e(self) -> float:
+        """Electrons at which the picture is clipped: the full well, or the last number before."""
+        well = np.inf if self.full_well_e is None else self.full_well_e
+        return float(min(well, (self.top_dn - self.offset_dn) * self.gain_e_per_dn))
+
 
 @dataclass(frozen=True)
 class PictureRange:
@@ -249,13 +255,15 @@ def figures(
     well, fill, decibels, bent = reading.full_well_e, None, None, total
     if well is not None:
         fill = 100.0 * total / well
-        dark_noise = hypot(read, rounding, shot_noise_e(electrons=levels.dark_e / frames))
-        decibels = _finite(dynamic_range_dB(full_well_e=well, dark_noise_e=dark_noise))
         bent = bent_response(
             electrons=total,
             full_well_e=well,
             nonlinearity_percent=reading.nonlinearity_percent,
         )
+    saturation = reading.saturation_e
+    if 0.0 < saturation < np.inf:
+        dark_noise = hypot(read, rounding, shot_noise_e(electrons=levels.dark_e / frames))
+        decibels = _finite(dynamic_range_dB(full_well_e=saturation, dark_noise_e=dark_noise))
     efficiency = _efficiency(levels, collection)
     nei = None
     if efficiency > 0.0:
@@ -284,7 +292,7 @@ def figures(
         ("netd_K", netd, "K", "temporal noise as a temperature difference"),
         ("snr", levels.signal_e / temporal if temporal else None, "", "signal over temporal noise"),
         ("nei_photons_per_cm2", nei, "1/cm²", "photons in an exposure that equal the noise"),
-        ("dynamic_range_dB", decibels, "dB", "full well over the noise in the dark"),
+        ("dynamic_range_dB", decibels, "dB", "saturation over the noise in the dark"),
         ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons of one digital number"),
         ("mean_dn", bent / reading.gain_e_per_dn + reading.offset_dn, "DN", "number of the mean"),
         ("scene_K", levels.scene_K, "K", "brightness temperature of the mean"),

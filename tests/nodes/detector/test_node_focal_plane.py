@@ -233,6 +233,24 @@ def test_rule_07_and_the_typed_current(tmp_path):
     assert bench_of(tmp_path, typed).readouts("it")["dark_e"] == pytest.approx(dark, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("params", "saturation"),
+    [
+        ({}, 7e6),
+        ({"gain_e_per_dn": 100.0}, 16383 * 100.0),
+        ({"gain_e_per_dn": 100.0, "offset_dn": 383.0}, 16000 * 100.0),
+        ({"gain_e_per_dn": 1000.0}, 7e6),
+        ({"gain_e_per_dn": 100.0, "full_well_e": None}, 16383 * 100.0),
+    ],
+    ids=["well is the last number", "converter", "with offset", "well", "no well"],
+)
+def test_the_dynamic_range_ends_where_the_picture_is_clipped(tmp_path, params, saturation):
+    """EMVA 1288: the saturation of the camera, whichever of well and converter comes first."""
+    found = bench_of(tmp_path, {**CAMERA_SHEET, **params}, size=(8, 8)).readouts("it")
+    dark = math.sqrt(400**2 + params.get("gain_e_per_dn", 7e6 / 16383) ** 2 / 12)
+    assert found["dynamic_range_dB"] == pytest.approx(20 * math.log10(saturation / dark), rel=1e-9)
+
+
 def test_reflected_light_has_no_netd(tmp_path):
     scene = {"cut_on_um": 0.5, "cut_off_um": 0.9, "temperature_K": 1500.0}
     for weighting in ("source", "scene"):
