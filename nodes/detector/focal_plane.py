@@ -12,6 +12,11 @@ from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from nodes.detector import focal_plane_steps as steps
+from nodes.detector.focal_plane_band import (
+    filter_caution,
+    material_caution,
+    optics_caution,
+)
 from nodes.detector.focal_plane_figures import (
     ReadOut,
     electron_levels,
@@ -21,7 +26,7 @@ from nodes.detector.focal_plane_figures import (
 )
 from nodes.detector.focal_plane_panel import FocalPlanePanel
 from nodes.input_output.examine_image import figure
-from nodes.shared.shared_warnings import NEAR, Band, unit_caution
+from nodes.shared.shared_warnings import Band, unit_caution
 from nodes.shared.unit_deviates import unit_deviates
 
 
@@ -174,17 +179,26 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     def band(self, image: Image, context: Context) -> Caution | None:
         """A cold filter that lets through what the picture's band does not hold."""
         known = image.band_um or context.band_um
-        if known is None:
+        return None if known is None else filter_caution(known, self._passed(known))
+
+    @warning
+    def material(self, image: Image, context: Context) -> Caution | None:
+        """Photons counted beyond the cutoff of the detector material."""
+        known = image.band_um or context.band_um
+        if known is None or self.response is not None:
             return None
+        return material_caution(self._passed(known), self.material_cutoff_um)
+
+    @warning
+    def optics(self, image: Image, context: Context) -> Caution | None:
+        """Diffraction over other wavelengths than those of the cold filter."""
+        known = image.band_um or context.band_um
+        return None if known is None else optics_caution(image, self._passed(known))
+
+    def _passed(self, known: Band) -> Band:
+        """The cold filter's band; an end that is not given is the picture's."""
         low = known[0] if self.cut_on_um is None else self.cut_on_um
-        high = known[1] if self.cut_off_um is None else self.cut_off_um
-        if low >= known[0] * (1 - NEAR) and high <= known[1] * (1 + NEAR):
-            return None
-        return Caution(
-            f"the cold filter passes {low:g} to {high:g} µm and the picture's radiance is that of "
-            f"{known[0]:g} to {known[1]:g} µm: what lies beyond is extrapolated by a black body",
-            "give a picture of the filter's whole band, or a narrower filter",
-        )
+        return low, known[1] if self.cut_off_um is None else self.cut_off_um
 
     @warning
     def spectrum(self, image: Image, context: Context) -> Caution | None:

@@ -251,6 +251,68 @@ def test_the_dynamic_range_ends_where_the_picture_is_clipped(tmp_path, params, s
     assert found["dynamic_range_dB"] == pytest.approx(20 * math.log10(saturation / dark), rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("params", "warned"),
+    [
+        ({"material_cutoff_um": 4.5}, True),
+        ({"material_cutoff_um": 4.5, "cut_off_um": 4.5}, False),
+        ({"material_cutoff_um": 4.5, "response": "qe.csv"}, False),
+        ({"material_cutoff_um": 5.3}, False),
+        ({}, False),
+    ],
+)
+def test_photons_beyond_the_cutoff_of_the_material_are_warned_of(tmp_path, params, warned):
+    (tmp_path / "qe.csv").write_text("3.0,0.7\n4.4,0.7\n4.6,0\n5.0,0\n")
+    bench = bench_of(tmp_path, {**CAMERA_SHEET, "detector_K": 90, "rule_07": bool(
+        params.get("material_cutoff_um")), **params}, size=(8, 8))  # fmt: skip
+    found = [c for c in bench.engine.warnings(bench.plan, bench.work) if c.check == "material"]
+    assert len(found) == warned
+    if warned:
+        assert "3.7 to 4.8 µm" in found[0].text
+        assert "material_cutoff_um = 4.5 µm" in found[0].text
+
+
+@pytest.mark.parametrize(
+    ("optics", "params", "warned"),
+    [
+        ({}, {"cut_on_um": 7.7, "cut_off_um": 9.3}, True),
+        ({"cut_on_um": 7.7, "cut_off_um": 9.3}, {"cut_on_um": 7.7, "cut_off_um": 9.3}, False),
+        ({}, {"cut_on_um": 7.9, "cut_off_um": 12.0}, False),
+        ({}, {}, False),
+        ({"cut_on_um": 7.5, "cut_off_um": 8.0}, {}, True),
+    ],
+)
+def test_optics_of_another_band_than_the_cold_filter_are_warned_of(
+    tmp_path, optics, params, warned
+):
+    """At F/2 and 100 mm, 7.5 to 12 µm end at 5.1 cyc/mrad and 7.7 to 9.3 µm at 5.9."""
+    seen = {
+        "kind": "uniform", "width": 16, "height": 12, "fov_x_deg": 0.1, "fov_y_deg": 0.1,
+        "temperature_K": 300.0, "cut_on_um": 7.5, "cut_off_um": 12.0,
+    }  # fmt: skip
+    nodes = {
+        "scene": ("test_scene", seen),
+        "init": ("init_trans", {**SENSOR, "f_number": 2}),
+        "lens": ("diffraction_mtf", optics),
+        "back": ("back_transform", {}),
+        "pixels": ("sample_pixels", {}),
+        "it": ("focal_plane", {**CAMERA_SHEET, **params}),
+    }
+    links = [
+        ("scene.image", "init.image"), ("init.context", "lens.context"),
+        ("init.magnitude", "lens.magnitude"), ("init.phase", "lens.phase"),
+        ("lens.magnitude", "back.magnitude"), ("lens.phase", "back.phase"),
+        ("back.image", "pixels.image"), ("pixels.image", "it.image"),
+        ("init.context", "it.context"),
+    ]  # fmt: skip
+    bench = NodeBench(LIBRARY, tmp_path, nodes, links)
+    found = [c for c in bench.engine.warnings(bench.plan, bench.work) if c.check == "optics"]
+    assert len(found) == warned
+    if warned and params:
+        for words in ("(lens)", "7.5 to 12 µm", "7.7 to 9.3 µm", "cut_on_um = 7.7"):
+            assert words in found[0].text
+
+
 def test_reflected_light_has_no_netd(tmp_path):
     scene = {"cut_on_um": 0.5, "cut_off_um": 0.9, "temperature_K": 1500.0}
     for weighting in ("source", "scene"):
