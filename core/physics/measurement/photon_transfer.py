@@ -151,6 +151,7 @@ class _Line:
     slope: float
     at_foot_error: float
     slope_error: float
+    covariance: float
 
     @classmethod
     def through(cls, fields: Sequence[FlatField], foot: float) -> _Line:
@@ -165,8 +166,11 @@ class _Line:
             normal = matrix.T @ (weights[:, np.newaxis] * matrix)
             at_foot, slope = np.linalg.solve(normal, matrix.T @ (weights * y))
             model = np.maximum(at_foot + slope * x, 1e-3 * y)
-        errors = np.sqrt(np.diag(np.linalg.inv(normal)))
-        return cls(float(at_foot), float(slope), float(errors[0]), float(errors[1]))
+        spread = np.linalg.inv(normal)
+        errors = np.sqrt(np.diag(spread))
+        return cls(
+            float(at_foot), float(slope), float(errors[0]), float(errors[1]), float(spread[0, 1])
+        )
 
 
 def _read_noise(
@@ -182,8 +186,13 @@ def _read_noise(
         variance, error = max(line.at_foot, 0.0), line.at_foot_error
     noise = math.sqrt(variance)
     # Of a root that is next to nothing, the root of the error of its square.
-    spread = error / (2.0 * noise) if variance > error else math.sqrt(error)
-    return gain * noise, gain * spread
+    if variance <= error:
+        return gain * noise, gain * math.sqrt(error)
+    # Noise in numbers times gain: what is off in the one is off in the other too, as the dark
+    # level, or the foot of the line, holds the line's lower end.
+    own, of_gain = error / (2.0 * variance), line.slope_error * gain
+    shared = line.covariance * gain / variance
+    return gain * noise, gain * noise * math.sqrt(max(own**2 + of_gain**2 - shared, 0.0))
 
 
 def _fixed(

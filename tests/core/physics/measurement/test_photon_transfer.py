@@ -87,6 +87,26 @@ def test_within_two_percent(name):
         assert made.prnu_percent < 0.02
 
 
+@pytest.mark.parametrize("dark", [True, False], ids=["dark frames", "offset"])
+def test_the_standard_errors_are_the_spread_of_measurements_made_anew(dark):
+    """Of 80 measurements the spread is known to 1/√160 = 8 %; three times that is allowed."""
+    camera = Camera(read_e=60.0, prnu=0.0, dsnu_e=0.0, shape=(24, 32))
+    made = []
+    for anew in range(80):
+        fields = [
+            field(camera, level, 8, 1000 * anew + place)
+            for place, level in enumerate((500, 2000, 5000, 10_000), start=1)
+        ]
+        zero = {"dark": field(camera, 0, 60, 1000 * anew), "offset_dn": None}
+        made.append(
+            photon_transfer(levels=fields, **(zero if dark else {"dark": None, "offset_dn": 200.0}))
+        )
+    for value, error in (("gain_e_per_dn", "gain_error"), ("read_noise_e", "read_noise_error")):
+        spread = np.std([getattr(one, value) for one in made], ddof=1)
+        stated = np.mean([getattr(one, error) for one in made])
+        assert stated == pytest.approx(spread, rel=0.24), value
+
+
 def test_read_noise_is_the_foot_of_the_line_where_only_the_offset_is_known():
     made = curve(Camera(read_e=60.0), dark=False, offset=200.0)
     assert made.read_noise_e == pytest.approx(60.0, rel=0.02)
