@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
@@ -13,6 +14,7 @@ from core.errors import ParameterError
 Kind = Literal["number", "integer", "switch", "choice", "text", "path", "numbers"]
 LARGEST_INTEGER = 2**63 - 1
 LARGEST_NUMBER = sys.float_info.max
+_WITH_UNIT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)? *[^\W\d_]{1,40}")
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,14 @@ class Parameter:
         return convert(value)
 
     def _refuse(self, value: object) -> ParameterError:
-        return ParameterError(self.name, value, self.allowed(), unit=self.param.unit)
+        unit = self.param.unit
+        is_number = self.kind in ("number", "integer")
+        if unit and is_number and isinstance(value, str) and _WITH_UNIT.fullmatch(value):
+            allowed = (
+                f"{self.allowed()} in {unit}; another unit is converted behind '=': '={value}'"
+            )
+            return ParameterError(self.name, value, allowed)
+        return ParameterError(self.name, value, self.allowed(), unit=unit)
 
     def _in_range(self, number: float) -> bool:
         low, high = self.param.low, self.param.high
