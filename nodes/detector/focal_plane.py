@@ -190,6 +190,26 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         return material_caution(self._passed(known), self.material_cutoff_um)
 
     @warning
+    def dark_current(self) -> Caution | None:
+        """What Rule 07 needs without it, or a number beside it: one of both does nothing."""
+        if self.rule_07 and self.dark_current_e_per_s:
+            return Caution(
+                f"dark_current_e_per_s = {self.dark_current_e_per_s:g} e-/s is not used: rule_07 "
+                "is on, and gives the dark current",
+                "switch rule_07 off, or set dark_current_e_per_s to 0",
+            )
+        if self.rule_07 or self.dark_current_e_per_s:
+            return None
+        if not (self.detector_K and self.material_cutoff_um):
+            return None
+        return Caution(
+            f"detector_K = {self.detector_K:g} K and material_cutoff_um = "
+            f"{self.material_cutoff_um:g} µm give no dark current: rule_07 is off, and "
+            "dark_current_e_per_s is 0",
+            "switch rule_07 on, give dark_current_e_per_s, or leave detector_K empty",
+        )
+
+    @warning
     def optics(self, image: Image, context: Context) -> Caution | None:
         """Diffraction over other wavelengths than those of the cold filter."""
         known = image.band_um or context.band_um

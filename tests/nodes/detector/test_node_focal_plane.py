@@ -273,6 +273,24 @@ def test_photons_beyond_the_cutoff_of_the_material_are_warned_of(tmp_path, param
 
 
 @pytest.mark.parametrize(
+    ("params", "said"),
+    [
+        ({"detector_K": 150, "material_cutoff_um": 5.2}, "rule_07 is off"),
+        ({"detector_K": 150, "material_cutoff_um": 5.2, "rule_07": True}, None),
+        ({"detector_K": 150, "material_cutoff_um": 5.2, "rule_07": True,
+          "dark_current_e_per_s": 2e5}, "dark_current_e_per_s = 200000 e-/s is not used"),
+        ({"detector_K": 150, "material_cutoff_um": 5.2, "dark_current_e_per_s": 2e5}, None),
+        ({}, None),
+    ],
+)  # fmt: skip
+def test_a_dark_current_that_does_nothing_is_warned_of(tmp_path, params, said):
+    bench = bench_of(tmp_path, {**CAMERA_SHEET, **params}, size=(8, 8))
+    found = [c for c in bench.engine.warnings(bench.plan, bench.work) if c.check == "dark_current"]
+    assert len(found) == (said is not None)
+    assert said is None or said in found[0].text
+
+
+@pytest.mark.parametrize(
     ("optics", "params", "warned"),
     [
         ({}, {"cut_on_um": 7.7, "cut_off_um": 9.3}, True),
