@@ -303,8 +303,14 @@ def figures(
 
 
 @ends_lineage
-def overflow_caution(work: Work, table: TableData, *, top_dn: float) -> Caution | None:
-    """A picture whose mean is clipped, so that its figures are of a larger well."""
+def overflow_caution(
+    work: Work, table: TableData, levels: ElectronLevels, *, reading: ReadOut
+) -> Caution | None:
+    """A picture whose mean is clipped, so that its figures are of a larger well, or its brightest.
+
+    Noise and unlike pixels are left out: what they alone clip is in `saturated_pixels`.
+    """
+    top_dn = reading.top_dn
     figures: dict[str, Any] = table.as_dict()
     fill, number = figures["well_fill_percent"], figures["mean_dn"]
     if fill is not None and fill > 100.0:
@@ -319,6 +325,14 @@ def overflow_caution(work: Work, table: TableData, *, top_dn: float) -> Caution 
             f"the mean of the picture is number {number:.5g}, beyond the converter's last, "
             f"{top_dn:.0f}: the picture is clipped",
             "make gain_e_per_dn or bits larger, or offset_dn smaller",
+        )
+    saturation = reading.saturation_e
+    if levels.brightest_e > saturation:
+        return Caution(
+            f"the picture's brightest gives {levels.brightest_e:.4g} e- and is clipped at "
+            f"{saturation:.4g} e-: SNR and noise are those of the mean; saturated_pixels says how "
+            "many are clipped",
+            "make integration_time_s smaller, or full_well_e, gain_e_per_dn or bits larger",
         )
     return None
 

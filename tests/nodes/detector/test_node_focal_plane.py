@@ -409,3 +409,21 @@ def test_a_mean_that_is_clipped_is_warned_of(tmp_path, params, said):
     assert len(found) == bool(said)
     for words in said:
         assert words in found[0].text
+
+
+@pytest.mark.parametrize(("warmer", "clipped"), [(20.0, False), (30.0, True)])
+def test_a_brightest_that_is_clipped_is_warned_of(tmp_path, warmer, clipped):
+    """Half of the picture at 300 K, half warmer; the well holds 2.5 times what 300 K give.
+
+    By Planck's law 320 K give 2.0 times as many photons from 3.7 to 4.8 µm, and 330 K 2.7 times.
+    """
+    scene = {"kind": "two_panel", "temperature_K": 300.0, "delta_K": warmer}
+    cold = bench_of(tmp_path, CAMERA_SHEET, size=(8, 8)).readouts("it")["signal_e"]
+    sheet = {**CAMERA_SHEET, "full_well_e": 2.5 * cold, "read_noise_e": 0}
+    bench = bench_of(tmp_path, sheet, size=(8, 8), scene=scene)
+    assert bench.readouts("it")["well_fill_percent"] < 100
+    assert (bench.readouts("it")["saturated_pixels"] > 0) == clipped
+    found = [c for c in bench.engine.warnings(bench.plan, bench.work) if c.check == "overflow"]
+    assert len(found) == clipped
+    if clipped:
+        assert "the picture's brightest gives" in found[0].text
