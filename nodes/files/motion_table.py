@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from functools import lru_cache
 from pathlib import Path
 
 from core.errors import FileError
 from nodes.files.common.paths import readable_file
+from nodes.files.common.table_cells import begins_with_number, cells_of
 
 Points = tuple[tuple[float, float], ...]
 _LONGEST_BYTES = 10_000_000
@@ -48,7 +48,8 @@ def _read(file: Path, stamp: tuple[int, int]) -> tuple[Points, Points]:
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         numbers = _numbers(line)
-        if numbers is None and not rows and not named:
+        # A first line that begins with a number is damaged data, not names.
+        if numbers is None and not rows and not named and not begins_with_number(line):
             named = True  # a line of names on top
             continue
         wanted = {len(rows[0])} if rows else {2, 3}
@@ -66,10 +67,8 @@ def _read(file: Path, stamp: tuple[int, int]) -> tuple[Points, Points]:
 
 
 def _numbers(line: str) -> tuple[float, ...] | None:
-    separator = next((mark for mark in ",;\t" if mark in line), None)
-    cells = line.split() if separator is None else next(csv.reader([line], delimiter=separator))
     try:
-        return tuple(float(cell) for cell in cells if cell.strip())
+        return tuple(float(cell) for cell in cells_of(line) if cell.strip())
     except ValueError:
         return None
 

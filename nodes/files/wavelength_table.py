@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from functools import lru_cache
 from pathlib import Path
 
 from core.errors import FileError
 from nodes.files.common.paths import readable_file
+from nodes.files.common.table_cells import begins_with_number, cells_of
 
 Points = tuple[tuple[float, float], ...]
 _LONGEST_BYTES = 10_000_000
@@ -51,11 +51,12 @@ def _read(file: Path, what: str, low: float, high: float, stamp: tuple[int, int]
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        cells = _cells(line)
+        cells = [cell for cell in cells_of(line) if cell.strip()]
         try:
             place, value = (float(cell) for cell in cells)
         except ValueError:
-            if points or named:
+            # A first line that begins with a number is damaged data, not names.
+            if points or named or begins_with_number(line):
                 raise _refused(file, number, line, f"two numbers, µm and {what}") from None
             named = True  # a line of names on top
             continue
@@ -70,13 +71,6 @@ def _read(file: Path, what: str, low: float, high: float, stamp: tuple[int, int]
     if len(points) < 2:
         raise FileError(f"{file}: has {len(points)} points; at least 2 make a curve")
     return tuple(points)
-
-
-def _cells(line: str) -> list[str]:
-    for separator in ",;\t":
-        if separator in line:
-            return [cell for cell in next(csv.reader([line], delimiter=separator)) if cell.strip()]
-    return line.split()
 
 
 def _refused(file: Path, number: int, line: str, allowed: str) -> FileError:

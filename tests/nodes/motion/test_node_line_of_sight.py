@@ -138,6 +138,8 @@ def test_a_spectrum_of_a_file(tmp_path):
         ("1,1\n2,-1\n", "line 2"),
         ("1,1\n2,1,1\n", "line 2"),
         ("1,1\nx,y\n", "line 2"),
+        ("1,O.1\n2,1\n3,1\n", "line 1"),
+        ('1,"' + "9" * 200_000 + '"\n2,1\n3,1\n', "line 1"),
     ],
 )
 def test_a_file_that_is_no_spectrum_is_refused(tmp_path, text, words):

@@ -1,0 +1,33 @@
+"""Cells of a line of a table of numbers in text."""
+
+from __future__ import annotations
+
+import csv
+import re
+
+_MARKS = ",;\t"
+
+
+def cells_of(line: str) -> list[str]:
+    """Cells of a line, parted by comma, semicolon, tab or blanks: the first of these in it.
+
+    A line that is no row of such a table is one cell.
+    """
+    separator = next((mark for mark in _MARKS if mark in line), None)
+    if separator is None:
+        return line.split()
+    try:
+        return next(csv.reader([line], delimiter=separator))
+    except csv.Error:  # a cell longer than any number
+        return [line]
+
+
+def begins_with_number(line: str) -> bool:
+    """Whether the first cell is a number, so that the line is no line of names."""
+    first = re.split(f"[{_MARKS}]", line)[0]
+    start = first if first != line else (line.split() or [""])[0]
+    try:
+        float(start.strip().strip('"'))
+    except ValueError:
+        return False
+    return True
