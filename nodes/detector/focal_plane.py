@@ -23,6 +23,7 @@ from nodes.detector.focal_plane_figures import (
     figures,
     overflow_caution,
     picture_range,
+    response_caution,
 )
 from nodes.detector.focal_plane_panel import FocalPlanePanel
 from nodes.input_output.examine_image import figure
@@ -237,10 +238,21 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         )
 
     @warning
+    def response_ends(self, outputs: FocalPlaneOutputs) -> Caution | None:
+        """A response that breaks off within the band."""
+        figures_of_mean: Any = outputs.table.recipe.inputs[0]
+        collection = dict(figures_of_mean.parameters)["collection"]
+        return response_caution(collection.weights.efficiency)
+
+    @warning
     def overflow(self, outputs: FocalPlaneOutputs) -> Recipe:
         """A mean, or a brightest, beyond the full well or the converter's last number."""
         table = outputs.table.recipe.inputs[0]
         return Step.of(overflow_caution, table, table.inputs[0], reading=self.read_out())
+        """A mean beyond the full well, or beyond the converter's first or last number."""
+        return Step.of(
+            overflow_caution, outputs.table.recipe.inputs[0], top_dn=self.read_out().top_dn
+        )
 
     signal_e = _figure("signal_e", "e-", "Electrons of the scene, at the picture's mean.")
     optics_e = _figure("optics_e", "e-", "Electrons of the optics' own emission.")

@@ -31,7 +31,9 @@ from core.physics.electrons.photon_conversion import (
     PhotonWeights,
     conversion_between,
 )
+from core.physics.electrons.spectral_photons import QuantumEfficiency
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
+from nodes.shared.shared_warnings import NEAR
 
 Array = NDArray[Any]
 _TOLERANCE = {"single": 1e-8, "double": 2e-14}  # of electrons, below the samples' rounding
@@ -311,6 +313,8 @@ def overflow_caution(
     Noise and unlike pixels are left out: what they alone clip is in `saturated_pixels`.
     """
     top_dn = reading.top_dn
+def overflow_caution(work: Work, table: TableData, *, top_dn: float) -> Caution | None:
+    """A picture whose mean is clipped at either end, so that its figures are not its own."""
     figures: dict[str, Any] = table.as_dict()
     fill, number = figures["well_fill_percent"], figures["mean_dn"]
     if fill is not None and fill > 100.0:
@@ -333,8 +337,32 @@ def overflow_caution(
             f"{saturation:.4g} e-: SNR and noise are those of the mean; saturated_pixels says how "
             "many are clipped",
             "make integration_time_s smaller, or full_well_e, gain_e_per_dn or bits larger",
+    if number < 0.0 and np.isfinite(top_dn):
+        return Caution(
+            f"the mean of the picture is number {number:.5g}, below the converter's first, 0: the "
+            "picture is clipped",
+            "make offset_dn larger",
         )
     return None
+
+
+def response_caution(efficiency: QuantumEfficiency) -> Caution | None:
+    """A curve whose first or last point is within the band and not zero."""
+    if not efficiency.points:
+        return None
+    (first, at_first), (last, at_last) = efficiency.points[0], efficiency.points[-1]
+    ends = []
+    if at_first > 0.0 and first > efficiency.cut_on_um * (1 + NEAR):
+        ends.append(f"begins at {first:g} µm with {at_first:g}")
+    if at_last > 0.0 and last < efficiency.cut_off_um * (1 - NEAR):
+        ends.append(f"ends at {last:g} µm with {at_last:g}")
+    if not ends:
+        return None
+    return Caution(
+        f"the response {' and '.join(ends)}, within the band of {efficiency.cut_on_um:g} to "
+        f"{efficiency.cut_off_um:g} µm: no photons are counted beyond",
+        "give points over the whole band, or close the curve by points of 0",
+    )
 
 
 def _worth(

@@ -401,9 +401,10 @@ def test_a_response_that_is_none_is_refused(tmp_path, text, line):
     [
         ({"integration_time_s": 0.1}, ("% of the full well", "tdi_stages", "full_well_e")),
         ({"gain_e_per_dn": 10.0}, ("16383", "gain_e_per_dn", "offset_dn")),
+        ({"offset_dn": -2000.0}, ("number -", "first, 0", "offset_dn larger")),
         ({}, ()),
     ],
-    ids=["well", "converter", "neither"],
+    ids=["well", "converter", "below the converter", "neither"],
 )
 def test_a_mean_that_is_clipped_is_warned_of(tmp_path, params, said):
     """25 times the exposure of the reference fills its well to 1.6; 4.5e5 electrons are 45,000."""
@@ -430,3 +431,20 @@ def test_a_brightest_that_is_clipped_is_warned_of(tmp_path, warmer, clipped):
     assert len(found) == clipped
     if clipped:
         assert "the picture's brightest gives" in found[0].text
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("3,0.5\n4.2,0.6\n", ("ends at 4.2 µm with 0.6", "3.7 to 4.8 µm")),
+        ("4,0.5\n5,0.6\n", ("begins at 4 µm with 0.5",)),
+        ("4,0\n4.1,0.5\n4.2,0\n", ()),
+        ("3.7,0.5\n4.8,0.6\n", ()),
+    ],
+    ids=["ends", "begins", "closed", "whole"],
+)
+def test_a_response_that_breaks_off_within_the_band_is_warned_of(tmp_path, text, said):
+    (tmp_path / "qe.csv").write_text(text)
+    bench = bench_of(tmp_path, {**CAMERA_SHEET, "response": "qe.csv"}, size=(8, 8))
+    found = [c for c in bench.engine.warnings(bench.plan, bench.work) if c.check == "response_ends"]
+    assert len(found) == bool(said)
+    for words in said:
+        assert words in found[0].text
