@@ -24,6 +24,7 @@ Vector = NDArray[np.float64]
 _USED = 0.7  # of saturation, up to which the curve is taken for straight (EMVA 1288)
 _COLLAPSED = 0.5  # of the largest variance; what has less beyond it is saturated
 _ROUNDS = 5
+_LEAST_VARIANCE = 1e-6  # of the largest; a level without noise has no infinite weight
 
 
 @dataclass(frozen=True)
@@ -81,8 +82,8 @@ def photon_transfer(
     Raises
     ------
     DataError
-        Fewer than two levels are left below saturation, or the variance does not rise with the
-        mean.
+        Fewer than two levels are left below saturation, the variance does not rise with the mean,
+        numbers are too large for a variance, or the dark frames are brighter than all levels.
 
     Notes
     -----
@@ -92,6 +93,7 @@ def photon_transfer(
     """
     means = np.array([level.mean_dn for level in levels])
     variances = np.array([level.unrounded_dn2 for level in levels])
+    _check(levels, dark)
     cut_off = dark is not None and dark.cut_off
     dark = None if cut_off else dark
     zero = dark.mean_dn if dark is not None else offset_dn
@@ -137,6 +139,22 @@ def photon_transfer(
     )
 
 
+def _check(levels: Sequence[FlatField], dark: FlatField | None) -> None:
+    """Refuse numbers without a variance, and dark frames that are none."""
+    for field in [*levels, *([dark] if dark is not None else [])]:
+        if not all(map(math.isfinite, (field.mean_dn, field.temporal_dn2, field.fixed_dn2))):
+            raise DataError(
+                "the numbers of a level are too large for their variance to be known: allowed are "
+                "those of a camera, some millions at most"
+            )
+    brightest = max(level.mean_dn for level in levels)
+    if dark is not None and dark.mean_dn >= brightest:
+        raise DataError(
+            f"the dark frames' mean, {dark.mean_dn:.6g}, is not below that of the brightest level, "
+            f"{brightest:.6g}: give frames without light as --dark"
+        )
+
+
 def _saturated(means: Vector, variances: Vector) -> NDArray[np.bool_]:
     """Levels at or beyond the mean of the largest variance that have less than half of it."""
     top = int(np.argmax(variances))
@@ -159,7 +177,10 @@ class _Line:
         x = np.array([field.mean_dn - foot for field in fields])
         y = np.array([field.unrounded_dn2 for field in fields])
         freedom = np.array([(field.frames - 1.0) * field.pixels for field in fields])
-        model = np.maximum(y, 1e-12 * y.max())
+        least = _LEAST_VARIANCE * y.max()
+        if not least > 0.0:
+            raise DataError("no level has noise: a photon transfer curve is one of noise")
+        model = np.maximum(y, least)
         for _ in range(_ROUNDS):
             weights = freedom / (2.0 * model**2)
             matrix = np.stack([np.ones_like(x), x], axis=1)
@@ -171,6 +192,9 @@ class _Line:
         return cls(
             float(at_foot), float(slope), float(errors[0]), float(errors[1]), float(spread[0, 1])
         )
+            model = np.maximum(at_foot + slope * x, np.maximum(1e-3 * y, least))
+        errors = np.sqrt(np.diag(np.linalg.inv(normal)))
+        return cls(float(at_foot), float(slope), float(errors[0]), float(errors[1]))
 
 
 def _read_noise(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -162,3 +162,38 @@ def test_what_is_refused():
     taken = FlatFrames(4, 5)
     with pytest.raises(DataError, match="3 × 5 samples does not go with 4 × 5"):
         taken.add(np.zeros((3, 5)))
+
+
+def measured(frames):
+    taken = FlatFrames(*frames.shape[1:])
+    for frame in frames:
+        taken.add(frame)
+    return taken.measured()
+
+
+def test_a_level_without_noise_is_a_point_of_the_line():
+    """Through (1, 0) and (m, v): (m − 1)/v electrons of a number, v by numpy less 1/12."""
+    still = np.ones((8, 40, 50))
+    noisy = np.rint(np.random.default_rng(3).normal(150.0, 6.0, (8, 40, 50)))
+    found = photon_transfer(levels=[measured(still), measured(noisy)])
+    variance = noisy.var(axis=0, ddof=1).mean() - 1 / 12
+    assert found.gain_e_per_dn == pytest.approx((noisy.mean() - 1.0) / variance, rel=1e-6)
+
+
+def test_numbers_without_a_variance_are_refused():
+    flat = field(Camera(), 5000)
+    huge = replace(flat, temporal_dn2=float("nan"))  # as of numbers about 1e308
+    with pytest.raises(DataError, match="too large for their variance"):
+        photon_transfer(levels=[flat, huge])
+
+
+def test_dark_frames_that_are_brighter_than_all_levels_are_refused():
+    levels = [field(Camera(), electrons) for electrons in (500, 5000)]
+    with pytest.raises(DataError, match="dark frames' mean, 1450"):
+        photon_transfer(levels=levels, dark=field(Camera(), 5000))
+
+
+def test_levels_without_any_noise_are_refused():
+    levels = [measured(np.full((4, 8, 8), number)) for number in (5.0, 9.0)]
+    with pytest.raises(DataError, match="no level has noise"):
+        photon_transfer(levels=levels)
