@@ -83,7 +83,8 @@ def solve_readout(options: Options, cancel: threading.Event | None = None) -> No
     if solution.at is None:
         raise DataError(_none(solution, sought.port, unit, figure, wanted, reasons))
     at = solution.at
-    print(in_line(_found(solution, sought.port, unit, figure, wanted)))
+    whole = parameter.kind == "integer"
+    print(in_line(_found(solution, sought.port, unit, figure, wanted, whole=whole)))
     final = planned(at.value)
     print("\n" + "\n".join(_lines(engine, final, work, (figure.node, sought.node))))
     for line in warning_lines(engine.warnings(final, work, known_only=True)):
@@ -116,11 +117,13 @@ def _wanted(text: str, network: Network, library: Library) -> tuple[Figure, floa
     return figure, wanted
 
 
-def _found(solution: Solution, port: str, unit: str, figure: Figure, wanted: float) -> str:
+def _found(
+    solution: Solution, port: str, unit: str, figure: Figure, wanted: float, *, whole: bool
+) -> str:
     at = solution.at
     assert at is not None
     # What is found is typed in again: with the six digits of figures it would be off by 1e-6.
-    found = at.value if isinstance(at.value, int) else float(f"{at.value:.10g}")
+    found = int(at.value) if whole else float(f"{at.value:.10g}")
     text = f"{port} = {found!r} {unit}".rstrip() + f": {_is(figure, at.figure)}"
     if solution.beside is not None:
         other = solution.beside

@@ -84,6 +84,7 @@ def test_a_whole_number_has_two_neighbours(imagechain, camera):
     assert abs(frames - other) == 1
     assert (netd(frames) - 0.0105) * (netd(other) - 0.0105) < 0
     assert "no whole number gives 0.0105 K" in first
+    assert re.match(r"[\w.]+ = \d+[:; ]", first)  # as it is typed in again, without a point
 
 
 def test_of_several_solutions_the_one_nearest_to_the_present(imagechain, small, write):
