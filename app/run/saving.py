@@ -183,11 +183,15 @@ def _context_rows(context: Context) -> list[tuple[Any, ...]]:
 
 
 def _save_rows(path: Path, rows: Iterable[tuple[Any, ...]]) -> None:
-    cells = [
-        [repr(cell) if isinstance(cell, float) else "" if cell is None else cell for cell in row]
-        for row in rows
-    ]
+    cells = (map(_cell, row) for row in rows)
     write_text(path, _lines([("name", "value", "unit", "meaning"), *cells]))
+
+
+def _cell(value: Any) -> Any:
+    """A number in full; numpy's own would be written with the name of its type."""
+    if isinstance(value, float):
+        return repr(float(value))
+    return "" if value is None else value
 
 
 def _lines(rows: Iterable[Iterable[Any]]) -> str:

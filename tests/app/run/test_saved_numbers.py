@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+
 import numpy as np
 
 from nodes.files.read import read_info, read_pixels
@@ -36,3 +38,22 @@ def test_a_twelve_bit_tiff_holds_0_to_4095(imagechain, small, write, tmp_path):
     marked = np.load(tmp_path / "s.npy")
     assert marked.sum() == (numbers == 4095).sum()
     assert f"saturated_pixels,{int(marked.sum())}" in (tmp_path / "t.csv").read_text()
+
+
+def test_every_number_of_a_saved_table_reads_back(imagechain, tmp_path):
+    """Numbers of numpy's own types are written as numbers, too."""
+    done = imagechain("run", "mwir_camera", "--save", "focal_plane.table=t.csv")
+    assert (done.returncode, done.stderr) == (0, "")
+    with (tmp_path / "t.csv").open(newline="") as file:
+        rows = {row["name"]: row["value"] for row in csv.DictReader(file)}
+    words = {name for name, value in rows.items() if not _reads(value)}
+    assert words == {"photon_weighting"}
+    assert 0.046 < float(rows["netd_K"]) < 0.051  # K, as the data sheet says
+
+
+def _reads(text):
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

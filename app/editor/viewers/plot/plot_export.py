@@ -85,12 +85,15 @@ def csv_text(data: Data) -> str:
 
 def _lines(rows: Iterable[Sequence[Any]]) -> str:
     text = io.StringIO()
-    cells = (
-        [repr(cell) if isinstance(cell, float) else "" if cell is None else cell for cell in row]
-        for row in rows
-    )
-    csv.writer(text, lineterminator="\n").writerows(cells)
+    csv.writer(text, lineterminator="\n").writerows(map(_cell, row) for row in rows)
     return text.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    """A number in full; numpy's own would be written with the name of its type."""
+    if isinstance(value, float):
+        return repr(float(value))
+    return "" if value is None else value
 
 
 def _png(widget: QWidget) -> bytes:
