@@ -21,6 +21,7 @@ from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
+from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from nodes.input_output.sample_statistics import histogram, statistics
 from nodes.shared.shared_warnings import is_radiance, is_temperature
@@ -178,7 +179,7 @@ def figures(
         values["probe"] = float(samples[probe_y, probe_x])
         where = f"sample at column {probe_x}, row {probe_y}"
         rows.append(TableRow("probe", values["probe"], unit, where))
-    if band_um is not None:
+    if band_um is not None and band_um[0] >= SHORTEST_THERMAL_UM:
         for name, value in values.items():
             meaning = f"apparent temperature of {name}, {band_um[0]:g} to {band_um[1]:g} µm"
             rows.append(TableRow(f"{name}_K", apparent_temperature(value, band_um), "K", meaning))
@@ -186,7 +187,12 @@ def figures(
 
 
 def apparent_temperature(radiance: float, band_um: Band) -> float | None:
-    """Brightness temperature, K; None for what no temperature radiates, such as noise below 0."""
+    """Brightness temperature, K; None for what no temperature radiates, such as noise below 0.
+
+    None of reflected light either: the band begins where no scene is seen by its own warmth.
+    """
+    if band_um[0] < SHORTEST_THERMAL_UM:
+        return None
     try:
         kelvin = brightness_temperature(
             radiance=radiance, cut_on_um=band_um[0], cut_off_um=band_um[1]

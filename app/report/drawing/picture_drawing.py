@@ -17,6 +17,7 @@ from app.report.drawing.pupils import Panel
 from app.run.png import robust_limits
 from core.chain.wires import Image
 from core.errors import ImagechainError
+from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import band_radiance, brightness_temperature
 
 Array = NDArray[Any]
@@ -164,6 +165,8 @@ def _temperatures(bar: Any, image: Image, low: float, high: float) -> None:
     from matplotlib.ticker import MaxNLocator
 
     if image.unit != RADIANCE or image.band_um is None or low <= 0:
+        return
+    if image.band_um[0] < SHORTEST_THERMAL_UM:  # reflected light
         return
     band = {"cut_on_um": image.band_um[0], "cut_off_um": image.band_um[1]}
     try:

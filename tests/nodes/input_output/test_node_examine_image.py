@@ -75,6 +75,13 @@ def test_examine_tells_the_apparent_temperature(tmp_path):
     assert negative["minimum_K"] is None
 
 
+def test_reflected_light_has_no_apparent_temperature(tmp_path):
+    """0.5 to 0.8 µm: sunlit ground would come out as hot as 1280 K."""
+    array = np.array([[19.0, 24.0]])
+    names = examining(tmp_path, array, band=(0.5, 0.8)).value("out.table").as_dict()
+    assert set(names) == {"minimum", "maximum", "mean", "sigma"}
+
+
 def test_examine_refuses_a_probe_outside(tmp_path):
     bench = examining(tmp_path, picture(), probe_x=9, probe_y=0)
     with pytest.raises(ParameterError, match="probe_x = 9"):
