@@ -7,7 +7,7 @@ from typing import Any
 from app.report.blocks import Block, Drawn, Grid, Heading, Text, of_many
 from app.report.drawing.picture_drawing import COLOURS, figure, strongest
 from app.report.drawing.printed_numbers import number
-from nodes.analysis.noise.budget_tables import source_words
+from nodes.analysis.noise.budget_tables import source_title
 
 Fact = dict[str, Any]
 _ACROSS, _ALONG = COLOURS[0], COLOURS[1]
@@ -115,7 +115,7 @@ def _percent(share: float) -> str:
 
 
 def _name(source: Fact) -> str:
-    return source_words(source["name"]).capitalize()
+    return source_title(source["name"])
 
 
 def _distinct(names: list[str], rows: list[Fact]) -> list[str]:

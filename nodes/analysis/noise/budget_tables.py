@@ -23,8 +23,9 @@ def source_words(name: str) -> str:
     return _WORDS.get(name, name)
 
 
-def _capital(words: str) -> str:
-    """With a capital first; those of an abbreviation stay."""
+def source_title(name: str) -> str:
+    """The same with a capital first; those of an abbreviation stay."""
+    words = source_words(name)
     return words[:1].upper() + words[1:]
 
 
@@ -34,7 +35,7 @@ def noise_bars(work: Work, noise: NoiseShares, *, kind: Kind, show: Show, unit: 
     title = "Noise" if kind == "all" else f"{kind.capitalize()} noise"
     if not noise.shares:
         return CurveData(f"{title}: none in this picture", "source", "share (%)", ())
-    pairs = [(_capital(source_words(share.name)), share.node) for share in noise.shares]
+    pairs = [(source_title(share.name), share.node) for share in noise.shares]
     names = _distinct(pairs)
     kinds = [
         k for k in ("temporal", "fixed") if any(getattr(s, k) is not None for s in noise.shares)

@@ -60,6 +60,15 @@ def test_a_phase_does_not_blur(imagechain, tmp_path):
     assert [each["node"] for each in found["blur"]["stages"]] == ["blur"]
 
 
+def test_abbreviations_of_noises_stay(imagechain, tmp_path):
+    done = imagechain("run", "mwir_camera", "--report", "r.html")
+    assert (done.returncode, done.stderr) == (0, "")
+    page = (tmp_path / "r.html").read_text()
+    assert ">PRNU<" in page
+    assert ">DSNU<" in page
+    assert "Prnu" not in page
+
+
 def test_two_bars_of_one_name_tell_their_node():
     row = {"title": "Gaussian MTF", "share_x": 0.5, "share_y": -0.2}
     blur = {"stages": [{**row, "node": "a"}, {**row, "node": "b"}]}
