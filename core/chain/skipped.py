@@ -81,7 +81,7 @@ def skips(plan: Plan, work: Work) -> tuple[Skip, ...]:
 
 
 def is_neutral(planned: PlannedNode) -> bool:
-    """Whether the node passes all it works on as it is: nothing of it is computed."""
+    """Whether the node passes all it works on as it is, and has no data for what follows."""
     through = {
         port: (planned.inputs[port], value)
         for port, value in planned.outputs.items()
@@ -89,6 +89,11 @@ def is_neutral(planned: PlannedNode) -> bool:
     }
     if any(getattr(value, "own", None) is not None for value in planned.outputs.values()):
         return False  # a transfer function to look at has been made
+    if any(
+        getattr(given, "camera", None) != getattr(value, "camera", None)
+        for given, value in through.values()
+    ):
+        return False  # the samples are as they were; what follows takes the camera's data from it
     return bool(through) and all(
         getattr(given, "key", None) == getattr(value, "key", None)
         for given, value in through.values()
