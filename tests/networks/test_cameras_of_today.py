@@ -114,6 +114,8 @@ def test_a_pixel_of_the_satellite_is_averaged_once(tmp_path):
     assert rows["Ground sample distance"] == pytest.approx([0.48, 0.48])
     noises = {row["label"]: row for row in sheet["noises"][0]["rows"]}
     assert noises["Shot noise"]["K"] is None  # reflected light has no kelvins
+    rows = {row["label"]: row["values"][0] for row in groups["Focal plane"]["rows"]}
+    assert (rows["Read noise"], rows["PRNU"], rows["DSNU"]) == (20.0, 0.3, 10.0)
     assert not facts["nodes"]["camera"]["neutral"]  # the sampling comes from it
     assert "identity" not in [fact["kind"] for fact in facts["skipped"].get("camera", [])]
     assert not any(

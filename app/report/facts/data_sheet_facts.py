@@ -34,6 +34,10 @@ _FOCAL_PLANE: Rows = (
     ("TDI stages", "tdi_stages", ""),
     ("Frames averaged", "frames_averaged", ""),
     ("Quantum efficiency", "quantum_efficiency", ""),
+    ("Transmission of the optics", "optics_transmission", ""),
+    ("Read noise", "read_noise_e", "e-"),
+    ("PRNU", "prnu_percent", "%"),
+    ("DSNU", "dsnu_e", "e-"),
     ("Full well", "full_well_e", "e-"),
     ("Bits", "bits", ""),
     ("Gain", "gain_e_per_dn", "e-/DN"),
@@ -45,11 +49,12 @@ _FOCAL_PLANE: Rows = (
     ("Dynamic range", "dynamic_range_dB", "dB"),
     ("SNR", "snr", ""),
     ("NETD", "netd_K", "K"),
-    ("NEI", "nei_photons_per_cm2", "1/cm²"),
+    ("NEI", "nei_photons_per_cm2", "photons/cm²"),
 )
 _MICROBOLOMETER: Rows = (
     ("NETD of the data sheet", "netd_mK", "mK"),
     ("at F-number", "reference_f_number", ""),
+    ("Transmission of the optics", "optics_transmission", ""),
     ("Thermal time constant", "time_constant_s", "s"),
     ("Frame rate", "frame_rate_Hz", "Hz"),
     ("NETD", "netd_K", "K"),
@@ -60,6 +65,9 @@ _MICROBOLOMETER: Rows = (
     ("SNR", "snr", ""),
 )
 _RANGES: Rows = (
+    ("Size of the target", "target_size_m", "m"),
+    ("Target less background", "target_delta_K", "K"),
+    ("Extinction of the air", "extinction_per_km", "1/km"),
     ("NETD of the chain", "netd_K", "K"),
     ("Detection (Johnson)", "detection_range_km", "km"),
     ("Recognition (Johnson)", "recognition_range_km", "km"),
@@ -85,7 +93,7 @@ _CAMERAS = ("camera", "focal_plane", "microbolometer")  # without one there is n
 _NOISES = (
     ("Shot noise", "shot_noise_e"),
     ("Read noise", "read_noise_e"),
-    ("Rounding", "quantization_noise_e"),
+    ("Quantization", "quantization_noise_e"),
     ("All temporal noise", "temporal_noise_e"),
     ("Fixed pattern", "fixed_pattern_e"),
 )
