@@ -105,7 +105,7 @@ class FocalPlanePanel(SeededModule):
     housing_K: Annotated[
         float | None,
         Param(
-            "temperature of the housing past the cold shield",
+            "temperature of the housing past the cold shield; empty: no emission",
             unit="K",
             low=0,
             high=1e4,

@@ -56,7 +56,7 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     ] = None
     pitch_y_um: Annotated[
         float | None,
-        Param("the same along, if it differs; empty: pitch_um", unit="µm", low=0, slider=(2, 50)),
+        Param("the same along, if it differs; empty: as across", unit="µm", low=0, slider=(2, 50)),
     ] = None
     fill_x: Annotated[float | None, Param("fill factor across; empty: 1", low=0, high=1)] = None
     fill_y: Annotated[float | None, Param("fill factor along; empty: 1", low=0, high=1)] = None

@@ -58,7 +58,7 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
     ] = 0.0  # fmt: skip
     offset_y: Annotated[
         float | None,
-        Param("the same along, if it differs; empty: offset", unit="pixels", low=-1, high=1,
+        Param("the same along, if it differs; empty: as across", unit="pixels", low=-1, high=1,
               slider=(-0.5, 0.5), zero_is_empty=False),
     ] = None  # fmt: skip
 
