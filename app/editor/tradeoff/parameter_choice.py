@@ -67,7 +67,17 @@ class ParameterChoice(NodeChoice):
     def focusInEvent(self, event: QFocusEvent) -> None:
         """All of the text is replaced by what is typed."""
         super().focusInEvent(event)
-        QTimer.singleShot(0, self._field.selectAll)
+        QTimer.singleShot(0, self._select_all)
+
+    def _select_all(self) -> None:
+        """Backwards, so that the beginning of a long name stays in sight."""
+        end = len(self._field.text())
+        self._field.setSelection(end, -end)
+
+    def show_value(self, value: str) -> None:
+        """From its beginning, which is the parameter: the field would show the end."""
+        super().show_value(value)
+        self._field.setCursorPosition(0)
 
     def choose(self, node: str, parameter: str) -> None:
         """Show one as chosen, without a signal; empty names: none."""

@@ -119,6 +119,13 @@ def test_the_menu_of_a_value_leads_to_it(opened_window, idle, qtbot):
     assert len(view.points) == view.span.count
 
 
+def test_a_long_name_is_shown_from_its_beginning(dock):
+    """Integration time of focal_plane (s) is wider than the field."""
+    field = dock.bar.parameter.lineEdit()
+    assert field.text() == LISTED
+    assert field.cursorPosition() == 0
+
+
 def test_choices_have_no_such_menu(opened_window, idle):
     opened_window.session.select(["electronics"])
     idle(opened_window)
