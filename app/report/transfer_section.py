@@ -74,5 +74,5 @@ def _at_nyquist(responses: Responses, nyquist: Fact) -> Block:
         )
         for stage in (*responses.stages, *responses.beside, *responses.products)
     ]
-    heads = ("at Nyquist", "node", "MTF x", "PTF x (rad)", "MTF y", "PTF y (rad)")
+    heads = ("at Nyquist of the FFT", "node", "MTF x", "PTF x (rad)", "MTF y", "PTF y (rad)")
     return Grid(heads, rows, numbers=(2, 3, 4, 5))

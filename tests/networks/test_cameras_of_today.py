@@ -131,5 +131,6 @@ def test_the_report_reads_as_a_data_sheet(name, tmp_path):
     page = report.read_text()
     for words in ("Data sheet", "IFOV", "Ground sample distance", "Nyquist frequency"):
         assert words in page
+    assert ">at Nyquist<" not in page  # the pixels', or the finer one of the stages' samples?
     assert ("NIIRS" in page) == (name == "satellite_tdi")
     assert ("Johnson" in page) == (name != "satellite_tdi")
