@@ -53,3 +53,9 @@ def test_netd_and_snr_come_first(camera):
 )  # fmt: skip
 def test_a_unit_at_the_end_of_a_name_stands_beside_the_value(name, label):
     assert label_of(name) == label
+
+
+@pytest.mark.parametrize("name", ["optics_K", "housing_K", "source_K"])
+def test_a_field_in_kelvin_is_of_a_temperature(name):
+    """`Optics`, with a field in K below the transmission, named no quantity."""
+    assert label_of(name).endswith("temperature")
