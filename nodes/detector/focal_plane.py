@@ -246,13 +246,9 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
 
     @warning
     def overflow(self, outputs: FocalPlaneOutputs) -> Recipe:
-        """A mean, or a brightest, beyond the full well or the converter's last number."""
+        """A mean, or a brightest, beyond the full well or the converter's numbers."""
         table = outputs.table.recipe.inputs[0]
         return Step.of(overflow_caution, table, table.inputs[0], reading=self.read_out())
-        """A mean beyond the full well, or beyond the converter's first or last number."""
-        return Step.of(
-            overflow_caution, outputs.table.recipe.inputs[0], top_dn=self.read_out().top_dn
-        )
 
     signal_e = _figure("signal_e", "e-", "Electrons of the scene, at the picture's mean.")
     optics_e = _figure("optics_e", "e-", "Electrons of the optics' own emission.")

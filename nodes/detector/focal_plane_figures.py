@@ -313,8 +313,6 @@ def overflow_caution(
     Noise and unlike pixels are left out: what they alone clip is in `saturated_pixels`.
     """
     top_dn = reading.top_dn
-def overflow_caution(work: Work, table: TableData, *, top_dn: float) -> Caution | None:
-    """A picture whose mean is clipped at either end, so that its figures are not its own."""
     figures: dict[str, Any] = table.as_dict()
     fill, number = figures["well_fill_percent"], figures["mean_dn"]
     if fill is not None and fill > 100.0:
@@ -330,6 +328,12 @@ def overflow_caution(work: Work, table: TableData, *, top_dn: float) -> Caution 
             f"{top_dn:.0f}: the picture is clipped",
             "make gain_e_per_dn or bits larger, or offset_dn smaller",
         )
+    if number < 0.0 and np.isfinite(top_dn):
+        return Caution(
+            f"the mean of the picture is number {number:.5g}, below the converter's first, 0: the "
+            "picture is clipped",
+            "make offset_dn larger",
+        )
     saturation = reading.saturation_e
     if levels.brightest_e > saturation:
         return Caution(
@@ -337,11 +341,6 @@ def overflow_caution(work: Work, table: TableData, *, top_dn: float) -> Caution 
             f"{saturation:.4g} e-: SNR and noise are those of the mean; saturated_pixels says how "
             "many are clipped",
             "make integration_time_s smaller, or full_well_e, gain_e_per_dn or bits larger",
-    if number < 0.0 and np.isfinite(top_dn):
-        return Caution(
-            f"the mean of the picture is number {number:.5g}, below the converter's first, 0: the "
-            "picture is clipped",
-            "make offset_dn larger",
         )
     return None
 

@@ -186,15 +186,12 @@ class _Line:
             matrix = np.stack([np.ones_like(x), x], axis=1)
             normal = matrix.T @ (weights[:, np.newaxis] * matrix)
             at_foot, slope = np.linalg.solve(normal, matrix.T @ (weights * y))
-            model = np.maximum(at_foot + slope * x, 1e-3 * y)
+            model = np.maximum(at_foot + slope * x, np.maximum(1e-3 * y, least))
         spread = np.linalg.inv(normal)
         errors = np.sqrt(np.diag(spread))
         return cls(
             float(at_foot), float(slope), float(errors[0]), float(errors[1]), float(spread[0, 1])
         )
-            model = np.maximum(at_foot + slope * x, np.maximum(1e-3 * y, least))
-        errors = np.sqrt(np.diag(np.linalg.inv(normal)))
-        return cls(float(at_foot), float(slope), float(errors[0]), float(errors[1]))
 
 
 def _read_noise(

@@ -431,6 +431,8 @@ def test_a_brightest_that_is_clipped_is_warned_of(tmp_path, warmer, clipped):
     assert len(found) == clipped
     if clipped:
         assert "the picture's brightest gives" in found[0].text
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
