@@ -124,7 +124,7 @@ def cameras(_settings: Settings) -> list[Table]:
         "noise of the brighter. pyBSM's converter has 2^bits steps, ours one less, and it sums "
         f"over {_SAMPLES} wavelengths."
     )
-    title = "Photons to electrons: a camera's noise and SNR beside pyBSM's"
+    title = "Photons to electrons: noise and SNR of cameras beside pyBSM"
     return [Table("peer_cameras", title, heads, tuple(rows), text, brief=tuple(heads))]
 
 

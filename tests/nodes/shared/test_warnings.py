@@ -260,6 +260,7 @@ BY_HAND = {  # need what only a file tells
     ("init_trans", "camera"),  # tests/nodes/optics/test_node_camera.py
     ("noise_3d_source", "few_lines"),
     ("focal_plane", "overflow"),  # of figures, in test_node_focal_plane
+    ("focal_plane", "response_ends"),  # of a file, in test_node_focal_plane
     ("focal_plane", "optics"),  # behind optics, in test_node_focal_plane
     ("image_quality", "limits"),  # of figures, in test_node_image_quality
 }
