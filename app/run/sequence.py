@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,9 @@ from nodes.files.frames.frame_writing import (
 from nodes.files.read import check_finite
 
 MOST_FRAMES = 1_000_000
+
+
+_COLLECTED = 256  # frames between two collections of what refers to itself: 4 MB of small ones
 
 
 def format_for_frames(port: str, path: Path) -> FrameFormat:
@@ -76,7 +80,9 @@ def save_frames(
     recipes = (at_frame(image.recipe, number) for number in range(frames))
 
     def made() -> Iterator[NDArray[Any]]:
-        for value in work.one_by_one(recipes, region, forgetting=True):
+        for number, value in enumerate(work.one_by_one(recipes, region, forgetting=True)):
+            if number % _COLLECTED == _COLLECTED - 1:
+                gc.collect()  # the recipes of a frame refer to one another
             work.check()
             frame = real_array(value, work)
             check_finite(frame, port)
