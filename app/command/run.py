@@ -405,6 +405,9 @@ def _print(
     if left_out:
         budget = evaluation.work.policy.budget
         print(in_line(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}"))
+    for skip in skipped:
+        if skip.kind == "wavelengths":
+            print(in_line(f"{skip.node}: {skip.text} (at most {skip.bound:.2g} of their contrast)"))
     names = [FINAL, MTF, READOUTS] if evaluation.chain.final is not None else [MTF, READOUTS]
     print(in_line(f"{folder}: {', '.join(names)}"))
     if evaluation.chain.final is None:

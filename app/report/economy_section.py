@@ -14,6 +14,7 @@ _KINDS = {
     "disabled": ("the node", "it is switched off"),
     "identity": ("the node", "its setting changes nothing"),
     "below_budget": ("a stage", "it changes less than the error budget, {budget} of the range"),
+    "wavelengths": ("transforms of every band", "a few wavelengths stand for all"),
     "pupil_centre": ("the pupil's OTF beyond the band", "it does not reach the picture"),
     "mirrored_edges": ("a frame padded for its edges", "cosine transforms mirror by themselves"),
     "folded": ("the picture before its pixels are combined", "the spectrum is folded instead"),
@@ -57,6 +58,7 @@ def state(listed: list[Fact]) -> str:
 def _detail(fact: Fact) -> str:
     template = {
         "below_budget": "at most {bound}",
+        "wavelengths": "{share} % of them, at most {bound} of the contrast",
         "pupil_centre": "{share} % of it evaluated",
         "mirrored_edges": "{share} % of its samples transformed",
         "folded": "inverse of {share} % of its samples",

@@ -9,6 +9,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.chain.delivered_bands import DeliveredBands
+from core.chain.delivery_lineage import Delivery
 from core.chain.wires import Image, Magnitude, Phase
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, in_parts
@@ -17,10 +19,12 @@ from core.evaluation.work import Work
 from core.filtering.mirrored import MeanFree, mirrored_filter, mirrored_spectrum
 from core.filtering.periodic import crossed_spectrum, periodic_filter, periodic_spectrum
 from core.filtering.sampled_waves import sampled_filter
-from core.lineage.linear_change import Axis, Blocks, Filtering, Linear, Vector
+from core.lineage.linear_change import Blocks
 from core.lineage.pixel_samples import PixelSamples
 from core.lineage.step_lineage import Lineage, picture_step
-from core.noise.noise_power import NoisePower
+from core.spectrum.band_stack import BandStack, Row, SteppedBands
+from core.spectrum.filtered_sum import FilteredSum
+from core.spectrum.wavelength_rank import WavelengthRank, spectral_of
 from core.transfer.error_budget import Skipped, spend
 from core.transfer.factors import Factor
 from core.transfer.grid import Edges, Grid
@@ -47,6 +51,9 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
     grid = magnitude.grid
     like = magnitude.image or phase.image
     recipe = Delivered(magnitude, phase, node=node)
+    bands = _bands_of(recipe)
+    if bands is not None:
+        recipe = replace(recipe, weights=bands.whole)
     unit = like.unit if like is not None else ""
     return Image(
         recipe,
@@ -59,14 +66,24 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
         edges="reflect" if recipe.mirrored else "periodic",
         camera=like.camera if like is not None else None,
         pixel_mrad=like.pixel_mrad if like is not None else (None, None),
+        bands=bands,
     )
+
+
+def _bands_of(recipe: Delivered) -> DeliveredBands | None:
+    """The bands of a filtered image, where it has some."""
+    before = recipe.magnitude.image.bands if recipe.magnitude.image is not None else None
+    if before is None or not recipe.one_source:
+        return None
+    return DeliveredBands.of(before, recipe)
 
 
 @dataclass(frozen=True, eq=False)
 class Delivered(Recipe):
     """Pixels of a filtered image, blocks of them combined if a factor is above 1.
 
-    With `sampled` it is taken at the places of pixels alone, and no factor is above 1.
+    With `sampled` it is taken at the places of pixels alone, and no factor is above 1. With
+    `weights` it is that sum of its bands, each filtered at its own wavelength.
     """
 
     magnitude: Magnitude
@@ -76,9 +93,12 @@ class Delivered(Recipe):
     mode: BinMode = "mean"
     node: str | None = field(default=None, compare=False)
     sampled: PixelSamples | None = None
+    weights: Row | None = None
 
     def _content(self) -> tuple[object, ...]:
         how = () if self.sampled is None else (self.sampled,)
+        if self.weights is not None:
+            how = (*how, self.bands.key, self.weights)
         return self.magnitude.key, self.phase.key, self.factor_x, self.factor_y, self.mode, *how
 
     @property
@@ -94,41 +114,74 @@ class Delivered(Recipe):
     @property
     def needs(self) -> tuple[Recipe, ...]:
         """The picture's spectrum in its place, and the stored planar factors."""
-        product = Product((*self.magnitude.factors, *self._phase_factors()))
+        product = Product(self._factors)
         axes: Axes = "mirrored" if self.mirrored else "periodic"
-        sources = (self._spectrum,) if self.one_source else self._pictures
+        sources = self._spectra if self.one_source else self._pictures
         return (*self.bound, *known_planes(product, self.magnitude.grid, axes), *sources)
 
     def first(self, work: Work) -> tuple[Recipe, ...]:
         """The same, without the picture where its spectrum is in the store."""
-        if self.one_source and work.has(self._spectrum):
+        if self.one_source and all(work.has(one) for one in self._spectra):
             return self.bound
         return (*self.bound, *self._pictures)
 
     @property
     def _pictures(self) -> tuple[Recipe, ...]:
+        if self.weights is not None:
+            return self._by_wavelength.recipes
         wires = (self.magnitude, self.phase)
         return tuple(wire.image.recipe for wire in wires if wire.image is not None)
 
     @property
     def bound(self) -> tuple[Recipe, ...]:
         """Recipes that laws are bound to."""
-        factors = (*self.magnitude.factors, *self.phase.factors)
-        return tuple(recipe for factor in factors for law in factor.laws for recipe in law.inputs)
+        return tuple(one for factor in self._factors for law in factor.laws for one in law.inputs)
+
+    @property
+    def bands(self) -> BandStack:
+        """Bands of the picture that is filtered; of one that has some."""
+        assert self.magnitude.image is not None
+        assert self.magnitude.image.bands is not None
+        return self.magnitude.image.bands
 
     @cached_property
-    def _spectrum(self) -> Recipe:
-        """Of the picture that magnitude and phase stem from."""
+    def _by_wavelength(self) -> FilteredSum:
+        """The sum of bands behind the factors that depend on wavelength."""
+        assert self.weights is not None
+        factors = spectral_of((*self.magnitude.factors, *self._phase_factors()))[0]
+        axes: Axes = "mirrored" if self.mirrored else "periodic"
+        grid = self.magnitude.grid
+        return FilteredSum(self.bands, self.weights, factors, grid, axes, self.node)
+
+    @property
+    def _factors(self) -> tuple[Factor, ...]:
+        """Those that act on the whole picture alike."""
+        factors = (*self.magnitude.factors, *self._phase_factors())
+        return factors if self.weights is None else spectral_of(factors)[1]
+
+    @cached_property
+    def _spectra(self) -> tuple[Recipe, ...]:
+        """Of the picture that magnitude and phase stem from, or of sums of its bands."""
+        if self.weights is not None:
+            return self._by_wavelength.recipes
         assert self.magnitude.image is not None
         transform = mirrored_spectrum if self.mirrored else periodic_spectrum
-        return Step.of(transform, self.magnitude.image.recipe, node=self.node)
+        return (Step.of(transform, self.magnitude.image.recipe, node=self.node),)
 
     @property
     def lineage(self) -> Lineage | None:
         """The picture filtered and its pixels combined, where magnitude and phase are of one."""
         if self.magnitude.image is None or not self.one_source:
             return None
-        return Lineage(self.magnitude.image.recipe, _Delivery(self))
+        return Lineage(self._source, Delivery(self))
+
+    @property
+    def _source(self) -> Recipe:
+        """What is filtered."""
+        assert self.magnitude.image is not None
+        if self.weights is not None:
+            return self.bands.picture(self.weights)
+        return self.magnitude.image.recipe
 
     @property
     def mirrored(self) -> bool:
@@ -165,19 +218,35 @@ class Delivered(Recipe):
         return self._made(work, region)
 
     def _made(self, work: Work, region: Region | None = None) -> Array:
-        grid = self.magnitude.grid
         factors, _ = self.spent(work)
-        product = Product(factors)
-        source = self.magnitude.image
-        if source is not None and self.one_source:
-            if not factors and self.plain:
-                picture = source.recipe
-                samples = work.part(picture, region) if region else work.value(picture)
-                return np.asarray(samples, work.policy.dtype)
-            spectrum = work.value(self._spectrum)
-            apply = mirrored_filter if self.mirrored else periodic_filter
-        else:
-            spectrum, apply = self._crossed(work), periodic_filter
+        if not self.one_source:
+            return self._filtered(work, self._crossed(work), factors, region)
+        if not factors and self.plain and not self._is_split:
+            samples = work.part(self._source, region) if region else work.value(self._source)
+            return np.asarray(samples, work.policy.dtype)
+        if self.weights is None:
+            return self._filtered(work, work.value(self._spectra[0]), factors, region)
+        total: Array | None = None
+        for spectrum, own in self._by_wavelength.spectra(work):
+            made = self._filtered(work, spectrum, (*own, *factors), region)
+            total = made if total is None else np.add(total, made, out=total)
+        assert total is not None
+        return total
+
+    @property
+    def _is_split(self) -> bool:
+        """Whether bands are filtered each at its own wavelength."""
+        return self.weights is not None and bool(self._by_wavelength.factors)
+
+    def _filtered(
+        self,
+        work: Work,
+        spectrum: MeanFree,
+        factors: tuple[Factor, ...],
+        region: Region | None = None,
+    ) -> Array:
+        grid, product = self.magnitude.grid, Product(factors)
+        apply = mirrored_filter if self.mirrored else periodic_filter
         work.check()
         sampled = self.sampled
         if sampled is not None and not sampled.folds:
@@ -199,7 +268,12 @@ class Delivered(Recipe):
         """Factors that count within the error budget, and those left out."""
         axes: Axes = "mirrored" if self.mirrored else "periodic"
         xi, eta = axes_of(self.magnitude.grid, axes)
-        return spend(work, (*self.magnitude.factors, *self._phase_factors()), xi, eta)
+        rank = self.rank(work)
+        return spend(work, self._factors, xi, eta, spent=0.0 if rank is None else rank.bound)
+
+    def rank(self, work: Work) -> WavelengthRank | None:
+        """The wavelengths that stand for those of all bands, where these are filtered apart."""
+        return work.value(self._by_wavelength.wavelengths) if self._is_split else None
 
     def _phase_factors(self) -> tuple[Factor, ...]:
         """PTFs as functions of the magnitude's frequencies, sample by sample of the spectrum."""
@@ -217,78 +291,6 @@ class Delivered(Recipe):
             None if b is None else work.value(b.recipe),
             self.magnitude.grid,
         )
-
-
-@dataclass(frozen=True)
-class _Delivery(Linear):
-    """What a delivered image's factors and pixel means do, in one."""
-
-    recipe: Delivered
-
-    @property
-    def _filtering(self) -> Filtering:
-        magnitude, phase = self.recipe.magnitude, self.recipe.phase
-        edges: Edges = "reflect" if self.recipe.mirrored else "periodic"
-        return Filtering((*magnitude.factors, *phase.factors), magnitude.grid, edges)
-
-    @property
-    def _pixels(self) -> Blocks | PixelSamples:
-        recipe = self.recipe
-        if recipe.sampled is not None:
-            return recipe.sampled
-        return Blocks(recipe.factor_x, recipe.factor_y, recipe.mode, recipe.magnitude.grid.shape)
-
-    @property
-    def gain(self) -> float:
-        """Factor by which a sum of pixels scales a uniform picture."""
-        return self._pixels.gain
-
-    @property
-    def combines_pixels(self) -> bool:
-        """Whether a factor is above 1, or pixels are sampled."""
-        return not self.recipe.plain
-
-    def size_before(self, rows: int, columns: int) -> tuple[int, int]:  # noqa: ARG002
-        """Rows and columns of the spectrum."""
-        return self.recipe.magnitude.grid.shape
-
-    def grid_before(self, grid: Grid) -> Grid:
-        """That of the spectrum, in the unit of the image's."""
-        before = self.recipe.magnitude.grid
-        ratios = self._ratios(grid)
-        if ratios is None:
-            return before
-        x, y = before.interval_x_mrad * ratios[0], before.interval_y_mrad * ratios[1]
-        return replace(before, interval_x_mrad=x, interval_y_mrad=y)
-
-    def transfer(self, before: Grid, after: Grid, node: str | None) -> tuple[Factor, ...]:
-        """All factors, those of the phase last, and the pixel means."""
-        factors = self._filtering.factors
-        ratios = self._ratios(after)
-        if ratios is not None:
-            factors = tuple(factor.rescaled(*ratios) for factor in factors)
-        return (*factors, *self._pixels.transfer(before, after, node))
-
-    def noise(self, work: Work, power: NoisePower) -> NoisePower:
-        """Filtered, and combined."""
-        return self._pixels.noise(work, self._filtering.noise(work, power))
-
-    def row(self, work: Work, row: Vector, axis: Axis) -> Vector:
-        """Filtered, and combined."""
-        return self._pixels.row(work, self._filtering.row(work, row, axis), axis)
-
-    def _ratios(self, grid: Grid) -> tuple[float, float] | None:
-        """Intervals of the image over the spectrum's; None where these are in the same unit.
-
-        A spectrum's frequencies may be in units of its own, such as cycles a sample.
-        """
-        recipe, before = self.recipe, self.recipe.magnitude.grid
-        samples: tuple[float, float] = (recipe.factor_x, recipe.factor_y)
-        if recipe.sampled is not None:
-            samples = recipe.sampled.ratio_x, recipe.sampled.ratio_y
-        x = grid.interval_x_mrad / (before.interval_x_mrad * samples[0])
-        y = grid.interval_y_mrad / (before.interval_y_mrad * samples[1])
-        return (x, y) if max(abs(x - 1.0), abs(y - 1.0)) > 1e-9 else None
 
 
 def combine_pixels(
@@ -309,22 +311,28 @@ def combine_pixels(
             f"blocks of {factor_x} × {factor_y} do not fit an image of "
             f"{image.columns} × {image.rows} samples"
         )
-    recipe = image.recipe
+    recipe, bands = image.recipe, image.bands
     whole = image.columns % factor_x == 0 and image.rows % factor_y == 0
     if isinstance(recipe, Delivered) and whole and recipe.plain:
-        combined: Recipe = Delivered(
-            recipe.magnitude, recipe.phase, factor_x, factor_y, mode, node=recipe.node
-        )
+        delivered = replace(recipe, factor_x=factor_x, factor_y=factor_y, mode=mode)
+        combined: Recipe = delivered
+        if bands is not None:
+            bands = _bands_of(delivered)
     else:
-        combined = Step.of(
-            block_combine,
-            recipe,
-            node=node,
-            factor_x=factor_x,
-            factor_y=factor_y,
-            mode=mode,
-            old=image.shape,
-        )
+        how = {"factor_x": factor_x, "factor_y": factor_y, "mode": mode, "old": image.shape}
+        combined = Step.of(block_combine, recipe, node=node, **how)
+        if bands is not None:
+            gain = factor_x * factor_y if mode == "sum" else 1.0
+            bands = SteppedBands(
+                bands.centres_um,
+                bands.widths_um,
+                bands,
+                block_combine,
+                tuple(sorted(how.items())),
+                gain,
+                node,
+                density=bands.density,
+            )
     x, y = image.interval_x_mrad, image.interval_y_mrad
     return image.with_recipe(
         combined,
@@ -333,6 +341,7 @@ def combine_pixels(
         interval_x_mrad=None if x is None else x * factor_x,
         interval_y_mrad=None if y is None else y * factor_y,
         edges=image.edges if whole else None,  # a frame that is cropped goes on otherwise
+        bands=bands,
     )
 
 
@@ -363,18 +372,23 @@ def sample_pixels(
         grid = Grid(*image.shape, x or 1.0, y or 1.0)
         magnitude, phase = Magnitude(image, grid, edges), Phase(image, grid, edges)
         recipe = Delivered(magnitude, phase, node=node)
+        if image.bands is not None:
+            recipe = replace(recipe, weights=image.bands.whole)
+    recipe = replace(recipe, sampled=pixels)
+    bands = None if recipe.weights is None else _bands_of(recipe)
     rows, columns = pixels.new
     whole = all(
         abs(new * ratio - old) <= 1e-6 * ratio
         for new, ratio, old in zip(pixels.new, (ratio_y, ratio_x), image.shape, strict=True)
     )
     return image.with_recipe(
-        replace(recipe, sampled=pixels),
+        recipe,
         rows=rows,
         columns=columns,
         interval_x_mrad=None if x is None else x * ratio_x,
         interval_y_mrad=None if y is None else y * ratio_y,
         edges=image.edges if whole and not (offset_x or offset_y) else None,
+        bands=bands,
     )
 
 

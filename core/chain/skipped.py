@@ -26,6 +26,7 @@ Kind = Literal[
     "pupil_centre",
     "folded",
     "region",
+    "wavelengths",
 ]
 
 
@@ -42,11 +43,13 @@ class Skip:
         out; ``unseen``, outputs that were not requested; ``unchanged``, values that were there
         already; ``mirrored_edges``, a frame that needs no padding; ``pupil_centre``, an OTF
         evaluated within the image's band alone; ``folded``, a pixel mean taken on the spectrum;
-        ``region``, a picture of which only a region was wanted.
+        ``region``, a picture of which only a region was wanted; ``wavelengths``, bands for which
+        other wavelengths stand.
     text : str
         One line for people, without `bound` and `share`.
     bound : float, optional
-        Of a stage left out: the most it could change, as a fraction of the picture's range.
+        Of a stage left out, or of wavelengths: the most it could change, as a fraction of the
+        picture's range.
     share : float, optional
         The part that was computed after all, where it is known.
     ports : tuple of str
@@ -186,6 +189,11 @@ class _Account:
                 f"pixels averaged on the spectrum: one inverse of {small} samples, none of {size}"
             )
             yield Skip(name, "folded", text, share=1 / factors)
+        rank = recipe.rank(self.work)
+        if rank is not None and rank.bound > 0.0:
+            count, every = len(rank.chosen), recipe.bands.count
+            text = f"{count} wavelengths transformed, which stand for those of {every} bands"
+            yield Skip(maker, "wavelengths", text, bound=rank.bound, share=count / every)
         counted, left_out = recipe.spent(self.work)
         for stage in left_out:
             text = f"{stage.label or 'the stage'} left out: it changes less than the error budget"

@@ -12,6 +12,7 @@ from core.errors import DataError
 from core.evaluation.content_key import content_key
 from core.evaluation.recipes import Recipe
 from core.physics.optics.pupil_shapes import PupilShape
+from core.spectrum.band_stack import BandStack
 from core.transfer.factors import Factor
 from core.transfer.grid import Edges, Grid
 
@@ -67,6 +68,8 @@ class Image:
         The camera that takes it, where one was entered before.
     pixel_mrad : (float or None, float or None)
         From one pixel of the detector to the next across and along, of that camera or Init & Trans.
+    bands : BandStack or None
+        The bands of wavelength that the pixels are the integral of, where they are known.
     """
 
     port_type: ClassVar[str] = "image"
@@ -82,6 +85,7 @@ class Image:
     edges: Edges | None = None
     camera: CameraSheet | None = None
     pixel_mrad: tuple[float | None, float | None] = (None, None)
+    bands: BandStack | None = None
 
     @property
     def key(self) -> str:
@@ -94,8 +98,8 @@ class Image:
         return self.rows, self.columns
 
     def with_recipe(self, recipe: Recipe, **changes: Any) -> Image:
-        """The same kind of image with other pixels."""
-        return replace(self, recipe=recipe, **changes)
+        """The same kind of image with other pixels; without bands, unless these are given too."""
+        return replace(self, **{"recipe": recipe, "bands": None, **changes})
 
     def grid(self) -> Grid:
         """Sampling of the image.

@@ -31,7 +31,7 @@ class Skipped:
 
 
 def spend(
-    work: Work, factors: Sequence[Factor], xi: Array, eta: Array
+    work: Work, factors: Sequence[Factor], xi: Array, eta: Array, *, spent: float = 0.0
 ) -> tuple[tuple[Factor, ...], tuple[Skipped, ...]]:
     """Factors to keep, in their order, and what is left out.
 
@@ -43,9 +43,11 @@ def spend(
         MTFs and PTFs of one chain.
     xi, eta : ndarray
         Frequencies of the band across and along, cycles/mrad.
+    spent : float
+        Part of the budget that something else takes already.
     """
-    left = work.policy.budget
-    if left == 0.0:
+    left = work.policy.budget - spent
+    if left <= 0.0:
         return tuple(factors), ()
     corner = _farthest(xi), _farthest(eta)
     bounds = []

@@ -8,6 +8,7 @@ in radians, or a complex H of which a wire carries the modulus or the phase.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -92,6 +93,35 @@ class Law:
         if self.scale != 1.0:
             frequencies = {name: self.scale * array for name, array in frequencies.items()}
         return self.function(**frequencies, **bound)
+
+
+class WavelengthLaw(ABC):
+    """A law at every wavelength by itself; frozen, as it enters the key."""
+
+    @abstractmethod
+    def at(self, wavelength_um: float) -> Law:
+        """The law at one wavelength, µm."""
+
+
+@dataclass(frozen=True)
+class AtWavelength(WavelengthLaw):
+    """A law one or more of whose arguments are the wavelength.
+
+    Parameters
+    ----------
+    law : Law
+        With all other arguments bound.
+    names : tuple of str
+        Arguments that are the wavelength, µm.
+    """
+
+    law: Law
+    names: tuple[str, ...] = ("wavelength_um",)
+
+    def at(self, wavelength_um: float) -> Law:
+        """The law with the wavelength bound."""
+        bound = dict(self.law.parameters) | dict.fromkeys(self.names, wavelength_um)
+        return replace(self.law, parameters=tuple(sorted(bound.items())))
 
 
 @contextmanager
@@ -195,6 +225,9 @@ class Planar:
         For people; not part of the key.
     label, node : str
         The stage's title and its node. Not part of the key.
+    by_wavelength : WavelengthLaw or None
+        The law at a wavelength, of a factor that differs among those of a picture's bands; `law` is
+        then its mean over them. Without bands there is none.
     """
 
     law: Law
@@ -205,6 +238,7 @@ class Planar:
     cutoff: tuple[float, float] | None = field(default=None, compare=False)
     label: str = field(default="", compare=False)
     node: str | None = field(default=None, compare=False)
+    by_wavelength: WavelengthLaw | None = None
 
     def __post_init__(self) -> None:
         with _placed(self.node):
@@ -228,6 +262,15 @@ class Planar:
             self.law,
             (self.radial, self.symmetric, self.take),
             self.ratios,
+            *(() if self.by_wavelength is None else (self.by_wavelength,)),
+        )
+
+    def at(self, wavelength_um: float) -> Planar:
+        """The factor at one wavelength, µm; as it is where it does not depend on that."""
+        if self.by_wavelength is None:
+            return self
+        return replace(
+            self, law=self.by_wavelength.at(wavelength_um), cutoff=None, by_wavelength=None
         )
 
     def rescaled(self, ratio_x: float, ratio_y: float) -> Planar:

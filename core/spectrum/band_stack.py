@@ -1,0 +1,226 @@
+"""A picture in bands of wavelength, of which only weighted sums are ever made.
+
+A detector sums the bands of what reaches it, each by its weight, and all before it is linear: what
+is wanted of a stack is L ↦ Σ w_b·L_b for a few rows of weights w. A stack that attenuates, filters
+or samples another one makes its sums of that one's, with weights of its own; no cube need ever be
+in memory.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.evaluation.content_key import content_key
+from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.work import Work
+from core.lineage.step_lineage import picture_step
+
+Array = NDArray[Any]
+Row = tuple[float, ...]
+"""A weight for every band."""
+Rows = tuple[Row, ...]
+
+
+@dataclass(frozen=True)
+class BandStack(ABC):
+    """Bands of one picture, by their weighted sums.
+
+    Parameters
+    ----------
+    centres_um : tuple of float
+        Middle wavelength of every band.
+    widths_um : tuple of float
+        Width of every band: its share of the spectrum that is summed up.
+    density : bool
+        Whether the samples are per µm, as a spectral radiance is; else they are numbers without a
+        share, as reflectances are, and all bands together are their mean.
+    """
+
+    centres_um: Row
+    widths_um: Row
+    density: bool = field(default=True, kw_only=True)
+
+    @property
+    def count(self) -> int:
+        """Number of bands."""
+        return len(self.centres_um)
+
+    @property
+    def band_um(self) -> tuple[float, float]:
+        """From the shortest wavelength to the longest."""
+        centres, halves = np.array(self.centres_um), np.array(self.widths_um) / 2.0
+        return float((centres - halves).min()), float((centres + halves).max())
+
+    @property
+    def whole(self) -> Row:
+        """Weights of all bands together: their integral, or their mean where they have no share."""
+        if self.density:
+            return self.widths_um
+        total = sum(self.widths_um)
+        return tuple(width / total for width in self.widths_um)
+
+    @cached_property
+    def key(self) -> str:
+        """Content key."""
+        return content_key(
+            type(self).__qualname__, self.centres_um, self.widths_um, self.density, *self._content()
+        )
+
+    @abstractmethod
+    def _content(self) -> tuple[object, ...]:
+        """What beside the bands makes the samples."""
+
+    @abstractmethod
+    def sums(self, weights: Rows) -> Recipe:
+        """Recipe of weighted sums of the bands, (len(weights), rows, columns)."""
+
+    @abstractmethod
+    def means(self) -> Recipe:
+        """Recipe of the mean of every band, (bands,), double."""
+
+    def picture(self, weights: Row) -> Recipe:
+        """Recipe of one weighted sum, (rows, columns)."""
+        return Step.of(_first, self.sums((weights,)))
+
+    def band(self, index: int) -> Recipe:
+        """Recipe of one band alone."""
+        return self.picture(tuple(float(place == index) for place in range(self.count)))
+
+
+@dataclass(frozen=True)
+class AttenuatedBands(BandStack):
+    """Every band times a factor, plus a number: a path of air, or a filter.
+
+    Parameters
+    ----------
+    before : BandStack
+        What it is made of.
+    gain, offset : tuple of float
+        Of every band; the offset per µm where the samples are.
+    node : str, optional
+        Node an error belongs to.
+    """
+
+    before: BandStack
+    gain: Row
+    offset: Row
+    node: str | None = field(default=None, compare=False)
+
+    @classmethod
+    def of(
+        cls, before: BandStack, *, gain: Row, offset: Row | None = None, node: str | None = None
+    ) -> AttenuatedBands:
+        """Bands at the wavelengths of others."""
+        offset = (0.0,) * before.count if offset is None else offset
+        return cls(
+            before.centres_um, before.widths_um, before, gain, offset, node, density=before.density
+        )
+
+    def _content(self) -> tuple[object, ...]:
+        return self.before.key, self.gain, self.offset
+
+    def sums(self, weights: Rows) -> Recipe:
+        """Sums of the bands before, with the factors in the weights."""
+        rows = tuple(self._pulled(row) for row in weights)
+        offsets = tuple(self._constant(row) for row in weights)
+        return Step.of(_with_constants, self.before.sums(rows), node=self.node, offsets=offsets)
+
+    def picture(self, weights: Row) -> Recipe:
+        """The same of one row of weights."""
+        before = self.before.picture(self._pulled(weights))
+        return Step.of(_with_constant, before, node=self.node, offset=self._constant(weights))
+
+    def means(self) -> Recipe:
+        """Means of the bands before, attenuated."""
+        return Step.of(
+            _attenuated, self.before.means(), node=self.node, gain=self.gain, offset=self.offset
+        )
+
+    def _pulled(self, row: Row) -> Row:
+        return tuple(float(w * g) for w, g in zip(row, self.gain, strict=True))
+
+    def _constant(self, row: Row) -> float:
+        return float(np.dot(row, self.offset))
+
+
+@dataclass(frozen=True)
+class SteppedBands(BandStack):
+    """Bands that all pass one linear step, such as blocks of samples averaged.
+
+    Parameters
+    ----------
+    before : BandStack
+        What it is made of.
+    function : callable
+        A step's function of one picture.
+    parameters : tuple of (name, value)
+        Its keyword arguments.
+    gain : float
+        What a uniform picture is multiplied by.
+    node : str, optional
+        Node an error belongs to.
+    """
+
+    before: BandStack
+    function: Callable[..., Any]
+    parameters: tuple[tuple[str, Any], ...] = ()
+    gain: float = 1.0
+    node: str | None = field(default=None, compare=False)
+
+    def _content(self) -> tuple[object, ...]:
+        return self.before.key, self.function, self.parameters
+
+    def sums(self, weights: Rows) -> Recipe:
+        """The step on every sum."""
+        return stacked(tuple(self.picture(row) for row in weights))
+
+    def picture(self, weights: Row) -> Recipe:
+        """The step on one sum."""
+        before = self.before.picture(weights)
+        return Step.of(self.function, before, node=self.node, **dict(self.parameters))
+
+    def means(self) -> Recipe:
+        """Means of the bands before."""
+        none = (0.0,) * self.count
+        gain = (self.gain,) * self.count
+        return Step.of(_attenuated, self.before.means(), gain=gain, offset=none)
+
+
+def stacked(pictures: tuple[Recipe, ...]) -> Recipe:
+    """Recipe of several pictures as one array, (pictures, rows, columns)."""
+    return Step.of(_stacked, *pictures)
+
+
+@ends_lineage
+def _stacked(_: Work, *pictures: Array) -> Array:
+    return np.stack(pictures)
+
+
+@picture_step()
+def _first(_: Work, sums: Array) -> Array:
+    """The first of several sums."""
+    return np.asarray(sums[0])
+
+
+@ends_lineage
+def _with_constants(_: Work, sums: Array, *, offsets: Row) -> Array:
+    constants = np.array(offsets, sums.dtype)
+    return np.asarray(sums + constants[:, np.newaxis, np.newaxis])
+
+
+@picture_step()
+def _with_constant(_: Work, picture: Array, *, offset: float) -> Array:
+    """A picture and the light that is everywhere alike."""
+    return np.asarray(picture + picture.dtype.type(offset)) if offset else picture
+
+
+@ends_lineage
+def _attenuated(_: Work, means: Array, *, gain: Row, offset: Row) -> Array:
+    return np.asarray(means * np.array(gain) + np.array(offset))

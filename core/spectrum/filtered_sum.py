@@ -1,0 +1,186 @@
+"""The spectrum of a sum of bands, each filtered at its own wavelength.
+
+Σ_b w_b·H(f, λ_b)·F(L_b) is the sum of a few products H(f, λ_j)·F(Σ_b p_jb·w_b·L_b): the bands are
+read once, and as many transforms made as there are wavelengths chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import Work
+from core.filtering.mirrored import BLOCK_SAMPLES, MeanFree, mirrored_spectrum
+from core.filtering.periodic import periodic_spectrum
+from core.spectrum.band_stack import BandStack, Row
+from core.spectrum.wavelength_rank import ChosenWavelengths, WavelengthRank
+from core.transfer.factors import Factor, Planar
+from core.transfer.grid import Grid
+from core.transfer.planar_blocks import Axes, Planes
+from core.transfer.product import Product
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class ComponentSums(Recipe):
+    """The weighted sums of bands that belong to the chosen wavelengths, (chosen, rows, columns)."""
+
+    bands: BandStack
+    weights: Row
+    wavelengths: ChosenWavelengths
+    node: str | None = field(default=None, compare=False)
+
+    def _content(self) -> tuple[object, ...]:
+        return self.bands.key, self.weights, self.wavelengths.key
+
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """The choice; which sums are made depends on it."""
+        return (self.wavelengths,)
+
+    def compute(self, work: Work) -> Array:
+        """One pass over the bands."""
+        rank: WavelengthRank = work.value(self.wavelengths)
+        rows = tuple(tuple(map(float, share * np.array(self.weights))) for share in rank.shares)
+        return np.asarray(work.value(self.bands.sums(rows)))
+
+
+@dataclass(frozen=True, eq=False)
+class SummedSpectrum(Recipe):
+    """The spectrum of a weighted sum of bands behind factors that depend on wavelength.
+
+    The factors are real and even in both axes, so that the product is the spectrum of a frame that
+    goes on as the bands' did.
+
+    Parameters
+    ----------
+    sums : ComponentSums
+        The sums of bands.
+    grid : Grid
+        Their sampling.
+    axes : "mirrored" or "periodic"
+        How the frame goes on.
+    node : str, optional
+        Node an error belongs to.
+    """
+
+    sums: ComponentSums
+    grid: Grid
+    axes: Axes
+    node: str | None = field(default=None, compare=False)
+
+    def _content(self) -> tuple[object, ...]:
+        return self.sums.key, self.grid, self.axes
+
+    @property
+    def inputs(self) -> tuple[Recipe, ...]:
+        """The choice of wavelengths, and the sums."""
+        return self.sums.wavelengths, self.sums
+
+    def compute(self, work: Work) -> MeanFree:
+        """Transform, multiply and add, one wavelength after the other."""
+        rank: WavelengthRank = work.value(self.sums.wavelengths)
+        pictures = work.value(self.sums)
+        factors, centres = self.sums.wavelengths.factors, self.sums.bands.centres_um
+        transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
+        total: Array | None = None
+        mean = 0.0
+        for place, picture in zip(rank.chosen, pictures, strict=True):
+            work.check()
+            product = Product(tuple(factor.at(centres[place]) for factor in factors))
+            part = transform(work, picture)
+            mean += part.mean * product.at_zero(work)
+            total = self._added(work, total, part.values, product)
+        assert total is not None
+        return MeanFree(total, mean)
+
+    def _added(self, work: Work, total: Array | None, values: Array, product: Product) -> Array:
+        if not product.planar:
+            return values if total is None else np.add(total, values, out=total)
+        planes = Planes(work, product, self.grid, self.axes)
+        height = max(1, BLOCK_SAMPLES // values.shape[1])
+        made = values if total is None else total
+
+        def one(start: int) -> None:
+            rows = slice(start, start + height)
+            part = values[rows]
+            part *= planes.block(rows)
+            if total is not None:
+                made[rows] += part
+
+        work.for_each(one, range(0, len(values), height))
+        return made
+
+
+@dataclass(frozen=True)
+class FilteredSum:
+    """A weighted sum of bands, each filtered at its own wavelength.
+
+    Parameters
+    ----------
+    bands : BandStack
+        The bands.
+    weights : tuple of float
+        Of every band.
+    factors : tuple of Planar
+        Those that depend on wavelength; without any it is the sum as it is.
+    grid : Grid
+        Sampling of the bands.
+    axes : "mirrored" or "periodic"
+        How the frame goes on.
+    node : str, optional
+        Node an error belongs to.
+    """
+
+    bands: BandStack
+    weights: Row
+    factors: tuple[Planar, ...]
+    grid: Grid
+    axes: Axes
+    node: str | None = None
+
+    @cached_property
+    def wavelengths(self) -> ChosenWavelengths:
+        """Recipe of those that stand for all."""
+        return ChosenWavelengths(self.factors, self.bands.centres_um, self.grid, self.node)
+
+    @property
+    def _sums(self) -> ComponentSums:
+        return ComponentSums(self.bands, self.weights, self.wavelengths, self.node)
+
+    @property
+    def _is_even(self) -> bool:
+        return all(factor.symmetric and factor.take == "real" for factor in self.factors)
+
+    @cached_property
+    def recipes(self) -> tuple[Recipe, ...]:
+        """What `spectra` reads."""
+        transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
+        if not self.factors:
+            return (Step.of(transform, self.bands.picture(self.weights), node=self.node),)
+        if self._is_even:
+            return (SummedSpectrum(self._sums, self.grid, self.axes, self.node),)
+        return self.wavelengths, self._sums
+
+    def spectra(self, work: Work) -> Iterator[tuple[MeanFree, tuple[Factor, ...]]]:
+        """Spectra, and the factors that have still to be applied to each before they are added.
+
+        One where all factors are even: a frame that goes on mirrored then still does. Otherwise one
+        for every wavelength that was chosen.
+        """
+        if not self.factors or self._is_even:
+            yield work.value(self.recipes[0]), ()
+            return
+        rank: WavelengthRank = work.value(self.wavelengths)
+        transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
+        for place, picture in zip(rank.chosen, work.value(self._sums), strict=True):
+            work.check()
+            wavelength = self.bands.centres_um[place]
+            yield transform(work, picture), tuple(one.at(wavelength) for one in self.factors)

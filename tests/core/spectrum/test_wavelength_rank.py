@@ -1,0 +1,51 @@
+"""Few wavelengths for all: the error is what is stated, and uniform pictures stay as they are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.spectrum.wavelength_rank import few_wavelengths
+from cube_files import centres, disc_otf
+
+WAVELENGTHS, _ = centres(60)
+
+
+def table(nyquist, places=1200):
+    return disc_otf(np.linspace(0, nyquist, places)[:, np.newaxis], WAVELENGTHS, 100.0)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6, 1e-9])
+def test_the_bound_holds_at_frequencies_that_were_not_looked_at(tolerance):
+    rank = few_wavelengths(table(18.0)[::2], table(18.0)[1::2], tolerance=tolerance)
+    between = disc_otf(np.linspace(0.001, 17.99, 977)[:, np.newaxis], WAVELENGTHS, 100.0)
+    error = np.abs(between - between[:, rank.chosen] @ rank.shares).max()
+    assert error <= 1.05 * rank.bound
+    assert rank.bound <= tolerance
+    assert 1 < len(rank.chosen) < 60
+
+
+def test_shares_of_every_band_sum_up_to_one():
+    rank = few_wavelengths(table(12.0)[::2], table(12.0)[1::2], tolerance=1e-5)
+    assert np.abs(rank.shares.sum(axis=0) - 1.0).max() < 1e-13
+    assert np.array_equal(rank.shares[:, rank.chosen], np.eye(len(rank.chosen)))
+
+
+def test_functions_that_no_few_span_are_all_taken():
+    drawn = np.random.default_rng(3).standard_normal((500, 12))
+    rank = few_wavelengths(drawn[::2], drawn[1::2], tolerance=1e-6)
+    assert rank.chosen == tuple(range(12))
+    assert rank.bound == 0.0
+
+
+def test_complex_functions_are_fitted_in_both_parts():
+    frequency = np.linspace(0, 3, 400)[:, np.newaxis]
+    turned = np.exp(1j * frequency * np.linspace(0.5, 0.7, 30))
+    rank = few_wavelengths(turned[::2], turned[1::2], tolerance=1e-6)
+    assert np.abs(turned - turned[:, rank.chosen] @ rank.shares).max() <= 1e-6
+    assert len(rank.chosen) < 12
+
+
+def test_equal_functions_need_one():
+    same = np.repeat(np.linspace(1, 0, 100)[:, np.newaxis], 7, axis=1)
+    assert len(few_wavelengths(same[::2], same[1::2], tolerance=1e-6).chosen) == 1
