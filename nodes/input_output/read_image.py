@@ -18,9 +18,10 @@ from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.formats import readable_formats
+from nodes.input_output.file_bands import file_bands
 from nodes.input_output.radiance_check import radiance_caution
-from nodes.input_output.sample_unit import DEFAULT_UNIT, sample_unit
-from nodes.input_output.source_file import count_missing, picture_source, read_step
+from nodes.input_output.sample_unit import DEFAULT_UNIT, sample_unit, spectral_unit
+from nodes.input_output.source_file import Source, count_missing, picture_source, read_step
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import is_radiance
 
@@ -36,8 +37,11 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     are not turned into watts; a unit of radiance not understood is refused. Of a colour picture
     one channel is read, of a cube one band or plane, the first unless `band` names another. An
     empty field of view is taken from the header. FITS pictures come with their first row at the
-    bottom. Samples that are no numbers, or the file's value for no data, are refused unless
-    `missing` sets what stands for them.
+    bottom. Of a cube whose header gives wavelengths, `bands` all takes every band between
+    `cut_on_um` and `cut_off_um`, each in W/m²/sr/µm (photons too, by the energy of its
+    wavelength): optics and atmosphere act on each by itself, until a detector sums them up. The
+    cube stays on disk. Samples that are no numbers, or the file's value for no data, are refused
+    unless `missing` sets what stands for them.
     """
 
     path: Annotated[
@@ -45,6 +49,10 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         Param(f"picture file, relative to the network file's folder: {readable_formats()}"),
     ] = None
     band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0
+    bands: Annotated[
+        Literal["one", "all"],
+        Param("one band, or all of a spectral cube, which go through the chain by themselves"),
+    ] = "one"
     scale: Annotated[float, Param("factor on the samples", slider=(0, 10000))] = 1.0
     unit: Annotated[str, Param("unit of the samples after scaling")] = DEFAULT_UNIT
     fov_x_deg: Annotated[
@@ -65,7 +73,9 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
 
     illustration = "picture"
     panel = (
-        Section("File", ("path", "band", "scale", "unit", "missing")),
+        Section("File", ("path", "bands")),
+        Section("", ("band",), shown_when=("bands", ("one",))),
+        Section("Samples", ("scale", "unit", "missing")),
         Section("Field of view", ("fov_x_deg", "fov_y_deg")),
         Section("Band", ("cut_on_um", "cut_off_um")),
     )
@@ -83,6 +93,8 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     def run(self, here: NodeContext) -> ImageOutput:
         """Read the header and plan to read the samples."""
         source = picture_source(self.path, here)
+        if self.bands == "all":
+            return ImageOutput(self._cube(source, here.node))
         info, stated = source.info, self._stated_band()
         spectral = stated is not None and info.wavelengths_um is not None
         band = 0 if spectral else checked_band(self.band, info.bands, info.path)
@@ -117,6 +129,39 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
                     bands=1 if spectral else info.bands,
                 ),
             )
+        )
+
+    def _cube(self, source: Source, node: str) -> Image:
+        """All bands, and their sum as the image's pixels."""
+        info = source.info
+        unit = spectral_unit(info, typed=self.unit, scale=self.scale)
+        stack = file_bands(
+            source,
+            unit=unit,
+            scale=self.scale,
+            interval_um=self._stated_band(),
+            missing=self.missing,
+            node=node,
+        )
+        fov_x_deg = self.fov_x_deg or info.fov_x_deg
+        fov_y_deg = self.fov_y_deg or info.fov_y_deg
+        return Image(
+            stack.picture(stack.whole),
+            info.rows,
+            info.columns,
+            _interval("fov_x_deg", fov_x_deg, info.columns),
+            _interval("fov_y_deg", fov_y_deg, info.rows),
+            unit=DEFAULT_UNIT if unit is not None else info.unit or self.unit,
+            band_um=stack.band_um,
+            header=Header(
+                fov_x_deg,
+                fov_y_deg,
+                info.focal_length_mm,
+                bare_integers=np.dtype(info.dtype).kind in "bui" and not info.unit,
+                not_applied=info.not_applied,
+                unit_named=bool(info.unit),
+            ),
+            bands=stack,
         )
 
     @warning
@@ -183,7 +228,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     def missing_samples(self, outputs: ImageOutput) -> Step | int:
         """Samples of the file that are NaN or infinite."""
         read = outputs.image.recipe
-        if self.missing == "refuse" or not isinstance(read, Step):
+        if self.missing == "refuse" or not isinstance(read, Step) or self.bands == "all":
             return 0
         return Step.of(count_missing, node=read.node, **dict(read.parameters))
 

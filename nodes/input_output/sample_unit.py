@@ -67,6 +67,38 @@ def sample_unit(info: PictureInfo, *, typed: str, scale: float, integrated: bool
     return SampleUnit(file_unit.name, file_unit.factor)
 
 
+def spectral_unit(info: PictureInfo, *, typed: str, scale: float) -> RadianceUnit | None:
+    """Unit of the samples of a file's bands times `scale`; None where they are no radiance.
+
+    As in `sample_unit` the file's own unit holds where it gives one and the scale is 1. A file
+    without one, and a radiance typed without a share of wavelength, is per µm, as DIRSIG's are.
+
+    Raises
+    ------
+    FileError
+        The file's unit is not understood.
+    ParameterError
+        The typed unit is not understood, or is of another kind of quantity than the file's.
+    """
+    own = _typed(typed)
+    chosen = bool(typed) and own != RadianceUnit(1.0)
+    if info.unit and scale == 1.0:
+        try:
+            stored = radiance_unit(info.unit)
+        except DataError as error:
+            raise FileError(f"{info.path}: {error.message}; or give unit and scale") from error
+        if chosen and (own is None) != (stored is None):
+            allowed = f"a unit of the same kind as {info.unit}, in which the file is; or give scale"
+            raise ParameterError("unit", typed, allowed)
+        if not chosen or own is None or stored is None or own.name == stored.name:
+            return stored
+        allowed = f"a unit of the same kind as {info.unit}, in which the file is; or give scale"
+        raise ParameterError("unit", typed, allowed)
+    if own is None or own.spectral:
+        return own
+    return RadianceUnit(own.factor, own.photons, "µm")
+
+
 def _typed(text: str) -> RadianceUnit | None:
     try:
         return radiance_unit(text)

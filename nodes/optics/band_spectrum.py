@@ -15,6 +15,7 @@ from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
+from core.spectrum.band_stack import BandStack, Row
 from nodes.shared.shared_warnings import Band, is_radiance
 
 SUNLIGHT_K = 5800.0
@@ -87,6 +88,13 @@ def mean_brightness(
 def number(work: Work, *, value: float) -> float:
     """A number as a value of its own."""
     return value
+
+
+def photon_weights(bands: BandStack, weighting: str) -> Row:
+    """Weights of a picture's bands: by their photons, or their energy."""
+    if weighting == "energy":
+        return bands.whole
+    return tuple(w * c for w, c in zip(bands.whole, bands.centres_um, strict=True))
 
 
 def kelvin_caution(magnitude: Magnitude, band: Band, source_K: float | None) -> Caution | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Literal, NamedTuple
 
 from core.chain.probe import TransferAt
@@ -21,8 +22,15 @@ from core.physics.optics.diffraction.diffraction_otf import (
     diffraction_otf,
     wavelengths_needed,
 )
-from core.transfer.factors import Law, Planar
-from nodes.optics.band_spectrum import kelvin_caution, number, source_temperature
+from core.spectrum.band_mean import over_bands
+from core.spectrum.band_stack import BandStack
+from core.transfer.factors import AtWavelength, Law, Planar
+from nodes.optics.band_spectrum import (
+    kelvin_caution,
+    number,
+    photon_weights,
+    source_temperature,
+)
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import Apply
 from nodes.shared.shared_warnings import (
@@ -53,9 +61,11 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
     or the energy, of a black body, or uniformly as in 1996. The black body is `source_K`, else that
     of the picture's mean radiance, else sunlight's 5800 K where the band begins below 2.5 µm.
     `wavelengths` auto takes as many as `tolerance` needs, placed between the kinks of the OTF; a
-    number takes so many over the band, 1 its middle. `defocus_waves` is W20 at the rim at the
-    band's middle; the OTF is real and may be negative. `rms_wavefront_waves`, at the band's middle
-    too, takes Shannon's factor for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²).
+    number takes so many over the band, 1 its middle. With auto a picture with bands is blurred band
+    by band, and the MTF shown is their mean by the picture's own light. `defocus_waves` is W20 at
+    the rim at the band's middle; the OTF is real and may be negative. `rms_wavefront_waves`, at the
+    band's middle too, takes Shannon's factor for small errors of any shape,
+    1 − (W/0.18)²(1 − 4(ν − 1/2)²).
     Sources: Goodman 2005; O'Neill 1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon
     1994, Handbook of Optics I, chapter 35.
     """
@@ -137,12 +147,42 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
         )
         # All that the law lets through is below the cutoff of the shortest wavelength taken.
         cutoff = aperture.diameter_mm / band[0]
-        blur = Planar(law, radial=True, cutoff=(cutoff, cutoff), label=self.title, node=here.node)
+        blur = self._by_bands(
+            Planar(law, radial=True, cutoff=(cutoff, cutoff), label=self.title, node=here.node),
+            aperture,
+            magnitude,
+        )
         mtf = Transfer(magnitude.grid, "mtf", (blur,), label=self.title)
         ptf = Transfer(magnitude.grid, "ptf", (), label=self.title)
         if self.apply == "filter_only":
             return DiffractionOutputs(magnitude.only(blur), phase.only(), mtf, ptf)
         return DiffractionOutputs(magnitude.times(blur), phase, mtf, ptf)
+
+    def _by_bands(self, blur: Planar, aperture: Aperture, magnitude: Magnitude) -> Planar:
+        """Each band of the picture at its own wavelength; the mean is weighted by their light."""
+        bands = self._bands(magnitude)
+        if bands is None:
+            return blur
+        for wavelength in (min(bands.centres_um), max(bands.centres_um)):
+            aperture.check(wavelength)
+        one = Law.of(
+            diffraction_otf,
+            aperture=aperture,
+            weighting="uniform",
+            temperature_K=1.0,
+            wavelengths=1,
+            tolerance=self._finest(),
+        )
+        blur = replace(blur, by_wavelength=AtWavelength(one, ("cut_on_um", "cut_off_um")))
+        if self.weighting == "uniform":
+            return blur
+        return over_bands(blur, bands, photon_weights(bands, self.weighting), node=blur.node)
+
+    def _bands(self, magnitude: Magnitude) -> BandStack | None:
+        """Bands of the picture, where the wavelengths are not fixed here."""
+        if self.wavelengths != "auto" or magnitude.image is None:
+            return None
+        return magnitude.image.bands
 
     def aperture_of(self, context: Context) -> Aperture:
         """The aperture here, else of Camera, else by F-number and focal length.
@@ -179,6 +219,8 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
     def _temperature(self, magnitude: Magnitude, band: Band, node: str) -> float | Recipe:
         if self.weighting == "uniform" or self.wavelengths == 1 or band[0] == band[1]:
             return 1.0
+        if self._bands(magnitude) is not None:
+            return 1.0  # their own light counts
         return source_temperature(self.source_K, magnitude, band, node)
 
     @warning
@@ -234,17 +276,24 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
         band = self._band(context)
         if self.weighting == "uniform" or self.wavelengths == 1 or band[0] == band[1]:
             return None
+        if self._bands(magnitude) is not None:
+            return None
         return source_temperature(self.source_K, magnitude, band, self.title)
 
     @readout()
     def wavelengths_used(self, context: Context, magnitude: Magnitude) -> int | Step:
-        """Wavelengths between two kinks of the OTF, or over the band."""
+        """Wavelengths between two kinks of the OTF, or over the band, or bands of the picture."""
+        bands = self._bands(magnitude)
+        if bands is not None:
+            return bands.count
         return self._judged(context, magnitude, "count")
 
     @readout()
     def estimated_error(self, context: Context, magnitude: Magnitude) -> int | Step | None:
         """What fewer wavelengths would change; of a fixed number it is not known."""
-        return self._judged(context, magnitude, "error") if self.wavelengths == "auto" else None
+        if self.wavelengths != "auto" or self._bands(magnitude) is not None:
+            return None
+        return self._judged(context, magnitude, "error")
 
     def _judged(self, context: Context, magnitude: Magnitude, wanted: str) -> int | Step:
         band = self._band(context)

@@ -1,0 +1,137 @@
+"""Weighted sums of an ENVI file's bands, read block by block: the cube is never in memory whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import FileError
+from core.threads import ForEach, in_turn
+from nodes.files.headers.envi_header import EnviLayout
+
+Array = NDArray[Any]
+_BLOCK_BYTES = 1 << 23  # of samples as the file has them; two threads hold two blocks
+_PIECE = 1 << 13  # samples of one matrix product: a larger one would start threads of its own
+
+
+def weighted_sums(
+    layout: EnviLayout,
+    weights: NDArray[np.float64],
+    *,
+    dtype: np.dtype[Any],
+    fill: Callable[[Array], None] | None = None,
+    for_each: ForEach = in_turn,
+) -> Array:
+    """Σ_b w_b·L_b for a few rows of weights, in one pass over the file.
+
+    Parameters
+    ----------
+    layout : EnviLayout
+        Of the file.
+    weights : ndarray, (sums, bands)
+        Bands whose weights are all 0 are not read where they lie by themselves.
+    dtype : dtype
+        Of the sums and of the samples as they are multiplied.
+    fill : callable, optional
+        Is given every block, (bands, samples), with NaN for what is missing, to put numbers in
+        place of those.
+    for_each : callable
+        Calls a function on every block of rows: `Work.for_each`.
+
+    Returns
+    -------
+    ndarray, (sums, rows, columns)
+        Not finite where a sample is not and has not been filled.
+    """
+    used = np.flatnonzero(np.any(weights != 0.0, axis=0))
+    sums = np.zeros((len(weights), layout.rows, layout.columns), dtype)
+    if len(used) == 0:
+        return sums
+    factors = np.ascontiguousarray(weights[:, used].astype(dtype))
+
+    def one(rows: slice) -> None:
+        block = _block(layout, rows, used, dtype)
+        if fill is not None:
+            fill(block)
+        made = sums[:, rows].reshape(len(weights), -1)  # a copy where rows are not all
+        for left in range(0, block.shape[1], _PIECE):
+            part = slice(left, left + _PIECE)
+            made[:, part] = factors @ block[:, part]
+        sums[:, rows] = made.reshape(sums[:, rows].shape)
+
+    for_each(one, list(_row_blocks(layout, len(used))))
+    return sums
+
+
+def band_totals(
+    layout: EnviLayout, *, for_each: ForEach = in_turn
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Sum of every band's finite samples, and their number."""
+    blocks = list(_row_blocks(layout, layout.bands))
+    totals = np.zeros((len(blocks), layout.bands))
+    counts = np.zeros((len(blocks), layout.bands), np.int64)
+    every = np.arange(layout.bands)
+
+    def one(item: tuple[int, slice]) -> None:
+        number, rows = item
+        block = _block(layout, rows, every, np.dtype(np.float64))
+        finite = np.isfinite(block)
+        counts[number] = finite.sum(axis=1)
+        totals[number] = np.where(finite, block, 0.0).sum(axis=1)
+
+    for_each(one, list(enumerate(blocks)))
+    return totals.sum(axis=0), counts.sum(axis=0)
+
+
+def spectrum_at(layout: EnviLayout, row: int, column: int) -> NDArray[np.float64]:
+    """All bands of one sample, (bands,); NaN where it is missing."""
+    rows = slice(row, row + 1)
+    block = _block(layout, rows, np.arange(layout.bands), np.dtype(np.float64))
+    return np.asarray(block[:, column], np.float64)
+
+
+def _row_blocks(layout: EnviLayout, bands: int) -> Iterator[slice]:
+    read = bands if layout.interleave == "bsq" else layout.bands
+    of_row = layout.columns * read * layout.dtype.itemsize
+    step = max(1, _BLOCK_BYTES // of_row)
+    for start in range(0, layout.rows, step):
+        yield slice(start, min(start + step, layout.rows))
+
+
+def _block(layout: EnviLayout, rows: slice, bands: Array, dtype: np.dtype[Any]) -> Array:
+    """Samples of some rows, (bands, rows·columns), NaN where they are missing."""
+    count = rows.stop - rows.start
+    columns, every = layout.columns, layout.bands
+    try:
+        with layout.data.open("rb") as file:
+            if layout.interleave == "bsq":
+                stored = np.empty((len(bands), count * columns), layout.dtype)
+                for place, band in enumerate(bands):
+                    first = (int(band) * layout.rows + rows.start) * columns
+                    stored[place] = _read(file, layout, first, count * columns)
+            else:
+                flat = _read(file, layout, rows.start * columns * every, count * columns * every)
+                if layout.interleave == "bil":
+                    lines = flat.reshape(count, every, columns)[:, bands]
+                    stored = lines.transpose(1, 0, 2).reshape(len(bands), -1)
+                else:
+                    stored = flat.reshape(-1, every).T[bands]
+    except OSError as error:
+        raise FileError(f"{layout.data}: cannot be read: {error}") from error
+    samples = np.ascontiguousarray(stored, dtype)
+    if layout.missing is not None:
+        if samples is stored:
+            samples = samples.copy()
+        samples[stored == layout.missing] = np.nan
+    return samples
+
+
+def _read(file: Any, layout: EnviLayout, first: int, count: int) -> Array:
+    file.seek(layout.offset_bytes + first * layout.dtype.itemsize)
+    samples = np.fromfile(file, layout.dtype, count)
+    if len(samples) != count:
+        raise FileError(f"{layout.data}: ends before its last sample")
+    return samples

@@ -1,0 +1,292 @@
+"""The spectral bands of a picture file, which stays on disk: their sums are made in one pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import DataError, FileError, ParameterError
+from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.work import Work
+from core.lineage.step_lineage import source_step
+from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM
+from core.physics.radiometry.radiance_units import RadianceUnit
+from core.spectrum.band_stack import BandStack, Row, Rows
+from nodes.files.common.picture_info import PictureInfo
+from nodes.files.headers.envi_bands import band_weights_um
+from nodes.files.headers.envi_cube import band_totals, spectrum_at, weighted_sums
+from nodes.files.headers.envi_header import EnviLayout, read_layout
+from nodes.input_output.source_file import Missing, Source, Stamp, check_unchanged
+
+Array = NDArray[Any]
+_WIDEST_UM = 1e6
+_PER_WAVENUMBER = 1e4  # dν = 1e4/λ² dλ, ν in cm⁻¹ and λ in µm
+
+
+@dataclass(frozen=True)
+class FileBands(BandStack):
+    """Bands of an ENVI file.
+
+    Parameters
+    ----------
+    file : Path
+        The data file or its header.
+    stamps : tuple
+        State of the files when the network was planned.
+    places : tuple of int
+        Index in the file of every band.
+    factors : tuple of float
+        What its samples are multiplied by.
+    missing : "refuse", "mean" or "zero"
+        What stands for samples that are not finite.
+    node : str, optional
+        Node an error belongs to.
+    """
+
+    file: Path
+    stamps: tuple[Stamp, ...]
+    places: tuple[int, ...]
+    factors: Row
+    missing: Missing = "refuse"
+    node: str | None = field(default=None, compare=False)
+
+    def _content(self) -> tuple[object, ...]:
+        return self.file, self.stamps, self.places, self.factors, self.missing
+
+    def _source(self) -> dict[str, Any]:
+        return {
+            "file": self.file,
+            "stamps": self.stamps,
+            "places": self.places,
+            "missing": self.missing,
+        }
+
+    def _with_factors(self, row: Row) -> Row:
+        return tuple(float(w * f) for w, f in zip(row, self.factors, strict=True))
+
+    def _fills(self) -> tuple[Recipe, ...]:
+        """Means of the bands as stored, where these stand for what is missing."""
+        if self.missing != "mean":
+            return ()
+        return (Step.of(_stored_means, node=self.node, **self._source()),)
+
+    def sums(self, weights: Rows) -> Recipe:
+        """Sums of the bands in one pass over the file."""
+        rows = tuple(self._with_factors(row) for row in weights)
+        return Step.of(_sums, *self._fills(), node=self.node, weights=rows, **self._source())
+
+    def picture(self, weights: Row) -> Recipe:
+        """One sum."""
+        row = self._with_factors(weights)
+        return Step.of(_sum, *self._fills(), node=self.node, weights=row, **self._source())
+
+    def means(self) -> Recipe:
+        """Means of the bands."""
+        return Step.of(
+            _means,
+            Step.of(_stored_means, node=self.node, **self._source()),
+            node=self.node,
+            places=self.places,
+            factors=self.factors,
+        )
+
+    def spectrum(self, row: int, column: int) -> Recipe:
+        """Recipe of all bands of one sample, (bands,); NaN where it is missing."""
+        source = self._source()
+        del source["missing"]
+        return Step.of(
+            _spectrum, node=self.node, row=row, column=column, factors=self.factors, **source
+        )
+
+
+def file_bands(
+    source: Source,
+    *,
+    unit: RadianceUnit | None,
+    scale: float,
+    interval_um: tuple[float, float] | None,
+    missing: Missing,
+    node: str,
+) -> FileBands:
+    """The bands of a file, in W/m²/sr/µm where they are radiance.
+
+    Parameters
+    ----------
+    source : Source
+        The file.
+    unit : RadianceUnit or None
+        Of the samples times `scale`; None where they are no radiance.
+    scale : float
+        Factor on the samples.
+    interval_um : (float, float) or None
+        Wavelengths that count; None for all. A band at an end counts by its part within.
+    missing : "refuse", "mean" or "zero"
+        What stands for samples that are not finite.
+    node : str
+        Node an error belongs to.
+
+    Raises
+    ------
+    FileError
+        The file is no ENVI file with a wavelength for every band.
+    ParameterError
+        No band lies in the interval.
+    """
+    info = source.info
+    if info.kind != "envi" or info.wavelengths_um is None:
+        raise FileError(
+            f"{info.path}: gives no wavelengths of its bands, as an ENVI header does: "
+            "read one of them with bands = one"
+        )
+    low, high = interval_um or (0.0, _WIDEST_UM)
+    widths = band_weights_um(info, cut_on_um=low, cut_off_um=high)
+    lit = [int(place) for place in np.flatnonzero(widths > 0.0)]
+    places = sorted(lit, key=lambda place: _centre(info, place))
+    if not places:
+        ends = f"{min(info.wavelengths_um):g} to {max(info.wavelengths_um):g} µm"
+        raise ParameterError("cut_on_um", low, f"an interval with bands of the file, {ends}")
+    centres = [_centre(info, place) for place in places]
+    whole = band_weights_um(info, cut_on_um=0.0, cut_off_um=_WIDEST_UM)
+    factors = [
+        scale * (1.0 if unit is None else _per_um(unit, centre, whole[place]))
+        for place, centre in zip(places, centres, strict=True)
+    ]
+    return FileBands(
+        tuple(map(float, centres)),
+        tuple(float(widths[place]) for place in places),
+        source.file,
+        source.stamps,
+        tuple(places),
+        tuple(map(float, factors)),
+        missing,
+        node,
+        density=unit is not None,
+    )
+
+
+def _centre(info: PictureInfo, place: int) -> float:
+    assert info.wavelengths_um is not None
+    return info.wavelengths_um[place]
+
+
+def _per_um(unit: RadianceUnit, centre_um: float, width_um: float) -> float:
+    """Factor to W/m²/sr/µm at a wavelength."""
+    factor = unit.factor
+    if unit.photons:
+        factor *= PHOTON_ENERGY_J_UM / centre_um
+    if unit.spectral == "cm⁻¹":
+        return factor * _PER_WAVENUMBER / centre_um**2
+    return factor if unit.spectral else factor / width_um
+
+
+def _layout(file: Path, stamps: tuple[Stamp, ...]) -> EnviLayout:
+    check_unchanged(file, stamps)
+    return read_layout(file)
+
+
+def _made_sums(
+    work: Work,
+    fills: tuple[Array, ...],
+    file: Path,
+    stamps: tuple[Stamp, ...],
+    places: tuple[int, ...],
+    rows: Rows,
+    missing: Missing,
+) -> Array:
+    layout = _layout(file, stamps)
+    weights = np.zeros((len(rows), layout.bands))
+    weights[:, places] = rows
+    used = np.flatnonzero(np.any(weights != 0.0, axis=0))
+
+    def fill(block: Array) -> None:
+        # Of the bands that are read, in their order.
+        places_of = fills[0][used] if fills else np.zeros(len(used))
+        number, sample = np.nonzero(~np.isfinite(block))
+        block[number, sample] = places_of[number]
+
+    sums = weighted_sums(
+        layout,
+        weights,
+        dtype=work.policy.dtype,
+        fill=None if missing == "refuse" else fill,
+        for_each=work.for_each,
+    )
+    if not np.isfinite(sums).all():
+        _, row, column = np.argwhere(~np.isfinite(sums))[0]
+        raise DataError(
+            f"{file}: a band is not finite at row {row}, column {column}: missing = mean or zero "
+            "puts a number in the place of such samples and of those without data"
+        )
+    return sums
+
+
+@ends_lineage
+def _sums(
+    work: Work,
+    *fills: Array,
+    file: Path,
+    stamps: tuple[Stamp, ...],
+    places: tuple[int, ...],
+    weights: Rows,
+    missing: Missing,
+) -> Array:
+    return _made_sums(work, fills, file, stamps, places, weights, missing)
+
+
+@source_step(area_means=False)  # a scene in a file may be blurred by anything
+def _sum(
+    work: Work,
+    *fills: Array,
+    file: Path,
+    stamps: tuple[Stamp, ...],
+    places: tuple[int, ...],
+    weights: Row,
+    missing: Missing,
+) -> Array:
+    """One weighted sum of a file's bands."""
+    return np.asarray(_made_sums(work, fills, file, stamps, places, (weights,), missing)[0])
+
+
+@ends_lineage
+def _stored_means(
+    work: Work, *, file: Path, stamps: tuple[Stamp, ...], places: tuple[int, ...], missing: Missing
+) -> Array:
+    """Mean of every band that counts, as stored; of its samples that are finite, or all but 0."""
+    layout = _layout(file, stamps)
+    totals, counts = band_totals(layout, for_each=work.for_each)
+    size = layout.rows * layout.columns
+    means = np.zeros(layout.bands)
+    for place in places:
+        if missing == "refuse" and counts[place] < size:
+            raise DataError(
+                f"{file}: {size - counts[place]} of {size} samples of band {place} are not finite: "
+                "missing = mean or zero puts a number in their place"
+            )
+        if missing == "mean" and not counts[place]:
+            raise DataError(f"{file}: band {place} has no finite sample")
+        means[place] = totals[place] / (size if missing == "zero" else counts[place])
+    return means
+
+
+@ends_lineage
+def _means(work: Work, stored: Array, *, places: tuple[int, ...], factors: Row) -> Array:
+    return np.asarray(stored[list(places)] * np.array(factors))
+
+
+@ends_lineage
+def _spectrum(
+    work: Work,
+    *,
+    file: Path,
+    stamps: tuple[Stamp, ...],
+    places: tuple[int, ...],
+    factors: Row,
+    row: int,
+    column: int,
+) -> Array:
+    stored = spectrum_at(_layout(file, stamps), row, column)
+    return np.asarray(stored[list(places)] * np.array(factors))

@@ -1,0 +1,174 @@
+"""A cube goes through optics band by band: the same as filtering every band by itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.errors import DataError, FileError, ParameterError
+from core.evaluation.policy import Policy
+from core.evaluation.region import Region
+from cube_files import band_by_band, centres, materials_cube, write_cube
+from node_bench import NodeBench
+from nodes.library import standard_library
+
+INTERVAL = 0.035
+BANDS = 60
+SIZE = (64, 80)
+
+
+def network(*, read=(), optics=(), init=(), size=SIZE):
+    fov = {
+        "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * size[1])),
+        "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * size[0])),
+    }
+    nodes = {
+        "read": ("read_image", {"path": "cube.img", "bands": "all", **fov, **dict(read)}),
+        "init": ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0, **dict(init)}),
+        "optics": ("diffraction_mtf", {"aperture_mm": 100.0, **dict(optics)}),
+        "back": ("back_transform", {}),
+    }
+    links = [
+        ("read.image", "init.image"),
+        ("init.context", "optics.context"),
+        ("init.magnitude", "optics.magnitude"),
+        ("init.phase", "optics.phase"),
+        ("optics.magnitude", "back.magnitude"),
+        ("optics.phase", "back.phase"),
+    ]
+    return nodes, links
+
+
+@pytest.fixture(scope="module")
+def library():
+    return standard_library()
+
+
+@pytest.fixture
+def cube(tmp_path):
+    wavelengths, width = centres(BANDS)
+    samples = materials_cube(SIZE, wavelengths)
+    write_cube(tmp_path, samples, wavelengths, width)
+    return samples, wavelengths, width
+
+
+def expected(cube, weights=None):
+    samples, wavelengths, width = cube
+    weights = np.full(len(wavelengths), width) if weights is None else weights
+    return band_by_band(samples, wavelengths, weights, interval_mrad=INTERVAL, aperture_mm=100.0)
+
+
+def delivered(library, folder, *, policy, nodes=None, port="back.image"):
+    bench = NodeBench(library, folder, *(nodes or network()))
+    work = bench.engine.work(policy)
+    return bench.engine.value(bench.plan, port, work), bench, work
+
+
+@pytest.mark.parametrize("order", ["bsq", "bil", "bip"])
+def test_with_tolerance_0_it_is_the_sum_band_by_band(library, tmp_path, cube, order):
+    write_cube(tmp_path, *cube, order=order)
+    made, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0))
+    want = expected(cube)
+    assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-5])
+def test_a_low_rank_is_within_the_bound_that_is_stated(library, tmp_path, cube, tolerance):
+    made, bench, work = delivered(library, tmp_path, policy=Policy("double", tolerance))
+    want = expected(cube)
+    rank = bench.port("back.image").recipe.rank(work)
+    samples = cube[0]
+    # Band by band, each by the rms of its own contrast.
+    allowed = rank.bound * cube[2] * samples.std(axis=(1, 2)).sum()
+    assert 0.0 < rank.bound <= tolerance
+    assert len(rank.chosen) < BANDS
+    assert np.sqrt(np.mean((made - want) ** 2)) <= allowed
+    assert np.abs(made - want).max() <= tolerance * np.ptp(want)
+
+
+def test_as_it_is_used_single_precision_is_within_1e_5_of_the_range(library, tmp_path, cube):
+    made, *_ = delivered(library, tmp_path, policy=Policy())
+    want = expected(cube)
+    assert np.abs(made - want).max() <= 1e-5 * np.ptp(want)
+
+
+def test_pixels_combined_behind_it_are_the_means_of_that_picture(library, tmp_path, cube):
+    nodes, links = network()
+    nodes["pixels"] = ("combine_pixels", {"factor_x": 4, "factor_y": 2})
+    made, *_ = delivered(
+        library,
+        tmp_path,
+        policy=Policy("double", 0.0),
+        nodes=(nodes, [*links, ("back.image", "pixels.image")]),
+        port="pixels.image",
+    )
+    want = expected(cube).reshape(32, 2, 20, 4).mean(axis=(1, 3))
+    assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
+
+
+def test_a_part_of_the_picture_is_that_part_of_the_whole(library, tmp_path, cube):
+    whole, bench, _ = delivered(library, tmp_path, policy=Policy())
+    part = bench.engine.work(Policy()).part(bench.port("back.image").recipe, Region(5, 7, 20, 30))
+    assert np.array_equal(part, whole[5:25, 7:37])
+
+
+def test_an_interval_within_the_cube_counts_bands_by_their_part(library, tmp_path, cube):
+    read = {"cut_on_um": 3.5, "cut_off_um": 4.25}
+    made, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0), nodes=network(read=read))
+    _, wavelengths, width = cube
+    low, high = wavelengths - width / 2, wavelengths + width / 2
+    part = np.clip(np.minimum(high, 4.25) - np.maximum(low, 3.5), 0.0, None)
+    want = expected(cube, part)
+    assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
+
+
+def test_missing_samples_are_refused_or_filled_band_by_band(library, tmp_path, cube):
+    samples, wavelengths, width = cube
+    holed = samples.copy()
+    holed[7, 3, 4] = np.nan
+    write_cube(tmp_path, holed, wavelengths, width)
+    with pytest.raises(DataError, match="row 3, column 4"):
+        delivered(library, tmp_path, policy=Policy())
+    for missing, value in (("zero", 0.0), ("mean", np.nanmean(holed[7]))):
+        filled = holed.copy()
+        filled[7, 3, 4] = value
+        nodes = network(read={"missing": missing})
+        made, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0), nodes=nodes)
+        want = expected((filled, wavelengths, width))
+        assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
+
+
+def test_a_file_without_wavelengths_is_refused(library, tmp_path):
+    np.save(tmp_path / "plain.npy", np.ones(SIZE))
+    nodes = network(read={"path": "plain.npy"})
+    bench = NodeBench(library, tmp_path, *nodes)
+    error = bench.error("read")
+    assert isinstance(error, FileError)
+    assert "wavelengths" in str(error)
+
+
+def test_an_interval_beside_the_cube_is_refused(library, tmp_path, cube):
+    nodes = network(read={"cut_on_um": 8.0, "cut_off_um": 9.0})
+    error = NodeBench(library, tmp_path, *nodes).error("read")
+    assert isinstance(error, ParameterError)
+    assert "3.01" in str(error)
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"),
+    [("W/m^2/sr/um", 1.0), ("W/cm^2/sr/um", 1e-4), ("uW/cm^2/sr/nm", 0.1), ("", 1.0)],
+)
+def test_units_are_brought_to_one(library, tmp_path, cube, unit, factor):
+    samples, wavelengths, width = cube
+    write_cube(tmp_path, factor * samples, wavelengths, width, unit=unit)
+    made, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0), port="read.image")
+    want = width * samples.sum(axis=0)
+    assert np.abs(made / want - 1.0).max() <= 1e-12
+
+
+def test_a_unit_that_is_not_understood_is_refused_with_those_that_are(library, tmp_path, cube):
+    write_cube(tmp_path, *cube, unit="flicks/sr/m^2")
+    error = NodeBench(library, tmp_path, *network()).error("read")
+    assert isinstance(error, FileError)
+    assert "flicks" in str(error)
+    assert "W/m²/sr" in str(error)
