@@ -12,6 +12,7 @@ from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from nodes.detector import focal_plane_steps as steps
+from nodes.detector.counted_bands import counted_photons, radiance_per_photon
 from nodes.detector.focal_plane_band import (
     filter_caution,
     material_caution,
@@ -60,20 +61,26 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     bends towards the full well; read noise; the full well; gain, offset, whole numbers.
 
     A radiance becomes photons by the black body of its own brightness temperature (`scene`), by
-    that of `source_K`, or by the band's middle; the table shows what each makes of the signal. A
-    band that begins below 2.5 µm holds no thermal scene: there `scene` is `source`. NETD, SNR and
-    well fill are those of the picture's mean. `frames_averaged`: shot and read noise fall with the
-    root of their number, and the average is rounded once. `saturated` is 1 where the well is full
-    or the converter beyond its last number. Sources: Dereniak and Boreman 1996; Janesick 2007,
-    Photon Transfer; EMVA 1288; Tennant et al. 2008 (Rule 07).
+    that of `source_K`, or by the band's middle; the table shows what each makes of the signal. Of a
+    picture in bands the photons of each are counted, by the response at its wavelength. A band that
+    begins below 2.5 µm holds no thermal scene: there `scene` is `source`. NETD, SNR and well fill
+    are those of the picture's mean. `frames_averaged`: shot and read noise fall with the root of
+    their number, and the average is rounded once. `saturated` is 1 where the well is full or the
+    converter beyond its last number. Sources: Dereniak and Boreman 1996; Janesick 2007, Photon
+    Transfer; EMVA 1288; Tennant et al. 2008 (Rule 07).
     """
 
     def run(self, image: Image, context: Context, here: NodeContext) -> FocalPlaneOutputs:
         """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
         node, reading = here.node, self.read_out()
         collection = self.collection(image, context, here)
-        seen = Step.of(picture_range, image.recipe, node=node)
-        levels = Step.of(electron_levels, seen, node=node, collection=collection)
+        light, known = image.recipe, []
+        if image.bands is not None:
+            efficiency = collection.weights.efficiency
+            light = counted_photons(image, efficiency)
+            known = [radiance_per_photon(image, efficiency, node)]
+        seen = Step.of(picture_range, light, node=node)
+        levels = Step.of(electron_levels, seen, *known, node=node, collection=collection)
         table = Step.of(
             figures,
             levels,
@@ -87,7 +94,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
             stream = self.stream(here, name, fixed=fixed)
             return Step.of(unit_deviates, node=node, stream=stream, shape=image.shape)
 
-        mean = Step.of(steps.expected_electrons, image.recipe, levels, node=node)
+        mean = Step.of(steps.expected_electrons, light, levels, node=node)
         patterns = [deviates("prnu", fixed=True)] if self.prnu_percent else []
         patterns += [deviates("dsnu", fixed=True)] if self.dsnu_e else []
         spread = {"prnu_percent": self.prnu_percent, "dsnu_e": self.dsnu_e}
@@ -229,7 +236,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         shortest = min((end for end in ends if end is not None), default=None)
         if self.photon_weighting != "scene" or shortest is None:
             return None
-        if shortest >= SHORTEST_THERMAL_UM:
+        if shortest >= SHORTEST_THERMAL_UM or image.bands is not None:
             return None
         return Caution(
             f"the band begins at {shortest:g} µm, where a radiance has no brightness temperature: "

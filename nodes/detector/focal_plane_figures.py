@@ -32,7 +32,7 @@ from core.physics.electrons.photon_conversion import (
     conversion_between,
 )
 from core.physics.electrons.spectral_photons import QuantumEfficiency
-from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
+from core.physics.radiometry.planck import band_radiance, band_radiance_derivative
 from nodes.shared.shared_warnings import NEAR
 
 Array = NDArray[Any]
@@ -147,6 +147,13 @@ class ElectronLevels:
         Electrons of the mean by where they come from.
     slope : float
         Electrons per W/m²/sr at the mean.
+    radiance_per_photon : float or None
+        Mean radiance over the mean of the photons counted, of a picture that comes as such photons,
+        as its spectrum is known.
+    electrons_per_K : float or None
+        Electrons per kelvin of the scene, where it has a brightness temperature.
+    band_um : (float, float)
+        Of the radiance.
     """
 
     conversion: Conversion
@@ -157,6 +164,9 @@ class ElectronLevels:
     housing_e: float
     dark_e: float
     slope: float
+    radiance_per_photon: float | None = None
+    electrons_per_K: float | None = None
+    band_um: tuple[float, float] = (0.0, 0.0)
 
     @property
     def pedestal_e(self) -> float:
@@ -176,8 +186,10 @@ class ElectronLevels:
 
 
 @ends_lineage
-def electron_levels(work: Work, seen: PictureRange, *, collection: Collection) -> ElectronLevels:
-    """What the picture's radiances are in electrons."""
+def electron_levels(
+    work: Work, seen: PictureRange, per_photon: float | None = None, *, collection: Collection
+) -> ElectronLevels:
+    """What the picture's radiances, or the photons of it that are counted, are in electrons."""
     weights = collection.weights
     conversion = conversion_between(
         weights=weights,
@@ -188,8 +200,7 @@ def electron_levels(work: Work, seen: PictureRange, *, collection: Collection) -
     )
     kelvin = None
     if weights.is_thermal and seen.mean > 0.0:
-        low, high = weights.band_um
-        kelvin = float(brightness_temperature(radiance=seen.mean, cut_on_um=low, cut_off_um=high))
+        kelvin = weights.temperature(seen.mean)
     if seen.mean > 0.0:
         ratio = weights.per_radiance(np.array([seen.mean]))
         signal = collection.per_photon * float(ratio[0]) * seen.mean
@@ -206,13 +217,30 @@ def electron_levels(work: Work, seen: PictureRange, *, collection: Collection) -
         collection.housing_e,
         collection.dark_e,
         slope,
+        per_photon,
+        None if kelvin is None else slope * weights.per_kelvin(kelvin),
+        weights.band_um,
     )
 
 
 @ends_lineage
 def scene_level(work: Work, levels: ElectronLevels) -> LevelChange:
-    """The change from radiance to electrons, for what follows differences through it."""
-    return LevelChange(levels.slope, levels.seen.mean, levels.signal_e)
+    """The change from radiance to electrons, for what follows differences through it.
+
+    Of photons counted it is the change from the black body's radiance in the band that gives as
+    many: its slope by temperature is theirs.
+    """
+    per_photon, kelvin = levels.radiance_per_photon, levels.scene_K
+    if per_photon is None:
+        return LevelChange(levels.slope, levels.seen.mean, levels.signal_e)
+    if kelvin is None or levels.electrons_per_K is None:
+        return LevelChange(
+            levels.slope / per_photon, levels.seen.mean * per_photon, levels.signal_e
+        )
+    low, high = levels.band_um
+    radiance = float(band_radiance(temperature_K=kelvin, cut_on_um=low, cut_off_um=high))
+    slope = float(band_radiance_derivative(temperature_K=kelvin, cut_on_um=low, cut_off_um=high))
+    return LevelChange(levels.electrons_per_K / slope, radiance, levels.signal_e)
 
 
 @ends_lineage
@@ -232,6 +260,7 @@ def bent_level(
 def radiance_level(work: Work, levels: ElectronLevels) -> LevelChange:
     """The change from electrons back to radiance."""
     gain = 1.0 / levels.slope if levels.slope > 0.0 else 0.0
+    gain *= levels.radiance_per_photon or 1.0
     return LevelChange(gain, levels.total_e, levels.signal_e * gain)
 
 
@@ -250,7 +279,7 @@ def figures(
     read = reading.read_noise_e / frames**0.5
     rounding = quantization_noise_e(gain_e_per_dn=reading.gain_e_per_dn) if reading.bits else 0.0
     temporal = temporal_noise_e(shot_e=shot, read_e=read, quantization_e=rounding)
-    responsivity = _responsivity(levels, collection)
+    responsivity = levels.electrons_per_K
     netd = None
     if responsivity is not None:
         netd = _finite(netd_of_electrons_K(temporal_e=temporal, responsivity_e_per_K=responsivity))
@@ -389,23 +418,14 @@ def _worth(
     return tuple(rows)
 
 
-def _responsivity(levels: ElectronLevels, collection: Collection) -> float | None:
-    """Electrons per kelvin; none where the scene has no brightness temperature."""
-    if levels.scene_K is None:
-        return None
-    low, high = collection.weights.band_um
-    return levels.slope * float(
-        band_radiance_derivative(cut_on_um=low, cut_off_um=high, temperature_K=levels.scene_K)
-    )
-
-
 def _efficiency(levels: ElectronLevels, collection: Collection) -> float:
     """Quantum efficiency, the mean over the photons of the band."""
     weights = collection.weights
     efficiency = weights.efficiency
     if not efficiency.points:
         return efficiency.value
-    kelvin = levels.scene_K if weights.used == "scene" else weights.source_K
+    seen = weights.used in ("scene", "spectrum") and levels.scene_K is not None
+    kelvin = levels.scene_K if seen else weights.source_K
     if weights.used == "middle" or kelvin is None:
         return efficiency.mean()
     whole = float(replace(efficiency, value=1.0, points=()).photon_radiance(kelvin))

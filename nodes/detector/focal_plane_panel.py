@@ -18,7 +18,7 @@ from core.physics.electrons.collection import (
     housing_sr,
 )
 from core.physics.electrons.electron_noise import gain_to_fill_e_per_dn
-from core.physics.electrons.photon_conversion import PhotonWeights
+from core.physics.electrons.photon_conversion import CountedPhotons, PhotonWeights
 from core.physics.electrons.rule_07 import rule_07_e_per_s
 from core.physics.electrons.spectral_photons import QuantumEfficiency
 from core.physics.noise.noise_equivalent import detector_area_cm2
@@ -260,10 +260,9 @@ class FocalPlanePanel(SeededModule):
         )
         f_number = of_context("f_number", context, unit="")
         housing = housing_sr(f_number=f_number, cold_shield_efficiency=self.cold_shield_efficiency)
+        kind = PhotonWeights if image.bands is None else CountedPhotons
         return Collection(
-            weights=PhotonWeights(
-                self.photon_weighting, band or (low, high), efficiency, self.source_K
-            ),
+            weights=kind(self.photon_weighting, band or (low, high), efficiency, self.source_K),
             scene_m2_s_sr=exposure * cone_sr(f_number=f_number),
             housing_m2_s_sr=exposure * housing,
             optics_transmission=self.optics_transmission,

@@ -365,9 +365,12 @@ def _radiance_again(picture: Recipe, levels: Recipe) -> AboutLevel:
 def radiance_of_electrons(work: Work, picture: Array, levels: ElectronLevels) -> Array:
     """Radiance of the scene that electrons stand for, less what is there without it."""
     pedestal = picture.dtype.type(levels.pedestal_e)
+    of_photons = levels.radiance_per_photon
 
     def block(rows: slice, made: Array) -> None:
         made[:] = levels.conversion.radiance(picture[rows] - pedestal)
+        if of_photons is not None:
+            made *= made.dtype.type(of_photons)
 
     return _by_rows(work, picture, block)
 

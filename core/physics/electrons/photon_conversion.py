@@ -8,6 +8,7 @@ lies between the efficiencies at the ends of the band: one Chebyshev sum serves 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from core.errors import DataError
 from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
+from core.physics.numerics.brent_root import brent_root
 from core.physics.numerics.chebyshev import chebyshev_sum
 from core.physics.radiometry.planck import (
     band_radiance,
@@ -27,12 +29,13 @@ from core.physics.radiometry.planck import (
 
 Array = NDArray[Any]
 FloatArray = NDArray[np.float64]
-Weighting = Literal["scene", "source", "middle"]
+Weighting = Literal["scene", "source", "middle", "spectrum"]
 WEIGHTINGS: tuple[Weighting, ...] = ("scene", "source", "middle")
 SHORTEST_THERMAL_UM = 2.5
 """What reaches a camera of shorter waves is reflected light, of no brightness temperature."""
 
 _DEEPEST = 1e-9  # of the largest radiance; below it electrons are in proportion to the radiance
+_COLDEST_K, _HOTTEST_K, _LEAST_PHOTONS = 1.0, 1e6, 1e-290
 _FLAT = 1e-14  # of ln L: a picture of one value
 _FINEST = 2e-14
 _FIT_SIZES = (8, 16, 32, 64)
@@ -90,6 +93,14 @@ class PhotonWeights:
             return photons / band_radiance_derivative(temperature_K=temperature, **self._band)
         return self._constant
 
+    def temperature(self, mean: float) -> float:
+        """Temperature of the black body whose light gives this mean, K."""
+        return float(brightness_temperature(radiance=mean, **self._band))
+
+    def per_kelvin(self, temperature_K: float) -> float:
+        """Derivative of that light by the temperature."""
+        return float(band_radiance_derivative(temperature_K=temperature_K, **self._band))
+
     @cached_property
     def _constant(self) -> float:
         """Photons per radiance where that is the same for all samples."""
@@ -110,6 +121,39 @@ class PhotonWeights:
         share = (high - low) / (self.band_um[1] - self.band_um[0])
         counted = QuantumEfficiency(low, high, efficiency.value, efficiency.points).mean()
         return share * counted * (low + high) / 2.0 / PHOTON_ENERGY_J_UM
+
+
+@dataclass(frozen=True)
+class CountedPhotons(PhotonWeights):
+    """Light whose spectrum is known: it comes as the photons that the detector counts already."""
+
+    @property
+    def used(self) -> Weighting:
+        """The picture's own spectrum."""
+        return "spectrum"
+
+    def temperature(self, mean: float) -> float:
+        """Temperature of the black body of which so many photons are counted, K."""
+
+        def above(logarithm: float) -> float:
+            photons = float(self.efficiency.photon_radiance(math.exp(logarithm)))
+            return math.log(max(photons, _LEAST_PHOTONS) / mean)
+
+        low, high = math.log(_COLDEST_K), math.log(_HOTTEST_K)
+        if not above(low) < 0.0 < above(high):
+            raise DataError(
+                f"{mean:.6g} photons/s/m²/sr are those of no black body from {_COLDEST_K:g} to "
+                f"{_HOTTEST_K:g} K"
+            )
+        return math.exp(brent_root(above, low=low, high=high))
+
+    def per_kelvin(self, temperature_K: float) -> float:
+        """Derivative of the photons counted by the temperature."""
+        return float(self.efficiency.photon_radiance_slope(temperature_K))
+
+    @cached_property
+    def _constant(self) -> float:
+        return 1.0
 
 
 @dataclass(frozen=True)

@@ -105,6 +105,21 @@ class QuantumEfficiency:
         slope = photons * x / -np.expm1(-x) / flat
         return np.asarray((slope @ weight).reshape(temperature.shape))
 
+    def integral(self, low_um: float, high_um: float) -> float:
+        """∫ QE dλ over a part of the wavelengths, µm; exact for straight lines."""
+        low, high = max(low_um, self.cut_on_um), min(high_um, self.cut_off_um)
+        if not low < high:
+            return 0.0
+        if not self.points:
+            return self.value * (high - low)
+        known = np.array([place for place, _ in self.points])
+        low, high = max(low, known[0]), min(high, known[-1])
+        if not low < high:
+            return 0.0
+        ends = np.array([low, *known[(known > low) & (known < high)], high])
+        values = np.interp(ends, known, [value for _, value in self.points])
+        return float(np.sum((values[1:] + values[:-1]) / 2.0 * np.diff(ends)))
+
     def mean(self) -> float:
         """Mean over the wavelengths of the band."""
         if not self.points:
