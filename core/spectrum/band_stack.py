@@ -184,7 +184,7 @@ class SteppedBands(BandStack):
     def picture(self, weights: Row) -> Recipe:
         """The step on one sum."""
         before = self.before.picture(weights)
-        return Step.of(self.function, before, node=self.node, **dict(self.parameters))
+        return Step(self.function, (before,), self.parameters, self.node)
 
     def means(self) -> Recipe:
         """Means of the bands before."""
