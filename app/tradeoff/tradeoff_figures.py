@@ -136,7 +136,8 @@ def computed(
             for figure in wanted:
                 number = _number(results.get(figure.name))
                 if number is None:
-                    reasons[figure.text] = _no_number(figure, results)
+                    why = "" if figure.is_total else engine.why_none(plan, node, work, figure.name)
+                    reasons[figure.text] = _no_number(figure, results, why)
                 else:
                     values[figure.text] = number
     return FigureValues(values, reasons)
@@ -183,6 +184,7 @@ def _number(value: Any) -> float | None:
     return None if np.isnan(number) else number
 
 
-def _no_number(figure: Figure, results: Mapping[str, Any]) -> str:
-    value = results.get(figure.name)
-    return f"{figure.text} has no value" if value is None else f"{figure.text} is no number"
+def _no_number(figure: Figure, results: Mapping[str, Any], why: str) -> str:
+    if results.get(figure.name) is not None:
+        return f"{figure.text} is no number"
+    return f"{figure.text} has no value{f': {why}' if why else ''}"

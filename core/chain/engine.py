@@ -14,7 +14,7 @@ from core.chain.wires import SpectrumWire, Transfer
 from core.errors import ImagechainError, NetworkError, UnconnectedError
 from core.evaluation.float_guard import watched
 from core.evaluation.policy import Policy
-from core.evaluation.recipes import Recipe
+from core.evaluation.recipes import Recipe, Step
 from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Work
@@ -219,6 +219,18 @@ class Engine:
                         raise error.at(node) from error
                     held.release([value])
         return values
+
+    def why_none(self, plan: Plan, node: str, work: Work, name: str) -> str:
+        """Why a read-out has no value, where its module gives the reason; else an empty text.
+
+        Raises
+        ------
+        ImagechainError
+            The node's own error, or one met while computing.
+        """
+        value = self.planned_readouts(plan, node, (name,)).get(name)
+        reason = value.reason if isinstance(value, Step) else None
+        return "" if reason is None else str(work.value(reason))
 
     def warnings(self, plan: Plan, work: Work, *, known_only: bool = False) -> list[Caution]:
         """What the nodes warn of, those warnings included for which samples are looked at.

@@ -48,12 +48,13 @@ class CurveData:
 
 @dataclass(frozen=True)
 class TableRow:
-    """A named figure."""
+    """A named figure; `reason` is why it has no value, where that is known."""
 
     name: str
     value: float | int | str | None
     unit: str = ""
     meaning: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True)

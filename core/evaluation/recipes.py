@@ -167,6 +167,12 @@ class Step(Recipe):
         declared: Callable[[Step], Any] = getattr(self.function, "lineage", _ended)
         return declared(self)
 
+    @property
+    def reason(self) -> Step | None:
+        """Makes the text of why the value is None, if the function is marked by `with_reason`."""
+        why: Callable[..., str] | None = getattr(self.function, "reason", None)
+        return None if why is None else Step(why, self.inputs, self.parameters, self.node)
+
     def share(self, region: Region, shape: tuple[int, int]) -> float:
         """The share given to `in_parts`."""
         share: Share = getattr(self.function, "share", None) or super().share
@@ -205,6 +211,22 @@ def whole_numbers(function: F) -> F:
     """Mark a step's function that makes whole numbers from 0 to 2^bits − 1, by its `bits`."""
     function.whole_numbers = True  # type: ignore[attr-defined]
     return function
+
+
+def with_reason(reason: Callable[..., str]) -> Callable[[F], F]:
+    """Mark a step's function with another that gives the reason where its value is None.
+
+    Parameters
+    ----------
+    reason : callable
+        Called as the function itself; gives an empty text where no reason is known.
+    """
+
+    def mark(function: F) -> F:
+        function.reason = reason  # type: ignore[attr-defined]
+        return function
+
+    return mark
 
 
 def number_bits(recipe: Recipe) -> int | None:

@@ -38,11 +38,14 @@ class LevelChange:
         Of the picture before.
     signal : float
         What the mean becomes, less what is there without any scene.
+    reason : str
+        Why the gain is 0, where it is.
     """
 
     gain: float
     mean: float
     signal: float
+    reason: str = ""
 
 
 class Linear:

@@ -20,6 +20,7 @@ from nodes.detector.focal_plane_band import (
 )
 from nodes.detector.focal_plane_figures import (
     ReadOut,
+    clipping_level,
     electron_levels,
     figures,
     overflow_caution,
@@ -64,10 +65,11 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     that of `source_K`, or by the band's middle; the table shows what each makes of the signal. Of a
     picture in bands the photons of each are counted, by the response at its wavelength. A band that
     begins below 2.5 µm holds no thermal scene: there `scene` is `source`. NETD, SNR and well fill
-    are those of the picture's mean. `frames_averaged`: shot and read noise fall with the root of
-    their number, and the average is rounded once. `saturated` is 1 where the well is full or the
-    converter beyond its last number. Sources: Dereniak and Boreman 1996; Janesick 2007, Photon
-    Transfer; EMVA 1288; Tennant et al. 2008 (Rule 07).
+    are those of the picture's mean; where that is clipped, there is no NETD, SNR or NEI.
+    `frames_averaged`: shot and read noise fall with the root of their number, and the average is
+    rounded once. `saturated` is 1 where the well is full or the converter beyond its last number.
+    Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288; Tennant et al.
+    2008 (Rule 07).
     """
 
     def run(self, image: Image, context: Context, here: NodeContext) -> FocalPlaneOutputs:
@@ -111,6 +113,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
         electrons = Step.of(
             steps.read_out,
             self._bent(collected, levels, node),
+            Step.of(clipping_level, levels, node=node, reading=reading),
             *([deviates("read")] if self.read_noise_e else []),
             node=node,
             sigma_e=self.read_noise_e / self.frames_averaged**0.5,
@@ -255,7 +258,7 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     def overflow(self, outputs: FocalPlaneOutputs) -> Recipe:
         """A mean, or a brightest, beyond the full well or the converter's numbers."""
         table = outputs.table.recipe.inputs[0]
-        return Step.of(overflow_caution, table, table.inputs[0], reading=self.read_out())
+        return Step.of(overflow_caution, table.inputs[0], reading=self.read_out())
 
     signal_e = _figure("signal_e", "e-", "Electrons of the scene, at the picture's mean.")
     optics_e = _figure("optics_e", "e-", "Electrons of the optics' own emission.")

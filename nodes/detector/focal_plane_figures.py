@@ -264,6 +264,64 @@ def radiance_level(work: Work, levels: ElectronLevels) -> LevelChange:
     return LevelChange(gain, levels.total_e, levels.signal_e * gain)
 
 
+def _bent_mean(levels: ElectronLevels, reading: ReadOut) -> float:
+    """Electrons of the mean as the read-out sees them."""
+    if reading.full_well_e is None:
+        return levels.total_e
+    return bent_response(
+        electrons=levels.total_e,
+        full_well_e=reading.full_well_e,
+        nonlinearity_percent=reading.nonlinearity_percent,
+    )
+
+
+def mean_clipped(levels: ElectronLevels, reading: ReadOut) -> Caution | None:
+    """Why the read-out's mean does not follow the scene, and what to change; None where it does."""
+    mean_e, well = _bent_mean(levels, reading), reading.full_well_e
+    number, top_dn = mean_e / reading.gain_e_per_dn + reading.offset_dn, reading.top_dn
+    if well is not None and (mean_e > well or _flat(levels.total_e, reading)):
+        return Caution(
+            f"the mean of the picture is {100.0 * mean_e / well:.4g} % of the full well and is "
+            "clipped",
+            "make integration_time_s, tdi_stages or the picture's radiance smaller, or full_well_e "
+            "larger",
+        )
+    if number > top_dn:
+        return Caution(
+            f"the mean of the picture is number {number:.5g}, beyond the converter's last, "
+            f"{top_dn:.0f}, and is clipped",
+            "make gain_e_per_dn or bits larger, or offset_dn smaller",
+        )
+    if number < 0.0 and np.isfinite(top_dn):
+        return Caution(
+            f"the mean of the picture is number {number:.5g}, below the converter's first, 0, and "
+            "is clipped",
+            "make offset_dn larger",
+        )
+    return None
+
+
+def _flat(electrons: float, reading: ReadOut) -> bool:
+    """Whether the response has been bent until it no longer rises: at the full well, by 25 %."""
+    return (
+        bent_slope(
+            electrons=electrons,
+            full_well_e=reading.full_well_e or np.inf,
+            nonlinearity_percent=reading.nonlinearity_percent,
+        )
+        == 0.0
+    )
+
+
+@ends_lineage
+def clipping_level(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> LevelChange:
+    """What a read-out that ends does to small differences about the mean: nothing, or all."""
+    clipped = mean_clipped(levels, reading)
+    if clipped is None:
+        return LevelChange(1.0, levels.total_e, levels.signal_e)
+    return LevelChange(0.0, levels.total_e, 0.0, clipped.message)
+
+
 @ends_lineage
 def figures(
     work: Work,
@@ -279,29 +337,28 @@ def figures(
     read = reading.read_noise_e / frames**0.5
     rounding = quantization_noise_e(gain_e_per_dn=reading.gain_e_per_dn) if reading.bits else 0.0
     temporal = temporal_noise_e(shot_e=shot, read_e=read, quantization_e=rounding)
-    responsivity = levels.electrons_per_K
+    clipped = mean_clipped(levels, reading)
+    why = "" if clipped is None else clipped.message
+    responsivity = levels.electrons_per_K if clipped is None else None
     netd = None
     if responsivity is not None:
         netd = _finite(netd_of_electrons_K(temporal_e=temporal, responsivity_e_per_K=responsivity))
-    well, fill, decibels, bent = reading.full_well_e, None, None, total
-    if well is not None:
-        fill = 100.0 * total / well
-        bent = bent_response(
-            electrons=total,
-            full_well_e=well,
-            nonlinearity_percent=reading.nonlinearity_percent,
-        )
+    well, decibels, too_dark = reading.full_well_e, None, ""
+    fill = None if well is None else 100.0 * total / well
     saturation = reading.saturation_e
-    if 0.0 < saturation < np.inf:
+    if levels.dark_e >= saturation:
+        too_dark = f"{levels.dark_e:.4g} dark electrons reach the saturation, {saturation:.4g} e-"
+    elif 0.0 < saturation < np.inf:
         dark_noise = hypot(read, rounding, shot_noise_e(electrons=levels.dark_e / frames))
         decibels = _finite(dynamic_range_dB(full_well_e=saturation, dark_noise_e=dark_noise))
+    snr = levels.signal_e / temporal if temporal and clipped is None else None
     efficiency = _efficiency(levels, collection)
     nei = None
-    if efficiency > 0.0:
+    if efficiency > 0.0 and clipped is None:
         nei = nei_photons_per_cm2(
             temporal_e=temporal, quantum_efficiency=efficiency, area_cm2=area_cm2
         )
-    rows = (
+    rows: tuple[tuple[Any, ...], ...] = (
         ("signal_e", levels.signal_e, "e-", "electrons of the scene"),
         ("optics_e", levels.optics_e, "e-", "electrons of the optics' own emission"),
         ("housing_e", levels.housing_e, "e-", "electrons of the housing past the cold shield"),
@@ -319,13 +376,18 @@ def figures(
             "e-",
             "PRNU and DSNU",
         ),
-        ("responsivity_e_per_K", responsivity, "e-/K", "electrons per kelvin of the scene"),
-        ("netd_K", netd, "K", "temporal noise as a temperature difference"),
-        ("snr", levels.signal_e / temporal if temporal else None, "", "signal over temporal noise"),
-        ("nei_photons_per_cm2", nei, "1/cm²", "photons in an exposure that equal the noise"),
-        ("dynamic_range_dB", decibels, "dB", "saturation over the noise in the dark"),
+        ("responsivity_e_per_K", responsivity, "e-/K", "electrons per kelvin of the scene", why),
+        ("netd_K", netd, "K", "temporal noise as a temperature difference", why),
+        ("snr", snr, "", "signal over temporal noise", why),
+        ("nei_photons_per_cm2", nei, "1/cm²", "photons in an exposure that equal the noise", why),
+        ("dynamic_range_dB", decibels, "dB", "saturation over the noise in the dark", too_dark),
         ("gain_e_per_dn", reading.gain_e_per_dn, "e-/DN", "electrons of one digital number"),
-        ("mean_dn", bent / reading.gain_e_per_dn + reading.offset_dn, "DN", "number of the mean"),
+        (
+            "mean_dn",
+            _bent_mean(levels, reading) / reading.gain_e_per_dn + reading.offset_dn,
+            "DN",
+            "number of the mean",
+        ),
         ("scene_K", levels.scene_K, "K", "brightness temperature of the mean"),
         ("photon_weighting", collection.weights.used, "", "spectrum that photons are counted by"),
         *_worth(levels, collection),
@@ -334,35 +396,14 @@ def figures(
 
 
 @ends_lineage
-def overflow_caution(
-    work: Work, table: TableData, levels: ElectronLevels, *, reading: ReadOut
-) -> Caution | None:
-    """A picture whose mean is clipped, so that its figures are of a larger well, or its brightest.
+def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> Caution | None:
+    """A picture whose mean is clipped, so that it has no NETD and no SNR, or its brightest.
 
     Noise and unlike pixels are left out: what they alone clip is in `saturated_pixels`.
     """
-    top_dn = reading.top_dn
-    figures: dict[str, Any] = table.as_dict()
-    fill, number = figures["well_fill_percent"], figures["mean_dn"]
-    if fill is not None and fill > 100.0:
-        return Caution(
-            f"the mean of the picture is {fill:.4g} % of the full well: SNR and noise are those of "
-            "a well that would hold it, and the picture is clipped",
-            "make integration_time_s, tdi_stages or the picture's radiance smaller, or full_well_e "
-            "larger",
-        )
-    if number > top_dn:
-        return Caution(
-            f"the mean of the picture is number {number:.5g}, beyond the converter's last, "
-            f"{top_dn:.0f}: the picture is clipped",
-            "make gain_e_per_dn or bits larger, or offset_dn smaller",
-        )
-    if number < 0.0 and np.isfinite(top_dn):
-        return Caution(
-            f"the mean of the picture is number {number:.5g}, below the converter's first, 0: the "
-            "picture is clipped",
-            "make offset_dn larger",
-        )
+    clipped = mean_clipped(levels, reading)
+    if clipped is not None:
+        return replace(clipped, message=f"{clipped.message}: it has no NETD, SNR or NEI")
     saturation = reading.saturation_e
     if levels.brightest_e > saturation:
         return Caution(

@@ -20,7 +20,7 @@ from core.evaluation.recipes import (
 )
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.lineage.linear_change import Linear
+from core.lineage.linear_change import LevelChange, Linear
 from core.lineage.step_lineage import picture_step
 from core.lineage.step_noise import AtStep, Noise
 from core.noise.noise_power import NoisePower
@@ -56,6 +56,15 @@ class AboutLevel(Linear):
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         """Scaled by the gain at the mean."""
         return power.scaled(work.value(self.about).gain)
+
+
+@dataclass(frozen=True)
+class Ended(AboutLevel):
+    """No change, unless the read-out ends before the level, and nothing follows the scene."""
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """As it is: beside a mean that is clipped there are samples that are not."""
+        return power
 
 
 @dataclass(frozen=True)
@@ -188,12 +197,30 @@ def _read_noise(
     return [at.white("read", sigma_e**2)] if sigma_e else []
 
 
-@picture_step(noise=_read_noise)
+def _up_to_its_end(picture: Recipe, clipping: Recipe, *_: Recipe, **how: Any) -> Ended:
+    return Ended(clipping)
+
+
+def _not_read(picture: Recipe, *_: Recipe, **how: Any) -> Recipe:
+    return picture
+
+
+@picture_step(
+    linear=_up_to_its_end, noise=_read_noise, noise_free=_not_read, looks_at=("clipping",)
+)
 @pointwise
 def read_out(
-    work: Work, picture: Array, *deviates: Array, sigma_e: float, full_well_e: float | None
+    work: Work,
+    picture: Array,
+    clipping: LevelChange,
+    *deviates: Array,
+    sigma_e: float,
+    full_well_e: float | None,
 ) -> Array:
-    """With read noise, and no more electrons than the well holds."""
+    """With read noise, and no more electrons than the well holds.
+
+    `clipping` is for what follows the scene through it: the samples do without.
+    """
     number = picture.dtype.type
 
     def block(rows: slice, electrons: Array) -> None:

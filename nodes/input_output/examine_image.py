@@ -15,7 +15,7 @@ from core.chain.realize import asked_for, realize, spectrum
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Magnitude, Phase, Table, Transfer
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step, ends_lineage, with_reason
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
@@ -147,6 +147,13 @@ def realized(work: Work, *known: Any, value: Any) -> Array:
     return np.abs(samples) if np.iscomplexobj(samples) else samples
 
 
+@ends_lineage
+def figure_reason(work: Work, table: TableData, *, name: str) -> str:
+    """Why that value of a table is none."""
+    return next(row.reason for row in table.rows if row.name == name)
+
+
+@with_reason(figure_reason)
 @ends_lineage
 def figure(work: Work, table: TableData, *, name: str) -> float | int | str | None:
     """One value of a table."""

@@ -21,7 +21,7 @@ from core.physics.acquisition.edge_response import (
 )
 from core.physics.acquisition.giqe import INCH_M, beyond_limits, giqe_3, giqe_4, giqe_5
 from core.transfer.grid import Grid
-from nodes.analysis.lineage import ImageNoise
+from nodes.analysis.lineage import ImageNoise, require_gain
 from nodes.analysis.lineage.line_transfer import Line, Stage, stage_along
 from nodes.analysis.merit.threshold_curves import HORIZONTAL, VERTICAL
 
@@ -81,8 +81,7 @@ def signal_over_noise(
     if gain is None:
         raise DataError("gain_model literal scales the picture by the gain error; take per_pixel")
     gain *= math.prod(level.gain for level in levels)
-    if not gain > 0.0:
-        raise DataError("the picture does not change with the scene: it has no signal")
+    require_gain(gain, levels, "it has no signal")
     mean = levels[0].signal / levels[0].gain / gain_before if levels else seen.mean / gain
     if not mean > 0.0:
         raise DataError(f"the picture's signal is {mean:.6g}: its SNR needs one above zero")

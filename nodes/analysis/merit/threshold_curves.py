@@ -19,7 +19,7 @@ from core.physics.acquisition.mrtd import mrtd_flir92_K, mrtd_ratches_K, mrtd_tw
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
 from core.transfer.grid import Grid
-from nodes.analysis.lineage import ImageNoise
+from nodes.analysis.lineage import ImageNoise, require_gain
 from nodes.analysis.lineage.line_transfer import Line, Stage, stage_along
 
 Vector = NDArray[np.float64]
@@ -128,8 +128,7 @@ def sensitivity(
             "in temperature; take per_pixel or published"
         )
     gain *= math.prod(level.gain for level in levels)
-    if not gain > 0.0:
-        raise DataError("the picture does not change with the scene: there is nothing to detect")
+    require_gain(gain, levels, "there is nothing to detect")
     scene = levels[0].mean / gain_before if levels else seen.mean / gain
     # What is in proportion to the scene, as a radiance at the slope of the response.
     mean = levels[0].signal / levels[0].gain / gain_before if levels else scene

@@ -53,13 +53,14 @@ BY_MODULE: Mapping[str, tuple[tuple[str, str], ...]] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Figure:
-    """One read-out; `value` None where there is none."""
+    """One read-out; `value` None where there is none, `reason` why, where that is known."""
 
     name: str
     caption: str
     value: Any
     unit: str
     meaning: str
+    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -123,9 +124,14 @@ class FiguresQuery(Query):
         planned = plan.node(name)
         if planned.error is not None:
             raise planned.error
-        values: Mapping[str, Any] = {}
+        engine, values, reasons = passing.engine, dict[str, Any](), dict[str, str]()
         if not planned.node.disabled:
-            values = passing.engine.readouts(plan, name, passing.work)
+            values = engine.readouts(plan, name, passing.work)
+            reasons = {
+                readout: engine.why_none(plan, name, passing.work, readout)
+                for readout, _ in BY_MODULE[planned.node.module]
+                if values.get(readout) is None
+            }
         declared = {readout.name: readout for readout in planned.declaration.readouts}
         return Figures(
             name,
@@ -136,6 +142,7 @@ class FiguresQuery(Query):
                     values.get(readout),
                     declared[readout].unit,
                     declared[readout].meaning,
+                    reasons.get(readout, ""),
                 )
                 for readout, caption in BY_MODULE[planned.node.module]
             ),

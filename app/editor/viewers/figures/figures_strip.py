@@ -167,7 +167,8 @@ class FiguresStrip(Viewer):
                 node = answer.node if answer is not None else ""
                 exact = "" if figure.value is None else f" {figure.value!r} {figure.unit}".rstrip()
                 text = figure_text(figure.value, figure.unit)
-                label.show_text(text, f"{figure.meaning}{exact} ({node})")
+                about = f" None: {figure.reason}." if figure.reason else exact
+                label.show_text(text, f"{figure.meaning}{about} ({node})")
 
     def _show_output(self, answer: Figures | None, why: str) -> str:
         """Show which picture is the output; returns why none is."""

@@ -248,3 +248,18 @@ def test_a_camera_of_today_shows_its_own_figures(qtbot, opened, network, node, c
         assert strip.text(name) == figure_text(truth[name], units[name])
     assert node in strip.label("snr").toolTip()
     bench.close()
+
+
+def test_a_figure_of_a_clipped_picture_is_a_dash_with_its_reason(qtbot, opened):
+    made = ViewerBench(qtbot, opened("mwir_camera"))
+    strip = made.show(FiguresStrip(made.session, made.evaluator, DARK), 820, 40)
+    camera = next(n for n, node in made.session.network.nodes.items()
+                  if node.module == "focal_plane")  # fmt: skip
+    assert strip.text("netd_K").endswith("mK")
+    made.do(set_parameter(camera, "integration_time_s", 10.0))
+    assert (strip.text("netd_K"), strip.text("snr")) == ("—", "—")
+    assert strip.text("well_fill_percent") != "—"
+    tip = strip.label("netd_K").toolTip()
+    assert "None: the mean of the picture is " in tip
+    assert "% of the full well and is clipped" in tip
+    made.close()

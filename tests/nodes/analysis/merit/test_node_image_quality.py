@@ -88,7 +88,7 @@ def test_what_is_typed_counts(tmp_path):
 
 def test_a_level_of_digital_numbers_does_not_count_as_signal(tmp_path):
     plain = bench_of(tmp_path, camera={"units": "electrons"}).readouts("merit")
-    lifted = {"bits": 16, "gain_e_per_dn": 3.0, "offset_dn": 500.0, "full_well_e": 1e6}
+    lifted = {"bits": 16, "gain_e_per_dn": 300.0, "offset_dn": 500.0, "full_well_e": 2e7}
     found = bench_of(tmp_path, camera=lifted).readouts("merit")
     assert found["snr"] == pytest.approx(plain["snr"], rel=1e-3)  # less rounding
 

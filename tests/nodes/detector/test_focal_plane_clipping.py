@@ -1,0 +1,131 @@
+"""Focal Plane where its well is full, or its converter at an end: no figures, and warnings."""
+
+import math
+import re
+
+import pytest
+
+from core.errors import DataError
+from focal_plane_bench import CAMERA_SHEET, cautions, focal_plane_bench
+from nodes.analysis.lineage import NoiseOf
+
+
+@pytest.mark.parametrize(
+    ("params", "said"),
+    [
+        ({"integration_time_s": 0.1}, "% of the full well and is clipped"),
+        ({"integration_time_s": 0.1, "bits": 0, "units": "radiance"}, "% of the full well"),
+        ({"gain_e_per_dn": 10.0}, "beyond the converter's last, 16383, and is clipped"),
+        ({"offset_dn": -2000.0}, "below the converter's first, 0, and is clipped"),
+        ({"integration_time_s": 0.2, "nonlinearity_percent": 25.0}, "is 100 % of the full well"),
+    ],
+    ids=["well", "well without bits", "converter", "below the converter", "bent flat"],
+)
+def test_a_mean_that_is_clipped_has_no_netd_and_no_snr(tmp_path, params, said):
+    """The clipped picture does not change with the scene: any noise over that is no figure."""
+    sheet = {**CAMERA_SHEET, **params}
+    behind = ("figures_of_merit", "image_quality")
+    init = {"range_m": 1000}
+    bench = focal_plane_bench(tmp_path, sheet, size=(16, 16), init=init, behind=behind)
+    found = bench.readouts("it")
+    for name in ("netd_K", "snr", "responsivity_e_per_K", "nei_photons_per_cm2"):
+        assert found[name] is None, name
+        assert said in bench.engine.why_none(bench.plan, "it", bench.work, name)
+    assert found["signal_e"] > 0
+    for node in behind:
+        with pytest.raises(DataError, match=re.escape(said)) as error:
+            bench.readouts(node)
+        assert "\n" not in str(error.value)
+
+
+def test_a_mean_just_below_the_well_has_all_its_figures(tmp_path):
+    cold = focal_plane_bench(tmp_path, CAMERA_SHEET, size=(8, 8)).readouts("it")
+    for fill, known in ((99.9, True), (100.1, False)):
+        seconds = 0.004 * 7e6 * fill / 100 / cold["signal_e"]
+        params = {**CAMERA_SHEET, "integration_time_s": seconds}
+        found = focal_plane_bench(tmp_path, params, size=(8, 8)).readouts("it")
+        assert found["well_fill_percent"] == pytest.approx(fill, rel=1e-9)
+        assert (found["netd_K"] is not None) == (found["snr"] is not None) == known
+
+
+def test_a_bent_response_fills_the_well_later(tmp_path):
+    """Bent by 5 % at the well, 1.03 of it reads as 1.03 - 0.05·1.03², 0.977 of it."""
+    cold = focal_plane_bench(tmp_path, CAMERA_SHEET, size=(8, 8)).readouts("it")
+    bent = {"integration_time_s": 0.004 * 7e6 * 1.03 / cold["signal_e"], "nonlinearity_percent": 5}
+    found = focal_plane_bench(tmp_path, {**CAMERA_SHEET, **bent}, size=(8, 8)).readouts("it")
+    assert found["mean_dn"] == pytest.approx(16383 * (1.03 - 0.05 * 1.03**2), rel=1e-9)
+    assert found["netd_K"] is not None
+
+
+def test_dark_electrons_that_fill_the_well_leave_no_dynamic_range(tmp_path):
+    dark = {**CAMERA_SHEET, "dark_current_e_per_s": 7e6 / 0.004}
+    bench = focal_plane_bench(tmp_path, dark, size=(8, 8))
+    assert bench.readouts("it")["dynamic_range_dB"] is None
+    why = bench.engine.why_none(bench.plan, "it", bench.work, "dynamic_range_dB")
+    assert why == "7e+06 dark electrons reach the saturation, 7e+06 e-"
+
+
+def test_the_noise_of_what_is_not_clipped_stays_in_the_budget(tmp_path):
+    """Beside a mean that is clipped there may be samples that are not."""
+    over = {**CAMERA_SHEET, "integration_time_s": 0.1}
+    bench = focal_plane_bench(tmp_path, over, size=(8, 8))
+    noises = bench.work.value(NoiseOf(bench.port("it.image"))).terms
+    shot = next(noise for noise in noises if noise.name == "shot")
+    found = bench.readouts("it")
+    expected = (found["shot_noise_e"] / found["gain_e_per_dn"]) ** 2
+    assert shot.variances.total == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("params", "saturation"),
+    [
+        ({}, 7e6),
+        ({"gain_e_per_dn": 100.0}, 16383 * 100.0),
+        ({"gain_e_per_dn": 100.0, "offset_dn": 383.0}, 16000 * 100.0),
+        ({"gain_e_per_dn": 1000.0}, 7e6),
+        ({"gain_e_per_dn": 100.0, "full_well_e": None}, 16383 * 100.0),
+    ],
+    ids=["well is the last number", "converter", "with offset", "well", "no well"],
+)
+def test_the_dynamic_range_ends_where_the_picture_is_clipped(tmp_path, params, saturation):
+    """EMVA 1288: the saturation of the camera, whichever of well and converter comes first."""
+    found = focal_plane_bench(tmp_path, {**CAMERA_SHEET, **params}, size=(8, 8)).readouts("it")
+    dark = math.sqrt(400**2 + params.get("gain_e_per_dn", 7e6 / 16383) ** 2 / 12)
+    assert found["dynamic_range_dB"] == pytest.approx(20 * math.log10(saturation / dark), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("params", "said"),
+    [
+        ({"integration_time_s": 0.1}, ("% of the full well", "tdi_stages", "full_well_e")),
+        ({"gain_e_per_dn": 10.0}, ("16383", "gain_e_per_dn", "offset_dn")),
+        ({"offset_dn": -2000.0}, ("number -", "first, 0", "offset_dn larger")),
+        ({}, ()),
+    ],
+    ids=["well", "converter", "below the converter", "neither"],
+)
+def test_a_mean_that_is_clipped_is_warned_of(tmp_path, params, said):
+    """25 times the exposure of the reference fills its well to 1.6; 4.5e5 electrons are 45,000."""
+    bench = focal_plane_bench(tmp_path, {**CAMERA_SHEET, **params}, size=(8, 8))
+    found = cautions(bench, "overflow")
+    assert len(found) == bool(said)
+    for words in said:
+        assert words in found[0].text
+
+
+@pytest.mark.parametrize(("warmer", "clipped"), [(20.0, False), (30.0, True)])
+def test_a_brightest_that_is_clipped_is_warned_of(tmp_path, warmer, clipped):
+    """Half of the picture at 300 K, half warmer; the well holds 2.5 times what 300 K give.
+
+    By Planck's law 320 K give 2.0 times as many photons from 3.7 to 4.8 µm, and 330 K 2.7 times.
+    """
+    scene = {"kind": "two_panel", "temperature_K": 300.0, "delta_K": warmer}
+    cold = focal_plane_bench(tmp_path, CAMERA_SHEET, size=(8, 8)).readouts("it")["signal_e"]
+    sheet = {**CAMERA_SHEET, "full_well_e": 2.5 * cold, "read_noise_e": 0}
+    bench = focal_plane_bench(tmp_path, sheet, size=(8, 8), scene=scene)
+    assert bench.readouts("it")["well_fill_percent"] < 100
+    assert (bench.readouts("it")["saturated_pixels"] > 0) == clipped
+    found = cautions(bench, "overflow")
+    assert len(found) == clipped
+    if clipped:
+        assert "the picture's brightest gives" in found[0].text
