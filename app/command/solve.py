@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Mapping
 from typing import Any
 
 from app.command.run import open_network
@@ -57,7 +58,7 @@ def solve_readout(options: Options, cancel: threading.Event | None = None) -> No
     present = plan.node(sought.node).node.params.get(sought.name, parameter.default)
     range_ = search_range(parameter, present, sought.text, option=f"{FOR} {sought.port}")
     work = engine.work(Policy(options.precision, options.tolerance, options.threads), cancel=cancel)
-    reasons: list[str] = []
+    reasons: dict[float, str] = {}
 
     def planned(value: float) -> Plan:
         exact: Any = int(value) if parameter.kind == "integer" else value
@@ -72,9 +73,9 @@ def solve_readout(options: Options, cancel: threading.Event | None = None) -> No
             try:
                 result = computed((figure,), engine, planned(value), work, sought.node)
             except ParameterError as error:
-                reasons.append(str(error.at(sought.node)))
+                reasons[value] = str(error.at(sought.node))
                 return None
-            reasons.extend(result.reasons.values())
+            reasons.update((value, reason) for reason in result.reasons.values())
             return result.values.get(figure.text)
 
         number = present if isinstance(present, int | float) else None
@@ -138,10 +139,15 @@ def _found(
 
 
 def _none(
-    solution: Solution, port: str, unit: str, figure: Figure, wanted: float, reasons: list[str]
+    solution: Solution,
+    port: str,
+    unit: str,
+    figure: Figure,
+    wanted: float,
+    reasons: Mapping[float, str],
 ) -> str:
     if not solution.seen:
-        why = f": {reasons[0]}" if reasons else ""
+        why = "".join(f": {reason}" for reason in list(reasons.values())[:1])
         return f"no value of {port} gives {figure.text} at all{why}"
     first, last = solution.seen[0], solution.seen[-1]
     text = (
@@ -154,6 +160,10 @@ def _none(
     if extreme not in (first, last):
         word = "most" if extreme is most else "least"
         text += f", at {word} {_at(extreme, unit, figure)}"
+    for edge in solution.edges:
+        side = "above" if edge.without > edge.sample.value else "below"
+        text += f"; {side} {shown_value(edge.sample.value, unit)} there is none"
+        text += f": {reasons[edge.without]}" if edge.without in reasons else ""
     return text
 
 

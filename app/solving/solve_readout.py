@@ -9,6 +9,7 @@ from app.solving.parameter_range import SearchRange
 from core.physics.numerics.brent_root import brent_root
 
 Evaluated = Callable[[float], float | None]
+_HALVINGS = 24  # of a step, to find where the read-out's values end within it
 
 
 class _Gap(Exception):
@@ -21,6 +22,14 @@ class Sample:
 
     value: float
     figure: float
+
+
+@dataclass(frozen=True)
+class Edge:
+    """Two values of the parameter close together, of which one alone has a read-out."""
+
+    sample: Sample
+    without: float
 
 
 @dataclass(frozen=True)
@@ -37,12 +46,15 @@ class Solution:
         Further values that do it, to the width of a step.
     seen : tuple of Sample
         What was looked at, from one end of the range to the other.
+    edges : tuple of Edge
+        Where the read-out's values end within the range.
     """
 
     at: Sample | None
     beside: Sample | None
     others: tuple[float, ...]
     seen: tuple[Sample, ...]
+    edges: tuple[Edge, ...] = ()
 
     @property
     def nearest(self) -> tuple[Sample, Sample]:
@@ -73,21 +85,36 @@ def solve(
         Found by Brent's method, to 1e-13 of the parameter; of whole numbers by halving.
     """
     seen: list[Sample] = []
+    edges: list[Edge] = []
     crossings: list[tuple[Sample, Sample]] = []
-    before: Sample | None = None
-    for value in places.places():
-        figure = evaluate(value)
-        if figure is None:
-            before = None
-            continue
-        sample = Sample(value, figure)
+
+    def pass_by(sample: Sample, before: Sample | None) -> Sample:
         seen.append(sample)
         if before is not None and _between(before, sample, wanted):
             crossings.append((before, sample))
-        before = sample
+        return sample
+
+    before: Sample | None = None
+    gap: float | None = None
+    for value in places.places():
+        figure = evaluate(value)
+        if figure is None:
+            if before is not None:
+                edge = _edge(evaluate, before, value, places)
+                edges.append(edge)
+                if edge.sample is not before:
+                    pass_by(edge.sample, before)
+            before, gap = None, value
+            continue
+        sample = Sample(value, figure)
+        if gap is not None:
+            edge = _edge(evaluate, sample, gap, places)
+            edges.append(edge)
+            before = None if edge.sample is sample else pass_by(edge.sample, None)
+        before, gap = pass_by(sample, before), None
     if not crossings:
         exact = next((sample for sample in seen if sample.figure == wanted), None)
-        return Solution(exact, None, (), tuple(seen))
+        return Solution(exact, None, (), tuple(seen), tuple(edges))
 
     def distance(pair: tuple[Sample, Sample]) -> float:
         if present is None or (places.log and present <= 0):
@@ -100,8 +127,29 @@ def solve(
     others = tuple(pair[0].value for pair in crossings if pair is not chosen)
     if places.whole:
         at, beside = _halved(evaluate, *chosen, wanted)
-        return Solution(at, beside, others, tuple(seen))
-    return Solution(_brent(evaluate, *chosen, wanted, places), None, others, tuple(seen))
+        return Solution(at, beside, others, tuple(seen), tuple(edges))
+    at = _brent(evaluate, *chosen, wanted, places)
+    return Solution(at, None, others, tuple(seen), tuple(edges))
+
+
+def _edge(evaluate: Evaluated, sample: Sample, without: float, places: SearchRange) -> Edge:
+    """Between a value of the parameter with a read-out and one without: where they meet."""
+    on_log = places.log and min(sample.value, without) > 0
+    for _ in range(_HALVINGS):
+        if places.whole:
+            middle = float((int(sample.value) + int(without)) // 2)
+        elif on_log:
+            middle = places.value(0.5 * (places.scaled(sample.value) + places.scaled(without)))
+        else:
+            middle = 0.5 * (sample.value + without)
+        if middle in (sample.value, without):
+            break
+        figure = evaluate(middle)
+        if figure is None:
+            without = middle
+        else:
+            sample = Sample(middle, figure)
+    return Edge(sample, without)
 
 
 def _between(one: Sample, other: Sample, wanted: float) -> bool:

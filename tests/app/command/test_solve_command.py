@@ -118,3 +118,33 @@ def test_what_cannot_be_solved_is_one_line(imagechain, camera, words, line):
     assert (done.returncode, done.stdout) == (2, "")
     assert line in done.stderr
     assert len(done.stderr.splitlines()) == 1
+
+
+FULL_S = 7e6 / SIGNAL_E_PER_S
+"""Exposure that fills the well, 61.8 ms: there NETD is at its least, 6.22 mK."""
+
+
+def netd_at(time_s):
+    return math.sqrt(SIGNAL_E_PER_S * time_s + CONSTANT) / (RESPONSE_E_PER_K_S * time_s)
+
+
+def test_a_full_well_ends_what_can_be_had(imagechain, camera):
+    words = ("--for", "fpa.integration_time_s", "--until", "fpa.netd_K=0.006")
+    assert netd_at(FULL_S) > 0.006
+    done = imagechain("solve", camera, *words, "--precision", "double")
+    assert (done.returncode, done.stdout) == (2, "")
+    (line,) = done.stderr.splitlines()
+    end = float(re.search(r"; above ([0-9.]+) s there is none: ", line)[1])
+    assert end == pytest.approx(FULL_S, rel=1e-4)
+    assert "fpa.netd_K has no value: the mean of the picture is 100" in line
+    least = float(re.search(r"and ([0-9.]+) K at ", line)[1])
+    assert least == pytest.approx(netd_at(FULL_S), rel=1e-3)
+
+
+def test_a_value_between_the_last_step_and_the_full_well(imagechain, camera):
+    """The steps of the range are factors of 2.15: the last one before is at most 0.98 of it."""
+    wanted = 1.002 * netd_at(FULL_S)
+    words = ("--for", "fpa.integration_time_s", "--until", f"fpa.netd_K={wanted!r}")
+    done = imagechain("solve", camera, *words, "--precision", "double")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert solved(done.stdout.splitlines()[0]) == pytest.approx(time_of(wanted), rel=2e-4)
