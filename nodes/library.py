@@ -44,6 +44,7 @@ from nodes.optics.diffraction_mtf import DiffractionMTF
 from nodes.optics.exit_pupil import ExitPupil
 from nodes.optics.exit_pupil_mtf import ExitPupilMTF
 from nodes.optics.gaussian_mtf import GaussianMTF
+from nodes.optics.mtf_file import MtfFile
 from nodes.optics.poisson_noise import PoissonNoise
 from nodes.transform.anti_alias import AntiAlias
 from nodes.transform.back_transform import BackTransform
@@ -74,6 +75,7 @@ MODULES: tuple[type[Module], ...] = (
     ExitPupil,
     ExitPupilMTF,
     GaussianMTF,
+    MtfFile,
     PoissonNoise,
     CrosstrackMTF,
     AlongtrackMTF,

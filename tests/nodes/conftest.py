@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from lens_files import write_lens_files
 from noise_bench import Bench
 
 
@@ -15,7 +16,8 @@ def bench(tmp_path):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """One for all tests of a file, with a frame of noise for the small scenes."""
+    """One for all tests of a file, with a frame of noise for the small scenes and a lens' MTF."""
     place = tmp_path_factory.mktemp("shared")
     np.save(place / "noise.npy", np.random.default_rng(1).normal(size=(11, 15)))
+    write_lens_files(place)
     return place

@@ -23,7 +23,7 @@ PURE_NUMBERS = {
     "obscuration_ratio", "emissivity",
     "stages", "phases", "reference_f_number", "reference_frames",
     "sigma_tvh", "sigma_tv", "sigma_th", "sigma_t", "sigma_vh", "sigma_v", "sigma_h",
-    "snr", "overshoot", "noise_gain",
+    "snr", "overshoot", "noise_gain", "field",
 }  # fmt: skip
 # Numbers of either sign without a natural limit.
 UNBOUNDED = {

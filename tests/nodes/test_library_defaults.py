@@ -55,6 +55,9 @@ RECORDED = {
         "wavelengths": 1, **FREE,
     },
     "gaussian_mtf": {**FREE, "sigma_x_mrad": 0.0, "sigma_y_mrad": 0.0},
+    "mtf_file": {
+        **FREE, "frequency_unit": "file", "direction": "file", "normalise": "refuse", "field": 0,
+    },
     "poisson_noise": {**SEED, "width_px": 5.0, "percent": 1.0, "mode": "published"},
     "crosstrack_mtf": {**FREE, "dwell_time_s": 0.0},
     "alongtrack_mtf": {**FREE, "integration_time_s": 0.0},

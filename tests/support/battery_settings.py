@@ -28,6 +28,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "exit_pupil": {"size_x": 32, "size_y": 32, "radius": 12, "obscuration_radius": 4},
     "exit_pupil_mtf": {"size_x_cm": 3, "size_y_cm": 4, "wavelengths": 3},
     "gaussian_mtf": {"sigma_x_mrad": 1, "sigma_y_mrad": 2},
+    "mtf_file": {"path": "mtf.csv", "focal_length_mm": 40},
     "poisson_noise": {"percent": 50},
     "crosstrack_mtf": {"dwell_time_s": 1e-4},
     "alongtrack_mtf": {"integration_time_s": 0.01},
@@ -91,6 +92,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "camera": [{}, {"pitch_um": 7, "focal_length_mm": 40}],
     "exit_pupil_mtf": [{"interpolation": "none"}],
     "gaussian_mtf": [{}, {"sigma_x_mrad": 0, "sigma_y_mrad": 0.0}],
+    "mtf_file": [{}, {"direction": "x", "normalise": "at_zero"}],
     "poisson_noise": [{"percent": 0}],
     "crosstrack_mtf": [{}, {"dwell_time_s": 0, "scan_velocity_mrad_per_s": 7}],
     "alongtrack_mtf": [{}, {"velocity_m_per_s": 30}],
@@ -170,6 +172,11 @@ SETTINGS: dict[str, list[dict[str, Any]]] = {
         {"obscuration_ratio": 0.99, "defocus_waves": 2},
     ],
     "gaussian_mtf": [{"sigma_y_mrad": 1e9}, {"sigma_x_mrad": 1e-9}],
+    "mtf_file": [
+        {"path": "round.csv"}, {"path": "round.csv", "direction": "x"},
+        {"path": "round.csv", "frequency_unit": "cyc/mrad", "direction": "y"},
+        {"path": "mtf.csv", "direction": "x", "normalise": "at_zero"},
+    ],
     "crosstrack_mtf": [{"dwell_time_s": 1, "scan_velocity_mrad_per_s": 1e6}],
     "alongtrack_mtf": [{"velocity_m_per_s": -4000, "integration_time_s": 1, "range_m": 3}],
     "relative_motion_mtf": [

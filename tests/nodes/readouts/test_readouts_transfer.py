@@ -294,6 +294,7 @@ def test_every_module_of_blur_has_its_row():
         "poisson_noise",
         "focal_plane",
         "line_of_sight",
+        "mtf_file",
         "tdi_mtf",
         "nuc",
         "microbolometer",

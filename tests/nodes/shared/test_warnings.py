@@ -263,6 +263,10 @@ BY_HAND = {  # need what only a file tells
     ("focal_plane", "response_ends"),  # of a file, in test_node_focal_plane
     ("focal_plane", "optics"),  # behind optics, in test_node_focal_plane
     ("image_quality", "limits"),  # of figures, in test_node_image_quality
+    ("mtf_file", "no_file"),  # of a file, in test_node_mtf_file
+    ("mtf_file", "end"),
+    ("mtf_file", "above_one"),
+    ("mtf_file", "geometry"),
 }
 
 

@@ -36,6 +36,7 @@ from illustration_hands import (
     sensor,
     told,
 )
+from lens_files import write_lens_files
 from panel_hands import let_go
 
 ILLUSTRATED = [key for key in LIBRARY if illustration_of(key) is not None]
@@ -142,6 +143,7 @@ def test_the_ruler_of_the_samples_is_to_scale(bench, pixels_per_mrad, length):
 @pytest.mark.parametrize("key", ILLUSTRATED)
 def test_it_follows_edits_and_undo(qtbot, session, bench, tmp_path, key):
     np.save(tmp_path / "one.npy", np.linspace(1, 2, 64 * 64).reshape(64, 64))
+    write_lens_files(tmp_path)
     params, name, value = edit_of(key)
     widget = bench.show(network_of(key, params))
     before = told(widget)

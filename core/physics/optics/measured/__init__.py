@@ -1,0 +1,1 @@
+"""Optics as they were measured or computed elsewhere: curves of MTF and point spread functions."""

@@ -1,0 +1,330 @@
+"""MTF File: a measured MTF, or one of a data sheet or a lens design, from a table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.probe import TransferAt
+from core.chain.wires import Context, Magnitude, Phase, Transfer
+from core.errors import DataError, ParameterError
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.physics.optics.measured.tabulated_mtf import (
+    ROUNDED,
+    Column,
+    from_zero,
+    radial_tabulated_mtf,
+    tabulated_mtf,
+    tabulated_ptf,
+)
+from core.transfer.factors import Factor, Law, Part, Planar, Separable
+from nodes.files.lens.mtf_table import MTF_COLUMNS, PHASE_COLUMNS, MtfTable, read_mtf_table
+from nodes.shared.context_defaults import given
+from nodes.shared.factor_helpers import separable
+from nodes.shared.module_ports import Apply
+from nodes.shared.shared_warnings import apart_caution, first
+
+ENDS_LOW = 0.02  # an MTF that ends above is cut off by the file, not by the optics
+Scales = tuple[float, float]
+Curves = dict[str, tuple[Column, Column]]
+
+
+class MtfFileOutputs(NamedTuple):
+    """Both halves of the spectrum, and the file's MTF and PTF."""
+
+    magnitude: Magnitude
+    phase: Phase
+    mtf: Transfer
+    ptf: Transfer
+
+
+class MtfFile(Module, key="mtf_file", title="MTF File", group="Optics"):
+    """Blur by the MTF of a file: measured, of a data sheet, or of a lens design.
+
+    The file is a CSV table whose first line names its columns: frequency with its unit, as in
+    `frequency (cyc/mm)`, then `mtf`, or `mtf_x` and `mtf_y` (either may be alone), or `radial`;
+    and `phase`, or `phase_x` and `phase_y`, in rad, or `(deg)`, if known. The text of Zemax's MTF
+    against frequency is read too, its tangential curve along y. `direction` is that of a column
+    `mtf`, or takes one curve of several; radial is round the axis. Between points the curve is a
+    monotone cubic (PCHIP); a table that begins above 0 gets MTF 1 at 0; beyond the last point the
+    MTF is 0, never extrapolated. A phase is odd in frequency, and taken to go from point to point
+    the shorter way. Frequencies are at the focal plane (cyc/mm, by the focal length), in angle, or
+    by the pixel (by pitch and focal length). Without a file nothing is changed. Source: Fritsch
+    and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
+    """
+
+    path: Annotated[
+        Path | None,
+        Param("CSV table of MTF, relative to the network file's folder; empty: no blur"),
+    ] = None
+    frequency_unit: Annotated[
+        Literal["file", "cyc/mm", "cyc/mrad", "cyc/pixel"],
+        Param("unit of the frequencies; `file`: as its line of names has it"),
+    ] = "file"
+    direction: Annotated[
+        Literal["file", "x", "y", "radial"],
+        Param("axis on which the curve acts; `file`: by its column's name, radial for `mtf`"),
+    ] = "file"
+    normalise: Annotated[
+        Literal["refuse", "at_zero"],
+        Param("an MTF that is not 1 at 0: an error, or divided by its value there"),
+    ] = "refuse"
+    field: Annotated[
+        int, Param("field of a listing of Zemax, counted from 0", low=0, high=1000, slider=(0, 12))
+    ] = 0
+    focal_length_mm: Annotated[
+        float | None,
+        Param("focal length, for cyc/mm and cyc/pixel; empty: of Init & Trans", unit="mm", low=0,
+              slider=(10, 10000)),
+    ] = None  # fmt: skip
+    detector_x_um: Annotated[
+        float | None,
+        Param("pixel pitch across, for cyc/pixel; empty: of Init & Trans", unit="µm", low=0,
+              slider=(1, 100)),
+    ] = None  # fmt: skip
+    detector_y_um: Annotated[
+        float | None,
+        Param("pixel pitch along, for cyc/pixel; empty: of Init & Trans", unit="µm", low=0,
+              slider=(1, 100)),
+    ] = None  # fmt: skip
+    apply: Apply = "multiply"
+
+    panel = (
+        Section("File", ("path", "field")),
+        Section("Curve", ("frequency_unit", "direction", "normalise")),
+        Section("Focal plane", ("focal_length_mm", "detector_x_um", "detector_y_um")),
+        Section("Output", ("apply",)),
+    )
+
+    def run(
+        self,
+        context: Context,
+        magnitude: Magnitude,
+        here: NodeContext,
+        phase: Phase | None = None,
+    ) -> MtfFileOutputs:
+        """Plan the blur, and the shift where phases are known."""
+        if phase is None:
+            phase = Phase(None, magnitude.grid, magnitude.edges)
+        blur: tuple[Factor, ...] = ()
+        shift: tuple[Factor, ...] = ()
+        table = self._table(here)
+        if table is not None:
+            scales = self._scales(table, context)
+            blur, shift = self._factors(table, scales, here.node)
+        mtf = Transfer(magnitude.grid, "mtf", blur, label=self.title)
+        ptf = Transfer(magnitude.grid, "ptf", shift, label=self.title)
+        if self.apply == "filter_only":
+            return MtfFileOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
+        return MtfFileOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)
+
+    def _table(self, here: NodeContext) -> MtfTable | None:
+        if self.path is None:
+            return None
+        return read_mtf_table((here.folder / self.path).absolute(), field=self.field)
+
+    def _scales(self, table: MtfTable, context: Context) -> Scales:
+        """What cycles/mrad across and along are multiplied by to be in the file's unit."""
+        unit = table.unit if self.frequency_unit == "file" else self.frequency_unit
+        if table.unit not in (None, unit):
+            raise ParameterError(
+                "frequency_unit",
+                self.frequency_unit,
+                f"file or {table.unit}, the unit that {table.file.name} names",
+            )
+        if unit is None:
+            raise ParameterError(
+                "frequency_unit",
+                "file",
+                f"cyc/mm, cyc/mrad or cyc/pixel, as {table.file.name} does not name it, as in "
+                "'frequency (cyc/mm)'",
+            )
+        if unit == "cyc/mrad":
+            return 1.0, 1.0
+        focal_length = given("focal_length_mm", self.focal_length_mm, context, unit="mm")
+        if unit == "cyc/mm":
+            return 1000.0 / focal_length, 1000.0 / focal_length
+        x, y = (
+            given(name, getattr(self, name), context, unit="µm") / focal_length
+            for name in ("detector_x_um", "detector_y_um")
+        )
+        return x, y
+
+    def _factors(
+        self, table: MtfTable, scales: Scales, node: str
+    ) -> tuple[tuple[Factor, ...], tuple[Factor, ...]]:
+        mtfs, phases = self._curves(table, "mtf"), self._curves(table, "phase")
+        if "radial" in phases:
+            raise DataError(
+                f"{table.file}: a phase has a direction: set direction to x or y, or name the "
+                "columns phase_x and phase_y"
+            )
+        shift = _separable(tabulated_ptf, phases, scales, "ptf", self.title, node)
+        if "radial" not in mtfs:
+            return _separable(tabulated_mtf, mtfs, scales, "mtf", self.title, node), shift
+        frequencies, values = mtfs["radial"]
+        law = Law.of(radial_tabulated_mtf, scale=scales[0], frequencies=frequencies, values=values)
+        cutoff = (frequencies[-1] / scales[0], frequencies[-1] / scales[1])
+        # By pixels of unequal sides, what is round there is an ellipse here.
+        ratios = (1.0, scales[1] / scales[0])
+        blur = Planar(law, radial=True, ratios=ratios, cutoff=cutoff, label=self.title, node=node)
+        return (blur,), shift
+
+    def _curves(self, table: MtfTable, kind: Literal["mtf", "phase"]) -> Curves:
+        """Points by direction: x and y, or radial alone."""
+        names = MTF_COLUMNS if kind == "mtf" else PHASE_COLUMNS
+        columns = [(name, table.column(name)) for name in names]
+        curves: Curves = {}
+        for name, values in columns:
+            direction = self._direction(name)
+            if values is None or direction is None:
+                continue
+            try:
+                curves[direction] = from_zero(
+                    table.frequencies,
+                    values if kind == "mtf" else tuple(map(float, np.unwrap(values))),
+                    at_zero=1.0 if kind == "mtf" else 0.0,
+                    normalised=kind == "mtf" and self.normalise == "at_zero",
+                )
+            except DataError as error:
+                raise DataError(f"{table.file}: column {name}: {error.message}") from error
+        if kind == "mtf" and (not curves or ("radial" in curves and len(curves) > 1)):
+            present = ", ".join(name for name, values in columns if values is not None)
+            allowed = f"one that fits the columns of {table.file.name}: {present}"
+            raise ParameterError("direction", self.direction, allowed)
+        return curves
+
+    def _direction(self, name: str) -> str | None:
+        """On which axis a column acts; None where `direction` leaves it out."""
+        own = {"x": "x", "y": "y", "radial": "radial"}.get(name.rpartition("_")[2])
+        if own is None:
+            return "radial" if self.direction == "file" else self.direction
+        # Beside a radial MTF, the phases of both axes.
+        taken = self.direction in ("file", own) or (
+            self.direction == "radial" and name in PHASE_COLUMNS
+        )
+        return own if taken else None
+
+    @warning
+    def no_file(self) -> Caution | None:
+        """A module without its file."""
+        if self.path is not None:
+            return None
+        return Caution("path is empty, and nothing is blurred", "name a table of MTF")
+
+    @warning
+    def end(self, context: Context, outputs: MtfFileOutputs) -> Caution | None:
+        """A table that ends while there is still contrast, within the picture's frequencies."""
+        grid = context.grid
+        for law, scale, nyquist in _ends(outputs.mtf.factors, grid.nyquist_x, grid.nyquist_y):
+            frequencies, values = _points(law)
+            last = frequencies[-1] / scale
+            if values[-1] > ENDS_LOW and last < nyquist:
+                return Caution(
+                    f"the table ends at {last:.4g} cyc/mrad with an MTF of {values[-1]:.3g}, which "
+                    f"is 0 from there to the picture's Nyquist frequency, {nyquist:.4g} cyc/mrad",
+                    "a table that goes on until the MTF is 0 blurs as the optics do",
+                )
+        return None
+
+    @warning
+    def above_one(self, outputs: MtfFileOutputs) -> Caution | None:
+        """An MTF that amplifies, as that of sharpened pictures does."""
+        highest = max(
+            (max(_points(law)[1]) for law, _, _ in _ends(outputs.mtf.factors, 0.0, 0.0)),
+            default=0.0,
+        )
+        if highest <= 1.0 + ROUNDED:
+            return None
+        return Caution(
+            f"the MTF rises to {highest:.4g}",
+            "optics do not amplify: a sharpened picture's MTF sharpens this one too",
+        )
+
+    @warning
+    def geometry(self, context: Context) -> Caution | None:
+        """A pitch or focal length that is not the one of Init & Trans."""
+        where = "on Init & Trans, which the electronics go by"
+        return first(
+            *(
+                apart_caution(
+                    name, getattr(self, name), getattr(context, name), unit=unit, where=where
+                )
+                for name, unit in (
+                    ("focal_length_mm", "mm"), ("detector_x_um", "µm"), ("detector_y_um", "µm"),
+                )
+            )
+        )  # fmt: skip
+
+    @readout("cyc/mrad")
+    def end_x(self, outputs: MtfFileOutputs) -> float | None:
+        """Last frequency across of which the file has the MTF."""
+        return _end(outputs.mtf.factors, 0)
+
+    @readout("cyc/mrad")
+    def end_y(self, outputs: MtfFileOutputs) -> float | None:
+        """Last frequency along of which the file has the MTF."""
+        return _end(outputs.mtf.factors, 1)
+
+    @readout()
+    def mtf_at_nyquist_x(self, outputs: MtfFileOutputs) -> TransferAt:
+        """MTF at the image's Nyquist frequency across."""
+        return TransferAt(outputs.mtf, outputs.mtf.grid.nyquist_x, 0.0)
+
+    @readout()
+    def mtf_at_nyquist_y(self, outputs: MtfFileOutputs) -> TransferAt:
+        """MTF at the image's Nyquist frequency along."""
+        return TransferAt(outputs.mtf, 0.0, outputs.mtf.grid.nyquist_y)
+
+
+def _separable(
+    function: Callable[..., NDArray[Any]],
+    curves: Curves,
+    scales: Scales,
+    part: Part,
+    label: str,
+    node: str,
+) -> tuple[Separable, ...]:
+    x, y = (
+        {"frequencies": curves[axis][0], "values": curves[axis][1]} if axis in curves else None
+        for axis in ("x", "y")
+    )
+    return separable(
+        function, x=x, y=y, part=part, scale_x=scales[0], scale_y=scales[1], label=label, node=node
+    )
+
+
+def _points(law: Law) -> tuple[Column, Column]:
+    bound = dict(law.parameters)
+    return bound["frequencies"], bound["values"]
+
+
+def _ends(
+    factors: tuple[Factor, ...], nyquist_x: float, nyquist_y: float
+) -> Iterator[tuple[Law, float, float]]:
+    """The laws across and along, what scales their frequencies, and how far the picture's go."""
+    for factor in factors:
+        if isinstance(factor, Planar):
+            corner = math.hypot(nyquist_x, nyquist_y * factor.ratios[1])
+            yield factor.law, factor.law.scale, corner
+        else:
+            for law, nyquist in ((factor.x, nyquist_x), (factor.y, nyquist_y)):
+                if law is not None:
+                    yield law, law.scale, nyquist
+
+
+def _end(factors: tuple[Factor, ...], axis: int) -> float | None:
+    for factor in factors:
+        if isinstance(factor, Planar):
+            return None if factor.cutoff is None else factor.cutoff[axis]
+        law = (factor.x, factor.y)[axis]
+        return None if law is None else _points(law)[0][-1] / law.scale
+    return None
