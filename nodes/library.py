@@ -46,6 +46,7 @@ from nodes.optics.exit_pupil_mtf import ExitPupilMTF
 from nodes.optics.gaussian_mtf import GaussianMTF
 from nodes.optics.mtf_file import MtfFile
 from nodes.optics.poisson_noise import PoissonNoise
+from nodes.optics.psf_file import PsfFile
 from nodes.transform.anti_alias import AntiAlias
 from nodes.transform.back_transform import BackTransform
 from nodes.transform.combine_pixels import CombinePixels
@@ -76,6 +77,7 @@ MODULES: tuple[type[Module], ...] = (
     ExitPupilMTF,
     GaussianMTF,
     MtfFile,
+    PsfFile,
     PoissonNoise,
     CrosstrackMTF,
     AlongtrackMTF,

@@ -24,6 +24,7 @@ PURE_NUMBERS = {
     "stages", "phases", "reference_f_number", "reference_frames",
     "sigma_tvh", "sigma_tv", "sigma_th", "sigma_t", "sigma_vh", "sigma_v", "sigma_h",
     "snr", "overshoot", "noise_gain", "field",
+    "sample_pitch", "sample_pitch_y", "background",
 }  # fmt: skip
 # Numbers of either sign without a natural limit.
 UNBOUNDED = {
@@ -31,7 +32,7 @@ UNBOUNDED = {
     "scale", "delta_K", "angle_deg", "range_low", "range_high", "velocity_m_per_s",
     "image_velocity_x", "image_velocity_y", "platform_velocity_x", "platform_velocity_y",
     "amplitude", "xi", "eta", "phase_deg", "modulation_xi", "modulation_eta",
-    "modulation_phase_deg",
+    "modulation_phase_deg", "background",
 }  # fmt: skip
 
 

@@ -58,6 +58,9 @@ RECORDED = {
     "mtf_file": {
         **FREE, "frequency_unit": "file", "direction": "file", "normalise": "refuse", "field": 0,
     },
+    "psf_file": {
+        **FREE, "band": 0, "pitch_unit": "um", "centroid": "kept", "background": 0.0,
+    },
     "poisson_noise": {**SEED, "width_px": 5.0, "percent": 1.0, "mode": "published"},
     "crosstrack_mtf": {**FREE, "dwell_time_s": 0.0},
     "alongtrack_mtf": {**FREE, "integration_time_s": 0.0},

@@ -14,6 +14,7 @@ _ALSO: Mapping[str, str] = MappingProxyType(
         "test_scene": "target bars edge star chart",
         "read_image": f"load import DIRSIG {readable_formats()}",
         "mtf_file": "measured lens curve CSV Zemax data sheet bring import",
+        "psf_file": "point spread function measured lens star Zemax bring import kernel",
         "poisson_noise": "photon shot noise",
         "periodic_noise": "banding striping coherent",
         "line_of_sight": "LOS PSD power spectral density stabilization pointing drift",

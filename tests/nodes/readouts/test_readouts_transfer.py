@@ -295,6 +295,7 @@ def test_every_module_of_blur_has_its_row():
         "focal_plane",
         "line_of_sight",
         "mtf_file",
+        "psf_file",
         "tdi_mtf",
         "nuc",
         "microbolometer",

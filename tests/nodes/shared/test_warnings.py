@@ -267,6 +267,10 @@ BY_HAND = {  # need what only a file tells
     ("mtf_file", "end"),
     ("mtf_file", "above_one"),
     ("mtf_file", "geometry"),
+    ("psf_file", "no_file"),  # of a file, in test_node_psf_file
+    ("psf_file", "border"),
+    ("psf_file", "coarse"),
+    ("psf_file", "geometry"),
 }
 
 

@@ -67,6 +67,11 @@ EDITS = {
     ),
     "periodic_noise": ({"amplitude": 1.0}, "amplitude", 2.0),
     "camera_geometry": ({"fov_x_deg": 3.0}, "fov_x_deg", 2.0),
+    "psf_file": (
+        {"path": "psf.txt", "sample_pitch": 0.1, "pitch_unit": "mrad"},
+        "background",
+        0.9,
+    ),
     "tdi_mtf": ({}, "velocity_mismatch_percent", 5.0),
     "microbolometer": ({}, "time_constant_s", 0.03),
 }

@@ -1,0 +1,288 @@
+"""PSF File: a point spread function, measured or of a lens design, from a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+from core.chain.probe import TransferAt
+from core.chain.wires import Context, Magnitude, Phase, Transfer
+from core.errors import DataError, ParameterError
+from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.work import Work
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.physics.optics.measured.psf_otf import (
+    PointSpread,
+    coarseness,
+    edge_share,
+    sampled_psf_otf,
+)
+from core.transfer.factors import Factor, Law, Planar
+from nodes.files.read import check_finite
+from nodes.optics.lens_source import LensSource, lens_source, stored_samples
+from nodes.shared.context_defaults import given
+from nodes.shared.module_ports import Apply
+from nodes.shared.shared_warnings import apart_caution
+
+EDGE_ENERGY = 0.01  # of the whole, above which the border is warned of
+COARSE = 0.02  # MTF at the samples' Nyquist frequency, likewise
+
+
+class PsfFileOutputs(NamedTuple):
+    """Both halves of the spectrum, and the MTF and PTF of the point spread function."""
+
+    magnitude: Magnitude
+    phase: Phase
+    mtf: Transfer
+    ptf: Transfer
+
+
+class PsfFile(Module, key="psf_file", title="PSF File", group="Optics"):
+    """Blur by a point spread function from a picture: measured, or of a lens design.
+
+    The picture of every point becomes that of the file: row 0 is at the top, and a tail to the
+    right in the file is one to the right in the picture. Formats are those of Read Image, `.npy`,
+    text, and the listing of Zemax, whose spacing is taken where `sample_pitch` is empty. Samples
+    are divided by their sum. With `centroid` kept the point is at the middle of the file, between
+    samples (n − 1)/2 of even sizes, and a centroid beside it shifts the picture; removed, nothing
+    is shifted. The OTF is the exact sum over the samples at the picture's own frequencies,
+    whatever their pitch, and 0 beyond the Nyquist frequency of the file. A detector's pixel is in
+    a PSF measured with it: leave Detector MTF out then. Without a file nothing is changed. Source:
+    Goodman 2005, Introduction to Fourier Optics, section 6.3.
+    """
+
+    path: Annotated[
+        Path | None,
+        Param("picture of a point, relative to the network file's folder; empty: no blur"),
+    ] = None
+    band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0
+    sample_pitch: Annotated[
+        float | None,
+        Param("distance of the file's samples across, in `pitch_unit`; empty: as the file has it",
+              low=0, slider=(0.1, 20)),
+    ] = None  # fmt: skip
+    sample_pitch_y: Annotated[
+        float | None,
+        Param("distance of the file's samples along; empty: as across", low=0, slider=(0.1, 20)),
+    ] = None
+    pitch_unit: Annotated[
+        Literal["um", "mrad"], Param("unit of both: µm at the focal plane, or mrad")
+    ] = "um"
+    focal_length_mm: Annotated[
+        float | None,
+        Param("focal length, for µm; empty: of Init & Trans", unit="mm", low=0,
+              slider=(10, 10000)),
+    ] = None  # fmt: skip
+    centroid: Annotated[
+        Literal["kept", "removed"],
+        Param("whether a centre of gravity beside the middle of the file shifts the picture"),
+    ] = "kept"
+    background: Annotated[
+        float, Param("subtracted from every sample, in the file's numbers", slider=(0, 100))
+    ] = 0.0
+    apply: Apply = "multiply"
+
+    panel = (
+        Section("File", ("path", "band", "background")),
+        Section("Samples", ("sample_pitch", "sample_pitch_y", "pitch_unit", "centroid")),
+        Section("", ("focal_length_mm",), shown_when=("pitch_unit", ("um",))),
+        Section("Output", ("apply",)),
+    )
+
+    def run(
+        self,
+        context: Context,
+        magnitude: Magnitude,
+        here: NodeContext,
+        phase: Phase | None = None,
+    ) -> PsfFileOutputs:
+        """Plan the OTF."""
+        if phase is None:
+            phase = Phase(None, magnitude.grid, magnitude.edges)
+        blur: tuple[Factor, ...] = ()
+        shift: tuple[Factor, ...] = ()
+        if self.path is not None:
+            source = lens_source(self.path, here, band=self.band)
+            blur, shift = self._factors(source, context, here.node)
+        mtf = Transfer(magnitude.grid, "mtf", blur, label=self.title)
+        ptf = Transfer(magnitude.grid, "ptf", shift, label=self.title)
+        if self.apply == "filter_only":
+            return PsfFileOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
+        return PsfFileOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)
+
+    def _factors(
+        self, source: LensSource, context: Context, node: str
+    ) -> tuple[tuple[Planar], tuple[Planar]]:
+        if source.samples.is_complex:
+            raise DataError(
+                f"{source.file}: holds complex numbers, and a point spread function is energy"
+            )
+        x, y = self._pitches(source, context)
+        psf = Step.of(
+            _point_spread,
+            node=node,
+            background=self.background,
+            keep_centroid=self.centroid == "kept",
+            **source.reading,
+        )
+        law = Law.of(sampled_psf_otf, psf=psf, pitch_x_mrad=x, pitch_y_mrad=y)
+        how: dict[str, Any] = {
+            "symmetric": False,
+            "cutoff": (0.5 / x, 0.5 / y),
+            "label": self.title,
+            "node": node,
+        }
+        return (Planar(law, take="modulus", **how),), (Planar(law, take="phase", **how),)
+
+    def _pitches(self, source: LensSource, context: Context) -> tuple[float, float]:
+        """Distances of the samples across and along, mrad."""
+        across, unit = self.sample_pitch, self.pitch_unit
+        if across is None:
+            across, unit = source.samples.spacing_um, "um"
+        if across is None:
+            raise ParameterError(
+                "sample_pitch",
+                None,
+                f"{source.file.name} does not name the distance of its samples: give it in µm at "
+                "the focal plane or in mrad",
+            )
+        along = across if self.sample_pitch_y is None else self.sample_pitch_y
+        if unit == "mrad":
+            return across, along
+        focal_length = given("focal_length_mm", self.focal_length_mm, context, unit="mm")
+        return across / focal_length, along / focal_length
+
+    @warning
+    def no_file(self) -> Caution | None:
+        """A module without its file."""
+        if self.path is not None:
+            return None
+        return Caution("path is empty, and nothing is blurred", "name a picture of a point")
+
+    @warning
+    def border(self, outputs: PsfFileOutputs) -> Step | None:
+        """Energy that is cut off at the file's border, or a background."""
+        psf = _psf_of(outputs)
+        return None if psf is None else Step.of(_border_caution, psf)
+
+    @warning
+    def coarse(self, outputs: PsfFileOutputs) -> Step | None:
+        """Samples that are too far apart."""
+        psf = _psf_of(outputs)
+        return None if psf is None else Step.of(_coarse_caution, psf)
+
+    @warning
+    def geometry(self, context: Context) -> Caution | None:
+        """A focal length that is not the one of Init & Trans."""
+        return apart_caution(
+            "focal_length_mm",
+            self.focal_length_mm if self.pitch_unit == "um" else None,
+            context.focal_length_mm,
+            unit="mm",
+            where="on Init & Trans",
+        )
+
+    @readout("mrad")
+    def centre_x_mrad(self, outputs: PsfFileOutputs) -> Step | None:
+        """Centre of gravity to the right of the file's middle."""
+        return _centroid(outputs, 1)
+
+    @readout("mrad")
+    def centre_y_mrad(self, outputs: PsfFileOutputs) -> Step | None:
+        """Centre of gravity below the file's middle."""
+        return _centroid(outputs, 0)
+
+    @readout()
+    def sum_of_samples(self, outputs: PsfFileOutputs) -> Step | None:
+        """Sum of the file's samples less the background, by which they are divided."""
+        psf = _psf_of(outputs)
+        return None if psf is None else Step.of(_total, psf)
+
+    @readout("cyc/mrad")
+    def file_nyquist_x(self, outputs: PsfFileOutputs) -> float | None:
+        """Nyquist frequency of the file's samples across, beyond which the MTF is 0."""
+        factors = outputs.mtf.factors
+        return factors[0].cutoff[0] if factors else None  # type: ignore[union-attr, index]
+
+    @readout()
+    def mtf_at_nyquist_x(self, outputs: PsfFileOutputs) -> TransferAt:
+        """MTF at the image's Nyquist frequency across."""
+        return TransferAt(outputs.mtf, outputs.mtf.grid.nyquist_x, 0.0)
+
+    @readout()
+    def mtf_at_nyquist_y(self, outputs: PsfFileOutputs) -> TransferAt:
+        """MTF at the image's Nyquist frequency along."""
+        return TransferAt(outputs.mtf, 0.0, outputs.mtf.grid.nyquist_y)
+
+
+def _bound(outputs: PsfFileOutputs) -> dict[str, Any]:
+    """Arguments of the OTF's law; empty without a file."""
+    return {
+        name: value
+        for factor in outputs.mtf.factors
+        for law in factor.laws
+        for name, value in law.parameters
+    }
+
+
+def _psf_of(outputs: PsfFileOutputs) -> Recipe | None:
+    return _bound(outputs).get("psf")
+
+
+def _centroid(outputs: PsfFileOutputs, axis: int) -> Step | None:
+    bound = _bound(outputs)
+    if not bound:
+        return None
+    pitch = bound["pitch_x_mrad" if axis == 1 else "pitch_y_mrad"]
+    return Step.of(_centroid_mrad, bound["psf"], axis=axis, pitch_mrad=pitch)
+
+
+@ends_lineage
+def _point_spread(
+    work: Work, *, background: float, keep_centroid: bool, file: Path, **reading: Any
+) -> PointSpread:
+    samples = stored_samples(file=file, **reading)
+    check_finite(samples, str(file))
+    try:
+        return PointSpread.of(samples, background=background, keep_centroid=keep_centroid)
+    except DataError as error:
+        raise DataError(f"{file}: {error.message}") from error
+
+
+@ends_lineage
+def _centroid_mrad(work: Work, psf: PointSpread, *, axis: int, pitch_mrad: float) -> float:
+    place = psf.centroid_column if axis == 1 else psf.centroid_row
+    return float(pitch_mrad * (place - (psf.weights.shape[axis] - 1) / 2))
+
+
+@ends_lineage
+def _total(work: Work, psf: PointSpread) -> float:
+    return psf.total
+
+
+@ends_lineage
+def _border_caution(work: Work, psf: PointSpread) -> Caution | None:
+    share = edge_share(psf)
+    if share <= EDGE_ENERGY:
+        return None
+    return Caution(
+        "at the border of the file the samples are not near 0: a pedestal as high would hold "
+        f"{100 * share:.3g} % of the energy",
+        "subtract the background, or take a larger picture of the point: what is cut off is "
+        "missing in the blur",
+    )
+
+
+@ends_lineage
+def _coarse_caution(work: Work, psf: PointSpread) -> Caution | None:
+    rest = coarseness(psf)
+    if rest <= COARSE:
+        return None
+    return Caution(
+        "the file's samples are too far apart: at their own Nyquist frequency the MTF is still "
+        f"{rest:.3g}",
+        "take finer samples of the point: detail between these is folded into lower frequencies",
+    )
