@@ -26,7 +26,7 @@ from core.lineage.step_noise import AtStep, Noise
 from core.noise.noise_power import NoisePower
 from core.noise.random_fields import Stream
 from core.physics.electronics.rounding_noise import rounding_variances
-from core.physics.electrons.bad_pixels import DEAD, GOOD, HOT, bad_pixel_map
+from core.physics.electrons.bad_pixels import DEAD, HOT, bad_pixel_places
 from core.physics.electrons.nonlinear_response import bent_response
 from core.physics.electrons.poisson_quantile import poisson_of_normal
 from nodes.detector.focal_plane_figures import (
@@ -251,12 +251,10 @@ class BadPixels:
 def bad_pixels(work: Work, *, stream: Stream, shape: tuple[int, int], percent: float) -> BadPixels:
     """Which pixels are dead and which hot."""
     rows, columns = shape
-    kinds = bad_pixel_map(
+    places, kinds = bad_pixel_places(
         rows=rows, columns=columns, percent=percent, generator=stream.generator(0)
     )
-    places = np.flatnonzero(kinds != GOOD)
-    found = kinds.reshape(-1)[places]
-    dead, hot = (np.divmod(places[found == kind], columns) for kind in (DEAD, HOT))
+    dead, hot = (np.divmod(places[kinds == kind], columns) for kind in (DEAD, HOT))
     return BadPixels(dead, hot)
 
 

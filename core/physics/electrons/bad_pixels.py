@@ -8,16 +8,16 @@ from numpy.typing import NDArray
 
 from core.physics.numerics.scalar_checks import within
 
-GOOD, DEAD, HOT = 0, 1, 2
+DEAD, HOT = 1, 2
 _SINGLE_SHARE = 0.7  # of the clusters, which are then of one pixel
 _LARGEST = 9
-_STEPS = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
+_ROW_STEPS, _COLUMN_STEPS = np.array([-1, 1, 0, 0]), np.array([0, 0, -1, 1])
 
 
-def bad_pixel_map(
+def bad_pixel_places(
     *, rows: int, columns: int, percent: float, generator: Generator
-) -> NDArray[np.uint8]:
-    """A map of good, dead and hot pixels.
+) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
+    """Where the dead and the hot pixels are.
 
     Parameters
     ----------
@@ -30,29 +30,31 @@ def bad_pixel_map(
 
     Returns
     -------
-    ndarray
-        `GOOD`, `DEAD` or `HOT` for each pixel, (rows, columns). Seven in ten clusters are single
-        pixels, the others up to nine neighbours; the pixels of a cluster are of one kind, which is
-        either with equal chance.
+    ndarray, ndarray
+        Place of each bad pixel in the rows one after the other, no place twice, in no order; and
+        whether it is `DEAD` or `HOT`. Seven in ten clusters are single pixels, the others up to
+        nine neighbours; the pixels of a cluster are of one kind, which is either with equal chance.
     """
     wanted = round(within("bad_pixel_percent", percent, 0.0, 100.0) / 100.0 * rows * columns)
-    kinds = np.full(rows * columns, GOOD, np.uint8)
     if wanted > rows * columns // 4:
         # So many are no clusters any more.
-        places = generator.permutation(rows * columns)[:wanted]
-        kinds[places] = generator.integers(DEAD, HOT, size=wanted, endpoint=True)
-        return kinds.reshape(rows, columns)
+        anywhere = generator.permutation(rows * columns)[:wanted]
+        either = generator.integers(DEAD, HOT, size=wanted, endpoint=True)
+        return anywhere, either.astype(np.uint8)
+    taken = np.zeros(rows * columns, bool)
+    all_places = [np.empty(0, np.intp)]
+    all_kinds = [np.empty(0, np.uint8)]
     left = wanted
     while left > 0:
-        places, found = _clusters(left, rows, columns, generator)
-        places, first = np.unique(places, return_index=True)
-        order = np.argsort(first)  # in the order they came, so that a cut leaves no edge
-        places, found = places[order], found[np.sort(first)]
-        fresh = kinds[places] == GOOD
-        places, found = places[fresh][:left], found[fresh][:left]
-        kinds[places] = found
-        left -= len(places)
-    return kinds.reshape(rows, columns)
+        places, kinds = _clusters(left, rows, columns, generator)
+        first = np.unique(places, return_index=True)[1]
+        first.sort()  # in the order they came, so that a cut leaves no edge
+        first = first[~taken[places[first]]][:left]
+        taken[places[first]] = True
+        all_places.append(places[first])
+        all_kinds.append(kinds[first])
+        left -= len(first)
+    return np.concatenate(all_places), np.concatenate(all_kinds)
 
 
 def _clusters(
@@ -66,11 +68,17 @@ def _clusters(
     row = generator.integers(0, rows, size=clusters)
     column = generator.integers(0, columns, size=clusters)
     # A walk from neighbour to neighbour; a pixel that is met twice counts once.
-    steps = _STEPS[generator.integers(0, len(_STEPS), size=(clusters, _LARGEST))]
-    steps[:, 0] = 0
-    walk = np.cumsum(steps, axis=1)
-    inside = np.arange(_LARGEST) < sizes[:, np.newaxis]
-    at_row, at_column = row[:, np.newaxis] + walk[..., 0], column[:, np.newaxis] + walk[..., 1]
-    inside &= (at_row >= 0) & (at_row < rows) & (at_column >= 0) & (at_column < columns)
-    places = (at_row * columns + at_column)[inside]
-    return places, np.broadcast_to(kinds[:, np.newaxis], inside.shape)[inside]
+    directions = generator.integers(0, len(_ROW_STEPS), size=(clusters, _LARGEST))
+    places = np.empty((clusters, _LARGEST), np.intp)
+    inside = np.zeros((clusters, _LARGEST), bool)
+    places[:, 0], inside[:, 0] = row * columns + column, True
+    walking = np.flatnonzero(~single)
+    at_row, at_column = (
+        start[walking, np.newaxis] + np.cumsum(steps[directions[walking, 1:]], axis=1)
+        for start, steps in ((row, _ROW_STEPS), (column, _COLUMN_STEPS))
+    )
+    places[walking, 1:] = at_row * columns + at_column
+    met = np.arange(1, _LARGEST) < sizes[walking, np.newaxis]
+    met &= (at_row >= 0) & (at_row < rows) & (at_column >= 0) & (at_column < columns)
+    inside[walking, 1:] = met
+    return places[inside], np.broadcast_to(kinds[:, np.newaxis], inside.shape)[inside]

@@ -4,12 +4,19 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from core.physics.electrons.bad_pixels import DEAD, HOT, bad_pixel_map
+from core.physics.electrons.bad_pixels import DEAD, HOT, bad_pixel_places
 
 
 def made(rows, columns, percent, seed=1):
+    """A map: 0 where a pixel is good."""
     generator = np.random.default_rng(seed)
-    return bad_pixel_map(rows=rows, columns=columns, percent=percent, generator=generator)
+    places, kinds = bad_pixel_places(
+        rows=rows, columns=columns, percent=percent, generator=generator
+    )
+    assert len(np.unique(places)) == len(places) == len(kinds)
+    drawn = np.zeros(rows * columns, np.uint8)
+    drawn[places] = kinds
+    return drawn.reshape(rows, columns)
 
 
 @pytest.mark.parametrize(
