@@ -202,9 +202,10 @@ def electron_levels(
     if weights.is_thermal and seen.mean > 0.0:
         kelvin = weights.temperature(seen.mean)
     if seen.mean > 0.0:
-        ratio = weights.per_radiance(np.array([seen.mean]))
+        known = None if kelvin is None else np.array([kelvin])
+        ratio = weights.per_radiance(np.array([seen.mean]), temperature_K=known)
         signal = collection.per_photon * float(ratio[0]) * seen.mean
-        slope = collection.per_photon * weights.slope(seen.mean)
+        slope = collection.per_photon * weights.slope(seen.mean, temperature_K=kelvin)
     else:
         signal = float(conversion.electrons(np.array([seen.mean]))[0])
         slope = float(conversion.electrons(np.array([seen.high or 1.0]))[0]) / (seen.high or 1.0)

@@ -78,19 +78,29 @@ class PhotonWeights:
     def _band(self) -> dict[str, float]:
         return {"cut_on_um": self.band_um[0], "cut_off_um": self.band_um[1]}
 
-    def per_radiance(self, radiance: FloatArray) -> FloatArray:
-        """∫ QE·L_q dλ over L, s⁻¹ W⁻¹, for radiances above 0."""
+    def per_radiance(
+        self, radiance: FloatArray, *, temperature_K: FloatArray | None = None
+    ) -> FloatArray:
+        """∫ QE·L_q dλ over L, s⁻¹ W⁻¹, for radiances above 0.
+
+        `temperature_K`: their brightness temperatures, where known.
+        """
         if self.used == "scene":
-            temperature = brightness_temperature(radiance=radiance, **self._band)
-            return np.asarray(self.efficiency.photon_radiance(temperature) / radiance)
+            if temperature_K is None:
+                temperature_K = brightness_temperature(radiance=radiance, **self._band)
+            return np.asarray(self.efficiency.photon_radiance(temperature_K) / radiance)
         return np.full(np.shape(radiance), self._constant)
 
-    def slope(self, radiance: float) -> float:
-        """Derivative of ∫ QE·L_q dλ by L at a radiance above 0, s⁻¹ W⁻¹."""
+    def slope(self, radiance: float, *, temperature_K: float | None = None) -> float:
+        """Derivative of ∫ QE·L_q dλ by L at a radiance above 0, s⁻¹ W⁻¹.
+
+        `temperature_K`: its brightness temperature, where known.
+        """
         if self.used == "scene":
-            temperature = float(brightness_temperature(radiance=radiance, **self._band))
-            photons = float(self.efficiency.photon_radiance_slope(temperature))
-            return photons / band_radiance_derivative(temperature_K=temperature, **self._band)
+            if temperature_K is None:
+                temperature_K = float(brightness_temperature(radiance=radiance, **self._band))
+            photons = float(self.efficiency.photon_radiance_slope(temperature_K))
+            return photons / band_radiance_derivative(temperature_K=temperature_K, **self._band)
         return self._constant
 
     def temperature(self, mean: float) -> float:

@@ -76,11 +76,15 @@ class BandIntegral:
             values = np.exp(-step) * x ** (self.power - self.order) * ratio**self.order
         return cast(FloatArray, width * (values @ weights))
 
-    def log(self, temperature_K: FloatArray) -> FloatArray:
-        """Natural logarithm of the value, also where the value itself would be zero."""
+    def log(self, temperature_K: FloatArray, scaled: FloatArray | None = None) -> FloatArray:
+        """Natural logarithm of the value, also where the value itself would be zero.
+
+        `scaled`: what the method of that name gives there, where it is known.
+        """
+        scaled = self.scaled(temperature_K) if scaled is None else scaled
         front = np.log(self.scale) + self.temperature_power * np.log(temperature_K)
         x_off = reduced(self.cut_off_um, temperature_K)
-        return cast(FloatArray, front + (np.log(self.scaled(temperature_K)) - x_off))
+        return cast(FloatArray, front + (np.log(scaled) - x_off))
 
     def _logs_by_octaves(self, temperature_K: FloatArray) -> FloatArray:
         coldest = SECOND_RADIATION_CONSTANT_UM_K / (self.cut_off_um * _ZERO_X)
@@ -174,7 +178,7 @@ def _solve(radiance: BandIntegral, logs: FloatArray) -> FloatArray:
     for _ in range(_STEPS):
         temperature = 1.0 / inverse
         scaled = radiance.scaled(temperature)
-        excess = radiance.log(temperature) - logs
+        excess = radiance.log(temperature, scaled) - logs
         # d ln L / d(1/T), both integrals carrying the same e^(x_off)
         steepness = slope.scaled(temperature) / scaled * temperature
         change = excess / steepness

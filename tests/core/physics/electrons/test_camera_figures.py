@@ -263,3 +263,13 @@ def test_figures_by_hand():
     assert collection.cone_sr(f_number=2.0) + collection.housing_sr(
         f_number=2.0, cold_shield_efficiency=0.0
     ) == pytest.approx(np.pi, rel=1e-15)
+
+
+def test_photons_of_a_scene_whose_temperature_is_known():
+    """The brightness temperature given is the one used: no second one is sought."""
+    weights = PhotonWeights("scene", (3.7, 4.8), QuantumEfficiency(3.7, 4.8, 0.7), 5800.0)
+    radiance = band_radiance(cut_on_um=3.7, cut_off_um=4.8, temperature_K=300.0)
+    photons = 0.7 * counted(300, 3.7, 4.8)
+    ratio = weights.per_radiance(np.array([radiance]), temperature_K=np.array([300.0]))
+    assert ratio[0] == close(photons / radiance)
+    assert weights.slope(radiance, temperature_K=300.0) == close(weights.slope(radiance))
