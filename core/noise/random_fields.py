@@ -39,7 +39,6 @@ NORMAL_LIMIT = 1e12
 rejection method would lose its accuracy to cancelling logarithms."""
 
 _AT_ONCE = BLOCK // 2  # words drawn at a time: a block of normals in one go
-_ALL_BITS = 2**64 - 1
 _PLACE_BITS = (BLOCK - 1).bit_length()  # of a random word, that give a place in a block
 
 
@@ -247,21 +246,27 @@ def _box_muller(generator: Generator, out: _Array) -> None:
 def _box_muller_pairs(generator: Generator, out: _Array) -> None:
     half = (out.size + 1) // 2
     words = _words(generator, half).view(np.uint32)
-    radius = words[:half].astype(np.float32)
+    # Nothing is set aside for radii and angles: that costs as much as what is done to them.
+    first, second = out[:half], out[half:]
+    radius = second if len(second) == half else np.empty(half, np.float32)
+    radius[:] = words[:half]
     radius += np.float32(0.5)  # keeps the logarithm finite
     radius *= np.float32(2.0**-32)
     np.log(radius, out=radius)
     radius *= np.float32(-2.0)
     np.sqrt(radius, out=radius)
-    angle = words[half:].view(np.int32).astype(np.float32)
+    angle = words[:half].view(np.float32)  # in the place of the words that are radii now
+    angle[:] = words[half:].view(np.int32)
     angle *= np.float32(np.pi / 2**31)
-    np.multiply(np.cos(angle), radius, out=out[:half])
-    rest = out.size - half
-    np.multiply(np.sin(angle[:rest]), radius[:rest], out=out[half:])
+    np.cos(angle, out=first)
+    first *= radius
+    np.sin(angle, out=angle)
+    np.multiply(radius[: len(second)], angle[: len(second)], out=second)
 
 
 def _words(generator: Generator, count: int) -> NDArray[np.uint64]:
-    return generator.integers(0, _ALL_BITS, size=count, dtype=np.uint64, endpoint=True)
+    words: NDArray[np.uint64] = generator.bit_generator.random_raw(count)
+    return words
 
 
 def _poisson(generator: Generator, mean: _Array, counts: _Array) -> None:
