@@ -224,3 +224,14 @@ def test_generator_of_a_block_is_what_the_field_is_made_of():
     second = stream().generator(1).standard_normal(BLOCK)
     assert np.array_equal(field[BLOCK:], second)
     assert streams.BLOCK == 131072
+
+
+@pytest.mark.parametrize("size", [1, 6, 7, 1000, 1001])
+def test_single_normals_are_box_and_mullers_of_the_words_of_their_block(size):
+    """Radii of the first half of a block's 32-bit words, angles of the second; in double here."""
+    half = (size + 1) // 2
+    words = stream().generator(0).integers(0, 2**64, size=half, dtype=np.uint64).view(np.uint32)
+    radius = np.sqrt(-2.0 * np.log((words[:half] + 0.5) / 2.0**32))
+    angle = np.pi / 2**31 * words[half:].view(np.int32)
+    expected = np.concatenate([np.cos(angle) * radius, np.sin(angle) * radius])[:size]
+    assert normal_field(stream(), (size,), dtype=np.float32) == pytest.approx(expected, abs=3e-6)
