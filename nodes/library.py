@@ -17,6 +17,7 @@ from nodes.analysis.noise.noise_3d import Noise3D
 from nodes.analysis.noise.noise_budget import NoiseBudget
 from nodes.analysis.space.spatial_blur import SpatialBlur
 from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
+from nodes.atmosphere.atmospheric_path import AtmosphericPath
 from nodes.detector.charge_eff_mtf import ChargeEffMTF
 from nodes.detector.charge_eff_phase import ChargeEffPhase
 from nodes.detector.detector_mtf import DetectorMTF
@@ -70,6 +71,7 @@ MODULES: tuple[type[Module], ...] = (
     Interpolate,
     ToRadiance,
     ToTemperature,
+    AtmosphericPath,
     AtmosphereMTF,
     Camera,
     DiffractionMTF,

@@ -67,6 +67,7 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
         camera=like.camera if like is not None else None,
         pixel_mrad=like.pixel_mrad if like is not None else (None, None),
         bands=bands,
+        air=like.air if like is not None else (),
     )
 
 

@@ -11,6 +11,7 @@ from core.chain.camera_sheet import CameraSheet
 from core.errors import DataError
 from core.evaluation.content_key import content_key
 from core.evaluation.recipes import Recipe
+from core.physics.atmosphere.air_path import AirPath
 from core.physics.optics.pupil_shapes import PupilShape
 from core.spectrum.band_stack import BandStack
 from core.transfer.factors import Factor
@@ -70,6 +71,8 @@ class Image:
         From one pixel of the detector to the next across and along, of that camera or Init & Trans.
     bands : BandStack or None
         The bands of wavelength that the pixels are the integral of, where they are known.
+    air : tuple of AirPath
+        What the air that it has come through consists of, all along one way.
     """
 
     port_type: ClassVar[str] = "image"
@@ -86,6 +89,7 @@ class Image:
     camera: CameraSheet | None = None
     pixel_mrad: tuple[float | None, float | None] = (None, None)
     bands: BandStack | None = None
+    air: tuple[AirPath, ...] = ()
 
     @property
     def key(self) -> str:

@@ -67,6 +67,11 @@ class Linear:
         return ""
 
     @property
+    def before_camera(self) -> bool:
+        """Whether it ends at the camera, whose own gains are those behind it."""
+        return False
+
+    @property
     def combines_pixels(self) -> bool:
         """Whether pixels are combined."""
         return False

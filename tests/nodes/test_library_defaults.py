@@ -35,6 +35,10 @@ RECORDED = {
     "interpolate": {"order": 1},
     "to_radiance": {"emissivity": 1.0},
     "to_temperature": {"emissivity": 1.0},
+    "atmospheric_path": {
+        "model": "transmission", "transmission": 1.0, "extinction_per_km": 0.2,
+        "visibility_km": 23.0, "angstrom_q": 0.0,
+    },
     "atmosphere_mtf": {
         **FREE, "turbulence": "gaussian", "fwhm_mrad": 0.0, "alpha": 0.5, "turbidity": "none",
         "turbidity_cutoff_cyc_per_mrad": 0.001, "view": "horizontal", "absorption_per_km": 0.0,

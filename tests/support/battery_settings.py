@@ -19,6 +19,9 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "interpolate": {"width": 20, "height": 7},
     "to_radiance": {"emissivity": 0.9, "surroundings_K": 280},
     "to_temperature": {"emissivity": 0.9, "surroundings_K": 200},
+    "atmospheric_path": {
+        "model": "visibility_km", "angstrom_q": 1, "range_m": 4000, "air_K": 285,
+    },
     "atmosphere_mtf": {"fwhm_mrad": 2, "turbidity": "high"},
     "camera": {
         "pixels_x": 15, "pixels_y": 11, "pitch_um": 50, "focal_length_mm": 30, "f_number": 2,
@@ -86,6 +89,9 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "sample_pixels": [{"factor_x": 1, "factor_y": 1}],
     "anti_alias": [{}, {"kernel": "lanczos", "factor": 1}],
     "interpolate": [{}, {"width": 15, "height": 11, "order": 3}],
+    "atmospheric_path": [
+        {}, {"air_K": 285}, {"model": "extinction_per_km", "extinction_per_km": 0},
+    ],
     "atmosphere_mtf": [
         {}, {"turbulence": "none"}, {"turbidity": "custom"},
         {"turbidity": "custom", "absorption_per_km": 3, "view": "vertical"},

@@ -80,11 +80,12 @@ def require_gain(gain: float, levels: Sequence[LevelChange], consequence: str) -
     raise DataError(f"{reason or 'the picture does not change with the scene'}: {consequence}")
 
 
-def transfer_of(image: Image) -> ImageTransfer:
+def transfer_of(image: Image, *, of_camera: bool = False) -> ImageTransfer:
     """Every transfer function between the scene and the picture.
 
     Interpolation counts with the mean over its samples; what folds back from beyond the Nyquist
-    frequency is no part of it.
+    frequency is no part of it. `of_camera`: gain and levels count from what reaches the camera on,
+    behind the air, as its data sheet has them; the transfer functions are all the same.
 
     Raises
     ------
@@ -95,17 +96,19 @@ def transfer_of(image: Image) -> ImageTransfer:
     factors: list[Factor] = []
     recipe, here, gain, known = image.recipe, grid, 1.0, True
     levels: list[Recipe] = []
-    gain_before = 1.0
+    gain_before, counted = 1.0, True
     while (lineage := lineage_of(recipe)) is not None and lineage.picture is not None:
         change = lineage.linear
         before = change.grid_before(here)
         factors = [*change.transfer(before, here, recipe.node), *factors]
-        gain *= change.gain
-        gain_before *= change.gain
-        if change.level is not None:
-            levels.insert(0, change.level)
-            gain_before = 1.0
-        known = known and not change.by_chance
+        counted = counted and not (of_camera and change.before_camera)
+        if counted:
+            gain *= change.gain
+            gain_before *= change.gain
+            if change.level is not None:
+                levels.insert(0, change.level)
+                gain_before = 1.0
+            known = known and not change.by_chance
         recipe, here = lineage.picture, before
     return ImageTransfer(
         stages_of(tuple(factors)),

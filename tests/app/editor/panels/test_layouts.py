@@ -33,7 +33,9 @@ ENOUGH = {  # to be computed whatever is chosen
         "post_corner_Hz": 900.0,
     },
     "line_by_line": {"line_spacing_m": 0.5, "altitude_m": 500.0},
+    "atmospheric_path": {"range_m": 2000.0},
 }
+ENOUGH_WITH = {("atmospheric_path", "modtran"): {"path": "air.csv"}}  # of one choice
 INIT = {
     "detector_x_um": 30.0,
     "detector_y_um": 30.0,
@@ -159,12 +161,13 @@ def as_array(value):
 @pytest.mark.parametrize(("key", "section"), CONDITIONAL)
 def test_parameters_that_are_not_shown_change_nothing(key, section, tmp_path):
     np.save(tmp_path / "pupil.npy", np.ones((8, 8)))
+    (tmp_path / "air.csv").write_text("7,0.5,1\n13,0.6,2\n")
     declared = DECLARED[key]
     name, values = section.shown_when
-    always = ENOUGH.get(key, {})
     hidden = [c for c in declared.parameter(name).choices if c not in values]
     assert hidden
     for choice in hidden:
+        always = ENOUGH.get(key, {}) | ENOUGH_WITH.get((key, choice), {})
         before = made(key, {**always, name: choice}, tmp_path)
         assert "error" not in before
         for inside in section.parameters:

@@ -1,0 +1,368 @@
+"""What the air between scene and camera does to radiance: transmission and path radiance.
+
+L' = τ(λ)·L + L_path(λ). One wavelength obeys the law of Bouguer and Beer, τ(R) = exp(−β·R); a band
+does not, as the wavelengths that the air absorbs are gone after the first part of the way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.errors import DataError, ParameterError
+from core.physics.numerics.quadrature import gauss_legendre
+from core.physics.numerics.scalar_checks import finite, non_negative, positive, within
+from core.physics.radiometry.constants import SECOND_RADIATION_CONSTANT_UM_K
+from core.physics.radiometry.planck import band_radiance, spectral_radiance
+
+FloatArray = NDArray[np.float64]
+Points = tuple[tuple[float, float], ...]
+Band = tuple[float, float]
+
+KOSCHMIEDER = 3.912
+"""−ln 0.02: the optical depth at which a black object has 2 % of contrast left."""
+
+VISIBLE_UM = 0.55
+"""Wavelength at which a visibility holds."""
+
+_WIDEST_RATIO = 1.06  # of the ends of a piece: Planck's law is a polynomial of low degree on it
+_NODES, _FEW_NODES, _MANY_PIECES = 24, 8, 100
+_NEAR = 1e-9  # by which a table may end before the band
+_LARGEST_X = 700.0
+
+
+@dataclass(frozen=True)
+class PathBand:
+    """What a path does to the radiance of a band.
+
+    Parameters
+    ----------
+    transmission : float
+        Mean over the band.
+    path_radiance : float
+        W/m²/sr, added on the way.
+    """
+
+    transmission: float
+    path_radiance: float
+
+    @property
+    def optical_depth(self) -> float:
+        """−ln of the transmission, infinite where nothing passes."""
+        return -math.log(self.transmission) + 0.0 if self.transmission > 0.0 else math.inf
+
+
+@dataclass(frozen=True)
+class AirPath:
+    """Transmission and path radiance of a path, by wavelength.
+
+    Parameters
+    ----------
+    range_m : float, optional
+        Length for which it holds, above zero.
+    transmission : float
+        At all wavelengths, 0 to 1; where there are neither points nor an extinction.
+    points : tuple of (float, float)
+        Wavelength in µm, rising, and transmission there, straight between them.
+    extinction_per_km : float, optional
+        Extinction coefficient at 0.55 µm, zero or above.
+    angstrom_q : float
+        The coefficient goes as (0.55/λ)^q.
+    radiance : tuple of (float, float)
+        Wavelength in µm, rising, and path radiance in W/m²/sr/µm.
+    air_K : float, optional
+        Temperature of the air, which emits (1 − τ)·L_BB; without it, and without a table of path
+        radiance, there is none.
+
+    Raises
+    ------
+    ParameterError
+        For a value out of range, or an extinction without a range.
+
+    Notes
+    -----
+    Source: Bouguer 1729 and Beer 1852; Ångström 1929 (exponent); Kirchhoff's law for air of one
+    temperature that scatters nothing into the path.
+    """
+
+    range_m: float | None = None
+    transmission: float = 1.0
+    points: Points = ()
+    extinction_per_km: float | None = None
+    angstrom_q: float = 0.0
+    radiance: Points = ()
+    air_K: float | None = None
+
+    def __post_init__(self) -> None:
+        within("transmission", self.transmission, 0.0, 1.0)
+        finite("angstrom_q", self.angstrom_q)
+        if self.range_m is not None:
+            positive("range_m", self.range_m, unit="m")
+        if self.air_K is not None:
+            non_negative("air_K", self.air_K, unit="K")
+        for _, value in self.points:
+            within("transmission", value, 0.0, 1.0)
+        for _, value in self.radiance:
+            non_negative("path_radiance", value, unit="W/m²/sr/µm")
+        if self.extinction_per_km is not None:
+            non_negative("extinction_per_km", self.extinction_per_km, unit="1/km")
+            if self.range_m is None:
+                raise _no_range()
+
+    @property
+    def is_grey(self) -> bool:
+        """Whether all wavelengths pass alike."""
+        if self.points:
+            return False
+        return not self.extinction_per_km or self.angstrom_q == 0.0
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether nothing is lost and nothing added."""
+        if not self.is_grey or any(value for _, value in self.radiance):
+            return False
+        return self._grey_depth() == 0.0
+
+    def depth(self, wavelength_um: ArrayLike) -> FloatArray:
+        """Optical depth of the path at wavelengths, µm; infinite where nothing passes."""
+        wavelength = np.asarray(wavelength_um, np.float64)
+        if self.points:
+            known, values = np.array(self.points).T
+            with np.errstate(divide="ignore"):
+                return np.asarray(-np.log(np.interp(wavelength, known, values)) + 0.0)
+        grey = self._grey_depth()
+        if self.is_grey:
+            return np.full(wavelength.shape, grey)
+        return np.asarray(grey * (VISIBLE_UM / wavelength) ** self.angstrom_q)
+
+    def depth_per_m(self, wavelength_um: ArrayLike) -> FloatArray:
+        """The same of a metre of it.
+
+        Raises
+        ------
+        ParameterError
+            Where the range is not known for which the transmission holds.
+        """
+        if self.range_m is None:
+            raise _no_range()
+        return self.depth(wavelength_um) / self.range_m
+
+    def added(self, wavelength_um: ArrayLike) -> FloatArray:
+        """Path radiance at wavelengths, W/m²/sr/µm."""
+        wavelength = np.asarray(wavelength_um, np.float64)
+        if self.radiance:
+            known, values = np.array(self.radiance).T
+            return np.asarray(np.interp(wavelength, known, values))
+        if self.air_K is None:
+            return np.zeros(wavelength.shape)
+        emissivity = -np.expm1(-self.depth(wavelength))
+        return np.asarray(emissivity * spectral_radiance(wavelength, self.air_K))
+
+    def over_band(self, cut_on_um: float, cut_off_um: float, *, source_K: float) -> PathBand:
+        """Mean transmission and path radiance of a band.
+
+        Parameters
+        ----------
+        cut_on_um, cut_off_um : float
+            The band, µm.
+        source_K : float
+            Temperature of the black body whose radiance weights the transmission, above zero; of
+            no account where all wavelengths pass alike.
+
+        Returns
+        -------
+        PathBand
+            ∫τ·L_λ dλ over ∫L_λ dλ, and ∫L_path dλ.
+
+        Raises
+        ------
+        ParameterError
+            For a table that does not cover the band.
+        DataError
+            For a source that emits nothing in the band.
+        """
+        self.require_covered(cut_on_um, cut_off_um)
+        wavelength, width = self._nodes(cut_on_um, cut_off_um)
+        if not self.is_grey:
+            weight = width * spectral_radiance(wavelength, source_K)
+            total = float(weight.sum())
+            if not total > 0.0:
+                raise DataError(
+                    f"a black body of {source_K:g} K emits nothing from {cut_on_um:g} to "
+                    f"{cut_off_um:g} µm, and cannot weight the transmission there"
+                )
+            passed = float(weight @ np.exp(-self.depth(wavelength))) / total
+            return PathBand(min(passed, 1.0), float(width @ self.added(wavelength)))
+        depth = self._grey_depth()
+        added = 0.0
+        if self.radiance:
+            added = float(width @ self.added(wavelength))
+        elif self.air_K is not None:
+            band = {"cut_on_um": cut_on_um, "cut_off_um": cut_off_um}
+            added = -math.expm1(-depth) * float(band_radiance(temperature_K=self.air_K, **band))
+        return PathBand(math.exp(-depth), added)
+
+    def require_covered(self, cut_on_um: float, cut_off_um: float) -> None:
+        """Refuse a band that a table does not cover (`ParameterError`)."""
+        for points in (self.points, self.radiance):
+            if not points:
+                continue
+            first, last = points[0][0], points[-1][0]
+            if first > cut_on_um * (1.0 + _NEAR) or last < cut_off_um * (1.0 - _NEAR):
+                raise ParameterError(
+                    "path",
+                    f"{first:g} to {last:g} µm",
+                    f"a table that covers the band, {cut_on_um:g} to {cut_off_um:g} µm",
+                )
+
+    def within_band(self, cut_on_um: float, cut_off_um: float) -> AirPath:
+        """The same with no more of its tables than the band needs."""
+        return replace(
+            self,
+            points=_cut(self.points, cut_on_um, cut_off_um),
+            radiance=_cut(self.radiance, cut_on_um, cut_off_um),
+        )
+
+    def _grey_depth(self) -> float:
+        """Optical depth at 0.55 µm, or at all wavelengths."""
+        if self.extinction_per_km is not None and self.range_m is not None:
+            return self.extinction_per_km * (self.range_m / 1000.0)
+        return -math.log(self.transmission) + 0.0 if self.transmission > 0.0 else math.inf
+
+    @property
+    def places_um(self) -> tuple[float, ...]:
+        """Wavelengths at which its tables bend."""
+        return tuple(sorted({place for place, _ in (*self.points, *self.radiance)}))
+
+    def _nodes(self, low: float, high: float) -> tuple[FloatArray, FloatArray]:
+        return band_nodes(low, high, self.places_um)
+
+
+def extinction_of_visibility(*, visibility_km: float) -> float:
+    """Extinction coefficient at 0.55 µm of a visibility.
+
+    Parameters
+    ----------
+    visibility_km : float
+        Range at which a black object before the horizon has 2 % of contrast left, km, above zero.
+
+    Returns
+    -------
+    float
+        3.912/V, 1/km.
+
+    Raises
+    ------
+    ParameterError
+        For a visibility out of range.
+
+    Notes
+    -----
+    Source: Koschmieder 1924; the threshold of 2 % is the usual one.
+    """
+    return KOSCHMIEDER / positive("visibility_km", visibility_km, unit="km")
+
+
+def transmission_at_ranges(
+    *,
+    paths: Sequence[AirPath],
+    range_m: ArrayLike,
+    cut_on_um: float,
+    cut_off_um: float,
+    background_K: float,
+) -> Any:
+    """Share of a small temperature difference that is left after a range.
+
+    Parameters
+    ----------
+    paths : sequence of AirPath
+        What the air consists of; each holds along the whole range.
+    range_m : array_like
+        Ranges in m, zero or above.
+    cut_on_um, cut_off_um : float
+        The band, µm.
+    background_K : float
+        Temperature about which the difference is, above zero.
+
+    Returns
+    -------
+    float or ndarray
+        ∫τ(λ, R)·∂L/∂T dλ over ∫∂L/∂T dλ, of the shape of `range_m`.
+
+    Raises
+    ------
+    ParameterError
+        For a path whose own range is not known, or a table that does not cover the band.
+    DataError
+        For a background that emits nothing in the band.
+    """
+    for path in paths:
+        path.require_covered(cut_on_um, cut_off_um)
+    distance = np.asarray(range_m, np.float64)
+    if all(path.is_grey for path in paths):
+        middle = (cut_on_um + cut_off_um) / 2.0
+        per_m = sum(float(path.depth_per_m(middle)) for path in paths)
+        return _passed(np.asarray([per_m]), np.ones(1), distance)
+    places = tuple(sorted({place for path in paths for place in path.places_um}))
+    wavelength, width = band_nodes(cut_on_um, cut_off_um, places)
+    x = SECOND_RADIATION_CONSTANT_UM_K / (wavelength * background_K)
+    x = np.minimum(x, _LARGEST_X)  # beyond, the radiance is zero anyway
+    weight = width * spectral_radiance(wavelength, background_K) * x / -np.expm1(-x)
+    total = float(weight.sum())
+    if not total > 0.0:
+        raise DataError(
+            f"a background of {background_K:g} K emits nothing from {cut_on_um:g} to "
+            f"{cut_off_um:g} µm, and cannot weight the transmission there"
+        )
+    depth = np.sum([path.depth_per_m(wavelength) for path in paths], axis=0)
+    return _passed(depth, weight / total, distance)
+
+
+def _passed(depth_per_m: FloatArray, weight: FloatArray, distance: FloatArray) -> Any:
+    """Σ w·exp(−depth·R) for each range; all passes over no distance."""
+    opaque = np.isinf(depth_per_m)
+    ranges = distance.reshape(-1, 1)
+    with np.errstate(under="ignore"):
+        left = np.exp(-np.where(opaque, 0.0, depth_per_m) * ranges)
+    left = np.where(opaque & (ranges > 0.0), 0.0, left)
+    return np.minimum((left @ weight).reshape(distance.shape), 1.0)[()]
+
+
+def band_nodes(low: float, high: float, places: Sequence[float]) -> tuple[FloatArray, FloatArray]:
+    """Wavelengths and widths of a quadrature over a band, which breaks at the places in it."""
+    positive("cut_on_um", low, unit="µm")
+    if not low < high < math.inf:
+        raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
+    inner = [place for place in places if low < place < high]
+    pieces = [low]
+    for left, right in pairwise([low, *inner, high]):
+        count = math.ceil(math.log(right / left) / math.log(_WIDEST_RATIO))
+        pieces += np.geomspace(left, right, max(count, 1) + 1)[1:].tolist()
+    ends = np.array(pieces)
+    nodes, weights = gauss_legendre(_NODES if len(ends) < _MANY_PIECES else _FEW_NODES)
+    half, middle = np.diff(ends) / 2.0, (ends[1:] + ends[:-1]) / 2.0
+    wavelength = middle[:, np.newaxis] + half[:, np.newaxis] * nodes
+    return wavelength.ravel(), (half[:, np.newaxis] * weights).ravel()
+
+
+def _cut(points: Points, low: float, high: float) -> Points:
+    """The points in the band, and one beyond each end."""
+    places = [place for place, _ in points]
+    first = max(int(np.searchsorted(places, low, side="right")) - 1, 0)
+    last = int(np.searchsorted(places, high, side="left"))
+    return points[first : last + 1]
+
+
+def _no_range() -> ParameterError:
+    return ParameterError(
+        "range_m",
+        None,
+        "the range of the path: here, on Camera, or on Init & Trans by its context",
+        unit="m",
+    )

@@ -1,0 +1,233 @@
+"""Atmospheric Path: what the air takes from a picture's radiance, and what it adds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+from core.chain.wires import Context, Image, Table
+from core.errors import DataError, ParameterError
+from core.evaluation.recipes import Recipe, Step
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.physics.atmosphere.air_path import AirPath, extinction_of_visibility
+from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.radiometry.radiance_units import radiance_unit
+from nodes.atmosphere import path_steps as steps
+from nodes.files.path_table import read_path_table
+from nodes.files.wavelength_table import read_wavelengths
+from nodes.input_output.examine_image import figure
+from nodes.optics.band_spectrum import SUNLIGHT_K
+from nodes.shared.shared_warnings import apart_caution, first, is_temperature
+
+
+class PathOutputs(NamedTuple):
+    """The picture as it reaches the camera, and what the path does by wavelength."""
+
+    image: Image
+    table: Table
+
+
+def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
+    def method(self: Module, outputs: PathOutputs) -> Step:
+        return Step.of(figure, outputs.table.recipe, name=name)
+
+    method.__doc__ = meaning
+    return readout(unit, name=name)(method)
+
+
+class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", group="Atmosphere"):
+    """Dim a picture's radiance by the air, and add the radiance of the air: τ·L + L_path.
+
+    `transmission`: a number, or a CSV of µm and transmission. `extinction_per_km`: exp(−β·R).
+    `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 of
+    MODTRAN (FREQ, TOT TRANS, PTH THRML and SOL SCAT, by name; W/cm²/sr per cm⁻¹ become W/m²/sr/µm
+    by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance (W/m²/sr/µm). Path radiance
+    is the file's, or (1 − τ)·L of a black body at `air_K`.
+
+    A picture of one band is multiplied by the band's mean transmission, which weights wavelengths
+    by the radiance of a black body: of the picture's mean brightness temperature, of sunlight's
+    5800 K where the band begins below 2.5 µm, or of `source_K`. Absorption and scattering dim alike
+    here; what scattering blurs is Atmosphere MTF's. Two in a row are two constituents of the same
+    air. Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
+    """
+
+    model: Annotated[
+        Literal["transmission", "extinction_per_km", "visibility_km", "modtran"],
+        Param("what is known of the air: a transmission, an extinction, a visibility, a file"),
+    ] = "transmission"
+    transmission: Annotated[float, Param("transmission of the path", low=0, high=1)] = 1.0
+    path: Annotated[
+        Path | None,
+        Param("CSV of µm and transmission in place of the number; of modtran a tape7 or CSV"),
+    ] = None
+    extinction_per_km: Annotated[
+        float,
+        Param("extinction: absorption and scattering", unit="1/km", low=0, high=1e6, slider=(0, 2)),
+    ] = 0.2
+    visibility_km: Annotated[
+        float,
+        Param("visibility, to 2 % of contrast", unit="km", low=0, above=True, high=1e6,
+              slider=(1, 50)),
+    ] = 23.0  # fmt: skip
+    angstrom_q: Annotated[
+        float,
+        Param("extinction falls as the wavelength to this power", low=-5, high=5, slider=(0, 2)),
+    ] = 0.0
+    range_m: Annotated[
+        float | None,
+        Param("length of the path; empty: of Camera, or of Init & Trans by its context",
+              unit="m", low=0, high=1e9, slider=(10, 20000)),
+    ] = None  # fmt: skip
+    air_K: Annotated[
+        float | None,
+        Param("temperature of the air; empty: it adds no radiance", unit="K", low=0, high=1e4,
+              slider=(230, 320)),
+    ] = None  # fmt: skip
+    source_K: Annotated[
+        float | None,
+        Param("black body that weights the band; empty: the scene's, or sunlight", unit="K", low=0,
+              high=1e6, slider=(250, 6500)),
+    ] = None  # fmt: skip
+
+    panel = (
+        Section("", ("model",)),
+        Section("Air", ("transmission",), shown_when=("model", ("transmission",))),
+        Section("", ("path",), shown_when=("model", ("transmission", "modtran"))),
+        Section("", ("extinction_per_km",), shown_when=("model", ("extinction_per_km",))),
+        Section("", ("visibility_km", "angstrom_q"), shown_when=("model", ("visibility_km",))),
+        Section("Path", ("range_m", "air_K")),
+        Section("Band", ("source_K",)),
+    )
+
+    def check(self) -> None:
+        """Refuse a file's model without a file."""
+        if self.model == "modtran" and self.path is None:
+            raise ParameterError("path", None, "a tape7 of MODTRAN, or a CSV of three columns")
+
+    def run(self, image: Image, here: NodeContext, context: Context | None = None) -> PathOutputs:
+        """Plan the mean over the band, and the picture behind the path."""
+        factor, node = _factor(image.unit), here.node
+        air = self.air(image, here, context)
+        band = image.band_um
+        if band is None and not (air.is_grey and air.air_K is None and not air.radiance):
+            raise DataError(
+                "the image does not say its band, over which the air's transmission and radiance "
+                "are summed: give cut_on_um and cut_off_um where it is read"
+            )
+        if band is not None:
+            air.require_covered(*band)
+            air = air.within_band(*band)
+        how: dict[str, Any] = {"air": air, "band_um": band, "source_K": self._source(image)}
+        scene = self._scene(image, air, factor, node)
+        over = Step.of(steps.path_over_band, *scene, node=node, **how)
+        table = Table(Step.of(steps.path_table, over, *scene, node=node, **how))
+        if air.is_clear:
+            return PathOutputs(image, table)
+        made = Step.of(steps.through_air, image.recipe, over, node=node, factor=factor)
+        return PathOutputs(image.with_recipe(made, air=(*image.air, air)), table)
+
+    def air(self, image: Image, here: NodeContext, context: Context | None) -> AirPath:
+        """The path as the parameters have it.
+
+        Raises
+        ------
+        ParameterError
+            If a range is needed, and none is known.
+        """
+        given: dict[str, Any] = {"range_m": self._range(image, context), "air_K": self.air_K}
+        if self.model == "modtran":
+            assert self.path is not None
+            points, radiance = read_path_table((here.folder / self.path).absolute())
+            return AirPath(points=points, radiance=radiance, **given)
+        if self.model == "extinction_per_km":
+            return AirPath(extinction_per_km=self.extinction_per_km, **given)
+        if self.model == "visibility_km":
+            extinction = extinction_of_visibility(visibility_km=self.visibility_km)
+            return AirPath(extinction_per_km=extinction, angstrom_q=self.angstrom_q, **given)
+        if self.path is None:
+            return AirPath(transmission=self.transmission, **given)
+        path = (here.folder / self.path).absolute()
+        return AirPath(
+            points=read_wavelengths(path, what="transmission", low=0.0, high=1.0), **given
+        )
+
+    def _range(self, image: Image, context: Context | None) -> float | None:
+        of_camera = None if image.camera is None else image.camera.range_m
+        return self.range_m or of_camera or (None if context is None else context.range_m)
+
+    def _source(self, image: Image) -> float:
+        return SUNLIGHT_K if self.source_K is None else self.source_K
+
+    def _scene(self, image: Image, air: AirPath, factor: float, node: str) -> tuple[Recipe, ...]:
+        """The scene's temperature, where it weights the band."""
+        band = image.band_um
+        if band is None or air.is_grey or self.source_K is not None:
+            return ()
+        if band[0] < SHORTEST_THERMAL_UM:
+            return ()
+        how = {"factor": factor, "band_um": band}
+        return (Step.of(steps.scene_temperature, image.recipe, node=node, **how),)
+
+    @warning
+    def unused(self, given: frozenset[str]) -> Caution | None:
+        """A number beside a file that is taken in its place."""
+        if self.path is None:
+            return None
+        if self.model == "transmission" and "transmission" in given and self.transmission != 1.0:
+            return Caution(
+                f"transmission = {self.transmission:g} is not used: path names a file of it",
+                "leave one of both empty",
+            )
+        if self.model == "modtran" and self.air_K is not None:
+            return Caution(
+                f"air_K = {self.air_K:g} K is not used: the file of path has the path radiance",
+                "leave air_K empty",
+            )
+        if self.model in ("extinction_per_km", "visibility_km"):
+            return Caution(
+                f"path is not used: model is {self.model}",
+                "choose the model transmission or modtran, or leave path empty",
+            )
+        return None
+
+    @warning
+    def ranges(self, image: Image, context: Context | None) -> Caution | None:
+        """A range that is not the camera's, or not that of the air before."""
+        of_camera = None if image.camera is None else image.camera.range_m
+        of_context = None if context is None else context.range_m
+        own = self.range_m or of_camera or of_context
+        return first(
+            apart_caution("range_m", self.range_m, of_camera, unit="m", where="on Camera"),
+            apart_caution("range_m", own, of_context, unit="m", where="on Init & Trans"),
+            *(
+                apart_caution(
+                    "range_m", own, before.range_m, unit="m",
+                    where="on the Atmospheric Path before",
+                    remedy="two in a row are constituents of the same air: give both one range",
+                )
+                for before in image.air
+            ),
+        )  # fmt: skip
+
+    transmission_figure = _figure("transmission", "", "Mean transmission of the band.")
+    path_radiance = _figure("path_radiance", "W/m²/sr", "Radiance that the air adds in the band.")
+    optical_depth = _figure(
+        "optical_depth", "", "−ln of the band's transmission; none where nothing passes."
+    )
+
+
+def _factor(unit: str) -> float:
+    """What makes W/m²/sr of a picture's samples."""
+    known = None if is_temperature(unit) or not unit.strip() else radiance_unit(unit)
+    if known is None or known.photons or known.spectral:
+        named = f"in {unit!r:.40}" if unit.strip() else "without a unit"
+        what = "a temperature" if is_temperature(unit) else "no radiance of a band in watts"
+        raise DataError(
+            f"the picture, {named}, is {what}: Atmospheric Path takes W/m²/sr, the unit on Read "
+            "Image; To Radiance makes it of temperatures"
+        )
+    return known.factor

@@ -1,0 +1,138 @@
+"""Transmission and path radiance of a path from MODTRAN's spectral output, its file tape7.
+
+A run in the radiance modes (IEMSCT 1 or 2) writes, below the cards of its input, a line of names::
+
+    FREQ   TOT TRANS  PTH THRML  THRML SCT  SURF EMIS   SOL SCAT  SING SCAT  GRND RFLT  …  TOTAL RAD
+
+and a line for each wavenumber, ended by ``-9999.``; newer versions write TOT_TRANS and so on. Four
+of the columns are read, by their names:
+
+- ``FREQ``, wavenumber in cm⁻¹;
+- ``TOT TRANS``, transmission of the whole path;
+- ``PTH THRML``, emitted by the path and scattered into it, which includes THRML SCT;
+- ``SOL SCAT``, sunlight scattered into it, which includes SING SCAT and is blank without the sun.
+
+The last two together are the path radiance; what the surface emits and reflects is left to the
+picture. They are in W/cm²/sr per cm⁻¹. With λ = 10⁴/ν µm a cm⁻¹ is λ²/10⁴ µm wide, and a m² has
+10⁴ cm²: L_λ = L_ν·10⁸/λ² W/m²/sr/µm. Columns that a mode leaves blank shift no others: numbers
+belong to the name they stand under.
+
+Sources: Berk et al. 2011, MODTRAN 5.2 user's manual; the headings and what they include, Ontar
+Corporation, "Tape7 column headers".
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from core.errors import FileError
+
+Points = tuple[tuple[float, float], ...]
+
+_NAMES = (
+    *("FREQ", "TOT TRANS", "PTH THRML", "THRML SCT", "SURF EMIS", "SOL SCAT", "SING SCAT"),
+    *("GRND RFLT", "DRCT RFLT", "TOTAL RAD", "REF SOL", "SOL@OBS", "DEPTH", "DIR EM", "TOA SUN"),
+)
+_HEADING = re.compile("|".join(name.replace(" ", "[ _]") for name in _NAMES) + r"|\S+")
+_NEEDED = ("FREQ", "TOT TRANS", "PTH THRML")
+_END = -9999.0
+_FARTHEST = 4  # characters between the end of a number and that of its name
+_ROUNDED = 1e-4  # by which a transmission written with few digits may exceed 1
+
+
+def is_tape7(lines: list[str]) -> bool:
+    """Whether a text has the line of names of a tape7."""
+    return any(_is_heading(line) for line in lines)
+
+
+def tape7_points(lines: list[str], file: Path) -> tuple[Points, Points]:
+    """Transmission and path radiance (W/m²/sr/µm) against wavelength in µm, rising.
+
+    Raises
+    ------
+    FileError
+        For a line that is no row of such a table, columns that are not there, or several runs.
+    """
+    start = next(number for number, line in enumerate(lines) if _is_heading(line))
+    names = [(_plain(m.group()), m.end()) for m in _HEADING.finditer(lines[start])]
+    known = [name for name, _ in names]
+    for name in _NEEDED:
+        if known.count(name) != 1:
+            raise FileError(
+                f"{file}: line {start + 1}: has {known.count(name)} columns {name}; a tape7 of "
+                "radiance (IEMSCT 1 or 2) has one each of FREQ, TOT TRANS and PTH THRML"
+            )
+    transmission: list[tuple[float, float]] = []
+    radiance: list[tuple[float, float]] = []
+    for number, row in _rows(lines, start + 1, names, file):
+        wavenumber, passed = row["FREQ"], row["TOT TRANS"]
+        added = row["PTH THRML"] + row.get("SOL SCAT", 0.0)
+        if not 0.0 <= passed <= 1.0 + _ROUNDED:
+            raise _refused(file, number, lines, "TOT TRANS from 0 to 1")
+        if not (wavenumber > 0.0 and 0.0 <= added < math.inf):
+            raise _refused(file, number, lines, "FREQ above 0 and radiance of at least 0")
+        wavelength = 1e4 / wavenumber
+        if transmission and not wavenumber > 1e4 / transmission[-1][0]:
+            raise _refused(file, number, lines, "a wavenumber above the one before")
+        transmission.append((wavelength, min(passed, 1.0)))
+        radiance.append((wavelength, added * 1e8 / wavelength**2))
+    if len(transmission) < 2:
+        raise FileError(f"{file}: has {len(transmission)} rows; at least 2 make a spectrum")
+    return tuple(reversed(transmission)), tuple(reversed(radiance))
+
+
+def _rows(
+    lines: list[str], first: int, names: list[tuple[str, int]], file: Path
+) -> Iterator[tuple[int, dict[str, float]]]:
+    """Line numbers, and values by name, up to the end of the run."""
+    for index in range(first, len(lines)):
+        if not lines[index].strip():
+            continue
+        row = _row(lines[index], names)
+        if row is None:
+            raise _refused(file, index + 1, lines, "numbers below their names, up to -9999.")
+        if row.get("FREQ") == _END:
+            if is_tape7(lines[index + 1 :]):
+                raise FileError(f"{file}: holds several runs: keep one of them in a file")
+            return
+        if any(name not in row for name in _NEEDED):
+            raise _refused(file, index + 1, lines, "FREQ, TOT TRANS and PTH THRML")
+        yield index + 1, row
+    raise FileError(f"{file}: ends without -9999.: the run is not complete")
+
+
+def _row(line: str, names: list[tuple[str, int]]) -> dict[str, float] | None:
+    """Values by name; None for a line that is no row."""
+    cells = list(re.finditer(r"\S+", line))
+    try:
+        values = [float(cell.group()) for cell in cells]
+    except ValueError:
+        return None
+    if values and values[0] == _END:
+        return {"FREQ": _END}
+    if len(cells) == len(names):
+        return dict(zip([name for name, _ in names], values, strict=True))
+    row: dict[str, float] = {}
+    for cell, value in zip(cells, values, strict=True):
+        name, end = min(names, key=lambda one: abs(one[1] - cell.end()))
+        if abs(end - cell.end()) > _FARTHEST or name in row:
+            return None
+        row[name] = value
+    return row
+
+
+def _is_heading(line: str) -> bool:
+    words = line.upper().replace("_", " ")
+    return "FREQ" in words and "TOT TRANS" in words
+
+
+def _plain(name: str) -> str:
+    return name.upper().replace("_", " ")
+
+
+def _refused(file: Path, number: int, lines: list[str], allowed: str) -> FileError:
+    text = lines[number - 1].strip()
+    return FileError(f"{file}: line {number}, {text!r:.60}: must be {allowed}")

@@ -1,0 +1,341 @@
+"""Atmospheric Path in a chain: published cases, absorption and scattering, files, refusals."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import mpmath
+import numpy as np
+import pytest
+
+from command_line import run_here
+from core.chain.engine import Engine
+from core.errors import ImagechainError
+from core.evaluation.policy import Policy
+from linked_network import linked_network
+from nodes.analysis.lineage import NoiseOf
+from nodes.library import standard_library
+from planck_truth import band_radiance
+from reference_cases import CAMERA, reference_cases
+
+FOV = {"fov_x_deg": 1.0, "fov_y_deg": 1.0}
+LWIR = {"cut_on_um": 8.0, "cut_off_um": 12.0}
+SAMPLES = np.array([[21.0, 35.5, 40.0], [38.0, 60.0, 33.3]])
+
+
+class Chain:
+    """Read Image, then modules by their images, planned and evaluated in double precision."""
+
+    def __init__(self, folder, samples, read, *nodes, links=()):
+        np.save(folder / "in.npy", samples)
+        table = {"read": ("read_image", {"path": "in.npy", **FOV, **read})}
+        wires, last = list(links), "read"
+        for name, key, params in nodes:
+            table[name] = (key, params)
+            wires.append((f"{last}.image", f"{name}.image"))
+            last = "read" if key == "init_trans" else name
+        self.engine = Engine(standard_library())
+        self.plan = self.engine.plan(linked_network(table, wires), folder=folder)
+        self.work = self.engine.work(Policy(precision="double"))
+
+    def value(self, port):
+        assert self.plan.errors() == []
+        return self.engine.value(self.plan, port, self.work)
+
+    def figures(self, node="air"):
+        assert self.plan.errors() == []
+        return self.engine.readouts(self.plan, node, self.work)
+
+    def table(self):
+        return self.value("air.table").as_dict()
+
+    def warnings(self):
+        return [str(caution) for caution in self.plan.warnings()]
+
+
+@pytest.fixture
+def chain(tmp_path):
+    def made(params, *, samples=SAMPLES, read=LWIR, before=(), links=()):
+        nodes = (*before, ("air", "atmospheric_path", params))
+        return Chain(tmp_path, samples, read, *nodes, links=links)
+
+    return made
+
+
+@pytest.mark.parametrize("case", reference_cases("transmission", file=CAMERA))
+def test_published_transmissions(case, chain):
+    inputs = case["inputs"]
+    known = chain({
+        "model": "visibility_km", "visibility_km": float(inputs["visibility_km"]),
+        "range_m": 1000 * float(inputs["range_km"]),
+    })  # fmt: skip
+    expected = float(case["expected"]["transmission"])
+    assert known.figures()["transmission"] == pytest.approx(expected, rel=1e-9)
+    assert known.figures()["optical_depth"] == pytest.approx(-math.log(expected), rel=1e-9)
+    np.testing.assert_allclose(known.value("air.image"), expected * SAMPLES, rtol=1e-9)
+
+
+@pytest.mark.parametrize("case", reference_cases("at_sensor_radiance", file=CAMERA))
+@pytest.mark.parametrize("kelvin", [True, False])
+def test_published_radiances_at_the_sensor(case, kelvin, chain):
+    """Of a scene in kelvin by To Radiance, and of its radiance."""
+    inputs = {name: float(value) for name, value in case["inputs"].items()}
+    band = {name: inputs[name] for name in ("cut_on_um", "cut_off_um")}
+    target = inputs["target_K"] if kelvin else band_radiance(*band.values(), inputs["target_K"])
+    known = chain(
+        {"transmission": inputs["transmission"], "air_K": inputs["air_K"]},
+        samples=np.full((2, 3), float(target)),
+        read={**band, "unit": "K" if kelvin else "W/m²/sr"},
+        before=[("to", "to_radiance", {})] if kelvin else [],
+    )
+    expected = float(case["expected"]["radiance_W_per_m2_sr"])
+    np.testing.assert_allclose(known.value("air.image"), expected, rtol=1e-9)
+    assert known.warnings() == []
+
+
+def test_visibility_by_wavelength_weighted_by_the_scene(chain):
+    """∫τ·L_λ(T) over ∫L_λ(T), T the brightness temperature of the picture's mean."""
+    scene = np.full((4, 4), band_radiance(3, 5, 305))
+    params = {"model": "visibility_km", "visibility_km": 5, "angstrom_q": 1.3, "range_m": 3000}
+    known = chain(params, samples=scene, read={"cut_on_um": 3.0, "cut_off_um": 5.0})
+
+    def passed(um):
+        power = mpmath.mpf("1.3")
+        return mpmath.exp(-mpmath.mpf("3.912") / 5 * 3 * (mpmath.mpf("0.55") / um) ** power)
+
+    def planck(um, kelvin=305):
+        return um**-5 / mpmath.expm1(mpmath.mpf("14387.768775039338") / (um * kelvin))
+
+    def mean(kelvin):
+        top = mpmath.quad(lambda um: passed(um) * planck(um, kelvin), [3, 4, 5])
+        return float(top / mpmath.quad(lambda um: planck(um, kelvin), [3, 4, 5]))
+
+    assert known.figures()["transmission"] == pytest.approx(mean(305), rel=1e-10)
+    assert known.table()["weighted_by_K"] == pytest.approx(305, rel=1e-10)
+    at_four = known.table()["transmission_4_um"]
+    assert at_four == pytest.approx(float(passed(mpmath.mpf(4))), rel=1e-12)
+    hot = chain({**params, "source_K": 1200}, samples=scene, read={"cut_on_um": 3, "cut_off_um": 5})
+    assert hot.figures()["transmission"] == pytest.approx(mean(1200), rel=1e-10)
+    assert mean(1200) < mean(305)
+    visible = chain(params, samples=scene, read={"cut_on_um": 0.4, "cut_off_um": 0.7})
+    assert visible.table()["weighted_by_K"] == 5800.0
+
+
+def mtf_chain(folder, params, blur, samples):
+    """The path before Init & Trans, Atmosphere MTF behind it."""
+    nodes = [
+        ("air", "atmospheric_path", params),
+        ("init", "init_trans", {"range_m": params["range_m"]}),
+    ]
+    links = [
+        ("init.context", "blur.context"),
+        ("init.magnitude", "blur.magnitude"),
+        ("blur.magnitude", "back.magnitude"),
+        ("init.phase", "back.phase"),
+    ]
+    known = Chain(folder, samples, LWIR, *nodes, links=links)
+    network = known.plan.network
+    table = {name: (node.module, node.params) for name, node in network.nodes.items()}
+    table |= {"blur": ("atmosphere_mtf", blur), "back": ("back_transform", {})}
+    wires = [("read.image", "air.image"), ("air.image", "init.image"), *links]
+    known.plan = known.engine.plan(linked_network(table, wires), folder=folder)
+    return known
+
+
+def test_absorption_alone_dims_and_does_not_blur(tmp_path):
+    """exp(−0.35·2 km) of every sample, and an MTF of 1."""
+    samples = np.random.default_rng(3).uniform(20, 60, (12, 16))
+    known = mtf_chain(
+        tmp_path,
+        {"model": "extinction_per_km", "extinction_per_km": 0.35, "range_m": 2000.0},
+        {"turbidity": "custom", "absorption_per_km": 0.35},
+        samples,
+    )
+    np.testing.assert_array_equal(known.value("blur.mtf"), 1.0)
+    np.testing.assert_allclose(known.value("back.image"), math.exp(-0.7) * samples, rtol=1e-12)
+
+
+def test_scattering_alone_has_its_plateau_and_dims_the_mean(tmp_path):
+    samples = np.random.default_rng(4).uniform(20, 60, (12, 16))
+    known = mtf_chain(
+        tmp_path,
+        {"model": "extinction_per_km", "extinction_per_km": 0.35, "range_m": 2000.0},
+        {"turbidity": "custom", "scattering_per_km": 0.35},
+        samples,
+    )
+    mtf = known.value("blur.mtf").ravel()
+    assert mtf[0] == 1.0
+    np.testing.assert_allclose(mtf[1:], math.exp(-0.7), rtol=1e-13)
+    made = known.value("back.image")
+    assert made.mean() == pytest.approx(math.exp(-0.7) * samples.mean(), rel=1e-12)
+    contrast = made - made.mean()
+    expected = math.exp(-1.4) * (samples - samples.mean())
+    np.testing.assert_allclose(contrast, expected, atol=1e-10)
+
+
+def test_a_file_of_transmission_and_one_with_path_radiance(chain, tmp_path):
+    (tmp_path / "tau.csv").write_text("um,transmission\n7,0.5\n13,0.5\n")
+    known = chain({"path": "tau.csv", "air_K": 290})
+    added = 0.5 * band_radiance(8, 12, 290)
+    np.testing.assert_allclose(known.value("air.image"), 0.5 * SAMPLES + added, rtol=1e-12)
+    (tmp_path / "lut.csv").write_text("7,0.25,1.5\n13,0.25,1.5\n")
+    known = chain({"model": "modtran", "path": "lut.csv"})
+    np.testing.assert_allclose(known.value("air.image"), 0.25 * SAMPLES + 6.0, rtol=1e-12)
+    assert known.figures()["path_radiance"] == pytest.approx(6.0, rel=1e-12)
+    assert known.table()["path_radiance_10_um"] == pytest.approx(1.5, rel=1e-14)
+
+
+def test_tape7(chain, tmp_path):
+    """800 cm⁻¹ is 12.5 µm: 1e-6 W/cm²/sr per cm⁻¹ are 0.64 W/m²/sr/µm there."""
+    (tmp_path / "tape7").write_text(
+        "  FREQ   TOT TRANS  PTH THRML  THRML SCT  SURF EMIS\n"
+        "    800.     0.5000  1.000E-06  0.000E+00  0.000E+00\n"
+        "   1250.     0.5000  2.000E-06  0.000E+00  0.000E+00\n"
+        "  -9999.\n"
+    )
+    known = chain({"model": "modtran", "path": "tape7"}, read={"cut_on_um": 8, "cut_off_um": 12.5})
+    first, last = 2e-6 * 1e8 / 64, 1e-6 * 1e8 / 12.5**2
+    assert last == pytest.approx(0.64, rel=1e-12)
+    added = (first + last) / 2 * 4.5  # straight in wavelength
+    assert known.figures()["path_radiance"] == pytest.approx(added, rel=1e-12)
+    np.testing.assert_allclose(known.value("air.image"), 0.5 * SAMPLES + added, rtol=1e-12)
+
+
+def test_radiance_in_another_unit(chain):
+    """A mW/cm²/sr is 10 W/m²/sr, which Read Image makes of it."""
+    read = {**LWIR, "unit": "mW/cm^2/sr"}
+    known = chain({"transmission": 0.6, "air_K": 280}, samples=SAMPLES / 10, read=read)
+    expected = 0.6 * SAMPLES + 0.4 * band_radiance(8, 12, 280)
+    np.testing.assert_allclose(known.value("air.image"), expected, rtol=1e-12)
+
+
+def test_the_range_of_the_camera_or_of_the_context(chain):
+    params = {"model": "extinction_per_km", "extinction_per_km": 0.1}
+    known = chain(params, before=[("cam", "camera", {"range_m": 3000})])
+    assert known.figures()["optical_depth"] == pytest.approx(0.3, rel=1e-14)
+    known = chain(
+        params,
+        before=[("init", "init_trans", {"range_m": 4000})],
+        links=[("init.context", "air.context")],
+    )
+    assert known.figures()["optical_depth"] == pytest.approx(0.4, rel=1e-14)
+    known = chain({**params, "range_m": 5000}, before=[("cam", "camera", {"range_m": 3000})])
+    assert known.figures()["optical_depth"] == pytest.approx(0.5, rel=1e-14)
+    assert any("range_m = 5000 m here, 3000 m on Camera" in text for text in known.warnings())
+
+
+def test_noise_of_the_scene_is_dimmed(tmp_path):
+    """Noise before the path falls with the transmission, noise behind it does not."""
+    known = Chain(
+        tmp_path, np.full((16, 16), 40.0), LWIR,
+        ("scene_noise", "noise_3d_source", {"sigma_tvh": 2.0}),
+        ("air", "atmospheric_path", {"transmission": 0.25, "air_K": 280}),
+        ("own_noise", "noise_3d_source", {"sigma_tvh": 3.0}),
+    )  # fmt: skip
+    image = known.plan.output("own_noise.image")
+    first, second = known.work.value(NoiseOf(image, "own_noise")).terms
+    assert first.variances.total == pytest.approx(0.5**2, rel=1e-12)
+    assert second.variances.total == pytest.approx(3.0**2, rel=1e-12)
+    assert len(image.air) == 1
+
+
+def test_two_constituents(chain, tmp_path):
+    known = chain(
+        {"transmission": 0.5, "air_K": 280, "range_m": 700},
+        before=[("gas", "atmospheric_path", {"transmission": 0.8, "air_K": 280, "range_m": 900})],
+    )
+    expected = 0.4 * SAMPLES + 0.6 * band_radiance(8, 12, 280)
+    np.testing.assert_allclose(known.value("air.image"), expected, rtol=1e-12)
+    assert len(known.plan.output("air.image").air) == 2
+    assert any("range_m = 700 m here, 900 m on the Atmospheric Path" in w for w in known.warnings())
+
+
+@pytest.mark.parametrize(
+    ("params", "read", "words"),
+    [
+        ({"transmission": 1.5}, {}, ("transmission = 1.5", "from 0 to 1")),
+        ({"transmission": -0.1}, {}, ("transmission = -0.1", "from 0 to 1")),
+        ({"model": "visibility_km", "visibility_km": 0, "range_m": 1}, {},
+         ("visibility_km = 0", "above 0")),
+        ({"model": "visibility_km"}, {}, ("range_m is empty", "Camera")),
+        ({"model": "extinction_per_km"}, {}, ("range_m is empty", "Camera")),
+        ({"model": "modtran"}, {}, ("path is empty", "tape7")),
+        ({"path": "short.csv"}, {}, ("9 to 11 µm", "covers the band, 8 to 12 µm")),
+        ({"path": "wrong.csv"}, {}, ("line 2", "transmission from 0 to 1")),
+        ({"path": "none.csv"}, {}, ("none.csv: no such file",)),
+        ({"transmission": 0.5}, {"unit": "K"}, ("'K'", "is a temperature", "To Radiance")),
+        ({"transmission": 0.5}, {"unit": "DN"}, ("'DN'", "no radiance of a band")),
+        ({"transmission": 0.5}, {"unit": " "}, ("without a unit", "no radiance of a band")),
+        ({"transmission": 0.5}, {"unit": "W/m²/sr/µm"}, ("no radiance of a band",)),
+        ({"transmission": 0.5, "air_K": 280}, {"cut_on_um": None, "cut_off_um": None},
+         ("does not say its band", "cut_on_um")),
+    ],
+)  # fmt: skip
+def test_bad_input_is_one_clear_line(params, read, words, chain, tmp_path):
+    (tmp_path / "short.csv").write_text("9,0.5\n11,0.6\n")
+    (tmp_path / "wrong.csv").write_text("8,0.5\n12,1.6\n")
+    try:
+        (error,) = chain(params, read={**LWIR, **read}).plan.errors()
+    except ImagechainError as refused:
+        error = refused
+    for word in words:
+        assert word in str(error)
+    assert "\n" not in str(error)
+
+
+def test_a_dark_picture_has_no_temperature(chain):
+    params = {"model": "visibility_km", "angstrom_q": 1, "range_m": 100}
+    known = chain(params, samples=np.zeros((2, 2)))
+    with pytest.raises(ImagechainError, match=r"mean radiance 0 W/m²/sr.*give source_K"):
+        known.value("air.image")
+    known = chain({**params, "source_K": 300}, samples=np.zeros((2, 2)))
+    np.testing.assert_array_equal(known.value("air.image"), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("params", "words"),
+    [
+        ({"path": "tau.csv", "transmission": 0.3}, "transmission = 0.3 is not used"),
+        ({"model": "modtran", "path": "lut.csv", "air_K": 280}, "air_K = 280 K is not used"),
+        ({"model": "visibility_km", "path": "tau.csv", "range_m": 9}, "path is not used"),
+    ],
+)
+def test_what_is_not_used_is_a_warning(params, words, chain, tmp_path):
+    (tmp_path / "tau.csv").write_text("7,0.5\n13,0.5\n")
+    (tmp_path / "lut.csv").write_text("7,0.25,1.5\n13,0.25,1.5\n")
+    assert [words in text for text in chain(params).warnings()] == [True]
+
+
+def test_nothing_passes(chain):
+    known = chain({"transmission": 0, "air_K": 280})
+    np.testing.assert_allclose(known.value("air.image"), band_radiance(8, 12, 280), rtol=1e-12)
+    assert known.figures()["optical_depth"] is None
+
+
+@pytest.mark.parametrize("case", reference_cases("at_sensor_radiance", file=CAMERA))
+def test_published_radiances_by_the_command(case, tmp_path):
+    """Written by `imagechain run`, in double precision."""
+    inputs = {name: float(value) for name, value in case["inputs"].items()}
+    scene = {
+        "kind": "uniform", "width": 4, "height": 3, "temperature_K": inputs["target_K"],
+        "cut_on_um": inputs["cut_on_um"], "cut_off_um": inputs["cut_off_um"],
+    }  # fmt: skip
+    path = {"transmission": inputs["transmission"], "air_K": inputs["air_K"]}
+    network = {
+        "format": "imagechain-network", "version": 1,
+        "nodes": {
+            "scene": {"module": "test_scene", "params": scene},
+            "air": {"module": "atmospheric_path", "params": path},
+        },
+        "links": [["scene.image", "air.image"]],
+    }  # fmt: skip
+    (tmp_path / "n.json").write_text(json.dumps(network))
+    done = run_here(
+        "run", "n.json", "--precision", "double", "--save", "air.image=l.npy",
+        "--save", "air.table=t.csv", folder=tmp_path,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    expected = float(case["expected"]["radiance_W_per_m2_sr"])
+    np.testing.assert_allclose(np.load(tmp_path / "l.npy"), expected, rtol=1e-9)
+    assert f"transmission,{inputs['transmission']}" in (tmp_path / "t.csv").read_text()

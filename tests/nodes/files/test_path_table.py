@@ -1,0 +1,109 @@
+"""Tables of a path's transmission and radiance: MODTRAN's tape7, and CSV."""
+
+from __future__ import annotations
+
+import pytest
+
+from core.errors import FileError
+from nodes.files.path_table import read_path_table
+
+# As MODTRAN 4 writes it: a field of 7 or 8 for FREQ, then of 11, names at the right of their field.
+HEAD = (
+    "    FREQ  TOT TRANS  PTH THRML  THRML SCT  SURF EMIS   SOL SCAT  SING SCAT  GRND RFLT"
+    "  DRCT RFLT  TOTAL RAD  REF SOL  SOL@OBS   DEPTH"
+)
+CARDS = ["TM  2    2    2    1    0    0    0    0    0    0    0    0    1", "    2000      2500"]
+ROWS = [  # wavenumber, transmission, thermal, sun: W/cm²/sr per cm⁻¹
+    (2000.0, 0.1234, 1.1e-7, 2.0e-9),
+    (2250.0, 0.0, 2.5e-7, 3.0e-9),
+    (2500.0, 1.0, 3.5e-8, 9.0e-9),
+]
+
+
+def row(frequency, passed, thermal, sun, *, solar=True):
+    """Fields of a width; the columns of the sun are blank in thermal runs."""
+    blank = " " * 11
+    cells = [f"{frequency:8.0f}", f"{passed:11.4f}", f"{thermal:11.3E}", f"{0.0:11.3E}"]
+    cells += [f"{1e-6:11.3E}", f"{sun:11.3E}" if solar else blank]
+    cells += [f"{0.0:11.3E}" if solar else blank, f"{2e-6:11.3E}"]
+    cells += [f"{0.0:11.3E}" if solar else blank, f"{9e-6:11.3E}"]
+    cells += [f"{1e-7:9.2E}", f"{2e-7:9.2E}"] if solar else [" " * 18]
+    return "".join([*cells, f"{0.7:8.3f}"])
+
+
+def tape7(*, head=HEAD, solar=True, rows=ROWS, end=("  -9999.",)):
+    return "\n".join([*CARDS, head, *(row(*r, solar=solar) for r in rows), *end]) + "\n"
+
+
+def written(folder, text):
+    path = folder / "path.tp7"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("head", [HEAD, HEAD.replace("TOT T", "TOT_T").replace("PTH T", "PTH_T")])
+@pytest.mark.parametrize("solar", [True, False])
+def test_tape7(tmp_path, head, solar):
+    """2000 cm⁻¹ is 5 µm; per µm there are 400 cm⁻¹: L_λ = L_ν·10⁴·400 in W/m²/sr/µm."""
+    transmission, radiance = read_path_table(written(tmp_path, tape7(head=head, solar=solar)))
+    assert [place for place, _ in transmission] == pytest.approx([4.0, 1e4 / 2250, 5.0], rel=1e-15)
+    assert [value for _, value in transmission] == [1.0, 0.0, 0.1234]
+    sun = [9e-9, 3e-9, 2e-9] if solar else [0.0] * 3
+    expected = [
+        (3.5e-8 + sun[0]) * 1e4 * 625.0,
+        (2.5e-7 + sun[1]) * 1e4 * 506.25,
+        (1.1e-7 + sun[2]) * 1e4 * 400.0,
+    ]
+    assert [value for _, value in radiance] == pytest.approx(expected, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (tape7(end=()), "ends without -9999."),
+        (tape7(end=("  -9999.", *CARDS, HEAD)), "several runs"),
+        (tape7(head=HEAD.replace("PTH THRML", "         ")), "0 columns PTH THRML"),
+        (tape7(rows=ROWS[:1]), "has 1 rows"),
+        (tape7(rows=[ROWS[1], ROWS[0]]), "line 5.*a wavenumber above the one before"),
+        (tape7(rows=[(2000.0, 1.3, 0.0, 0.0), ROWS[1]]), "line 4.*TOT TRANS from 0 to 1"),
+        (tape7(rows=[(2000.0, 0.3, -1e-7, 0.0), ROWS[1]]), "line 4.*radiance of at least 0"),
+        (tape7() + "", None),
+        (tape7().replace("0.1234", "0,1234"), "line 4.*numbers below their names"),
+    ],
+)
+def test_damaged_tape7(tmp_path, text, words):
+    path = written(tmp_path, text)
+    if words is None:
+        assert len(read_path_table(path)[0]) == 3
+        return
+    with pytest.raises(FileError, match=words) as error:
+        read_path_table(path)
+    assert "\n" not in str(error.value)
+
+
+def test_csv_by_names_and_without(tmp_path):
+    named = (
+        "# of 3 km\npath_radiance, wavelength_um, remark, transmission\n0.5,8,a,0.7\n0.6,9,b,0.8\n"
+    )
+    expected = ((8.0, 0.7), (9.0, 0.8)), ((8.0, 0.5), (9.0, 0.6))
+    assert read_path_table(written(tmp_path, named)) == expected
+    assert read_path_table(written(tmp_path, "8;0.7;0.5\n9;0.8;0.6\n")) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("8,0.7\n9,0.8\n", "line 1.*three numbers"),
+        ("um,tau,L\n8,0.7,0.5\n", "names 0 columns wavelength_um"),
+        ("8,1.7,0.5\n9,0.8,0.6\n", "line 1.*transmission from 0 to 1"),
+        ("8,0.7,-0.5\n9,0.8,0.6\n", "path radiance of at least 0"),
+        ("9,0.7,0.5\n8,0.8,0.6\n", "line 2.*above the one before, 9"),
+        ("8,0.7,0.5\n9,0.8,much\n", "line 2.*must be numbers"),
+        ("8,0.7,0.5\n", "has 1 points"),
+        ("8,0.7,nan\n9,0.8,0.6\n", "path radiance of at least 0"),
+    ],
+)
+def test_damaged_csv(tmp_path, text, words):
+    with pytest.raises(FileError, match=words) as error:
+        read_path_table(written(tmp_path, text))
+    assert "\n" not in str(error.value)
