@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from core.evaluation.content_key import content_key
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
+from core.lineage.linear_change import LevelChange, Linear
 from core.lineage.step_lineage import picture_step
 
 Array = NDArray[Any]
@@ -215,7 +216,34 @@ def _with_constants(_: Work, sums: Array, *, offsets: Row) -> Array:
     return np.asarray(sums + constants[:, np.newaxis, np.newaxis])
 
 
-@picture_step()
+@dataclass(frozen=True)
+class _Raised(Linear):
+    """Light of the air is added before the camera: what its picture was made of is less."""
+
+    before: Recipe
+
+    @property
+    def level(self) -> Recipe:
+        """No change in contrast, and a mean of which the light of the air is no signal."""
+        return Step.of(_unraised, self.before)
+
+    @property
+    def before_camera(self) -> bool:
+        """True: behind it is the camera."""
+        return True
+
+
+@ends_lineage
+def _unraised(_: Work, picture: Array) -> LevelChange:
+    mean = float(np.mean(picture, dtype=np.float64))
+    return LevelChange(1.0, mean, mean)
+
+
+def _raised(before: Recipe, *, offset: float) -> Linear:
+    return _Raised(before) if offset else Linear()
+
+
+@picture_step(linear=_raised)
 def _with_constant(_: Work, picture: Array, *, offset: float) -> Array:
     """A picture and the light that is everywhere alike."""
     return np.asarray(picture + picture.dtype.type(offset)) if offset else picture

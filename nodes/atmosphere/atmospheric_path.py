@@ -13,9 +13,14 @@ from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
-from core.physics.atmosphere.air_path import AirPath, extinction_of_visibility
+from core.physics.atmosphere.air_path import (
+    AirPath,
+    extinction_of_visibility,
+    path_of_bands,
+)
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.radiance_units import radiance_unit
+from core.spectrum.band_stack import AttenuatedBands, BandStack
 from nodes.atmosphere import path_steps as steps
 from nodes.files.path_table import read_path_table
 from nodes.files.wavelength_table import read_wavelengths
@@ -50,7 +55,8 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     A picture of one band is multiplied by the band's mean transmission, which weights wavelengths
     by the radiance of a black body: of the picture's mean brightness temperature, of sunlight's
-    5800 K where the band begins below 2.5 µm, or of `source_K`. Absorption and scattering dim alike
+    5800 K where the band begins below 2.5 µm, or of `source_K`. A picture in bands (`bands` of Read
+    Image) has each of them multiplied by its own. Absorption and scattering dim alike
     here; what scattering blurs is Atmosphere MTF's. Two in a row are two constituents of the same
     air. Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
     """
@@ -89,7 +95,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     ] = None  # fmt: skip
     source_K: Annotated[
         float | None,
-        Param("black body that weights the band; empty: the scene's, or sunlight", unit="K", low=0,
+        Param("black body that weights one band; empty: the scene's, or sunlight", unit="K", low=0,
               high=1e6, slider=(250, 6500)),
     ] = None  # fmt: skip
 
@@ -121,7 +127,9 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         if band is not None:
             air.require_covered(*band)
             air = air.within_band(*band)
-        how: dict[str, Any] = {"air": air, "band_um": band, "source_K": self._source(image)}
+        if image.bands is not None:
+            return self._by_bands(image, image.bands, air, node)
+        how: dict[str, Any] = {"air": air, "band_um": band, "source_K": self._source()}
         scene = self._scene(image, air, factor, node)
         over = Step.of(steps.path_over_band, *scene, node=node, **how)
         table = Table(Step.of(steps.path_table, over, *scene, node=node, **how))
@@ -129,6 +137,19 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             return PathOutputs(image, table)
         made = Step.of(steps.through_air, image.recipe, over, node=node, factor=factor)
         return PathOutputs(image.with_recipe(made, air=(*image.air, air)), table)
+
+    def _by_bands(self, image: Image, bands: BandStack, air: AirPath, node: str) -> PathOutputs:
+        """The same of each band, by its own transmission."""
+        gain, offset = path_of_bands(air, bands.centres_um, bands.widths_um)
+        light = {"weights": bands.whole, "gain": gain, "offset": offset}
+        over = Step.of(steps.path_over_bands, bands.means(), node=node, **light)
+        how = {"air": air, "band_um": image.band_um, "source_K": None}
+        table = Table(Step.of(steps.path_table, over, node=node, **how))
+        if air.is_clear:
+            return PathOutputs(image, table)
+        stack = AttenuatedBands.of(bands, gain=gain, offset=offset, node=node)
+        made = stack.picture(stack.whole)
+        return PathOutputs(image.with_recipe(made, bands=stack, air=(*image.air, air)), table)
 
     def air(self, image: Image, here: NodeContext, context: Context | None) -> AirPath:
         """The path as the parameters have it.
@@ -159,7 +180,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         of_camera = None if image.camera is None else image.camera.range_m
         return self.range_m or of_camera or (None if context is None else context.range_m)
 
-    def _source(self, image: Image) -> float:
+    def _source(self) -> float:
         return SUNLIGHT_K if self.source_K is None else self.source_K
 
     def _scene(self, image: Image, air: AirPath, factor: float, node: str) -> tuple[Recipe, ...]:
@@ -193,6 +214,17 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
                 "choose the model transmission or modtran, or leave path empty",
             )
         return None
+
+    @warning
+    def source(self, image: Image) -> Caution | None:
+        """A black body that weights one band, where the picture has many."""
+        if self.source_K is None or image.bands is None:
+            return None
+        return Caution(
+            f"source_K = {self.source_K:g} K is not used: the picture has {image.bands.count} "
+            "bands, and each its own transmission",
+            "leave source_K empty",
+        )
 
     @warning
     def ranges(self, image: Image, context: Context | None) -> Caution | None:

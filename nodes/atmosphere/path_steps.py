@@ -21,6 +21,7 @@ from core.physics.radiometry.planck import brightness_temperature
 
 Array = NDArray[Any]
 Band = tuple[float, float]
+Row = tuple[float, ...]
 _LISTED = 21  # wavelengths in the table
 
 
@@ -45,6 +46,16 @@ def path_over_band(
     if band_um is None:  # a path that is grey and adds nothing
         return PathBand(math.exp(-float(air.depth(1.0))), 0.0)
     return air.over_band(*band_um, source_K=scene_K[0] if scene_K else source_K)
+
+
+@ends_lineage
+def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset: Row) -> PathBand:
+    """The same of a picture in bands: weighted by the light in each."""
+    light = np.maximum(means * np.array(weights), 0.0)
+    total = float(light.sum())
+    if not total > 0.0:
+        raise DataError("the picture has no light in its bands to weight the transmission by")
+    return PathBand(float(light @ np.array(gain)) / total, float(np.dot(weights, offset)))
 
 
 @dataclass(frozen=True)
@@ -97,7 +108,12 @@ def through_air(work: Work, image: Array, over: PathBand, *, factor: float) -> A
 
 @ends_lineage
 def path_table(
-    work: Work, over: PathBand, *scene_K: float, air: AirPath, band_um: Band | None, source_K: float
+    work: Work,
+    over: PathBand,
+    *scene_K: float,
+    air: AirPath,
+    band_um: Band | None,
+    source_K: float | None,
 ) -> TableData:
     """Figures of the band, then transmission and path radiance over it."""
     depth = over.optical_depth

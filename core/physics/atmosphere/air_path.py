@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -164,16 +165,16 @@ class AirPath:
         emissivity = -np.expm1(-self.depth(wavelength))
         return np.asarray(emissivity * spectral_radiance(wavelength, self.air_K))
 
-    def over_band(self, cut_on_um: float, cut_off_um: float, *, source_K: float) -> PathBand:
+    def over_band(self, cut_on_um: float, cut_off_um: float, *, source_K: float | None) -> PathBand:
         """Mean transmission and path radiance of a band.
 
         Parameters
         ----------
         cut_on_um, cut_off_um : float
             The band, µm.
-        source_K : float
-            Temperature of the black body whose radiance weights the transmission, above zero; of
-            no account where all wavelengths pass alike.
+        source_K : float or None
+            Temperature of the black body whose radiance weights the transmission, above zero; None
+            for a weight that is the same all over. Of no account where all wavelengths pass alike.
 
         Returns
         -------
@@ -190,7 +191,9 @@ class AirPath:
         self.require_covered(cut_on_um, cut_off_um)
         wavelength, width = self._nodes(cut_on_um, cut_off_um)
         if not self.is_grey:
-            weight = width * spectral_radiance(wavelength, source_K)
+            weight = width
+            if source_K is not None:
+                weight = width * spectral_radiance(wavelength, source_K)
             total = float(weight.sum())
             if not total > 0.0:
                 raise DataError(
@@ -242,6 +245,39 @@ class AirPath:
 
     def _nodes(self, low: float, high: float) -> tuple[FloatArray, FloatArray]:
         return band_nodes(low, high, self.places_um)
+
+
+@lru_cache(maxsize=32)
+def path_of_bands(
+    air: AirPath, centres_um: tuple[float, ...], widths_um: tuple[float, ...]
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Mean transmission and mean path radiance, W/m²/sr/µm, of narrow bands.
+
+    Parameters
+    ----------
+    air : AirPath
+        The path.
+    centres_um, widths_um : tuple of float
+        The bands, whose own spectrum is taken to be flat; at its centre alone where one has no
+        width.
+
+    Raises
+    ------
+    ParameterError
+        For a table that does not cover the bands.
+    """
+    gain, added = [], []
+    for centre, width in zip(centres_um, widths_um, strict=True):
+        low, high = centre - width / 2.0, centre + width / 2.0
+        if not low < high:
+            air.require_covered(centre, centre)
+            gain.append(math.exp(-float(air.depth(centre))))
+            added.append(float(air.added(centre)))
+            continue
+        band = air.within_band(low, high).over_band(low, high, source_K=None)
+        gain.append(band.transmission)
+        added.append(band.path_radiance / (high - low))
+    return tuple(gain), tuple(added)
 
 
 def extinction_of_visibility(*, visibility_km: float) -> float:
