@@ -24,6 +24,7 @@ from nodes.detector.detector_mtf import DetectorMTF
 from nodes.detector.focal_plane import FocalPlane
 from nodes.detector.microbolometer import Microbolometer
 from nodes.detector.nuc import Nuc
+from nodes.detector.spectral_response import SpectralResponse
 from nodes.detector.tdi_mtf import TdiMTF
 from nodes.electronics.electronics_noise import ElectronicsNoise
 from nodes.electronics.noise_3d_source import Noise3DSource
@@ -91,6 +92,7 @@ MODULES: tuple[type[Module], ...] = (
     ChargeEffMTF,
     ChargeEffPhase,
     TdiMTF,
+    SpectralResponse,
     FocalPlane,
     Microbolometer,
     Nuc,

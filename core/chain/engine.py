@@ -9,6 +9,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
+from core.chain.bands_lost import sum_caution
 from core.chain.realize import realize
 from core.chain.wires import SpectrumWire, Transfer
 from core.errors import ImagechainError, NetworkError, UnconnectedError
@@ -57,6 +58,8 @@ class PlannedNode:
             method = getattr(self.module, check.name)
             bound = partial(method, *(known[name] for name in check.needs))
             results.append(checked(bound, node=self.node.id, check=check.name))
+        if not type(self.module).counts_bands:
+            results.append(sum_caution(self.inputs, self.outputs, node=self.node.id))
         return tuple(result for result in results if result is not None)
 
     @property

@@ -154,7 +154,8 @@ class Module:
 
     A class without a key only shares parameters between modules. `replaces` lists keys the module
     had in old files, `renamed` the old names of parameters and ports. A module that `draws_noise`
-    does so from its node's name. Parameters that no section of
+    does so from its node's name. One that `counts_bands` sums a picture's bands up as a detector
+    does; others get their sum with a warning, or pass them on. Parameters that no section of
     `panel` names stand below them without a title.
     """
 
@@ -166,6 +167,7 @@ class Module:
     renamed: ClassVar[Mapping[str, str]] = {}
     sink: ClassVar[bool] = False
     draws_noise: ClassVar[bool] = False
+    counts_bands: ClassVar[bool] = False
     panel: ClassVar[tuple[Section, ...]] = ()
     illustration: ClassVar[str] = ""
     run: ClassVar[Callable[..., Any]]

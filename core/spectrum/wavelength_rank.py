@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from core.evaluation.recipes import Recipe
@@ -131,7 +130,7 @@ def few_wavelengths(fitted: Array, judged: Array, *, tolerance: float) -> Wavele
         Largest error wanted; where not even all but one column reach it, all are taken.
     """
     count = fitted.shape[1]
-    order = scipy.linalg.qr(fitted, mode="r", pivoting=True)[1]
+    order = _pivots(fitted)
     for size in range(1, count):
         chosen = np.sort(order[:size])
         shares = _shares(fitted, chosen)
@@ -141,6 +140,23 @@ def few_wavelengths(fitted: Array, judged: Array, *, tolerance: float) -> Wavele
         if error <= tolerance:
             return WavelengthRank(tuple(map(int, chosen)), shares, error)
     return WavelengthRank(tuple(range(count)), np.eye(count), 0.0)
+
+
+def _pivots(table: Array) -> Array:
+    """Columns in the order in which each is furthest from all before, by Gram and Schmidt."""
+    rest = table.copy()
+    order = np.zeros(table.shape[1], np.intp)
+    left = np.ones(table.shape[1], bool)
+    for place in range(len(order)):
+        sizes = np.where(left, np.linalg.norm(rest, axis=0), -1.0)
+        order[place] = furthest = int(np.argmax(sizes))
+        left[furthest] = False
+        if sizes[furthest] <= 0.0:
+            continue
+        along = rest[:, furthest] / sizes[furthest]
+        for _ in range(2):  # once more for what rounding has left
+            rest -= np.multiply.outer(along, along.conj() @ rest)
+    return order
 
 
 def _shares(table: Array, chosen: Array) -> Array:

@@ -72,6 +72,8 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     2008 (Rule 07).
     """
 
+    counts_bands = True
+
     def run(self, image: Image, context: Context, here: NodeContext) -> FocalPlaneOutputs:
         """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
         node, reading = here.node, self.read_out()

@@ -39,6 +39,7 @@ from nodes.shared.context_defaults import given_band, of_context, with_interval
 from nodes.shared.factor_helpers import separable
 from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
 from nodes.shared.shared_warnings import apart_caution, band_caution, is_radiance, unit_caution
+from nodes.shared.summed_bands import summed_within
 
 _MATERIALS = tuple(
     (region, (*(material.name for material in materials), MANUAL))
@@ -199,6 +200,8 @@ class ElectronicsNoise(
         *SEED_SECTIONS,
     )
 
+    counts_bands = True
+
     def check(self) -> None:
         """Refuse an empty range of quantization; two zeros mean automatic."""
         low, high = self._range()
@@ -208,6 +211,7 @@ class ElectronicsNoise(
     def run(self, image: Image, context: Context, here: NodeContext) -> ElectronicsOutputs:
         """Plan every stage as a value of its own, so that an edit repeats only what follows it."""
         node = here.node
+        image = summed_within(image, self.cut_on_um, self.cut_off_um)
         seen = Step.of(statistics, image.recipe, node=node)
         detector = self._detector(context)
         known = Step.of(detector_figures, seen, node=node, detector=detector)

@@ -24,7 +24,7 @@ PURE_NUMBERS = {
     "stages", "phases", "reference_f_number", "reference_frames",
     "sigma_tvh", "sigma_tv", "sigma_th", "sigma_t", "sigma_vh", "sigma_v", "sigma_h",
     "snr", "overshoot", "noise_gain", "field",
-    "sample_pitch", "sample_pitch_y", "background", "transmission", "angstrom_q",
+    "sample_pitch", "sample_pitch_y", "background", "transmission", "angstrom_q", "peak",
 }  # fmt: skip
 # Numbers of either sign without a natural limit.
 UNBOUNDED = {

@@ -15,7 +15,7 @@ CHARGE = {
     **FREE, "detectors_per_line": 640, "efficiency": 0.99999, "model": "exact", "nyquist": "image",
 }  # fmt: skip
 RECORDED = {
-    "read_image": {"band": 0, "scale": 1.0, "unit": "W/m²/sr", "missing": "refuse"},
+    "read_image": {"bands": "one", "band": 0, "scale": 1.0, "unit": "W/m²/sr", "missing": "refuse"},
     "test_scene": {
         "kind": "dormitory", "width": 512, "height": 512, "fov_x_deg": 30.0, "fov_y_deg": 30.0,
         "cut_on_um": 8.0, "cut_off_um": 12.0, "temperature_K": 303.15, "delta_K": 10.0,
@@ -39,6 +39,7 @@ RECORDED = {
         "model": "transmission", "transmission": 1.0, "extinction_per_km": 0.2,
         "visibility_km": 23.0, "angstrom_q": 0.0,
     },
+    "spectral_response": {"shape": "rectangle", "peak": 1.0},
     "atmosphere_mtf": {
         **FREE, "turbulence": "gaussian", "fwhm_mrad": 0.0, "alpha": 0.5, "turbidity": "none",
         "turbidity_cutoff_cyc_per_mrad": 0.001, "view": "horizontal", "absorption_per_km": 0.0,

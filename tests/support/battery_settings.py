@@ -22,6 +22,7 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "atmospheric_path": {
         "model": "visibility_km", "angstrom_q": 1, "range_m": 4000, "air_K": 285,
     },
+    "spectral_response": {"shape": "gaussian", "peak": 0.8},
     "atmosphere_mtf": {"fwhm_mrad": 2, "turbidity": "high"},
     "camera": {
         "pixels_x": 15, "pixels_y": 11, "pitch_um": 50, "focal_length_mm": 30, "f_number": 2,
@@ -92,6 +93,7 @@ NEUTRAL: dict[str, list[dict[str, Any]]] = {
     "atmospheric_path": [
         {}, {"air_K": 285}, {"model": "extinction_per_km", "extinction_per_km": 0},
     ],
+    "spectral_response": [{}],
     "atmosphere_mtf": [
         {}, {"turbulence": "none"}, {"turbidity": "custom"},
         {"turbidity": "custom", "absorption_per_km": 3, "view": "vertical"},

@@ -10,15 +10,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
-from core.physics.numerics.quadrature import gauss_legendre
 from core.physics.numerics.scalar_checks import finite, non_negative, positive, within
+from core.physics.radiometry.band_nodes import band_nodes
 from core.physics.radiometry.constants import SECOND_RADIATION_CONSTANT_UM_K
 from core.physics.radiometry.planck import band_radiance, spectral_radiance
 
@@ -32,8 +31,6 @@ KOSCHMIEDER = 3.912
 VISIBLE_UM = 0.55
 """Wavelength at which a visibility holds."""
 
-_WIDEST_RATIO = 1.06  # of the ends of a piece: Planck's law is a polynomial of low degree on it
-_NODES, _FEW_NODES, _MANY_PIECES = 24, 8, 100
 _NEAR = 1e-9  # by which a table may end before the band
 _LARGEST_X = 700.0
 
@@ -368,23 +365,6 @@ def _passed(depth_per_m: FloatArray, weight: FloatArray, distance: FloatArray) -
         left = np.exp(-np.where(opaque, 0.0, depth_per_m) * ranges)
     left = np.where(opaque & (ranges > 0.0), 0.0, left)
     return np.minimum((left @ weight).reshape(distance.shape), 1.0)[()]
-
-
-def band_nodes(low: float, high: float, places: Sequence[float]) -> tuple[FloatArray, FloatArray]:
-    """Wavelengths and widths of a quadrature over a band, which breaks at the places in it."""
-    positive("cut_on_um", low, unit="µm")
-    if not low < high < math.inf:
-        raise ParameterError("cut_off_um", high, f"above cut_on_um = {low:g}", unit="µm")
-    inner = [place for place in places if low < place < high]
-    pieces = [low]
-    for left, right in pairwise([low, *inner, high]):
-        count = math.ceil(math.log(right / left) / math.log(_WIDEST_RATIO))
-        pieces += np.geomspace(left, right, max(count, 1) + 1)[1:].tolist()
-    ends = np.array(pieces)
-    nodes, weights = gauss_legendre(_NODES if len(ends) < _MANY_PIECES else _FEW_NODES)
-    half, middle = np.diff(ends) / 2.0, (ends[1:] + ends[:-1]) / 2.0
-    wavelength = middle[:, np.newaxis] + half[:, np.newaxis] * nodes
-    return wavelength.ravel(), (half[:, np.newaxis] * weights).ravel()
 
 
 def _cut(points: Points, low: float, high: float) -> Points:

@@ -287,6 +287,8 @@ def test_readouts_of_photon_noise(tmp_path):
 
 def test_every_module_of_blur_has_its_row():
     apart = {  # in tests of their own
+        "atmospheric_path",
+        "spectral_response",
         "camera",
         "diffraction_mtf",
         "exit_pupil",

@@ -82,6 +82,11 @@ CASES = {
         ("77 K", "12 µm", "rule_07 is off"),
         {"detector_K": 77.0, "material_cutoff_um": 12.0, "rule_07": True},
     ),
+    ("spectral_response", "unit"): (
+        {"scene": {"unit": "K"}},
+        ("'K'", "radiance", "W/m²/sr"),
+        {"scene": {"unit": "W/m²/sr"}},
+    ),
     ("microbolometer", "unit"): (
         {"scene": {"unit": "K"}},
         ("'K'", "NETD", "W/m²/sr", "To Radiance"),
@@ -267,6 +272,10 @@ BY_HAND = {  # need what only a file tells
     ("mtf_file", "end"),
     ("mtf_file", "above_one"),
     ("mtf_file", "geometry"),
+    ("atmospheric_path", "unused"),  # beside a file, in test_node_atmospheric_path
+    ("atmospheric_path", "source"),
+    ("atmospheric_path", "ranges"),
+    ("spectral_response", "source"),  # of bands, in test_node_spectral_response
     ("psf_file", "no_file"),  # of a file, in test_node_psf_file
     ("psf_file", "border"),
     ("psf_file", "coarse"),

@@ -12,6 +12,7 @@ from core.evaluation.recipes import Recipe
 from core.modules.declaration import declaration
 from core.modules.panel_sections import Section
 from core.network.network import Link, Network, Node
+from cube_files import centres, write_cube
 from nodes.library import standard_library
 
 LIBRARY = standard_library()
@@ -35,7 +36,11 @@ ENOUGH = {  # to be computed whatever is chosen
     "line_by_line": {"line_spacing_m": 0.5, "altitude_m": 500.0},
     "atmospheric_path": {"range_m": 2000.0},
 }
-ENOUGH_WITH = {("atmospheric_path", "modtran"): {"path": "air.csv"}}  # of one choice
+ENOUGH_WITH = {  # of one choice
+    ("atmospheric_path", "modtran"): {"path": "air.csv"},
+    ("spectral_response", "file"): {"path": "response.csv"},
+    ("read_image", "all"): {"path": "cube.img"},
+}
 INIT = {
     "detector_x_um": 30.0,
     "detector_y_um": 30.0,
@@ -162,6 +167,8 @@ def as_array(value):
 def test_parameters_that_are_not_shown_change_nothing(key, section, tmp_path):
     np.save(tmp_path / "pupil.npy", np.ones((8, 8)))
     (tmp_path / "air.csv").write_text("7,0.5,1\n13,0.6,2\n")
+    (tmp_path / "response.csv").write_text("7,0.5\n13,0.6\n")
+    write_cube(tmp_path, np.ones((3, 8, 8)), *centres(3))
     declared = DECLARED[key]
     name, values = section.shown_when
     hidden = [c for c in declared.parameter(name).choices if c not in values]

@@ -1,0 +1,230 @@
+"""Spectral Response: what a detector or a filter lets count of every wavelength."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.wires import Image
+from core.errors import DataError, ParameterError
+from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.work import Work
+from core.lineage.linear_change import LevelChange, Linear
+from core.lineage.step_lineage import picture_step
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.noise.noise_power import NoisePower
+from core.physics.detector.response_curve import ResponseCurve
+from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.radiometry.planck import brightness_temperature
+from core.spectrum.band_stack import AttenuatedBands
+from nodes.files.wavelength_table import read_wavelengths
+from nodes.optics.band_spectrum import SUNLIGHT_K
+from nodes.shared.module_ports import ImageOutput
+from nodes.shared.shared_warnings import Band, unit_caution
+
+Array = NDArray[Any]
+
+
+class SpectralResponse(
+    Module, key="spectral_response", title="Spectral Response", group="Detector"
+):
+    """Weight every wavelength by a response: of a detector's material, a filter, a window.
+
+    A picture in bands has each of them multiplied by the mean response over it, and its sum is the
+    radiance that counts; Focal Plane behind it counts what is left of the photons. A picture of one
+    band is multiplied by the mean over the band, weighted by the radiance of a black body: of the
+    picture's mean brightness temperature, of sunlight's 5800 K where the band begins below 2.5 µm,
+    or of `source_K`. `file`: a CSV of µm and response, straight between its points, 0 beyond them.
+    `gaussian`: `width_um` is its full width at half maximum. A response per watt instead of per
+    photon goes in as it is where radiance is wanted; Focal Plane has its own for photons.
+    """
+
+    shape: Annotated[
+        Literal["file", "rectangle", "gaussian"], Param("form of the response, or a file of it")
+    ] = "rectangle"
+    path: Annotated[Path | None, Param("CSV of µm and response, 0 to 1")] = None
+    centre_um: Annotated[
+        float | None,
+        Param("middle of the response; empty: of the picture's band", unit="µm", low=0, high=1000,
+              slider=(0.4, 14)),
+    ] = None  # fmt: skip
+    width_um: Annotated[
+        float | None,
+        Param("width, of a Gaussian its full width at half maximum; empty: of the picture's band",
+              unit="µm", low=0, high=1000, slider=(0.01, 5)),
+    ] = None  # fmt: skip
+    peak: Annotated[float, Param("largest response", low=0, high=1)] = 1.0
+    source_K: Annotated[
+        float | None,
+        Param("black body that weights one band; empty: the scene's, or sunlight", unit="K", low=0,
+              high=1e6, slider=(250, 6500)),
+    ] = None  # fmt: skip
+
+    panel = (
+        Section("", ("shape",)),
+        Section("File", ("path",), shown_when=("shape", ("file",))),
+        Section(
+            "Form",
+            ("centre_um", "width_um", "peak"),
+            shown_when=("shape", ("rectangle", "gaussian")),
+        ),
+        Section("Band", ("source_K",)),
+    )
+
+    def check(self) -> None:
+        """Refuse a file's response without a file."""
+        if self.shape == "file" and self.path is None:
+            raise ParameterError("path", None, "a CSV of µm and response")
+
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
+        """Plan the weights of the bands, or the mean over the one there is."""
+        node, band = here.node, image.band_um
+        if band is None:
+            raise DataError(
+                "the image does not say its band, over which the response is weighted: give "
+                "cut_on_um and cut_off_um where it is read"
+            )
+        response = self.response(band, here)
+        if response.is_one_over(*band):
+            return ImageOutput(image)
+        if not response.integral(*band) > 0.0:
+            low, high = response.ends_um
+            raise ParameterError(
+                "path" if self.shape == "file" else "centre_um",
+                f"{low:g} to {high:g} µm",
+                f"a response that meets the picture's band, {band[0]:g} to {band[1]:g} µm",
+            )
+        if image.bands is not None:
+            pairs = zip(image.bands.centres_um, image.bands.widths_um, strict=True)
+            gain = tuple(response.mean(c - w / 2, c + w / 2) for c, w in pairs)
+            stack = AttenuatedBands.of(image.bands, gain=gain, node=node)
+            return ImageOutput(image.with_recipe(stack.picture(stack.whole), bands=stack))
+        counted = Step.of(
+            mean_response,
+            image.recipe,
+            node=node,
+            response=response,
+            band_um=band,
+            source_K=self._source(band),
+        )
+        return ImageOutput(image.with_recipe(Step.of(weighted, image.recipe, counted, node=node)))
+
+    def response(self, band: Band, here: NodeContext) -> ResponseCurve:
+        """The response as the parameters have it; a middle and width left empty are the band's."""
+        if self.shape != "file":
+            centre = self.centre_um or sum(band) / 2
+            return ResponseCurve(self.shape, centre, self.width_um or band[1] - band[0], self.peak)
+        assert self.path is not None
+        path = (here.folder / self.path).absolute()
+        points = read_wavelengths(path, what="response", low=0.0, high=1.0)
+        return ResponseCurve("file", points=points)
+
+    def _source(self, band: Band) -> float | None:
+        if self.source_K is None and band[0] < SHORTEST_THERMAL_UM:
+            return SUNLIGHT_K
+        return self.source_K
+
+    @warning
+    def unit(self, image: Image) -> Caution | None:
+        """A picture that is no radiance."""
+        return unit_caution(image.unit, meant="radiance that is weighted over wavelength")
+
+    @warning
+    def source(self, image: Image) -> Caution | None:
+        """A source beside bands that have a spectrum of their own."""
+        if self.source_K is None or image.bands is None:
+            return None
+        return Caution(
+            f"source_K = {self.source_K:g} K is not used: the picture has {image.bands.count} "
+            "bands, and each its own response",
+            "leave source_K empty",
+        )
+
+    @readout()
+    def mean_of_band(self, image: Image, outputs: ImageOutput) -> Step | float:
+        """Mean response over the picture's band, by the light that weights it."""
+        made = outputs.image.recipe
+        if made is image.recipe:
+            return 1.0
+        if image.bands is None:
+            assert isinstance(made, Step)
+            return Step.of(_number, made.inputs[1])
+        assert isinstance(outputs.image.bands, AttenuatedBands)
+        return Step.of(
+            _share,
+            image.bands.means(),
+            weights=image.bands.whole,
+            gain=outputs.image.bands.gain,
+        )
+
+
+@ends_lineage
+def mean_response(
+    work: Work, samples: Array, *, response: ResponseCurve, band_um: Band, source_K: float | None
+) -> float:
+    """Mean response over a band, by the light of the scene's mean or of a source."""
+    low, high = band_um
+    if source_K is None:
+        mean = float(np.mean(samples, dtype=np.float64))
+        if not mean > 0.0:
+            raise DataError(
+                f"a picture of mean {mean:g} has no brightness temperature to weight the response "
+                "by: give source_K"
+            )
+        source_K = float(brightness_temperature(radiance=mean, cut_on_um=low, cut_off_um=high))
+    return response.mean_of_body(low, high, source_K=source_K)
+
+
+@dataclass(frozen=True)
+class Weighted(Linear):
+    """Dimmed by the mean response."""
+
+    before: Recipe
+    counted: Recipe
+
+    @property
+    def level(self) -> Recipe:
+        """The mean response, about the picture's mean."""
+        return Step.of(_level, self.before, self.counted)
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Dimmed."""
+        return power.scaled(work.value(self.counted))
+
+
+def _dimmed(image: Recipe, counted: Recipe) -> Weighted:
+    return Weighted(image, counted)
+
+
+@picture_step(linear=_dimmed, looks_at=("counted",))
+@pointwise
+def weighted(work: Work, image: Array, counted: float) -> Array:
+    """The picture times the mean response."""
+    return np.multiply(image, work.policy.dtype.type(counted), dtype=work.policy.dtype)
+
+
+@ends_lineage
+def _level(work: Work, samples: Array, counted: float) -> LevelChange:
+    mean = float(np.mean(samples, dtype=np.float64))
+    return LevelChange(counted, mean, counted * mean)
+
+
+@ends_lineage
+def _number(work: Work, number: float) -> float:
+    return number
+
+
+@ends_lineage
+def _share(
+    work: Work, means: Array, *, weights: tuple[float, ...], gain: tuple[float, ...]
+) -> float | None:
+    light = np.maximum(means * np.array(weights), 0.0)
+    total = float(light.sum())
+    return float(light @ np.array(gain)) / total if total > 0.0 else None
