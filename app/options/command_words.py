@@ -168,8 +168,9 @@ def tradeoff_words(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NODE.READOUT",
         help="a figure of merit to show: a read-out of a node, or the chain's MTF as "
-        "total.mtf_nyquist_x, total.mtf_half_nyquist_x (and _y); may be repeated (default: figures "
-        "of the electronics and the chain's MTF, as far as they change)",
+        "total.mtf_nyquist_x, total.mtf_half_nyquist_x (and _y) of the samples and, with pixel_ "
+        "before nyquist, of the pixels; may be repeated (default: figures of the electronics and "
+        "the chain's MTF, as far as they change)",
     )
     add(
         "--output",

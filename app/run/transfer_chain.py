@@ -49,6 +49,8 @@ class Chain:
         that they have one.
     choices : tuple of str
         Pictures of which each could be the final one, where none is.
+    pitch_mrad : (float or None, float or None)
+        From one pixel of the detector to the next, across and along.
     """
 
     final: str | None
@@ -60,6 +62,18 @@ class Chain:
     beside: tuple[Stage, ...]
     missing: str = ""
     choices: tuple[str, ...] = ()
+    pitch_mrad: tuple[float | None, float | None] = (None, None)
+
+    @property
+    def pixel_nyquist(self) -> tuple[float | None, float | None]:
+        """Nyquist frequencies of the pixels across and along, where these are known.
+
+        Of the combined ones where pixels are combined, else of the detector's pitch.
+        """
+        if self.combined is not None:
+            return self.combined.nyquist_x, self.combined.nyquist_y
+        x, y = (0.5 / pitch if pitch else None for pitch in self.pitch_mrad)
+        return x, y
 
     @property
     def cascade(self) -> bool:
@@ -101,6 +115,7 @@ def find_chain(plan: Plan) -> Chain:
         tuple(stages),
         tuple(stage for stage in later if stage.factors),
         tuple(stage for stage in beside if stage.factors),
+        pitch_mrad=recipe.magnitude.pixel_mrad,
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from app.run.responses import SYSTEM, TOTAL, Axis, response
 from app.run.sound_plan import sound_part
-from app.run.transfer_chain import find_chain
+from app.run.transfer_chain import Chain, find_chain
 from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, DataError, ImagechainError, NetworkError
 from core.evaluation.work import Work
@@ -24,12 +24,21 @@ ELECTRONICS = "electronics_noise"
 SENSORS = (ELECTRONICS, "focal_plane", "microbolometer")
 _PLACES: Mapping[str, tuple[Axis, float, str]] = MappingProxyType(
     {
-        "mtf_nyquist_x": ("x", 1.0, "at the Nyquist frequency across"),
-        "mtf_nyquist_y": ("y", 1.0, "at the Nyquist frequency along"),
-        "mtf_half_nyquist_x": ("x", 0.5, "at half the Nyquist frequency across"),
-        "mtf_half_nyquist_y": ("y", 0.5, "at half the Nyquist frequency along"),
+        "mtf_nyquist_x": ("x", 1.0, "at the Nyquist frequency of the samples across"),
+        "mtf_nyquist_y": ("y", 1.0, "at the Nyquist frequency of the samples along"),
+        "mtf_half_nyquist_x": ("x", 0.5, "at half the Nyquist frequency of the samples across"),
+        "mtf_half_nyquist_y": ("y", 0.5, "at half the Nyquist frequency of the samples along"),
     }
 )
+_OF_PIXELS: Mapping[str, tuple[Axis, float, str]] = MappingProxyType(
+    {
+        name.replace("nyquist", "pixel_nyquist"): (axis, share, where.replace("samples", "pixels"))
+        for name, (axis, share, where) in _PLACES.items()
+    }
+)
+_ALL_PLACES: Mapping[str, tuple[Axis, float, str]] = MappingProxyType({**_PLACES, **_OF_PIXELS})
+_NO_PIXELS = "no pitch of a detector is known there, and no pixels are combined"
+_WITH_PIXELS = ("camera", "sample_pixels", "combine_pixels")
 _TOTALS: Mapping[str, str] = MappingProxyType(
     {TOTAL: "MTF of the chain", SYSTEM: "MTF of the chain with its electronics"}
 )
@@ -52,7 +61,7 @@ class Figure:
     @property
     def is_total(self) -> bool:
         """Whether it is an MTF of the chain."""
-        return self.node in _TOTALS and self.name in _PLACES
+        return self.node in _TOTALS and self.name in _ALL_PLACES
 
 
 def figures_of(network: Network, library: Library) -> dict[str, Figure]:
@@ -65,8 +74,9 @@ def figures_of(network: Network, library: Library) -> dict[str, Figure]:
     if "back_transform" in modules:
         for total, what in _TOTALS.items():
             if total == TOTAL or ELECTRONICS in modules:
+                places = {**(_OF_PIXELS if _has_pitch(network) else {}), **_PLACES}
                 figures += [
-                    Figure(total, n, "", f"{what} {where}") for n, (*_, where) in _PLACES.items()
+                    Figure(total, n, "", f"{what} {where}") for n, (*_, where) in places.items()
                 ]
     for node in network.nodes.values():
         if node.module in library and not node.disabled:
@@ -77,8 +87,21 @@ def figures_of(network: Network, library: Library) -> dict[str, Figure]:
     return {figure.text: figure for figure in figures}
 
 
+def makes_pixels(network: Network) -> bool:
+    """Whether a network makes pixels of its samples, or takes them from a camera's data sheet."""
+    return any(node.module in _WITH_PIXELS for node in network.nodes.values())
+
+
+def _has_pitch(network: Network) -> bool:
+    """Whether a network may know the Nyquist frequency of pixels."""
+    return makes_pixels(network) or any(
+        node.module == "init_trans" and node.params.get("detector_x_um")
+        for node in network.nodes.values()
+    )
+
+
 def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
-    """The figures of most use: the electronics' and the chain's MTF.
+    """The figures of most use: the electronics' and the chain's MTF, of pixels if there are any.
 
     Of a network with neither, those of its analysis, else all there is.
     """
@@ -88,8 +111,11 @@ def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
         for node in network.nodes.values()
         if node.module in library
     }
+    places = _OF_PIXELS if makes_pixels(network) else _PLACES
     usual = [
-        figure for figure in known.values() if figure.is_total or groups[figure.node].key in SENSORS
+        figure
+        for figure in known.values()
+        if (figure.name in places if figure.is_total else groups[figure.node].key in SENSORS)
     ]
     if not usual:
         usual = [f for f in known.values() if groups[f.node].group == "Analysis"]
@@ -136,7 +162,9 @@ def computed(
             for figure in wanted:
                 number = _number(results.get(figure.name))
                 if number is None:
-                    why = "" if figure.is_total else engine.why_none(plan, node, work, figure.name)
+                    why = _NO_PIXELS
+                    if not figure.is_total:
+                        why = engine.why_none(plan, node, work, figure.name)
                     reasons[figure.text] = _no_number(figure, results, why)
                 else:
                     values[figure.text] = number
@@ -154,15 +182,23 @@ def _total(figures: Iterable[Figure], plan: Plan, work: Work, varied: str) -> di
         raise NetworkError(f"no total MTF: {chain.missing}")
     mtfs = {}
     for figure in figures:
-        axis, share, _ = _PLACES[figure.name]
+        axis, share, _ = _ALL_PLACES[figure.name]
         later = chain.later if figure.node == SYSTEM else ()
         factors = [factor for stage in (*chain.stages, *later) for factor in stage.factors]
-        nyquist = chain.grid.nyquist_x if axis == "x" else chain.grid.nyquist_y
+        nyquist = _nyquist(chain, axis, of_pixels=figure.name in _OF_PIXELS)
+        if nyquist is None:
+            continue
         value = response(work, factors, np.array([share * nyquist]), axis)
         mtfs[figure.name] = float(value.mtf[0])
         if not np.isfinite(mtfs[figure.name]):
             raise DataError("the MTF is not finite")
     return mtfs
+
+
+def _nyquist(chain: Chain, axis: Axis, *, of_pixels: bool) -> float | None:
+    assert chain.grid is not None
+    grid, place = chain.grid, 0 if axis == "x" else 1
+    return chain.pixel_nyquist[place] if of_pixels else (grid.nyquist_x, grid.nyquist_y)[place]
 
 
 def _after(network: Network, node: str) -> set[str]:

@@ -141,6 +141,17 @@ class SpectrumWire:
         return content_key(type(self).__name__, source, self.grid, self.edges, keys)
 
     @property
+    def pixel_mrad(self) -> tuple[float | None, float | None]:
+        """From one pixel of the detector to the next, where the image has it."""
+        return (None, None) if self.image is None else self.image.pixel_mrad
+
+    def transfer(
+        self, part: Literal["mtf", "ptf"], factors: tuple[Factor, ...], label: str
+    ) -> Transfer:
+        """A transfer function at this image's frequencies."""
+        return Transfer(self.grid, part, factors, label, pixel_mrad=self.pixel_mrad)
+
+    @property
     def recipes(self) -> tuple[Recipe, ...]:
         """The picture's, and those bound in laws."""
         source = (self.image.recipe,) if self.image is not None else ()
@@ -182,7 +193,8 @@ class Transfer:
     """A transfer function to look at or plot; no factor is 1 (MTF) or 0 (PTF).
 
     `own`, for a function with frequency intervals of its own such as a raw autocorrelation, is
-    the recipe of a `SampledTransfer`.
+    the recipe of a `SampledTransfer`. `pixel_mrad` is from one pixel of the detector to the next,
+    where that is known.
     """
 
     port_type: ClassVar[str] = "transfer"
@@ -192,6 +204,7 @@ class Transfer:
     factors: tuple[Factor, ...] = ()
     label: str = field(default="", compare=False)
     own: Recipe | None = None
+    pixel_mrad: tuple[float | None, float | None] = field(default=(None, None), compare=False)
 
     @cached_property
     def key(self) -> str:

@@ -181,8 +181,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         return BolometerOutputs(
             image=image.with_recipe(made),
             noise=image.with_recipe(noise),
-            mtf=Transfer(grid, "mtf", mtf, label=self.title),
-            ptf=Transfer(grid, "ptf", ptf, label=self.title),
+            mtf=Transfer(grid, "mtf", mtf, label=self.title, pixel_mrad=image.pixel_mrad),
+            ptf=Transfer(grid, "ptf", ptf, label=self.title, pixel_mrad=image.pixel_mrad),
             table=Table(table),
         )
 

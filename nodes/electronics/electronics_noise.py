@@ -254,8 +254,8 @@ class ElectronicsNoise(
             noise=image.with_recipe(plan.difference(shaped, clean)),
             detector_noise=image.with_recipe(field),
             quantization_error=image.with_recipe(plan.difference(final, shaped)),
-            mtf=Transfer(grid, "mtf", parts["mtf"], label=self.title),
-            ptf=Transfer(grid, "ptf", parts["ptf"], label=self.title),
+            mtf=Transfer(grid, "mtf", parts["mtf"], label=self.title, pixel_mrad=image.pixel_mrad),
+            ptf=Transfer(grid, "ptf", parts["ptf"], label=self.title, pixel_mrad=image.pixel_mrad),
             table=Table(Step.of(steps.with_quantization, table, final, shaped, node=node)),
         )
 

@@ -10,7 +10,6 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.probe import TransferAt
 from core.chain.wires import Context, Magnitude, Phase, Transfer
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
@@ -32,6 +31,7 @@ from nodes.files.motion_table import read_motion
 from nodes.shared.factor_helpers import separable
 from nodes.shared.module_ports import Apply
 from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
+from nodes.shared.nyquist_readouts import NyquistReadouts
 
 Axes = tuple[MotionSpectrum, MotionSpectrum]
 
@@ -45,7 +45,9 @@ class MotionOutputs(NamedTuple):
     ptf: Transfer
 
 
-class LineOfSight(SeededModule, key="line_of_sight", title="Line of Sight", group="Motion"):
+class LineOfSight(
+    SeededModule, NyquistReadouts, key="line_of_sight", title="Line of Sight", group="Motion"
+):
     """Move the line of sight at random: blur within an exposure, a shift from frame to frame.
 
     By the power density of the angle, S = rms²·(2/π)/(corner·(1 + (f/corner)²)) or `psd_path`; both
@@ -106,8 +108,8 @@ class LineOfSight(SeededModule, key="line_of_sight", title="Line of Sight", grou
             label=self.title,
             node=here.node,
         )
-        mtf = Transfer(magnitude.grid, "mtf", blur, label=self.title)
-        ptf = Transfer(phase.grid, "ptf", shift, label=self.title)
+        mtf = magnitude.transfer("mtf", blur, self.title)
+        ptf = phase.transfer("ptf", shift, self.title)
         if self.apply == "filter_only":
             return MotionOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
         return MotionOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)
@@ -179,16 +181,6 @@ class LineOfSight(SeededModule, key="line_of_sight", title="Line of Sight", grou
     def shift_y_mrad(self, outputs: MotionOutputs) -> float:
         """Shift of frame 0 along."""
         return _first_shift(outputs, "y")
-
-    @readout()
-    def mtf_at_nyquist_x(self, outputs: MotionOutputs) -> TransferAt:
-        """MTF at the image's Nyquist frequency across."""
-        return TransferAt(outputs.mtf, outputs.mtf.grid.nyquist_x, 0.0)
-
-    @readout()
-    def mtf_at_nyquist_y(self, outputs: MotionOutputs) -> TransferAt:
-        """MTF at the image's Nyquist frequency along."""
-        return TransferAt(outputs.mtf, 0.0, outputs.mtf.grid.nyquist_y)
 
 
 def _bound(transfer: Transfer, axis: str) -> dict[str, Any]:

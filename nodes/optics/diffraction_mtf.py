@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Annotated, Literal, NamedTuple
 
-from core.chain.probe import TransferAt
 from core.chain.wires import Context, Magnitude, Phase, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.diffraction.diffraction_otf import (
@@ -33,6 +32,7 @@ from nodes.optics.band_spectrum import (
 )
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import Apply
+from nodes.shared.nyquist_readouts import NyquistReadouts
 from nodes.shared.shared_warnings import (
     F_NUMBER_NEAR,
     Band,
@@ -53,7 +53,9 @@ class DiffractionOutputs(NamedTuple):
     ptf: Transfer
 
 
-class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", group="Optics"):
+class DiffractionMTF(
+    NyquistReadouts, key="diffraction_mtf", title="Diffraction MTF", group="Optics"
+):
     """Blur by diffraction at a circular or annular aperture, over the band, exactly.
 
     Aperture and obscuration are those of Camera, else focal length over F-number of Init & Trans;
@@ -152,8 +154,8 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
             aperture,
             magnitude,
         )
-        mtf = Transfer(magnitude.grid, "mtf", (blur,), label=self.title)
-        ptf = Transfer(magnitude.grid, "ptf", (), label=self.title)
+        mtf = magnitude.transfer("mtf", (blur,), self.title)
+        ptf = magnitude.transfer("ptf", (), self.title)
         if self.apply == "filter_only":
             return DiffractionOutputs(magnitude.only(blur), phase.only(), mtf, ptf)
         return DiffractionOutputs(magnitude.times(blur), phase, mtf, ptf)
@@ -312,16 +314,6 @@ class DiffractionMTF(Module, key="diffraction_mtf", title="Diffraction MTF", gro
             tolerance=self._finest(),
             wanted=wanted,
         )
-
-    @readout()
-    def mtf_at_nyquist_x(self, outputs: DiffractionOutputs) -> TransferAt:
-        """MTF at the image's Nyquist frequency across."""
-        return TransferAt(outputs.mtf, outputs.mtf.grid.nyquist_x, 0.0)
-
-    @readout()
-    def mtf_at_nyquist_y(self, outputs: DiffractionOutputs) -> TransferAt:
-        """MTF at the image's Nyquist frequency along."""
-        return TransferAt(outputs.mtf, 0.0, outputs.mtf.grid.nyquist_y)
 
 
 def _of_context(context: Context) -> float | None:

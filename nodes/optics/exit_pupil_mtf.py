@@ -7,12 +7,11 @@ from typing import Annotated, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.probe import TransferAt
 from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
 from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.polychromatic import band_wavelengths
@@ -28,6 +27,7 @@ from nodes.optics.pupil_factor import (
 )
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import Apply
+from nodes.shared.nyquist_readouts import NyquistReadouts
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, alike, wavelength_caution
 
 EXACT_ERROR = 1e-12  # of the closed forms, as tested
@@ -42,7 +42,7 @@ class PupilOutputs(NamedTuple):
     ptf: Transfer
 
 
-class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="Optics"):
+class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF", group="Optics"):
     """Multiply by the incoherent OTF of an exit pupil: its normalised autocorrelation.
 
     Geometric shapes are exact, for one wavelength or a band; files and wavefront errors are
@@ -112,8 +112,8 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
                 pupil, scale = refined(pupil, scale, node)
             blur, shift = sampled_factors(pupil, scale, self.interpolation, label, node)
         shifts = () if shift is None else (shift,)
-        mtf = Transfer(grid, "mtf", (blur,), label=label)
-        ptf = Transfer(grid, "ptf", shifts, label=label)
+        mtf = magnitude.transfer("mtf", (blur,), label)
+        ptf = magnitude.transfer("ptf", shifts, label)
         if self.apply == "filter_only":
             return PupilOutputs(magnitude.only(blur), phase.only(*shifts), mtf, ptf)
         return PupilOutputs(magnitude.times(blur), phase.plus(*shifts), mtf, ptf)
@@ -198,20 +198,6 @@ class ExitPupilMTF(Module, key="exit_pupil_mtf", title="Exit Pupil MTF", group="
         if self.method == "exact":
             pupil, scale = refined(pupil, scale, self.title)
         return sampled_error(pupil, self.title)
-
-    @readout()
-    def mtf_at_nyquist_x(self, outputs: PupilOutputs) -> TransferAt | None:
-        """MTF at the image's Nyquist frequency across."""
-        if outputs.mtf.own is not None:
-            return None
-        return TransferAt(outputs.mtf, outputs.mtf.grid.nyquist_x, 0.0)
-
-    @readout()
-    def mtf_at_nyquist_y(self, outputs: PupilOutputs) -> TransferAt | None:
-        """MTF at the image's Nyquist frequency along."""
-        if outputs.mtf.own is not None:
-            return None
-        return TransferAt(outputs.mtf, 0.0, outputs.mtf.grid.nyquist_y)
 
 
 def _cutoff(pupil: Pupil, axis: int, interval: float) -> Step | float:

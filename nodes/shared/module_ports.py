@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Annotated, Literal, NamedTuple
 
 from core.chain.probe import TransferAt
-from core.chain.wires import Image, Magnitude, Phase, Transfer
+from core.chain.wires import Context, Image, Magnitude, Phase, Transfer
 from core.modules.declaration import Module, readout
 from core.modules.parameters import Param
 from core.transfer.factors import Factor
+from nodes.shared.nyquist_readouts import NyquistReadouts, at_nyquist, at_pixel_nyquist
 
 Apply = Annotated[
     Literal["multiply", "filter_only"],
@@ -36,27 +37,17 @@ class PtfOutputs(NamedTuple):
     ptf: Transfer
 
 
-class MtfModule(Module):
+class MtfModule(NyquistReadouts):
     """Base of modules that multiply a magnitude by an MTF."""
 
     apply: Apply = "multiply"
 
     def mtf_outputs(self, magnitude: Magnitude, *factors: Factor) -> MtfOutputs:
         """Outputs for these factors; none of them is the identity, whose key passes through."""
-        transfer = Transfer(magnitude.grid, "mtf", factors, label=self.title)
+        transfer = magnitude.transfer("mtf", factors, self.title)
         if self.apply == "filter_only":
             return MtfOutputs(magnitude.only(*factors), transfer)
         return MtfOutputs(magnitude.times(*factors), transfer)
-
-    @readout()
-    def mtf_at_nyquist_x(self, outputs: MtfOutputs) -> TransferAt:
-        """MTF at the image's Nyquist frequency across."""
-        return TransferAt(outputs.mtf, outputs.mtf.grid.nyquist_x, 0.0)
-
-    @readout()
-    def mtf_at_nyquist_y(self, outputs: MtfOutputs) -> TransferAt:
-        """MTF at the image's Nyquist frequency along."""
-        return TransferAt(outputs.mtf, 0.0, outputs.mtf.grid.nyquist_y)
 
 
 class PtfModule(Module):
@@ -66,12 +57,17 @@ class PtfModule(Module):
 
     def ptf_outputs(self, phase: Phase, *factors: Factor) -> PtfOutputs:
         """Outputs for these factors; none of them is the identity, whose key passes through."""
-        transfer = Transfer(phase.grid, "ptf", factors, label=self.title)
+        transfer = phase.transfer("ptf", factors, self.title)
         if self.apply == "filter_only":
             return PtfOutputs(phase.only(*factors), transfer)
         return PtfOutputs(phase.plus(*factors), transfer)
 
     @readout("rad")
-    def ptf_at_nyquist_x(self, outputs: PtfOutputs) -> TransferAt:
-        """PTF at the image's Nyquist frequency across."""
-        return TransferAt(outputs.ptf, outputs.ptf.grid.nyquist_x, 0.0)
+    def ptf_at_nyquist_x(self, outputs: PtfOutputs) -> TransferAt | None:
+        """PTF at the Nyquist frequency of the image's samples across."""
+        return at_nyquist(outputs.ptf, "x")
+
+    @readout("rad")
+    def ptf_at_pixel_nyquist_x(self, context: Context, outputs: PtfOutputs) -> TransferAt | None:
+        """PTF at the pixels' Nyquist frequency across, half a cycle per pitch of the detector."""
+        return at_pixel_nyquist(outputs.ptf, context, "x")

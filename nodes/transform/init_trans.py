@@ -231,13 +231,23 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
 
     @readout("cyc/mrad")
     def nyquist_x(self, outputs: InitOutputs) -> float:
-        """Nyquist frequency across."""
+        """Nyquist frequency of the image's samples across."""
         return outputs.context.grid.nyquist_x
 
     @readout("cyc/mrad")
     def nyquist_y(self, outputs: InitOutputs) -> float:
-        """Nyquist frequency along."""
+        """Nyquist frequency of the image's samples along."""
         return outputs.context.grid.nyquist_y
+
+    @readout("cyc/mrad")
+    def pixel_nyquist_x(self, outputs: InitOutputs) -> float | None:
+        """Nyquist frequency of the pixels across, half a cycle per pitch of the detector."""
+        return _half_a_cycle_in(outputs, "x")
+
+    @readout("cyc/mrad")
+    def pixel_nyquist_y(self, outputs: InitOutputs) -> float | None:
+        """Nyquist frequency of the pixels along, half a cycle per pitch of the detector."""
+        return _half_a_cycle_in(outputs, "y")
 
     @readout("samples")
     def oversampling_x(self, outputs: InitOutputs) -> float | None:
@@ -252,6 +262,13 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
         context = outputs.context
         interval = context.grid.interval_y_mrad
         return _oversampling(context.focal_length_mm, context.detector_y_um, interval)
+
+
+def _half_a_cycle_in(outputs: InitOutputs, axis: str) -> float | None:
+    context = outputs.context
+    pitch_um = context.detector_x_um if axis == "x" else context.detector_y_um
+    pixel = _ifov(context.focal_length_mm, pitch_um, 1.0)
+    return 0.5 / pixel if pixel else None
 
 
 def _fill(own: float | None, of_camera: float | None) -> float:

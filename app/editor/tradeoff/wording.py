@@ -8,15 +8,19 @@ from types import MappingProxyType
 
 from app.editor.declared_text import label_of
 from app.run.responses import SYSTEM, TOTAL
-from app.tradeoff.tradeoff_figures import SENSORS, Figure
+from app.tradeoff.tradeoff_figures import SENSORS, Figure, makes_pixels
 from core.network.network import Network
 
 _PLACES: Mapping[str, str] = MappingProxyType(
     {
-        "mtf_nyquist_x": "MTF ξ, Nyquist",
-        "mtf_nyquist_y": "MTF η, Nyquist",
-        "mtf_half_nyquist_x": "MTF ξ, ½ Nyquist",
-        "mtf_half_nyquist_y": "MTF η, ½ Nyquist",
+        "mtf_nyquist_x": "MTF ξ, samples' Nyquist",
+        "mtf_nyquist_y": "MTF η, samples' Nyquist",
+        "mtf_half_nyquist_x": "MTF ξ, ½ samples' Nyquist",
+        "mtf_half_nyquist_y": "MTF η, ½ samples' Nyquist",
+        "mtf_pixel_nyquist_x": "MTF ξ, pixels' Nyquist",
+        "mtf_pixel_nyquist_y": "MTF η, pixels' Nyquist",
+        "mtf_half_pixel_nyquist_x": "MTF ξ, ½ pixels' Nyquist",
+        "mtf_half_pixel_nyquist_y": "MTF η, ½ pixels' Nyquist",
     }
 )
 _FIRST = ("netd_system_K", "netd_K", "snr")
@@ -58,7 +62,9 @@ def in_order(known: Mapping[str, Figure], network: Network) -> dict[str, Figure]
 def first_figures(
     network: Network, known: Mapping[str, Figure], analysis: str = ""
 ) -> frozenset[str]:
-    """What is shown until the person chooses: NETD, SNR and the MTF at Nyquist.
+    """What is shown until the person chooses: NETD, SNR and the MTF at the pixels' Nyquist.
+
+    Where a network makes no pixels, it is the MTF at the samples' Nyquist.
 
     They do not hang on the parameters of an analysis node: where one of these is varied, it is
     that node's own figures.
@@ -69,8 +75,9 @@ def first_figures(
         return frozenset(ranges or own[:_MOST_FIRST])
     electronics = [node.id for node in network.nodes.values() if node.module in SENSORS]
     names = [f"{electronics[-1]}.{name}" for name in _FIRST] if electronics else []
-    names += [f"{TOTAL}.mtf_nyquist_x"]
+    of_pixels = "pixel_" if makes_pixels(network) else ""
+    names += [f"{TOTAL}.mtf_{of_pixels}nyquist_x"]
     if not electronics:
-        names += [f"{TOTAL}.mtf_half_nyquist_x"]
+        names += [f"{TOTAL}.mtf_half_{of_pixels}nyquist_x"]
     known_names = [name for name in names if name in known]
     return frozenset(known_names or list(known)[:_MOST_FIRST])

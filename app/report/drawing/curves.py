@@ -128,15 +128,15 @@ def _limits(axis: Any, curves: Sequence[Any]) -> None:
 
 
 def _nyquist(axis: Any, chain: Chain, along: str) -> None:
-    """Vertical lines at the Nyquist frequencies before and after pixels are combined."""
-    grid, combined = chain.grid, chain.combined
+    """Vertical lines at the Nyquist frequencies of the samples and, where coarser, the pixels."""
+    grid = chain.grid
     if grid is None:
         return
-    marks = [(grid.nyquist_x if along == "x" else grid.nyquist_y, "Nyquist")]
-    if combined is not None:
-        after = combined.nyquist_x if along == "x" else combined.nyquist_y
-        if after < 0.999 * marks[0][0]:
-            marks.append((after, "pixels combined"))
+    nyquist = grid.nyquist_x if along == "x" else grid.nyquist_y
+    pixels = chain.pixel_nyquist[0 if along == "x" else 1]
+    marks = [(nyquist, "Nyquist")]
+    if pixels is not None and pixels < 0.999 * nyquist:
+        marks = [(nyquist, "samples' Nyquist"), (pixels, "pixels' Nyquist")]
     for index, (place, name) in enumerate(marks):
         axis.axvline(place, color="#999999", ls=":", lw=1.2)
         axis.annotate(

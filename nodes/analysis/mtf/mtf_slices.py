@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
-from core.chain.results import CurveData, SampledTransfer, Series
+from core.chain.results import CurveData, CurveMark, SampledTransfer, Series
 from core.chain.wires import Curve, Magnitude, Transfer
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
@@ -25,6 +26,8 @@ from nodes.analysis.lineage.line_transfer import (
 
 HORIZONTAL = Line("horizontal", 1.0, 0.0)
 VERTICAL = Line("vertical", 0.0, 1.0)
+SAMPLES, PIXELS = "samples' Nyquist", "pixels' Nyquist"
+_ALIKE = 0.999  # of one another, where one mark is enough
 
 
 class CurveOutput(NamedTuple):
@@ -37,7 +40,9 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
     """Plot the MTF of each stage and the total along a line, from zero to the band's end.
 
     Stages are evaluated on the line itself, so that slices of a chain cost next to nothing. Of a
-    magnitude its MTFs are shown, not the picture's spectrum; of a PTF the phases and their sum.
+    magnitude its MTFs are shown, not the picture's spectrum; of a PTF the phases and their sum. The
+    band ends at the Nyquist frequency of the image's samples; that of the detector's pixels, half a
+    cycle per pitch, is marked within it where Init & Trans or Camera has a pitch.
     Source: Tantalo 1996, figs. 5.26 and 5.53.
     """
 
@@ -72,6 +77,7 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
                 part=part,
                 samples=self.samples,
                 label=transfer.label,
+                marks=self._marks(transfer),
             )
         else:
             recipe = Step.of(
@@ -83,6 +89,7 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
                 grid=transfer.grid,
                 samples=self.samples,
                 stagewise=self.stages,
+                marks=self._marks(transfer),
             )
         return CurveOutput(Curve(recipe))
 
@@ -93,30 +100,59 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
             return HORIZONTAL, VERTICAL
         return (HORIZONTAL if self.direction == "horizontal" else VERTICAL,)
 
+    def _marks(self, transfer: Transfer | Magnitude) -> tuple[CurveMark, ...]:
+        """Where the image's samples end along the lines, and where the pixels would."""
+        marks = []
+        for line in self._lines():
+            nyquist, pixels = _ends(transfer, line)
+            within = pixels is not None and pixels <= nyquist * (1.0 + 1e-9)
+            if pixels is not None and within:
+                marks.append(CurveMark(_named(PIXELS, line, self._lines()), pixels))
+            if pixels is None or not within or pixels < _ALIKE * nyquist:
+                marks.append(CurveMark(_named(SAMPLES, line, self._lines()), nyquist))
+        return tuple(marks)
+
     @readout()
     def at_nyquist_x(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the Nyquist frequency across (a PTF in radians)."""
-        return _end(transfer, HORIZONTAL)
+        """Total at the Nyquist frequency of the image's samples across (a PTF in radians)."""
+        return _at(transfer, HORIZONTAL, _ends(transfer, HORIZONTAL)[0])
 
     @readout()
     def at_nyquist_y(self, transfer: Transfer | Magnitude) -> Recipe | None:
-        """Total at the Nyquist frequency along (a PTF in radians)."""
-        return _end(transfer, VERTICAL)
+        """Total at the Nyquist frequency of the image's samples along (a PTF in radians)."""
+        return _at(transfer, VERTICAL, _ends(transfer, VERTICAL)[0])
+
+    @readout()
+    def at_pixel_nyquist_x(self, transfer: Transfer | Magnitude) -> Recipe | None:
+        """Total at the pixels' Nyquist frequency across, half a cycle per detector pitch."""
+        return _at(transfer, HORIZONTAL, _ends(transfer, HORIZONTAL)[1])
+
+    @readout()
+    def at_pixel_nyquist_y(self, transfer: Transfer | Magnitude) -> Recipe | None:
+        """Total at the pixels' Nyquist frequency along, half a cycle per detector pitch."""
+        return _at(transfer, VERTICAL, _ends(transfer, VERTICAL)[1])
 
 
-def _end(transfer: Transfer | Magnitude, line: Line) -> Recipe | None:
-    if isinstance(transfer, Transfer) and transfer.own is not None:
+def _ends(transfer: Transfer | Magnitude, line: Line) -> tuple[float, float | None]:
+    """Where the line leaves the band of the samples, and that of the pixels, if it is known."""
+    grid = transfer.grid
+    x, y = (0.5 / pixel if pixel else math.inf for pixel in transfer.pixel_mrad)
+    pixels = line.end(x, y)
+    return line.end(grid.nyquist_x, grid.nyquist_y), pixels if math.isfinite(pixels) else None
+
+
+def _at(transfer: Transfer | Magnitude, line: Line, frequency: float | None) -> Recipe | None:
+    if frequency is None or (isinstance(transfer, Transfer) and transfer.own is not None):
         return None
     part: Part = transfer.part if isinstance(transfer, Transfer) else "mtf"
     whole = Stage("", transfer.factors)
-    return Step.of(value_at_end, stage=whole, part=part, grid=transfer.grid, line=line)
+    return Step.of(value_at, stage=whole, part=part, line=line, frequency=frequency)
 
 
 @ends_lineage
-def value_at_end(work: Work, *, stage: Stage, part: Part, grid: Grid, line: Line) -> float:
-    """Value where the line leaves the band."""
-    end = np.array([line.end(grid.nyquist_x, grid.nyquist_y)])
-    return float(stage_along(work, stage, part, line, end)[0])
+def value_at(work: Work, *, stage: Stage, part: Part, line: Line, frequency: float) -> float:
+    """Value at one frequency of the line."""
+    return float(stage_along(work, stage, part, line, np.array([frequency]))[0])
 
 
 @ends_lineage
@@ -129,6 +165,7 @@ def slices(
     grid: Grid,
     samples: int,
     stagewise: bool,
+    marks: tuple[CurveMark, ...],
 ) -> CurveData:
     """Curves of the stages, if `stagewise`, and of the total."""
     series = []
@@ -142,7 +179,7 @@ def slices(
             if stagewise:
                 series.append(Series(_named(stage.label, line, lines), frequency, value))
         series.append(Series(_named(f"Total {part.upper()}", line, lines), frequency, total))
-    return _curves(series, part, lines)
+    return _curves(series, part, lines, marks)
 
 
 @ends_lineage
@@ -154,20 +191,24 @@ def own_slices(
     part: Part,
     samples: int,
     label: str,
+    marks: tuple[CurveMark, ...],
 ) -> CurveData:
     """Curves of a function with frequency intervals of its own."""
     series = []
     for line in lines:
         frequency, value = samples_along(sampled, part, line, samples)
         series.append(Series(_named(label or part.upper(), line, lines), frequency, value))
-    return _curves(series, part, lines)
+    return _curves(series, part, lines, marks)
 
 
 def _named(label: str, line: Line, lines: tuple[Line, ...]) -> str:
     return label if len(lines) == 1 else f"{label} {line.name}"
 
 
-def _curves(series: list[Series], part: Part, lines: tuple[Line, ...]) -> CurveData:
+def _curves(
+    series: list[Series], part: Part, lines: tuple[Line, ...], marks: tuple[CurveMark, ...]
+) -> CurveData:
     where = " and ".join(line.name for line in lines)
     y_label = "MTF" if part == "mtf" else "PTF (rad)"
-    return CurveData(f"{part.upper()} {where}", "frequency (cyc/mrad)", y_label, tuple(series))
+    title = f"{part.upper()} {where}"
+    return CurveData(title, "frequency (cyc/mrad)", y_label, tuple(series), marks=marks)

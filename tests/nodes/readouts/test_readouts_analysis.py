@@ -16,6 +16,7 @@ from readout_bench import (
     F_NUMBER,
     FILL_X,
     FILL_Y,
+    FOCAL_LENGTH_MM,
     LIBRARY,
     NYQUIST_X,
     NYQUIST_Y,
@@ -40,7 +41,12 @@ def test_slices_at_both_nyquist_frequencies(tmp_path):
         links=[*BLURRED, ("blur.magnitude", "it.transfer")],
     )  # fmt: skip
     assert bench.readouts("it") == pytest.approx(
-        {"at_nyquist_x": gaussian(0.4, NYQUIST_X), "at_nyquist_y": gaussian(1.3, NYQUIST_Y)},
+        {
+            "at_nyquist_x": gaussian(0.4, NYQUIST_X),
+            "at_nyquist_y": gaussian(1.3, NYQUIST_Y),
+            "at_pixel_nyquist_x": gaussian(0.4, 0.5 * FOCAL_LENGTH_MM / PITCH_X_UM),
+            "at_pixel_nyquist_y": gaussian(1.3, 0.5 * FOCAL_LENGTH_MM / PITCH_Y_UM),
+        },
         rel=1e-12,
     )
 

@@ -42,6 +42,8 @@ def test_readouts_of_the_transform(tmp_path):
             "frequency_interval_y": 1 / (ROWS * DY),
             "nyquist_x": NYQUIST_X,
             "nyquist_y": NYQUIST_Y,
+            "pixel_nyquist_x": 0.5 / IFOV_X,
+            "pixel_nyquist_y": 0.5 / IFOV_Y,
             "oversampling_x": IFOV_X / DX,
             "oversampling_y": IFOV_Y / DY,
         },
@@ -49,12 +51,16 @@ def test_readouts_of_the_transform(tmp_path):
     )
 
 
+NEED_X = {"ifov_x_mrad", "oversampling_x", "pixel_nyquist_x"}
+NEED_Y = {"ifov_y_mrad", "oversampling_y", "pixel_nyquist_y"}
+
+
 @pytest.mark.parametrize(
     ("missing", "empty"),
     [
-        ("detector_x_um", {"ifov_x_mrad", "oversampling_x"}),
-        ("detector_y_um", {"ifov_y_mrad", "oversampling_y"}),
-        ("focal_length_mm", {"ifov_x_mrad", "ifov_y_mrad", "oversampling_x", "oversampling_y"}),
+        ("detector_x_um", NEED_X),
+        ("detector_y_um", NEED_Y),
+        ("focal_length_mm", NEED_X | NEED_Y),
     ],
 )
 def test_readouts_of_the_transform_without_a_detector(tmp_path, missing, empty):

@@ -207,7 +207,35 @@ def check(found, expected):
 
 @pytest.mark.parametrize(("key", "params", "expected"), CASES)
 def test_readouts_of_a_blur(tmp_path, key, params, expected):
-    check(bench_of(tmp_path, key, params).readouts("it"), expected)
+    check(of_samples(bench_of(tmp_path, key, params).readouts("it")), expected)
+
+
+def of_samples(found):
+    """Without what is at the pixels' Nyquist frequency, which is the same law at another place."""
+    return {name: value for name, value in found.items() if "pixel_nyquist" not in name}
+
+
+@pytest.mark.parametrize(
+    ("key", "law_x", "law_y"),
+    [
+        ("gaussian_mtf", lambda f: gaussian(0.4, f), lambda f: gaussian(1.3, f)),
+        ("detector_mtf", lambda f: sinc(IFOV_X * f), lambda f: sinc(IFOV_Y * f)),
+    ],
+)
+def test_readouts_at_the_pixels_nyquist_frequencies(tmp_path, key, law_x, law_y):
+    params = {"sigma_x_mrad": 0.4, "sigma_y_mrad": 1.3} if key == "gaussian_mtf" else {}
+    found = bench_of(tmp_path, key, params).readouts("it")
+    for axis, law, pitch_um in (("x", law_x, PITCH_X_UM), ("y", law_y, PITCH_Y_UM)):
+        expected = law(0.5 * FOCAL_LENGTH_MM / pitch_um)
+        assert found[f"mtf_at_pixel_nyquist_{axis}"] == pytest.approx(expected, rel=1e-11)
+
+
+def test_the_phase_at_the_pixels_nyquist_frequency(tmp_path):
+    """Half a turn for each packet that is left behind: alternate ones are lost and come late."""
+    params = {"detectors_per_line": 500, "efficiency": 1 - LOST, "nyquist": "detector"}
+    found = bench_of(tmp_path, "charge_eff_phase", params).readouts("it")
+    assert found["ptf_at_pixel_nyquist_x"] == pytest.approx(0.0, abs=1e-9)
+    assert found["ptf_at_nyquist_x"] != pytest.approx(0.0, abs=1e-3)
 
 
 def pupil(folder, shape, size_x=64, size_y=40, **settings):
@@ -240,7 +268,7 @@ def test_readouts_of_a_disc(tmp_path):
         "mtf_at_nyquist_x": disc(NYQUIST_X / cutoff_x),
         "mtf_at_nyquist_y": disc(NYQUIST_Y / cutoff_y),
     }
-    check(bench.readouts("it"), expected)
+    check(of_samples(bench.readouts("it")), expected)
     assert bench.readouts("pupil") == {"aperture_radius": 15.0}
 
 

@@ -61,7 +61,8 @@ class TransferCurve:
 class Mark:
     """A frequency along the line that is marked.
 
-    "Nyquist" is that of the spectrum, "combined" that once pixels are combined.
+    "Nyquist" is that of the spectrum's samples, called so where the pixels', of a coarser pitch or
+    once samples are combined, is marked beside it.
     """
 
     text: str
@@ -188,13 +189,15 @@ class PortDataQuery(Query):
         return value
 
 
+_ALIKE = 0.999  # of one another, where one mark is enough
+
+
 def _marks(chain: Chain, grid: Grid, line: Line) -> tuple[Mark, ...]:
     nyquist = line.end(grid.nyquist_x, grid.nyquist_y)
+    pixels = line.end(*(math.inf if end is None else end for end in chain.pixel_nyquist))
     marks = [Mark("Nyquist", nyquist)]
-    if chain.combined is not None:
-        combined = line.end(chain.combined.nyquist_x, chain.combined.nyquist_y)
-        if combined < 0.999 * nyquist:
-            marks.append(Mark("combined", combined))
+    if pixels < _ALIKE * nyquist:
+        marks = [Mark("samples' Nyquist", nyquist), Mark("pixels' Nyquist", pixels)]
     cutoffs = [cutoff for cutoff in map(_cutoff_along(line), _planar(chain.stages)) if cutoff]
     if cutoffs:
         marks.append(Mark("optics cutoff", min(cutoffs)))

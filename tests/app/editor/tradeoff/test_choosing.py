@@ -229,7 +229,7 @@ def test_the_status_line_reads_under_the_mouse(dock):
     QTest.mouseMove(dock.plots, dock.plots.place(0, 0.5).toPoint())
     told = dock.status.more.text()
     assert "NETD system" in told
-    assert "MTF ξ, Nyquist" in told
+    assert "MTF ξ, samples' Nyquist" in told
     QTest.mouseMove(dock.plots, QPoint(1, 1))
     assert dock.status.more.text() == ""
 

@@ -17,7 +17,7 @@ def known(library):
 
 
 def test_a_parameter_of_the_chain_moves_the_electronics_figures(known):
-    wanted = {"electronics.netd_system_K", "electronics.snr", "total.mtf_nyquist_x"}
+    wanted = {"electronics.netd_system_K", "electronics.snr", "total.mtf_pixel_nyquist_x"}
     assert first_figures(*known) == wanted
 
 
@@ -37,7 +37,8 @@ def test_a_node_is_named_only_where_figures_are_called_alike(known):
     assert titles["electronics.netd_system_K"] == "NETD system"
     assert titles["electronics.snr"] == "SNR, electronics"
     assert titles["merit.snr"] == "SNR, merit"
-    assert titles["total.mtf_nyquist_x"] == "MTF ξ, Nyquist"
+    assert titles["total.mtf_nyquist_x"] == "MTF ξ, samples' Nyquist"
+    assert titles["total.mtf_pixel_nyquist_x"] == "MTF ξ, pixels' Nyquist"
     assert len(set(titles.values())) == len(titles)
 
 
