@@ -301,6 +301,13 @@ class Pupil:
         W20 at the rim.
     zernike_waves : tuple of float
         Coefficients in Noll's order from piston on, waves rms.
+    wavefront : Recipe or None
+        Makes a map of the wavefront error of the samples' shape, added to these, in waves of
+        `wavefront_um`.
+    wavefront_um : float or None
+        Wavelength of the map's waves; None for the mean of the band in which it is used.
+    wrapped : bool
+        Whether the map is known modulo a wave only, and so holds at its own wavelength alone.
     """
 
     port_type: ClassVar[str] = "pupil"
@@ -312,6 +319,9 @@ class Pupil:
     radius: float | None
     defocus_waves: float = 0.0
     zernike_waves: tuple[float, ...] = ()
+    wavefront: Recipe | None = None
+    wavefront_um: float | None = None
+    wrapped: bool = False
 
     @cached_property
     def key(self) -> str:
@@ -322,9 +332,11 @@ class Pupil:
             self.shape,
             (self.rows, self.columns, self.radius, self.defocus_waves),
             self.zernike_waves,
+            self.wavefront,
+            (self.wavefront_um, self.wrapped),
         )
 
     @property
     def aberrated(self) -> bool:
         """Whether there is a wavefront error."""
-        return self.defocus_waves != 0 or any(self.zernike_waves)
+        return bool(self.defocus_waves or any(self.zernike_waves) or self.wavefront is not None)

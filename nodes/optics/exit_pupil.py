@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.wires import Pupil
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
-from core.modules.declaration import Module, NodeContext, readout
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, readout, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.enclosing_circle import support_circle
+from core.physics.optics.measured.wavefront_map import map_scale
 from core.physics.optics.pupil_shapes import (
     BARRED_SHAPES,
     OBSCURED_SHAPES,
     SHAPES,
     PupilShape,
     sample_pupil,
+)
+from nodes.optics.lens_source import LensSource, lens_source
+from nodes.optics.pupil_samples import (
+    known_opening,
+    known_waves,
+    loaded_map,
+    loaded_opening,
+    loaded_phase,
 )
 
 Array = NDArray[Any]
@@ -43,8 +53,12 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     360°/n from +x. The wavefront error is in waves at the band's mean wavelength, on the disc of
     the aperture's radius. Of a file this is the smallest circle round all samples above 1 % of the
     largest, about the array's centre where that is at most a sample larger; a `radius` typed in is
-    centred on the array. `aperture_radius` reads out the one that was taken. Sources: Tantalo
-    1996, section 4.3.2; Noll 1976; Mahajan 1994 (the disc of the wavefront).
+    centred on the array. `aperture_radius` reads out the one that was taken. A map of the wavefront
+    (picture, FITS, `.npy`, text, Zemax's listing) adds to these: NaN outside the aperture, or zeros
+    from its border on; where it is unknown the pupil is opaque. Its waves are those of its own
+    wavelength, a path in µm is the same at all. A complex `.npy` as `path` has amplitude and phase
+    in one, at its own wavelength alone. Row 0 is at the top. Sources: Tantalo 1996, section 4.3.2;
+    Noll 1976; Mahajan 1994 (the disc of the wavefront).
     """
 
     shape: Annotated[
@@ -70,7 +84,22 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     vane_width: Annotated[
         float, Param("width of a vane", unit="samples", low=0, slider=(0, 64))
     ] = 4.0
-    path: Annotated[Path | None, Param("image of the pupil, for `file`")] = None
+    path: Annotated[
+        Path | None,
+        Param("amplitude transmission, real or complex `.npy`, for `file`; empty: of the map"),
+    ] = None
+    wavefront_path: Annotated[
+        Path | None,
+        Param("map of the wavefront error, for `file`, relative to the network file's folder"),
+    ] = None
+    wavefront_unit: Annotated[Literal["waves", "rad", "um", "nm"], Param("unit of the map")] = (
+        "waves"
+    )
+    map_wavelength_um: Annotated[
+        float | None,
+        Param("wavelength of a map in waves or rad; empty: as its header has it, else the band's "
+              "mean", unit="µm", low=0, slider=(0.4, 14)),
+    ] = None  # fmt: skip
     defocus_waves: Annotated[
         float, Param("defocus W20 at the rim", unit="waves", low=-100, high=100, slider=(-2, 2))
     ] = 0.0
@@ -87,7 +116,11 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         Section("", ("obscuration_radius",), shown_when=("shape", OBSCURED_SHAPES)),
         Section("", ("slit_width",), shown_when=("shape", BARRED_SHAPES)),
         Section("", ("vanes", "vane_width"), shown_when=("shape", ("spider",))),
-        Section("", ("path",), shown_when=("shape", ("file",))),
+        Section(
+            "",
+            ("path", "wavefront_path", "wavefront_unit", "map_wavelength_um"),
+            shown_when=("shape", ("file",)),
+        ),
         Section("Pupil array", ("size_x", "size_y"), shown_when=("shape", SHAPES)),
         Section("Wavefront error", ("defocus_waves", "zernike_waves")),
     )
@@ -117,17 +150,61 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
         return PupilOutput(self._pupil(samples, self.size_y, self.size_x, shape, radius))
 
     def _from_file(self, here: NodeContext) -> Pupil:
-        from nodes.files.read import read_info
+        if self.path is None and self.wavefront_path is None:
+            raise ParameterError(
+                "path", None, "the shape `file` needs the image of a pupil, or wavefront_path"
+            )
+        given = {
+            name: lens_source(path, here)
+            for name, path in (("path", self.path), ("wavefront_path", self.wavefront_path))
+            if path is not None
+        }
+        opening, wavefront = given.get("path"), given.get("wavefront_path")
+        if opening is not None and wavefront is None:
+            return self._of_opening(opening, here.node)
+        assert wavefront is not None
+        return self._of_map(wavefront, opening, here.node)
 
-        if self.path is None:
-            raise ParameterError("path", None, "the shape `file` needs the image of a pupil")
-        path = here.folder / self.path
-        info = read_info(path)
-        state = path.stat()
-        samples = Step.of(
-            _loaded, node=here.node, path=path, stamp=(state.st_size, state.st_mtime_ns)
+    def _of_opening(self, opening: LensSource, node: str) -> Pupil:
+        """A transmission, or a complex one, which has its wavefront with it."""
+        samples = Step.of(loaded_opening, node=node, **opening.reading)
+        pupil = self._pupil(
+            samples, opening.samples.rows, opening.samples.columns, None, self.radius
         )
-        return self._pupil(samples, info.rows, info.columns, None, self.radius)
+        if not opening.samples.is_complex:
+            return pupil
+        wavefront = Step.of(loaded_phase, node=node, **opening.reading)
+        return replace(
+            pupil, wavefront=wavefront, wavefront_um=self.map_wavelength_um, wrapped=True
+        )
+
+    def _of_map(self, wavefront: LensSource, opening: LensSource | None, node: str) -> Pupil:
+        """A map, over what is open of the other file, or over all that it is known of."""
+        size = wavefront.samples.rows, wavefront.samples.columns
+        if wavefront.samples.is_complex or (opening is not None and opening.samples.is_complex):
+            raise DataError(
+                "a complex pupil has its wavefront with it: give it as path alone, or amplitude "
+                "and wavefront as two files of real numbers"
+            )
+        factor, wavelength_um = map_scale(
+            self.wavefront_unit, self.map_wavelength_um or wavefront.samples.wavelength_um
+        )
+        known = Step.of(loaded_map, node=node, factor=factor, **wavefront.reading)
+        inputs: tuple[Step, ...] = (known,)
+        if opening is not None:
+            if (opening.samples.rows, opening.samples.columns) != size:
+                raise DataError(
+                    f"{opening.file.name} is {opening.samples.columns} × {opening.samples.rows} "
+                    f"samples and {wavefront.file.name} {size[1]} × {size[0]}: give files of one "
+                    "size"
+                )
+            inputs = (known, Step.of(loaded_opening, node=node, **opening.reading))
+        samples = Step.of(known_opening, *inputs, node=node, name=wavefront.file.name)
+        return replace(
+            self._pupil(samples, *size, None, self.radius),
+            wavefront=Step.of(known_waves, known, node=node),
+            wavefront_um=wavelength_um,
+        )
 
     def _pupil(
         self,
@@ -147,6 +224,16 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
             self.zernike_waves if any(self.zernike_waves) else (),
         )
 
+    @warning
+    def map_unused(self) -> Caution | None:
+        """A wavefront map beside a geometric shape, which takes none."""
+        if self.wavefront_path is None or self.shape == "file":
+            return None
+        return Caution(
+            f"wavefront_path is not used by the shape {self.shape}",
+            "set shape to file: the aperture is then that of the map, or of path",
+        )
+
     @readout("samples")
     def aperture_radius(self, outputs: PupilOutput) -> Step | float:
         """Radius of the disc on which the wavefront error is: of a file, the circle's round it."""
@@ -162,14 +249,3 @@ def _circled(work: Work, samples: Array) -> float:
 @ends_lineage
 def _sampled(work: Work, *, shape: PupilShape, rows: int, columns: int) -> Array:
     return sample_pupil(shape, rows=rows, columns=columns)
-
-
-@ends_lineage
-def _loaded(work: Work, *, path: Path, stamp: object) -> Array:
-    from nodes.files.read import check_finite, read_pixels
-
-    samples = np.asarray(read_pixels(path, 0), np.float64)
-    check_finite(samples, path.name)
-    if samples.min() < 0 or not samples.any():
-        raise DataError(f"{path.name}: a pupil needs transmissions of 0 and above, and not 0 alone")
-    return np.asarray(samples / samples.max())

@@ -192,12 +192,12 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         """Estimate that covers the OTF's error."""
         scale = self._scale(context, pupil)
         if self.interpolation == "none":
-            return sampled_error(pupil, self.title)
+            return sampled_error(pupil, scale, self.title)
         if self.method == "exact" and exact_factor(pupil, scale, "", "") is not None:
             return EXACT_ERROR
         if self.method == "exact":
             pupil, scale = refined(pupil, scale, self.title)
-        return sampled_error(pupil, self.title)
+        return sampled_error(pupil, scale, self.title)
 
 
 def _cutoff(pupil: Pupil, axis: int, interval: float) -> Step | float:

@@ -28,6 +28,7 @@ from nodes.shared.module_ports import Apply
 from nodes.shared.shared_warnings import apart_caution
 
 EDGE_ENERGY = 0.01  # of the whole, above which the border is warned of
+LARGEST_SIDE = 4096  # samples, whose sum is not fast
 COARSE = 0.02  # MTF at the samples' Nyquist frequency, likewise
 
 
@@ -119,6 +120,12 @@ class PsfFile(Module, key="psf_file", title="PSF File", group="Optics"):
         if source.samples.is_complex:
             raise DataError(
                 f"{source.file}: holds complex numbers, and a point spread function is energy"
+            )
+        rows, columns = source.samples.rows, source.samples.columns
+        if max(rows, columns) > LARGEST_SIDE:
+            raise DataError(
+                f"{source.file}: {columns} × {rows} samples; allowed: {LARGEST_SIDE} on a side: "
+                "cut the picture about the point"
             )
         x, y = self._pitches(source, context)
         psf = Step.of(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from core.chain.results import SampledTransfer
 from core.chain.wires import Pupil
+from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.physics.optics.enclosing_circle import support_circle
@@ -26,6 +27,7 @@ from core.physics.sampling.sampling_error import error_estimate
 from core.transfer.factors import Law, Planar
 
 Array = NDArray[Any]
+SAME_WAVELENGTH = 1e-6  # share by which two may differ, as bands are typed in
 LARGEST_REFINED = 1024  # samples across beyond which finer ones cost more than they gain
 
 
@@ -142,15 +144,22 @@ def sampled_factors(
 
 
 def correlations(pupil: Pupil, scale: PupilScale, node: str) -> Step:
-    """Recipe of the autocorrelations: one for the band, or one a wavelength with a wavefront."""
+    """Recipe of the autocorrelations: one for the band, or one a wavelength with a wavefront.
+
+    Raises
+    ------
+    DataError
+        If a wavefront known modulo a wave is to hold at another wavelength than its own.
+    """
     ratios: tuple[float, ...] = (1.0,)
     if pupil.aberrated:
         ratios = tuple(scale.mean_um / wavelength for wavelength in scale.wavelengths_um)
     return Step.of(
         _correlations,
-        pupil.samples,
+        *_samples_of(pupil),
         node=node,
         ratios=ratios,
+        map_ratio=_map_ratio(pupil, scale, ratios),
         radius=pupil.radius,
         defocus_waves=pupil.defocus_waves,
         zernike_waves=pupil.zernike_waves,
@@ -170,12 +179,28 @@ def raw_transfer(pupil: Pupil, scale: PupilScale, part: str, node: str) -> Recip
     )
 
 
-def sampled_error(pupil: Pupil, node: str) -> Step:
+def _samples_of(pupil: Pupil) -> tuple[Recipe, ...]:
+    return (pupil.samples,) if pupil.wavefront is None else (pupil.samples, pupil.wavefront)
+
+
+def _map_ratio(pupil: Pupil, scale: PupilScale, ratios: tuple[float, ...] = (1.0,)) -> float:
+    """Waves of the map at the band's mean wavelength, over those of its own."""
+    ratio = 1.0 if pupil.wavefront_um is None else pupil.wavefront_um / scale.mean_um
+    if pupil.wrapped and any(abs(ratio * one - 1.0) > SAME_WAVELENGTH for one in ratios):
+        raise DataError(
+            "a complex pupil has its wavefront modulo a wave, which holds at its own wavelength "
+            "alone: set wavelengths to 1, and the band's middle to the map's wavelength"
+        )
+    return ratio
+
+
+def sampled_error(pupil: Pupil, scale: PupilScale, node: str) -> Step:
     """Recipe of the estimate that covers the sampled OTF's error."""
     return Step.of(
         _error,
-        pupil.samples,
+        *_samples_of(pupil),
         node=node,
+        map_ratio=_map_ratio(pupil, scale),
         shape=pupil.shape,
         radius=pupil.radius,
         defocus_waves=pupil.defocus_waves,
@@ -185,13 +210,18 @@ def sampled_error(pupil: Pupil, node: str) -> Step:
 
 def _complex_samples(
     samples: Array,
+    wavefront_map: Array | None,
     ratio: float,
+    map_ratio: float,
     radius: float | None,
     defocus_waves: float,
     zernike_waves: tuple[float, ...],
 ) -> Array:
+    measured = 0.0 if wavefront_map is None else (ratio * map_ratio) * wavefront_map
     if not (defocus_waves or zernike_waves):
-        return samples
+        if wavefront_map is None:
+            return samples
+        return complex_pupil(transmission=samples, wavefront_waves=measured)
     rows, columns = samples.shape
     if radius is None:
         x, y, radius = support_circle(samples)
@@ -203,17 +233,22 @@ def _complex_samples(
         coefficients_waves=zernike_waves,
         defocus_waves=defocus_waves,
     )
-    return complex_pupil(transmission=samples, wavefront_waves=wavefront)
+    return complex_pupil(transmission=samples, wavefront_waves=wavefront + measured)
 
 
 @ends_lineage
 def _correlations(
-    work: Work, samples: Array, *, ratios: tuple[float, ...], **wavefront: Any
+    work: Work,
+    samples: Array,
+    wavefront_map: Array | None = None,
+    *,
+    ratios: tuple[float, ...],
+    **wavefront: Any,
 ) -> tuple[Array, ...]:
     autocorrelations = []
     for ratio in ratios:
         work.check()
-        pupil = _complex_samples(samples, ratio, **wavefront)
+        pupil = _complex_samples(samples, wavefront_map, ratio, **wavefront)
         autocorrelations.append(autocorrelation(pupil, workers=work.policy.workers))
     return tuple(autocorrelations)
 
@@ -242,8 +277,15 @@ def _finely_sampled(work: Work, *, shape: PupilShape, rows: int, columns: int) -
 
 
 @ends_lineage
-def _error(work: Work, samples: Array, *, shape: PupilShape | None, **wavefront: Any) -> float:
-    pupil = _complex_samples(samples, 1.0, **wavefront)
+def _error(
+    work: Work,
+    samples: Array,
+    wavefront_map: Array | None = None,
+    *,
+    shape: PupilShape | None,
+    **wavefront: Any,
+) -> float:
+    pupil = _complex_samples(samples, wavefront_map, 1.0, **wavefront)
     correlation = autocorrelation(pupil, workers=work.policy.workers)
     uncertainty = 0.5  # samples of unknown edges may be off by half their size
     if shape is not None:

@@ -53,7 +53,7 @@ RECORDED = {
     "exit_pupil": {
         "shape": "clear", "size_x": 512, "size_y": 512, "obscuration_radius": 25.0,
         "slit_width": 20.0, "vanes": 3, "vane_width": 4.0, "defocus_waves": 0.0,
-        "zernike_waves": [],
+        "zernike_waves": [], "wavefront_unit": "waves",
     },
     "exit_pupil_mtf": {
         "size_x_cm": 25.6, "size_y_cm": 25.6, "method": "exact", "interpolation": "bilinear",

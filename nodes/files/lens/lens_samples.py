@@ -16,7 +16,7 @@ from nodes.files.common.paths import checked_band, readable_file
 from nodes.files.lens.listing import read_listing
 from nodes.files.read import read_info, read_pixels
 
-LARGEST_SIDE = 4096
+LARGEST_SIDE = 8192
 _TEXTS = (*CSV.suffixes, *BLANKS.suffixes, ".dat")
 
 
@@ -74,7 +74,7 @@ def read_lens_samples(path: Path, band: int = 0) -> NDArray[Any]:
     Raises
     ------
     FileError
-        As of `nodes.files.read.read_pixels`; or a side of more than 4096 samples.
+        As of `nodes.files.read.read_pixels`; or a side of more than 8192 samples.
     """
     described = describe_lens_samples(path, band)
     if _is_listing(path):

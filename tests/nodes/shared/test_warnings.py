@@ -119,6 +119,11 @@ CASES = {
         ("100 stages", "3 pixels"),
         {"stages": 100, "velocity_mismatch_percent": -2.0},
     ),
+    ("exit_pupil", "map_unused"): (
+        {"wavefront_path": "opd.txt"},
+        ("wavefront_path", "clear"),
+        {"shape": "clear"},
+    ),
     ("exit_pupil_mtf", "band"): (
         {"cut_on_um": 4.0, "cut_off_um": 4.0, "size_x_cm": 12.8},
         ("4 µm", "8 to 12 µm"),
