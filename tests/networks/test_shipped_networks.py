@@ -24,6 +24,7 @@ EXPECTED = {
     "kodak_kir310_1996",
     "line_by_line",
     "magnitude_of_one_phase_of_another",
+    "measured_lens",
     "measured_mtf",
     "microbolometer",
     "mwir_camera",

@@ -16,8 +16,11 @@ from nodes.files.lens.lens_text import lens_lines
 _GRID = re.compile(r"(?:pupil|image) grid size:?\s*(\d+)\s*by\s*(\d+)", re.IGNORECASE)
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[Ee][-+]?\d+)?)"
 _LENGTH = r"(nm|µm|μm|um|microns?|micrometers?|mm|millimeters?)"
-_WAVELENGTH = re.compile(rf"{_NUMBER}\s*{_LENGTH}\s+at\b|wavelength:?\s*{_NUMBER}\s*{_LENGTH}",
-                         re.IGNORECASE)  # fmt: skip
+_SHORT = r"(nm|µm|μm|um|microns?|micrometers?)"
+# As Zemax has it, at the start of a line: other lengths may be "at" something too.
+_WAVELENGTH = re.compile(
+    rf"^\s*{_NUMBER}\s*{_SHORT}\s+at\b|\bwavelength:?\s*{_NUMBER}\s*{_SHORT}", re.IGNORECASE
+)
 _SPACING = re.compile(rf"data spacing is\s+{_NUMBER}\s*{_LENGTH}", re.IGNORECASE)
 _MICROMETRES = {"nm": 1e-3, "mm": 1e3, "millimeter": 1e3, "millimeters": 1e3}
 

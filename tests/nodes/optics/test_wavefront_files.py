@@ -13,6 +13,7 @@ from core.evaluation.policy import Policy
 from core.physics.optics.enclosing_circle import support_circle
 from core.physics.optics.pupil_shapes import PupilShape, sample_pupil
 from linked_network import linked_network
+from nodes.files.lens.listing import read_listing
 from nodes.library import standard_library
 
 SIZE, RADIUS = 128, 40.0
@@ -205,6 +206,18 @@ def test_the_wavelength_of_a_listing_is_taken(tmp_path):
     wanted = otf(tmp_path, {"shape": "file", "path": "amplitude.npy", "zernike_waves": typed})
     for picture in pictures:
         np.testing.assert_allclose(picture, wanted, atol=1e-7)
+
+
+def test_other_lengths_of_a_header_are_no_wavelength(tmp_path):
+    path = tmp_path / "opd.txt"
+    for text, expected in (
+        ("# lens of 100 mm at F/4\n1 2\n", None),
+        ("# lens of 100 mm at F/4\n# Wavelength: 4250 nm\n1 2\n", 4.25),
+        ("3.7 to 4.8 µm at 0.0 (deg).\n1 2\n", None),
+        ("0.55 microns at 0.0 (deg).\n1 2\n", 0.55),
+    ):
+        path.write_text(text, encoding="utf-8")
+        assert read_listing(path).wavelength_um == (expected and pytest.approx(expected))
 
 
 def test_row_0_is_at_the_top(tmp_path):

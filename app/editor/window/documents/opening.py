@@ -9,6 +9,7 @@ from app.run.shipped import find_network, shipped_networks
 from core.editing.document import Document
 from core.editing.stored_file import mark
 from core.errors import ParameterError
+from core.modules.declaration import declaration
 from core.modules.library_type import Library
 from core.network.expansion import unfolded
 from core.network.file import parse_network, read_text
@@ -74,8 +75,21 @@ def open_named(text: str, *, library: Library) -> Opened:
 
 
 def shipped_copy(document: Document) -> Document:
-    """A shipped network as a new document; its own file is not to be written over."""
-    return Document(document.network, library=document.library)
+    """A shipped network as a new document; its own file is not to be written over.
+
+    The files that are shipped with it are then named in full: it will be saved in another folder.
+    """
+    network, folder = document.network, document.folder
+    for node in document.network.nodes.values():
+        module = document.library.get(node.module)
+        if module is None or declaration(module).sink:
+            continue
+        for parameter in declaration(module).parameters:
+            path = node.params.get(parameter.name)
+            if parameter.kind == "path" and isinstance(path, str) and (folder / path).is_file():
+                full = str((folder / path).absolute())
+                network = network.with_parameter(node.id, parameter.name, full)
+    return Document(network, library=document.library)
 
 
 def is_network_file(path: Path) -> bool:

@@ -6,6 +6,7 @@ import pytest
 
 from app.editor.window.documents.opening import is_network_file, open_named, open_network_file
 from app.run.shipped import shipped_networks
+from core.chain.engine import Engine
 from core.errors import ImagechainError
 
 
@@ -22,7 +23,16 @@ def test_a_shipped_network_opens_as_a_copy_whose_file_is_not_written_over(name, 
     assert found.document.path is None
     assert not found.document.modified
     assert found.remark == ""
-    assert found.document.text() == shipped_networks()[name].read_text()
+    file = shipped_networks()[name]
+    relative = found.document.text().replace(f"{file.parent}/", "")
+    assert relative == file.read_text(encoding="utf-8")
+
+
+def test_a_copy_of_a_shipped_network_finds_the_files_shipped_with_it(tmp_path, library):
+    document = open_named("measured_lens", library=library).document
+    document.save(tmp_path / "mine.json")
+    plan = Engine(library).plan(document.network, folder=tmp_path)
+    assert plan.errors() == []
 
 
 def test_unknown_modules_stay_with_all_they_hold(tmp_path, library):
