@@ -186,10 +186,11 @@ def bent(
     """The electrons of a response that is not straight."""
 
     def block(rows: slice, made: Array) -> None:
-        made[:] = bent_response(
+        bent_response(
             electrons=picture[rows],
             full_well_e=full_well_e,
             nonlinearity_percent=nonlinearity_percent,
+            out=made,
         )
 
     return _by_rows(work, picture, block)

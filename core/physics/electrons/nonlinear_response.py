@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,11 @@ HIGHEST_PERCENT = 25.0
 
 
 def bent_response(
-    *, electrons: FloatOrArray, full_well_e: float, nonlinearity_percent: float
+    *,
+    electrons: FloatOrArray,
+    full_well_e: float,
+    nonlinearity_percent: float,
+    out: NDArray[Any] | None = None,
 ) -> FloatOrArray:
     """Electrons as the read-out sees them: N·(1 − p·N/well), p percent too few at the full well.
 
@@ -27,6 +31,8 @@ def bent_response(
         Above 0.
     nonlinearity_percent : float
         0 to 25.
+    out : ndarray, optional
+        Where to put those of an array; not that array itself.
 
     Returns
     -------
@@ -40,14 +46,13 @@ def bent_response(
     percent = within("nonlinearity_percent", nonlinearity_percent, 0.0, HIGHEST_PERCENT)
     well = positive("full_well_e", full_well_e, unit="e-")
     if percent == 0.0:
-        return electrons
+        return electrons if out is None else cast(FloatOrArray, np.positive(electrons, out=out))
     curvature = percent / 100.0 / well
-    bounded: Any = np.minimum(electrons, 0.5 / curvature)
-    bent: Any = bounded * -curvature
-    bent += 1.0
-    bent *= bounded
-    result: FloatOrArray = bent
-    return result
+    result: Any = np.minimum(electrons, 0.5 / curvature, out=out)
+    factor = result * -curvature
+    factor += 1.0
+    result *= factor
+    return cast(FloatOrArray, result)
 
 
 def bent_slope(*, electrons: float, full_well_e: float, nonlinearity_percent: float) -> float:

@@ -273,3 +273,13 @@ def test_photons_of_a_scene_whose_temperature_is_known():
     ratio = weights.per_radiance(np.array([radiance]), temperature_K=np.array([300.0]))
     assert ratio[0] == close(photons / radiance)
     assert weights.slope(radiance, temperature_K=300.0) == close(weights.slope(radiance))
+
+
+@pytest.mark.parametrize("percent", [0.0, 3.0])
+def test_a_bent_response_is_put_where_it_is_wanted(percent):
+    electrons = np.array([0.0, 4e4, 1e5], np.float32)
+    place = np.empty(3, np.float32)
+    bent_response(electrons=electrons, full_well_e=1e5, nonlinearity_percent=percent, out=place)
+    fewer = 1.0 - percent / 100.0 * np.array([0.0, 0.4, 1.0])
+    assert place == pytest.approx(np.array([0.0, 4e4, 1e5]) * fewer, rel=1e-6)
+    assert electrons.tolist() == [0.0, 4e4, 1e5]
