@@ -188,8 +188,9 @@ class SmoothRatio:
         if self.half == 0.0:
             return np.asarray(values * number(self.coefficients[0]))
         least, greatest = np.exp([self.middle - self.half, self.middle + self.half])
-        places = np.maximum(values, max(number(least), np.finfo(values.dtype).tiny))
-        np.minimum(places, number(greatest), out=places)
+        least = max(number(least), np.finfo(values.dtype).tiny)
+        # A third of the time of numpy's maximum and minimum by a number.
+        places = np.clip(values, least, number(greatest))
         np.log(places, out=places)
         places -= number(self.middle)
         if len(self.coefficients) <= _HORNER:
