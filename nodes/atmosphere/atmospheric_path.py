@@ -56,9 +56,12 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
     A picture of one band is multiplied by the band's mean transmission, which weights wavelengths
     by the radiance of a black body: of the picture's mean brightness temperature, of sunlight's
     5800 K where the band begins below 2.5 µm, or of `source_K`. A picture in bands (`bands` of Read
-    Image) has each of them multiplied by its own. Absorption and scattering dim alike
-    here; what scattering blurs is Atmosphere MTF's. Two in a row are two constituents of the same
-    air. Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
+    Image) has each of them multiplied by its own. Absorption and scattering dim alike here; what
+    scattering blurs is Atmosphere MTF's. Figures of Merit are those behind this path, and their
+    ranges take its transmission at each range, by Beer's law at every wavelength. Two in a row are
+    two constituents of the same air.
+
+    Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
     """
 
     model: Annotated[
@@ -214,6 +217,19 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
                 "choose the model transmission or modtran, or leave path empty",
             )
         return None
+
+    @warning
+    def dark_air(self, image: Image, outputs: PathOutputs) -> Caution | None:
+        """Air that dims a thermal scene and emits nothing."""
+        if self.model == "modtran" or self.air_K is not None or image.band_um is None:
+            return None
+        if image.band_um[0] < SHORTEST_THERMAL_UM or outputs.image.air == image.air:
+            return None
+        return Caution(
+            "the air dims a thermal scene and emits nothing, as air_K is empty: the scene looks "
+            "colder than it does through air",
+            "give air_K, the temperature of the air",
+        )
 
     @warning
     def source(self, image: Image) -> Caution | None:

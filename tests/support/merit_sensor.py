@@ -27,7 +27,8 @@ NOISE = {
 }  # fmt: skip
 
 
-def sensor(merit=None, *, scene=None, init=None, noise=None, noisy=True, seed=1):
+def sensor(merit=None, *, scene=None, init=None, noise=None, noisy=True, seed=1, air=()):
+    """`air`: parameters of Atmospheric Paths one after the other, behind the scene."""
     nodes = {
         "scene": ("test_scene", {**SCENE, **(scene or {})}),
         "init": ("init_trans", {**INIT, **(init or {})}),
@@ -36,8 +37,14 @@ def sensor(merit=None, *, scene=None, init=None, noise=None, noisy=True, seed=1)
         "back": ("back_transform", {}),
         "merit": ("figures_of_merit", merit or {}),
     }
-    links = [
-        ("scene.image", "init.image"),
+    before = "scene"
+    links = []
+    for number, path in enumerate(air):
+        nodes[f"air{number}"] = ("atmospheric_path", path)
+        links.append((f"{before}.image", f"air{number}.image"))
+        before = f"air{number}"
+    links += [
+        (f"{before}.image", "init.image"),
         ("init.context", "blur.context"),
         ("init.magnitude", "blur.magnitude"),
         ("init.context", "detector.context"),

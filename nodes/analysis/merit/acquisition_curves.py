@@ -25,6 +25,7 @@ from core.physics.acquisition.target_acquisition import (
     ttp_probability,
 )
 from core.physics.acquisition.ttp import TtpThreshold, thermal_contrast
+from core.physics.atmosphere.air_path import AirPath, transmission_at_ranges
 from core.physics.noise.noise_components import COMPONENTS
 from core.physics.numerics.probability_range import range_for_probability
 from core.transfer.grid import Grid
@@ -55,7 +56,7 @@ class Task:
     size_m, delta_K : float
         Critical dimension and temperature difference of the target.
     extinction_per_km : float
-        Of the path.
+        Of the path, where the picture has come through none.
     n50 : tuple of float
         Cycles of detection, recognition and identification.
     v50 : float
@@ -71,6 +72,10 @@ class Task:
     seconds_per_frame, seconds_fixed : float
         Time over which the eye sees temporal noise as one picture, and fixed patterns; 0 for those
         if they do not count.
+    air : tuple of AirPath
+        The path that the picture has come through.
+    band_um : (float, float)
+        Of the radiance.
     """
 
     size_m: float
@@ -86,6 +91,22 @@ class Task:
     ttp_threshold: TtpForm = "mrtd"
     seconds_per_frame: float = 0.0
     seconds_fixed: float = 0.0
+    air: tuple[AirPath, ...] = ()
+    band_um: tuple[float, float] = (8.0, 12.0)
+
+    def apparent_K(self, range_m: Any, background_K: float) -> Any:  # noqa: N802
+        """What is left of the target's difference at ranges, by the air of its own range."""
+        if not self.air:
+            return apparent_difference(
+                delta_K=self.delta_K, extinction_per_km=self.extinction_per_km, range_m=range_m
+            )
+        return self.delta_K * transmission_at_ranges(
+            paths=self.air,
+            range_m=range_m,
+            cut_on_um=self.band_um[0],
+            cut_off_um=self.band_um[1],
+            background_K=background_K,
+        )
 
 
 @dataclass(frozen=True)
@@ -111,10 +132,9 @@ def acquisition(
         cycles = resolvable_cycles(
             frequency=thresholds.both_frequency,
             mrtd_K=thresholds.both,
-            delta_K=task.delta_K,
+            delta_K=task.apparent_K(range_m, noise.background_K),
             target_size_m=task.size_m,
             range_m=range_m,
-            extinction_per_km=task.extinction_per_km,
         )
         return johnson_probability(cycles=cycles, n50=n50)
 
@@ -142,9 +162,7 @@ def acquisition(
     ]
 
     def ttp(range_m: Any) -> Any:
-        apparent = apparent_difference(
-            delta_K=abs(task.delta_K), extinction_per_km=task.extinction_per_km, range_m=range_m
-        )
+        apparent = np.abs(task.apparent_K(range_m, noise.background_K))
         contrast = thermal_contrast(difference_K=apparent, scene_contrast_K=task.scene_contrast_K)
         across, along = (limit.value(contrast, task.size_m**2, range_m) for limit in limits)
         return ttp_probability(value=np.sqrt(across) * np.sqrt(along), v50=task.v50)

@@ -16,6 +16,7 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.acquisition.eye import frames_integrated
 from core.physics.acquisition.mdtd import Window
+from core.physics.atmosphere.air_path import AirPath
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.transfer.grid import Grid
 from nodes.analysis.lineage import NoiseOf, transfer_of
@@ -36,7 +37,7 @@ from nodes.analysis.merit.threshold_curves import (
 )
 from nodes.input_output.examine_image import figure
 from nodes.shared.context_defaults import given_band, with_interval
-from nodes.shared.shared_warnings import band_caution, unit_caution
+from nodes.shared.shared_warnings import alike, band_caution, unit_caution
 
 Scanning = Literal["automatic", "parallel_scan", "serial_scan", "staring"]
 
@@ -95,14 +96,18 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     A picture of a band that begins below 2.5 µm is of reflected light, which has no temperature: it
     is refused, unless `background_K` states how hot the scene glows; Image Quality takes it.
 
-    Johnson: cycles across the target up to where ΔT·exp(−extinction·range) reaches the 2-D MRTD,
-    over N50. TTP: the sum of √(contrast/threshold) over frequencies, the threshold being that of
-    the eye through the MTF and of the MRTD, as the root of their squares (`mrtd`), or the published
-    CTF_eye/MTF·√(1 + α²·σ²/S²) (`system_contrast_threshold`), to which published V50 belong: α =
-    169.6 √Hz, σ the noise in K·√s that channels of vision and eyeball leave beside a sine, S the
-    scene contrast; fixed patterns count with `flir92`. Display and eye have no part in the MRTD.
-    The defaults are a target of 2.3 m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is quoted
-    for identifying tracked vehicles, which could not be checked.
+    All figures in K are those at the camera, behind the air, for the background as it looks from
+    there. What is left of ΔT at a range is by Atmospheric Path, if the picture has come through
+    one: the τ(R) of each wavelength, weighted by dL/dT; else ΔT·exp(−extinction·range).
+
+    Johnson: cycles across the target up to where it reaches the 2-D MRTD, over N50. TTP: the sum of
+    √(contrast/threshold) over frequencies, the threshold being that of the eye through the MTF and
+    of the MRTD, as the root of their squares (`mrtd`), or the published CTF_eye/MTF·√(1 + α²·σ²/S²)
+    (`system_contrast_threshold`), to which published V50 belong: α = 169.6 √Hz, σ the noise in K·√s
+    that channels of vision and eyeball leave beside a sine, S the scene contrast; fixed patterns
+    count with `flir92`. Display and eye have no part in the MRTD. The defaults are a target of 2.3
+    m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is quoted for identifying tracked vehicles,
+    which could not be checked.
 
     Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
     1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
@@ -164,7 +169,13 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     ] = 2.0
     extinction_per_km: Annotated[
         float,
-        Param("extinction of the air in the band", unit="1/km", low=0, high=1e6, slider=(0, 2)),
+        Param(
+            "extinction of the air in the band, where no Atmospheric Path gives it",
+            unit="1/km",
+            low=0,
+            high=1e6,
+            slider=(0, 2),
+        ),
     ] = 0.2
     n50_detection: Annotated[
         float,
@@ -255,7 +266,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         """Plan each curve as a value of its own: a new task does not repeat the MRTD."""
         image = with_interval(image, context)
         known = replace(context, band_um=image.band_um or context.band_um)
-        passed, grid, node = transfer_of(image), image.grid(), here.node
+        passed, grid, node = transfer_of(image, of_camera=True), image.grid(), here.node
         sensor = {"stages": passed.part("mtf"), "grid": grid, "observer": self._observer(context)}
         band_um = given_band(self.cut_on_um, self.cut_off_um, known)
         self._refuse_reflected(known.band_um or band_um)
@@ -270,7 +281,7 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             background_K=self.background_K,
         )
         threshold_step = Step.of(thresholds, seen, node=node, **sensor)
-        task = self._task(grid)
+        task = replace(self._task(grid), air=_air(image, context), band_um=band_um)
         reached = Step.of(acquisition, threshold_step, seen, node=node, task=task, grid=grid)
         table = Step.of(
             merit_table,
@@ -307,9 +318,25 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     @warning
     def unit(self, image: Image) -> Caution | None:
         """A picture that is no radiance, and whose chain does not say how it became what it is."""
-        if image.interval_x_mrad is not None and transfer_of(image).levels:
+        if image.interval_x_mrad is not None and transfer_of(image, of_camera=True).levels:
             return None
         return unit_caution(image.unit, meant="NETD, MRTD and MDTD")
+
+    @warning
+    def extinction(self, image: Image, given: frozenset[str]) -> Caution | None:
+        """An extinction beside the path that the picture has come through."""
+        if "extinction_per_km" not in given or not image.air:
+            return None
+        paths = [air for air in image.air if air.is_grey and air.range_m]
+        if len(paths) == len(image.air):
+            of_path = sum(1000.0 * float(air.depth_per_m(1.0)) for air in paths)
+            if alike(self.extinction_per_km, of_path):
+                return None
+        return Caution(
+            f"extinction_per_km = {self.extinction_per_km:g} 1/km is not used: the picture has "
+            "come through Atmospheric Path, whose transmission the ranges take",
+            "leave it out here, or correct it there",
+        )
 
     def _frames(self) -> float:
         """Frames averaged by the eye: one of a still frame."""
@@ -363,3 +390,22 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         "identification_range_km", "km", "Where half identify (Johnson)."
     )
     ttp_range_km = _figure("ttp_range_km", "km", "Range at which half succeed (TTP).")
+
+
+def _air(image: Image, context: Context) -> tuple[AirPath, ...]:
+    """The path that the picture has come through; its range of Init & Trans where it has none.
+
+    Raises
+    ------
+    DataError
+        If no range is known for which the transmission holds.
+    """
+    paths = tuple(
+        air if air.range_m else replace(air, range_m=context.range_m) for air in image.air
+    )
+    if any(air.range_m is None for air in paths):
+        raise DataError(
+            "the transmission of Atmospheric Path holds for a range that is not known, and gives "
+            "none at others: give range_m there, on Camera or on Init & Trans"
+        )
+    return paths

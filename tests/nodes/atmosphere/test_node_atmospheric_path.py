@@ -304,7 +304,17 @@ def test_a_dark_picture_has_no_temperature(chain):
 def test_what_is_not_used_is_a_warning(params, words, chain, tmp_path):
     (tmp_path / "tau.csv").write_text("7,0.5\n13,0.5\n")
     (tmp_path / "lut.csv").write_text("7,0.25,1.5\n13,0.25,1.5\n")
-    assert [words in text for text in chain(params).warnings()] == [True]
+    (warned,) = (text for text in chain(params).warnings() if "not used" in text)
+    assert words in warned
+
+
+def test_air_that_dims_a_thermal_scene_and_emits_nothing(chain):
+    (warned,) = chain({"transmission": 0.9}).warnings()
+    assert "dims a thermal scene and emits nothing" in warned
+    assert chain({"transmission": 0.9, "air_K": 280}).warnings() == []
+    assert chain({}).warnings() == []
+    visible = {"cut_on_um": 0.5, "cut_off_um": 0.8}
+    assert not any("emits" in w for w in chain({"transmission": 0.9}, read=visible).warnings())
 
 
 def test_nothing_passes(chain):
