@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from dataclasses import replace
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -15,19 +16,25 @@ from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
+from core.physics.atmosphere.air_path import VISIBLE_UM
 from core.physics.atmosphere.scattering_and_turbulence import (
     aerosol_mtf,
+    aerosol_mtf_of_particles,
     fried_mtf,
+    fried_r0_at_m,
     path_optical_depth,
     turbidity_optical_depth,
 )
 from core.physics.atmosphere.turbulence_profile import fried_r0_slant_m, fried_r0_uniform_m
 from core.physics.optics.gaussian import fwhm_to_sigma_mrad, gaussian_mtf
-from core.transfer.factors import Factor
+from core.spectrum.band_mean import over_bands
+from core.spectrum.band_stack import BandStack
+from core.transfer.factors import AtWavelength, Factor, Law, Planar
+from nodes.optics.band_spectrum import photon_weights
 from nodes.shared.context_defaults import of_context
 from nodes.shared.factor_helpers import radial, separable
 from nodes.shared.module_ports import MtfModule, MtfOutputs
-from nodes.shared.shared_warnings import F_NUMBER_NEAR, apart_caution, wavelength_caution
+from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, apart_caution, wavelength_caution
 
 NEGLIGIBLE = 1 / 256  # a change that 8 bits cannot show
 
@@ -39,8 +46,9 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     or from a Cn² profile. Turbidity falls to a plateau: exp(−τ(ρ/ρc)²), beyond ρc exp(−τ), with
     τ of a level (plateaus 0.99, 0.975, 0.955), typed in, or from the scattering coefficient along
     the path (looking down or up, of an exponential profile). Absorption dims all frequencies
-    alike: it does not blur, and belongs to the path's transmission, which is no part of this
-    module. Looking up blurs more than looking down, as turbulence is near the aperture.
+    alike: it does not blur, and belongs to Atmospheric Path. Looking up blurs more than looking
+    down, as turbulence is near the aperture. r0 goes as λ^(6/5), the cutoff of particles as 1/λ;
+    of a picture in bands each is blurred at its own wavelength.
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """
 
@@ -54,7 +62,12 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         float | None, Param("Fried's r0; empty: from Cn²", unit="m", low=0, slider=(0.005, 1))
     ] = None
     wavelength_um: Annotated[
-        float | None, Param("wavelength; empty: middle of the band", unit="µm", low=0)
+        float | None,
+        Param("wavelength; empty: middle of the band, or of each band of a cube", unit="µm", low=0),
+    ] = None
+    r0_wavelength_um: Annotated[
+        float | None,
+        Param("wavelength at which r0 holds, often 0.5; empty: that of the blur", unit="µm", low=0),
     ] = None
     aperture_mm: Annotated[
         float | None, Param("aperture, for short exposure; empty: of Camera", unit="mm", low=0)
@@ -76,6 +89,11 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         float,
         Param("cutoff, particle radius over wavelength", unit="cyc/mrad", low=0, above=True),
     ] = 0.001
+    particle_radius_um: Annotated[
+        float | None,
+        Param("radius of the particles; the cutoff is radius over wavelength; empty: as typed",
+              unit="µm", low=0, high=1e6, slider=(0.1, 20)),
+    ] = None  # fmt: skip
     view: Annotated[
         Literal["horizontal", "vertical", "up"],
         Param("line of sight, for coefficients and Cn²; vertical: down from a height, up: to one"),
@@ -83,7 +101,7 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     absorption_per_km: Annotated[
         float,
         Param(
-            "of no effect: absorption dims and does not blur (path transmission)",
+            "of no effect: absorption dims and does not blur: Atmospheric Path",
             unit="1/km",
             low=0,
         ),
@@ -103,14 +121,14 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         Section("", ("fwhm_mrad",), shown_when=("turbulence", ("gaussian",))),
         Section(
             "",
-            ("fried_r0_m", "cn2", "wavelength_um"),
+            ("fried_r0_m", "r0_wavelength_um", "cn2"),
             shown_when=("turbulence", ("long_exposure", "short_exposure")),
         ),
         Section("", ("aperture_mm", "alpha"), shown_when=("turbulence", ("short_exposure",))),
         Section("Turbidity", ("turbidity",)),
         Section(
             "",
-            ("turbidity_cutoff_cyc_per_mrad",),
+            ("turbidity_cutoff_cyc_per_mrad", "particle_radius_um"),
             shown_when=("turbidity", ("low", "moderate", "high", "custom")),
         ),
         Section(
@@ -118,15 +136,24 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             ("scatter_depth", "absorption_per_km", "scattering_per_km", "scale_height_km"),
             shown_when=("turbidity", ("custom",)),
         ),
-        Section("Path", ("view",)),
+        Section("Path", ("view", "wavelength_um")),
     )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan turbulence and turbidity."""
-        factors = *self._turbulence(context, here), *self._aerosol(context, here)
+        bands = self._bands(magnitude)
+        factors = *self._turbulence(context, here, bands), *self._aerosol(context, here, bands)
         return self.mtf_outputs(magnitude, *factors)
 
-    def _turbulence(self, context: Context, here: NodeContext) -> tuple[Factor, ...]:
+    def _bands(self, magnitude: Magnitude) -> BandStack | None:
+        """Bands of the picture, where the wavelength is not fixed here."""
+        if self.wavelength_um is not None or magnitude.image is None:
+            return None
+        return magnitude.image.bands
+
+    def _turbulence(
+        self, context: Context, here: NodeContext, bands: BandStack | None
+    ) -> tuple[Factor, ...]:
         label, node = self.title, here.node
         if self.turbulence == "none":
             return ()
@@ -141,27 +168,30 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
             raise ParameterError(
                 "aperture_mm", None, "a short exposure needs the aperture", unit="mm"
             )
-        return radial(
-            fried_mtf,
-            wavelength_um=self._wavelength(context),
-            fried_r0_m=self.r0_m(context),
-            aperture_mm=aperture_mm if short else None,
-            alpha=self.alpha if short else 0.0,
-            label=label,
-            node=node,
-        )
+        wavelength = self._wavelength(context)
+        how: dict[str, Any] = {
+            "fried_r0_m": self.r0_m(context),
+            "aperture_mm": aperture_mm if short else None,
+            "alpha": self.alpha if short else 0.0,
+        }
+        blur = radial(fried_mtf, wavelength_um=wavelength, **how, label=label, node=node)
+        return _by_bands(blur, Law.of(fried_mtf, r0_wavelength_um=wavelength, **how), bands)
 
-    def _aerosol(self, context: Context, here: NodeContext) -> tuple[Factor, ...]:
+    def _aerosol(
+        self, context: Context, here: NodeContext, bands: BandStack | None
+    ) -> tuple[Factor, ...]:
         depth = self.optical_depth(context)
         if depth == 0:
             return ()
-        return radial(
-            aerosol_mtf,
-            optical_depth=depth,
-            cutoff_cyc_per_mrad=self.turbidity_cutoff_cyc_per_mrad,
-            label=f"{self.title} (turbidity)",
-            node=here.node,
-        )
+        label, node = f"{self.title} (turbidity)", here.node
+        if self.particle_radius_um is None:
+            cutoff = {"cutoff_cyc_per_mrad": self.turbidity_cutoff_cyc_per_mrad}
+            return radial(aerosol_mtf, optical_depth=depth, **cutoff, label=label, node=node)
+        how = {"optical_depth": depth, "particle_radius_um": self.particle_radius_um}
+        wavelength = self._wavelength(context)
+        particles = aerosol_mtf_of_particles
+        blur = radial(particles, wavelength_um=wavelength, **how, label=label, node=node)
+        return _by_bands(blur, Law.of(particles, **how), bands)
 
     def _wavelength(self, context: Context) -> float:
         if self.wavelength_um is not None:
@@ -173,9 +203,43 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         return sum(context.band_um) / 2
 
     @warning
+    def cutoff(self, given: frozenset[str]) -> Caution | None:
+        """A cutoff beside the particles' radius, which gives one."""
+        if self.particle_radius_um is None or "turbidity_cutoff_cyc_per_mrad" not in given:
+            return None
+        return Caution(
+            f"turbidity_cutoff_cyc_per_mrad = {self.turbidity_cutoff_cyc_per_mrad:g} is not used: "
+            f"particle_radius_um = {self.particle_radius_um:g} µm gives the cutoff",
+            "leave one of both empty",
+        )
+
+    @warning
+    def path(self, magnitude: Magnitude) -> Caution | None:
+        """More scattering than the extinction of the path that the picture has come through."""
+        image = magnitude.image
+        known = [] if image is None else [air for air in image.air if air.range_m]
+        scattering = self.scattering_per_km
+        if self.turbidity != "custom" or self.scatter_depth is not None or not known:
+            return None
+        if self.view != "horizontal" or image is None or len(known) < len(image.air):
+            return None
+        middle = sum(image.band_um) / 2 if image.band_um else VISIBLE_UM
+        extinction = sum(1000.0 * float(air.depth_per_m(middle)) for air in known)
+        if scattering + self.absorption_per_km <= extinction * (1 + NEAR):
+            return None
+        return Caution(
+            f"absorption_per_km and scattering_per_km are {scattering + self.absorption_per_km:g} "
+            f"1/km, and the extinction of Atmospheric Path is {extinction:.4g} 1/km at {middle:g} "
+            "µm: the air scatters more than it dims",
+            "make them agree",
+        )
+
+    @warning
     def wavelength(self, context: Context) -> Caution | None:
-        """Turbulence at a wavelength that the picture does not have."""
-        if self.turbulence in ("gaussian", "none"):
+        """A wavelength that the picture does not have."""
+        turbulent = self.turbulence not in ("gaussian", "none")
+        particles = self.turbidity != "none" and self.particle_radius_um is not None
+        if not (turbulent or particles):
             return None
         return wavelength_caution(context.band_um, self.wavelength_um, name="wavelength_um")
 
@@ -198,11 +262,17 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
 
     @readout("m")
     def r0_m(self, context: Context) -> float | None:
-        """Fried's r0, given or from the Cn² profile; empty where turbulence does not use it."""
+        """Fried's r0 at the wavelength, given or from the Cn² profile; empty where not used."""
         if self.turbulence in ("gaussian", "none"):
             return None
         if self.fried_r0_m is not None:
-            return self.fried_r0_m
+            if self.r0_wavelength_um is None:
+                return self.fried_r0_m
+            return fried_r0_at_m(
+                fried_r0_m=self.fried_r0_m,
+                from_wavelength_um=self.r0_wavelength_um,
+                wavelength_um=self._wavelength(context),
+            )
         if self.cn2 is None:
             raise ParameterError("fried_r0_m", None, "give fried_r0_m or cn2", unit="m")
         path, wavelength = of_context("range_m", context, unit="m"), self._wavelength(context)
@@ -249,6 +319,17 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
         if not outputs.mtf.factors:
             return "yes"
         return Step.of(_negligible, Step.of(_largest_change, transfer=outputs.mtf))
+
+
+def _by_bands(blur: tuple[Planar, ...], law: Law, bands: BandStack | None) -> tuple[Planar, ...]:
+    """Each band of the picture at its own wavelength; the mean is weighted by their photons."""
+    if bands is None:
+        return blur
+    weights = photon_weights(bands, "photons")
+    return tuple(
+        over_bands(replace(one, by_wavelength=AtWavelength(law)), bands, weights, node=one.node)
+        for one in blur
+    )
 
 
 @ends_lineage

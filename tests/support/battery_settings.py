@@ -168,6 +168,8 @@ SETTINGS: dict[str, list[dict[str, Any]]] = {
         {"turbulence": "none", "turbidity": "custom", "scatter_depth": 700},
         {"turbulence": "none", "turbidity": "custom", "scattering_per_km": 3, "view": "vertical"},
         {"turbidity": "low", "turbidity_cutoff_cyc_per_mrad": 1e6},
+        {"turbidity": "high", "particle_radius_um": 800},
+        {"turbulence": "long_exposure", "fried_r0_m": 1e-3, "r0_wavelength_um": 0.5},
     ],
     "exit_pupil_mtf": [
         {},

@@ -27,6 +27,7 @@ def fried_mtf(
     fried_r0_m: float,
     aperture_mm: float | None = None,
     alpha: float = 0.0,
+    r0_wavelength_um: float | None = None,
 ) -> NDArray[np.float64]:
     """MTF of atmospheric turbulence, long or short exposure.
 
@@ -43,6 +44,8 @@ def fried_mtf(
     alpha : float
         Share of the wavefront tilt taken out, 0 to 1: 0 long exposure, 1 short exposure in the
         near field, 0.5 in the far field.
+    r0_wavelength_um : float, optional
+        Wavelength in µm at which `fried_r0_m` holds, above zero; if not given, `wavelength_um`.
 
     Returns
     -------
@@ -61,7 +64,12 @@ def fried_mtf(
     """
     wavelength = positive("wavelength_um", wavelength_um, unit="µm")
     share = within("alpha", alpha, 0.0, 1.0)
-    r0_mm = 1000.0 * _r0_m(fried_r0_m)
+    r0_m = _r0_m(fried_r0_m)
+    if r0_wavelength_um is not None:
+        r0_m = fried_r0_at_m(
+            fried_r0_m=r0_m, from_wavelength_um=r0_wavelength_um, wavelength_um=wavelength
+        )
+    r0_mm = 1000.0 * r0_m
     with np.errstate(over="ignore"):
         lag_mm = wavelength * np.abs(np.asarray(rho, dtype=np.float64))
         lag_mm = np.minimum(lag_mm, _LARGEST_LAG_MM)
@@ -80,6 +88,35 @@ def _r0_m(fried_r0_m: float) -> float:
     if isinstance(fried_r0_m, int | float | np.floating) and fried_r0_m == math.inf:
         return math.inf
     return positive("fried_r0_m", fried_r0_m, unit="m")
+
+
+def fried_r0_at_m(*, fried_r0_m: float, from_wavelength_um: float, wavelength_um: float) -> float:
+    """Fried's r0 of the same air at another wavelength.
+
+    Parameters
+    ----------
+    fried_r0_m : float
+        r0 in m, above zero, or infinite.
+    from_wavelength_um, wavelength_um : float
+        Wavelength at which it holds, and that of the result; µm, above zero.
+
+    Returns
+    -------
+    float
+        r0·(λ/λ₀)^{6/5} in m.
+
+    Raises
+    ------
+    ParameterError
+        When a value is out of range.
+
+    Notes
+    -----
+    Source: Fried 1966: r0 = (0.423 k² ∫Cn² dz)^{−3/5}, k = 2π/λ, in air without dispersion.
+    """
+    old = positive("r0_wavelength_um", from_wavelength_um, unit="µm")
+    new = positive("wavelength_um", wavelength_um, unit="µm")
+    return float(_r0_m(fried_r0_m) * (new / old) ** 1.2)
 
 
 def aerosol_mtf(
@@ -116,6 +153,37 @@ def aerosol_mtf(
     with np.errstate(over="ignore"):
         ratio = np.minimum(np.abs(np.asarray(rho, dtype=np.float64)) / cutoff, 1.0)
     return np.asarray(np.exp(-depth * np.square(ratio)), dtype=np.float64)
+
+
+def aerosol_mtf_of_particles(
+    *, rho: ArrayLike, optical_depth: float, particle_radius_um: float, wavelength_um: float
+) -> NDArray[np.float64]:
+    """MTF of small-angle scattering by particles of one radius.
+
+    Parameters
+    ----------
+    rho, optical_depth
+        As of `aerosol_mtf`.
+    particle_radius_um, wavelength_um : float
+        Radius a and wavelength λ in µm, above zero.
+
+    Returns
+    -------
+    ndarray of float64
+        `aerosol_mtf` with the cutoff a/λ cycles/rad.
+
+    Raises
+    ------
+    ParameterError
+        When a value is out of range.
+
+    Notes
+    -----
+    Source: as of `aerosol_mtf`: light scattered by a particle spreads over about λ/a.
+    """
+    radius = positive("particle_radius_um", particle_radius_um, unit="µm")
+    cutoff = radius / positive("wavelength_um", wavelength_um, unit="µm") / 1000.0
+    return aerosol_mtf(rho=rho, optical_depth=optical_depth, cutoff_cyc_per_mrad=cutoff)
 
 
 def turbidity_optical_depth(*, level: str) -> float:

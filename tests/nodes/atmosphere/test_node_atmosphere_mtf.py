@@ -86,3 +86,59 @@ def test_r0_looking_up_weighs_the_air_at_the_ground():
         found[view] = run({**params, "view": view}, length)[1]["r0_m"]
         assert found[view] == pytest.approx(float(truth), rel=1e-10)
     assert found["up"] < found["vertical"] / 2
+
+
+def test_r0_goes_as_the_wavelength_to_six_fifths():
+    """Of a Cn², and of an r0 that is quoted at 0.5 µm and taken to 10 µm."""
+    air = {"turbulence": "long_exposure", "cn2": 3e-14, "view": "up"}
+    visible, thermal = (run({**air, "wavelength_um": one})[1]["r0_m"] for one in (0.5, 10.0))
+    assert thermal / visible == pytest.approx(20 ** (6 / 5), rel=1e-12)
+    typed = {"turbulence": "long_exposure", "fried_r0_m": visible, "wavelength_um": 10.0}
+    mtf, figures = run({**typed, "r0_wavelength_um": 0.5})
+    assert figures["r0_m"] == pytest.approx(thermal, rel=1e-12)
+    same, _ = run({**air, "wavelength_um": 10.0})
+    np.testing.assert_allclose(mtf, same, rtol=1e-12)
+    assert run(typed)[1]["r0_m"] == visible
+
+
+def test_the_cutoff_of_particles_is_their_radius_over_the_wavelength():
+    """At 10 µm, of 20 mm wide ones: 2 cycles/mrad; the middle of the band if none is typed."""
+    custom = {"turbidity": "custom", "scatter_depth": 0.9, "turbulence": "none"}
+    for typed in ({"wavelength_um": 10.0}, {}):
+        by_radius, _ = run({**custom, "particle_radius_um": 20000.0, **typed})
+        by_cutoff, _ = run({**custom, "turbidity_cutoff_cyc_per_mrad": 2.0})
+        np.testing.assert_allclose(by_radius, by_cutoff, rtol=1e-13)
+    wider, _ = run({**custom, "particle_radius_um": 20000.0, "wavelength_um": 5.0})
+    fifth = 5000 / (math.radians(1.0) * 1e6)  # cycles/mrad: five over a field of a degree
+    assert wider[0, 5] == pytest.approx(math.exp(-0.9 * (fifth / 4.0) ** 2), rel=1e-12)
+
+
+def cautions(params, path, *, range_m=1000.0):
+    nodes = {
+        "scene": ("test_scene", SCENE),
+        "path": ("atmospheric_path", {"range_m": range_m, "air_K": 300.0, **path}),
+        "init": ("init_trans", {"range_m": range_m}),
+        "air": ("atmosphere_mtf", params),
+    }
+    links = [
+        ("scene.image", "path.image"),
+        ("path.image", "init.image"),
+        ("init.context", "air.context"),
+        ("init.magnitude", "air.magnitude"),
+    ]
+    plan = Engine(standard_library()).plan(linked_network(nodes, links))
+    assert plan.errors() == []
+    return [str(one) for one in plan.warnings() if one.node == "air"]
+
+
+def test_air_that_scatters_more_than_it_dims_is_a_warning():
+    path = {"model": "extinction_per_km", "extinction_per_km": 0.5}
+    assert cautions({**SCATTERING, "scattering_per_km": 0.3, "absorption_per_km": 0.2}, path) == []
+    (warned,) = cautions({**SCATTERING, "scattering_per_km": 0.3, "absorption_per_km": 0.3}, path)
+    assert "0.6 1/km, and the extinction of Atmospheric Path is 0.5 1/km" in warned
+
+
+def test_a_cutoff_beside_particles_is_a_warning():
+    both = {"turbidity": "high", "particle_radius_um": 5, "turbidity_cutoff_cyc_per_mrad": 0.01}
+    (warned,) = cautions(both, {})
+    assert "turbidity_cutoff_cyc_per_mrad = 0.01 is not used" in warned

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mpmath
 import numpy as np
 import pytest
+import scipy.fft
 
 from core.evaluation.policy import Policy
 from cube_files import C1_UM, C2_UM, band_by_band, centres, materials_cube, write_cube
@@ -128,3 +129,59 @@ def test_a_source_is_of_no_account(chain):
     bench, _ = made({**HAZE, "source_K": 900})
     (caution,) = (one for one in bench.plan.warnings() if one.node == "air")
     assert "source_K = 900 K is not used: the picture has 24 bands" in str(caution)
+
+
+def turbulent(frequency, um, r0_mm_at_4um):
+    """Fried 1966, long exposure: exp(−3.44·(λρ/r0)^(5/3)), r0 as λ^(6/5)."""
+    return np.exp(-3.44 * (um * frequency / (r0_mm_at_4um * (um / 4) ** 1.2)) ** (5 / 3))
+
+
+def hazy(frequency, um, radius_um):
+    """Kopeika 1998: exp(−0.7·(ρ/ρc)²), the plateau from ρc = a/λ on."""
+    return np.exp(-0.7 * np.minimum(frequency * um * 1000 / radius_um, 1.0) ** 2)
+
+
+@pytest.mark.parametrize(
+    ("params", "otf"),
+    [
+        ({"turbulence": "long_exposure", "fried_r0_m": 0.03},
+         lambda rho, um: turbulent(rho, um, 30.0)),
+        ({"turbulence": "none", "turbidity": "custom", "scatter_depth": 0.7,
+          "particle_radius_um": 30000.0}, lambda rho, um: hazy(rho, um, 30000.0)),
+    ],
+)  # fmt: skip
+def test_air_blurs_each_band_at_its_own_wavelength(tmp_path, params, otf):
+    wavelengths, width = centres(COUNT)
+    cube = materials_cube(SIZE, wavelengths)
+    write_cube(tmp_path, cube, wavelengths, width)
+    fov = {
+        "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[1])),
+        "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * SIZE[0])),
+    }
+    nodes = {
+        "read": ("read_image", {"path": "cube.img", "bands": "all", **fov}),
+        "init": ("init_trans", {}),
+        "blur": ("atmosphere_mtf", params),
+        "back": ("back_transform", {}),
+    }
+    links = [
+        ("read.image", "init.image"),
+        ("init.context", "blur.context"),
+        ("init.magnitude", "blur.magnitude"),
+        ("blur.magnitude", "back.magnitude"),
+        ("init.phase", "back.phase"),
+    ]
+    bench = NodeBench(standard_library(), tmp_path, nodes, links)
+    assert bench.plan.errors() == []
+    rho = np.hypot(
+        np.arange(SIZE[1]) / (2 * SIZE[1] * INTERVAL),
+        np.arange(SIZE[0])[:, np.newaxis] / (2 * SIZE[0] * INTERVAL),
+    )
+    expected = sum(
+        width * scipy.fft.idctn(scipy.fft.dctn(band) * otf(rho, um))
+        for band, um in zip(cube, wavelengths, strict=True)
+    )
+    made = bench.engine.value(bench.plan, "back.image", bench.engine.work(Policy("double", 0.0)))
+    assert np.abs(made - expected).max() <= 1e-11 * np.ptp(expected)
+    middle = width * sum(scipy.fft.idctn(scipy.fft.dctn(band) * otf(rho, 4.0)) for band in cube)
+    assert np.abs(made - middle).max() > 1e-4 * np.ptp(expected)
