@@ -332,6 +332,7 @@ def combine_pixels(
                 tuple(sorted(how.items())),
                 gain,
                 node,
+                blocks=(factor_y, factor_x),
                 density=bands.density,
             )
     x, y = image.interval_x_mrad, image.interval_y_mrad

@@ -94,6 +94,21 @@ class BandStack(ABC):
         """Recipe of one band alone."""
         return self.picture(tuple(float(place == index) for place in range(self.count)))
 
+    def spectrum(
+        self,
+        row: int,  # noqa: ARG002  (others have one)
+        column: int,  # noqa: ARG002
+        *,
+        rows: int = 1,  # noqa: ARG002
+        columns: int = 1,  # noqa: ARG002
+    ) -> Recipe | None:
+        """Recipe of all bands of a sample, (bands,), double; NaN where it is missing.
+
+        Of several `rows` and `columns` from there on it is their mean. None where every band would
+        have to be filtered whole for it.
+        """
+        return None
+
 
 @dataclass(frozen=True)
 class AttenuatedBands(BandStack):
@@ -144,6 +159,13 @@ class AttenuatedBands(BandStack):
             _attenuated, self.before.means(), node=self.node, gain=self.gain, offset=self.offset
         )
 
+    def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe | None:
+        """Spectrum before, attenuated."""
+        before = self.before.spectrum(row, column, rows=rows, columns=columns)
+        if before is None:
+            return None
+        return Step.of(_attenuated, before, node=self.node, gain=self.gain, offset=self.offset)
+
     def _pulled(self, row: Row) -> Row:
         return tuple(float(w * g) for w, g in zip(row, self.gain, strict=True))
 
@@ -167,6 +189,9 @@ class SteppedBands(BandStack):
         What a uniform picture is multiplied by.
     node : str, optional
         Node an error belongs to.
+    blocks : (int, int) or None
+        Rows and columns of the blocks that the step takes the means of, times the gain; None for
+        another step.
     """
 
     before: BandStack
@@ -174,6 +199,7 @@ class SteppedBands(BandStack):
     parameters: tuple[tuple[str, Any], ...] = ()
     gain: float = 1.0
     node: str | None = field(default=None, compare=False)
+    blocks: tuple[int, int] | None = field(default=None, compare=False)
 
     def _content(self) -> tuple[object, ...]:
         return self.before.key, self.function, self.parameters
@@ -189,9 +215,20 @@ class SteppedBands(BandStack):
 
     def means(self) -> Recipe:
         """Means of the bands before."""
-        none = (0.0,) * self.count
-        gain = (self.gain,) * self.count
-        return Step.of(_attenuated, self.before.means(), gain=gain, offset=none)
+        return self._times_gain(self.before.means())
+
+    def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe | None:
+        """Mean spectrum of the blocks that the samples are made of."""
+        if self.blocks is None:
+            return None
+        high, wide = self.blocks
+        size = {"rows": rows * high, "columns": columns * wide}
+        before = self.before.spectrum(row * high, column * wide, **size)
+        return None if before is None else self._times_gain(before)
+
+    def _times_gain(self, values: Recipe) -> Recipe:
+        none, gain = (0.0,) * self.count, (self.gain,) * self.count
+        return Step.of(_attenuated, values, gain=gain, offset=none)
 
 
 def stacked(pictures: tuple[Recipe, ...]) -> Recipe:

@@ -18,7 +18,7 @@ from core.physics.radiometry.radiance_units import RadianceUnit
 from core.spectrum.band_stack import BandStack, Row, Rows
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.headers.envi_bands import band_weights_um
-from nodes.files.headers.envi_cube import band_totals, spectrum_at, weighted_sums
+from nodes.files.headers.envi_cube import band_totals, mean_spectrum, weighted_sums
 from nodes.files.headers.envi_header import EnviLayout, read_layout
 from nodes.input_output.source_file import Missing, Source, Stamp, check_unchanged
 
@@ -94,13 +94,12 @@ class FileBands(BandStack):
             factors=self.factors,
         )
 
-    def spectrum(self, row: int, column: int) -> Recipe:
-        """Recipe of all bands of one sample, (bands,); NaN where it is missing."""
+    def spectrum(self, row: int, column: int, *, rows: int = 1, columns: int = 1) -> Recipe:
+        """Bands of a sample, or their mean over some; nothing else of the file is read."""
         source = self._source()
         del source["missing"]
-        return Step.of(
-            _spectrum, node=self.node, row=row, column=column, factors=self.factors, **source
-        )
+        where = {"rows": (row, row + rows), "columns": (column, column + columns)}
+        return Step.of(_spectrum, node=self.node, factors=self.factors, **where, **source)
 
 
 def file_bands(
@@ -285,8 +284,8 @@ def _spectrum(
     stamps: tuple[Stamp, ...],
     places: tuple[int, ...],
     factors: Row,
-    row: int,
-    column: int,
+    rows: tuple[int, int],
+    columns: tuple[int, int],
 ) -> Array:
-    stored = spectrum_at(_layout(file, stamps), row, column)
+    stored = mean_spectrum(_layout(file, stamps), slice(*rows), slice(*columns))
     return np.asarray(stored[list(places)] * np.array(factors))

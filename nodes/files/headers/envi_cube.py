@@ -86,11 +86,12 @@ def band_totals(
     return totals.sum(axis=0), counts.sum(axis=0)
 
 
-def spectrum_at(layout: EnviLayout, row: int, column: int) -> NDArray[np.float64]:
-    """All bands of one sample, (bands,); NaN where it is missing."""
-    rows = slice(row, row + 1)
-    block = _block(layout, rows, np.arange(layout.bands), np.dtype(np.float64))
-    return np.asarray(block[:, column], np.float64)
+def mean_spectrum(layout: EnviLayout, rows: slice, columns: slice) -> NDArray[np.float64]:
+    """Mean of all bands over some samples, (bands,); NaN where one is missing."""
+    every = np.arange(layout.bands)
+    block = _block(layout, rows, every, np.dtype(np.float64))
+    samples = block.reshape(layout.bands, -1, layout.columns)[:, :, columns]
+    return np.asarray(samples.mean(axis=(1, 2)))
 
 
 def _row_blocks(layout: EnviLayout, bands: int) -> Iterator[slice]:
