@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
-from core.evaluation.recipes import Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
+from core.physics.optics.diffraction.band_weights import spectral_weight
 from core.physics.optics.polychromatic import band_wavelengths
-from core.transfer.factors import Factor
+from core.spectrum.band_mean import over_bands
+from core.transfer.factors import Planar
+from nodes.optics.band_spectrum import number, photon_weights, source_temperature
 from nodes.optics.pupil_factor import (
+    PupilLaw,
     PupilScale,
     exact_factor,
     opening,
@@ -30,6 +35,7 @@ from nodes.shared.module_ports import Apply
 from nodes.shared.nyquist_readouts import NyquistReadouts
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, alike, wavelength_caution
 
+Weighting = Literal["uniform", "photons", "energy"]
 EXACT_ERROR = 1e-12  # of the closed forms, as tested
 
 
@@ -46,7 +52,10 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     """Multiply by the incoherent OTF of an exit pupil: its normalised autocorrelation.
 
     Geometric shapes are exact, for one wavelength or a band; files and wavefront errors are
-    autocorrelated from their samples. Interpolation `none` shows the raw autocorrelation at the
+    autocorrelated from their samples. `weighting`: more wavelengths than one count alike, or by the
+    photons or the energy of a black body (`source_K`, else of the picture's mean radiance, else
+    sunlight's 5800 K where the band begins below 2.5 µm). A picture in bands is blurred band by
+    band, each at its own wavelength. Interpolation `none` shows the raw autocorrelation at the
     pupil's own frequency intervals and multiplies nothing. Sizes are those of the whole pupil
     array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ; the 12.8 of
     eq. 4.21 is the array's half width over λ.
@@ -74,10 +83,21 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     wavelengths: Annotated[
         int, Param("wavelengths over the band; 1 is the band's mean", low=1, high=256)
     ] = 1
+    weighting: Annotated[
+        Weighting,
+        Param("wavelengths count all alike, as in 1996, by photons, or by energy"),
+    ] = "uniform"
+    source_K: Annotated[
+        float | None,
+        Param("black body that lights the band; empty: the picture's mean, or sunlight", unit="K",
+              low=0, high=1e6, slider=(200, 6500)),
+    ] = None  # fmt: skip
     apply: Apply = "multiply"
 
     panel = (
         Section("Wavelengths", ("cut_on_um", "cut_off_um", "wavelengths")),
+        Section("Weights", ("weighting",)),
+        Section("", ("source_K",), shown_when=("weighting", ("photons", "energy"))),
         Section("Whole pupil array", ("size_x_cm", "size_y_cm")),
         Section("Autocorrelation", ("interpolation", "method")),
         Section("Output", ("apply",)),
@@ -92,7 +112,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         phase: Phase | None = None,
     ) -> PupilOutputs:
         """Plan the OTF."""
-        scale = self._scale(context, pupil)
+        scale = self._scale(context, pupil, magnitude, here.node)
         if phase is None:
             phase = Phase(None, magnitude.grid, magnitude.edges)
         label, node = self.title, here.node
@@ -103,15 +123,19 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
                 for part in ("mtf", "ptf")
             ]
             return PupilOutputs(magnitude, phase, raw[0], raw[1])
-        shift: Factor | None = None
-        blur: Factor | None = None
+        shift: Planar | None = None
+        blur: Planar | None = None
         if self.method == "exact":
             blur = exact_factor(pupil, scale, label, node)
         if blur is None:
             if self.method == "exact":
                 pupil, scale = refined(pupil, scale, node)
             blur, shift = sampled_factors(pupil, scale, self.interpolation, label, node)
-        shifts = () if shift is None else (shift,)
+            law = PupilLaw(pupil, scale, self.interpolation, node)
+        else:
+            law = PupilLaw(pupil, scale, None, node)
+        blur = self._by_bands(blur, law, magnitude)
+        shifts = () if shift is None else (self._by_bands(shift, law, magnitude),)
         mtf = magnitude.transfer("mtf", (blur,), label)
         ptf = magnitude.transfer("ptf", shifts, label)
         if self.apply == "filter_only":
@@ -143,17 +167,48 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
             "make size_x_cm and the pupil's radius agree with f_number and focal_length_mm",
         )
 
-    def _scale(self, context: Context, pupil: Pupil) -> PupilScale:
+    def _by_bands(self, factor: Planar, law: PupilLaw, magnitude: Magnitude) -> Planar:
+        """Each band of the picture at its own wavelength; the mean is weighted by their light."""
+        bands = None if magnitude.image is None else magnitude.image.bands
+        if bands is None:
+            return factor
+        factor = replace(factor, by_wavelength=law)
+        weights = photon_weights(bands, self.weighting)
+        return over_bands(factor, bands, weights, node=factor.node)
+
+    def _scale(
+        self,
+        context: Context,
+        pupil: Pupil,
+        magnitude: Magnitude | None = None,
+        node: str = "",
+    ) -> PupilScale:
+        """Wavelengths with their weights; without a picture's spectrum they count alike."""
         cut_on, cut_off = given_band(self.cut_on_um, self.cut_off_um, context)
         wavelengths, weights = band_wavelengths(
             cut_on_um=cut_on, cut_off_um=cut_off, count=self.wavelengths
         )
-        return PupilScale(
+        mean_um = float(sum(w * q for w, q in zip(wavelengths, weights, strict=True)))
+        places, shares = tuple(map(float, wavelengths)), tuple(map(float, weights))
+        scale = PupilScale(
             10 * self.size_x_cm / pupil.columns,
             10 * self.size_y_cm / pupil.rows,
-            tuple(map(float, wavelengths)),
-            tuple(map(float, weights)),
+            places,
+            shares,
+            mean_um,
         )
+        if self.weighting == "uniform" or len(places) == 1 or magnitude is None:
+            return scale
+        if magnitude.image is not None and magnitude.image.bands is not None:
+            return scale  # each of them at its own wavelength
+        kelvin = source_temperature(self.source_K, magnitude, (cut_on, cut_off), node)
+        if not isinstance(kelvin, Recipe):
+            kelvin = Step.of(number, value=kelvin)
+        by_light = Step.of(
+            _by_light, kelvin, node=node, wavelengths_um=places, weights=shares,
+            weighting=self.weighting,
+        )  # fmt: skip
+        return replace(scale, weights=by_light)
 
     @readout("cyc/mrad")
     def pupil_interval_x(self, context: Context, pupil: Pupil) -> float:
@@ -198,6 +253,26 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         if self.method == "exact":
             pupil, scale = refined(pupil, scale, self.title)
         return sampled_error(pupil, scale, self.title)
+
+
+@ends_lineage
+def _by_light(
+    work: Work,
+    temperature_K: float,
+    *,
+    wavelengths_um: tuple[float, ...],
+    weights: tuple[float, ...],
+    weighting: Weighting,
+) -> tuple[float, ...]:
+    """Weights of wavelengths by the light of a black body; the sum is 1."""
+    light = spectral_weight(
+        wavelength_um=wavelengths_um,
+        weighting=weighting,
+        temperature_K=temperature_K,
+        near_um=max(wavelengths_um),
+    ) * np.array(weights)
+    shares = (light / light.sum()).tolist()
+    return (*shares[:-1], 1.0 - sum(shares[:-1]))
 
 
 def _cutoff(pupil: Pupil, axis: int, interval: float) -> Step | float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from core.physics.optics.pupil_shapes import PupilShape, edge_offset_samples, sa
 from core.physics.optics.sampled_otf import autocorrelation, complex_pupil
 from core.physics.optics.zernike import wavefront_waves
 from core.physics.sampling.sampling_error import error_estimate
-from core.transfer.factors import Law, Planar
+from core.transfer.factors import Law, Planar, WavelengthLaw
 
 Array = NDArray[Any]
 SAME_WAVELENGTH = 1e-6  # share by which two may differ, as bands are typed in
@@ -33,17 +33,52 @@ LARGEST_REFINED = 1024  # samples across beyond which finer ones cost more than 
 
 @dataclass(frozen=True)
 class PupilScale:
-    """Size of a pupil sample and the wavelengths of a band with their weights."""
+    """Size of a pupil sample and the wavelengths of a band with their weights.
+
+    Waves of defocus and of Zernike terms are those of the band's mean wavelength. The weights may
+    be a recipe, of the light that counts.
+    """
 
     pitch_x_mm: float
     pitch_y_mm: float
     wavelengths_um: tuple[float, ...]
-    weights: tuple[float, ...]
+    weights: tuple[float, ...] | Recipe
+    mean_um: float
 
-    @property
-    def mean_um(self) -> float:
-        """Mean wavelength."""
-        return sum(w * q for w, q in zip(self.wavelengths_um, self.weights, strict=True))
+    def at(self, wavelength_um: float) -> PupilScale:
+        """The same at one wavelength."""
+        return replace(self, wavelengths_um=(wavelength_um,), weights=(1.0,))
+
+
+@dataclass(frozen=True)
+class PupilLaw(WavelengthLaw):
+    """The OTF of a pupil at every wavelength by itself.
+
+    Parameters
+    ----------
+    pupil : Pupil
+        The pupil.
+    scale : PupilScale
+        Size of its samples, and the wavelength of its wavefront.
+    interpolation : str
+        Of the sampled pupil's autocorrelation; None for the closed form.
+    node : str
+        Node an error belongs to.
+    """
+
+    pupil: Pupil
+    scale: PupilScale
+    interpolation: str | None
+    node: str = field(default="", compare=False)
+
+    def at(self, wavelength_um: float) -> Law:
+        """The law at one wavelength, µm."""
+        scale = self.scale.at(wavelength_um)
+        if self.interpolation is not None:
+            return sampled_factors(self.pupil, scale, self.interpolation, "", self.node)[0].law
+        factor = exact_factor(self.pupil, scale, "", self.node)
+        assert factor is not None
+        return factor.law
 
 
 def refined(pupil: Pupil, scale: PupilScale, node: str) -> tuple[Pupil, PupilScale]:

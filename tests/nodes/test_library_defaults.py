@@ -56,6 +56,7 @@ RECORDED = {
         "zernike_waves": [], "wavefront_unit": "waves",
     },
     "exit_pupil_mtf": {
+        "weighting": "uniform",
         "size_x_cm": 25.6, "size_y_cm": 25.6, "method": "exact", "interpolation": "bilinear",
         "wavelengths": 1, **FREE,
     },

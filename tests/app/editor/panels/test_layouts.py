@@ -128,9 +128,11 @@ def made(key, params, folder):
     nodes = {
         "scene": Node("scene", "test_scene", SCENES.get(key, SCENE)),
         "init": Node("init", "init_trans", INIT),
+        "pupil": Node("pupil", "exit_pupil", {"size_x": 32, "size_y": 32, "radius": 10}),
         "node": Node("node", key, params),
     }
     sources = {"image": "scene.image", "reference": "scene.image", "transfer": "init.magnitude"}
+    sources["pupil"] = "pupil.pupil"
     sources |= {name: f"init.{name}" for name in ("context", "magnitude", "phase")}
     links = [Link.between("scene.image", "init.image")]
     links += [
