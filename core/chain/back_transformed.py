@@ -190,6 +190,11 @@ class Delivered(Recipe):
         return self.one_source and self.magnitude.edges == "reflect"
 
     @property
+    def edges(self) -> Edges:
+        """How the frame goes on beyond its edges."""
+        return "reflect" if self.mirrored else "periodic"
+
+    @property
     def one_source(self) -> bool:
         """Whether magnitude and phase belong to the same image."""
         a, b = self.magnitude, self.phase
@@ -370,7 +375,8 @@ def sample_pixels(
     edges: Edges = image.edges or "reflect"
     pixels = PixelSamples(image.shape, ratio_x, ratio_y, offset_x, offset_y, edges)
     x, y = image.interval_x_mrad, image.interval_y_mrad
-    if not (isinstance(recipe, Delivered) and recipe.plain):
+    if not (isinstance(recipe, Delivered) and recipe.plain and recipe.edges == edges):
+        # Anti-Aliaser, whose frame is mirrored, leaves a periodic one periodic for what follows.
         grid = Grid(*image.shape, x or 1.0, y or 1.0)
         magnitude, phase = Magnitude(image, grid, edges), Phase(image, grid, edges)
         recipe = Delivered(magnitude, phase, node=node)

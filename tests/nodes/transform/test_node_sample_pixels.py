@@ -266,3 +266,23 @@ def test_noise_folded_is_noise_sampled(axes, rows, columns, factors):
     assert not beside.folds
     found, true = (each.noise(None, coloured).shown for each in (pixels, beside))
     assert np.broadcast_to(found, true.shape) == pytest.approx(true, rel=1e-11)
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_a_frame_that_an_anti_aliaser_mirrored_is_sampled_as_the_transform_had_it(
+    tmp_path, precision
+):
+    """Whole samples at the same places, whichever of a periodic frame's waves are summed."""
+    samples = scene(11, 13)
+    before = ("anti_alias", {"kernel": "gaussian", "factor": 2})
+    smooth, _ = delivered(tmp_path, samples, (), precision, "periodic", (before,))
+    size, places = 13, np.arange(3) * 4.0 + 1.5 + 4 * 0.5595
+    found, _ = delivered(
+        tmp_path, samples, (), precision, "periodic",
+        (before, *sampled(factor_x=4.0, factor_y=1.0, offset=0.5595, offset_y=0.0)),
+    )  # fmt: skip
+    # Dirichlet's kernel of an odd number of samples.
+    apart = np.pi * (places[:, np.newaxis] - np.arange(size))
+    kernel = np.sin(apart) / (size * np.sin(apart / size))
+    expected = smooth.astype(float) @ kernel.T
+    assert np.abs(found - expected).max() <= FOLD_ERROR[precision] * np.abs(samples).max()
