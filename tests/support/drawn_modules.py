@@ -221,6 +221,64 @@ class Modules:
             "mode": self.random.choice(("mean", "mean", "sum")),
         }
 
+    def sample_pixels(self, at: Sampling) -> Params:
+        params: Params = {}
+        for axis, size in (("x", at.columns), ("y", at.rows)):
+            ratio = self.random.choice((1.0, 2.0, 3.0, 4.0, self.log(-0.3, 0.7)))
+            params[f"factor_{axis}"] = min(ratio, float(size))
+        self.maybe(params, "offset", short(self.random.uniform(-1, 1)), 0.3)
+        self.maybe(params, "offset_y", short(self.random.uniform(-1, 1)), 0.2)
+        return params
+
+    def focal_plane(self, at: Sampling) -> Params:
+        choice, on = self.random.choice, self.log(-0.3, 1)
+        params: Params = {
+            "cut_on_um": on, "cut_off_um": short(on * self.random.uniform(1.05, 1.6)),
+            # Temperatures of many samples take the slow reference its time.
+            "photon_weighting": choice(
+                ("middle", "source", "scene") if at.rows * at.columns <= 300 else
+                ("middle", "source")
+            ),
+            "source_K": choice((1000.0, 2856.0, 5800.0)), "integration_time_s": self.log(-6, 0),
+            "tdi_stages": choice((1, 1, 8, 64)), "frames_averaged": choice((1, 1, 4)),
+            "quantum_efficiency": self.log(-1, 0), "optics_transmission": self.log(-1, 0),
+            "units": choice(("dn", "electrons", "radiance")), "full_well_e": self.log(4, 12),
+            "read_noise_e": choice((0.0, 30.0)), "prnu_percent": choice((0.0, 1.0)),
+            "dsnu_e": choice((0.0, 20.0)), "bad_pixel_percent": choice((0.0, 0.0, 3.0)),
+            "bits": choice((0, 8, 14, 16)), "offset_dn": choice((0.0, 64.0)),
+        }  # fmt: skip
+        self.maybe(params, "optics_K", short(self.random.uniform(200, 330)), 0.3)
+        self.maybe(params, "dark_current_e_per_s", self.log(2, 9), 0.3)
+        self.maybe(params, "gain_e_per_dn", self.log(-1, 3), 0.3)
+        if self.random.random() < 0.3:
+            params["cold_shield_efficiency"] = short(self.random.uniform(0, 1))
+            params["housing_K"] = short(self.random.uniform(200, 330))
+        if params["units"] != "radiance":
+            self.maybe(params, "nonlinearity_percent", choice((0.5, 3.0, 25.0)), 0.3)
+        return params
+
+    def microbolometer(self, at: Sampling) -> Params:
+        return {
+            "cut_on_um": 8.0,
+            "cut_off_um": 14.0,
+            "netd_mK": self.log(0, 3),
+            "time_constant_s": min(short(self.width(at.interval_x) / 100), 1000.0),
+            "response_percent": self.random.choice((0.0, 2.0)),
+            "offset_mK": self.random.choice((0.0, 500.0)),
+            "corner_Hz": self.random.choice((0.0, 0.0, 1.0)),
+        }
+
+    def nuc(self, _: Sampling) -> Params:
+        choice = self.random.choice
+        return {
+            "method": choice(("none", "one_point", "two_point")),
+            "reference_frames": choice((1, 3)), "drift_K": choice((0.0, 0.1)),
+        }  # fmt: skip
+
+    def noise_3d_source(self, _: Sampling) -> Params:
+        names = ("tvh", "tv", "th", "t", "vh", "v", "h")
+        return {f"sigma_{name}": self.random.choice((0.0, self.log(-2, 1))) for name in names}
+
     def interpolate(self, at: Sampling) -> Params:
         params: Params = {"order": self.random.choice((0, 1, 3))}
         for name, old in (("width", at.columns), ("height", at.rows)):

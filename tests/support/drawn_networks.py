@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from random import Random
 from typing import Any
@@ -15,10 +16,13 @@ ON_SPECTRUM = (
     "relative_motion_mtf", "jitter_mtf", "vibration_mtf", "detector_mtf", "charge_eff_mtf",
     "charge_eff_phase",
 )  # fmt: skip
-ON_PICTURE = (
-    "combine_pixels", "interpolate", "anti_alias", "periodic_noise", "noise_file",
-    "electronics_noise",
-)  # fmt: skip
+RESAMPLING = ("combine_pixels", "sample_pixels", "interpolate", "anti_alias")
+OF_1996 = (*RESAMPLING, "periodic_noise", "noise_file", "electronics_noise")
+CAMERA = ("focal_plane", "microbolometer", "nuc", "noise_3d_source")
+OF_TODAY = (*RESAMPLING, *CAMERA, *CAMERA)
+"""A camera's noises are drawn: such a network is looked at without them, and has no other."""
+ON_PICTURE = (*OF_1996, *CAMERA)
+WITH_CONTEXT = ("electronics_noise", "focal_plane", "microbolometer")
 SMALL = [
     (1, 1), (1, 2), (2, 1), (1, 7), (9, 1), (1, 16), (2, 2), (3, 2), (2, 5), (5, 4), (7, 5), (4, 8),
     (8, 6), (6, 11), (9, 9), (12, 10), (13, 7), (11, 13), (16, 13), (15, 16),
@@ -93,9 +97,15 @@ def drawn(
     if random.random() < 0.1:
         read["scale"] = modules.signed(-3, 3)
     at = Sampling(rows, columns, x, y)
-    items = []
+    items: list[Item] = []
+    of_picture = OF_TODAY if random.random() < 0.3 else OF_1996
     for _ in range(random.randint(0, most)):
-        key = random.choice(ON_SPECTRUM if random.random() < 0.7 else ON_PICTURE)
+        key = random.choice(ON_SPECTRUM if random.random() < 0.7 else of_picture)
+        counting = [item for item in items if item.key == "focal_plane" and not item.disabled]
+        if key == "focal_plane" and counting:
+            key = "sample_pixels"  # digital numbers are no radiance
+        if key == "nuc" and not counting:
+            key = "focal_plane"  # references need the band that it gives
         item = modules.item(key, at)
         items.append(item)
         at = after(item, at)
@@ -126,6 +136,10 @@ def after(item: Item, at: Sampling) -> Sampling:
     if item.key == "combine_pixels":
         rows, columns = rows // p["factor_y"], columns // p["factor_x"]
         return Sampling(rows, columns, at.interval_x * p["factor_x"], at.interval_y * p["factor_y"])
+    if item.key == "sample_pixels":
+        x, y = p["factor_x"], p["factor_y"]
+        new = math.floor(rows / y + 1e-6), math.floor(columns / x + 1e-6)
+        return Sampling(*new, at.interval_x * x, at.interval_y * y)
     if item.key == "interpolate":
         new = p.get("height", rows), p.get("width", columns)
         return Sampling(*new, at.interval_x * columns / new[1], at.interval_y * rows / new[0])
@@ -222,11 +236,11 @@ class _Chain:
 
     def on_picture(self, name: str, item: Item) -> None:
         self.close()
-        if item.key == "electronics_noise" and not self.context:
+        if item.key in WITH_CONTEXT and not self.context:
             self.open()
             self.wires = {}
         self.node(name, item.key, item.params, disabled=item.disabled)
         self.link(self.image, f"{name}.image")
-        if item.key == "electronics_noise":
+        if item.key in WITH_CONTEXT:
             self.link(self.context, f"{name}.context")
         self.image = f"{name}.image"

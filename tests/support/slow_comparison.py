@@ -11,8 +11,9 @@ import numpy as np
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.network import Link, Network, Node
-from drawn_networks import Drawn, frames
+from drawn_networks import CAMERA, Drawn, frames
 from module_defaults import DEFAULTS
+from nodes.analysis.lineage import noise_free
 from nodes.library import standard_library
 from slow_reference.network import IllConditionedError, Picture, SlowReference
 
@@ -51,14 +52,13 @@ class Comparison:
     def found(self, document: dict[str, Any], *precisions: str, **policy: Any) -> list[np.ndarray]:
         plan = self.engine.plan(network_of(document), folder=self.folder)
         assert plan.errors() == []
-        return [
-            self.engine.value(
-                plan,
-                document["last"],
-                self.engine.work(Policy(precision=one, **self.policy, **policy)),
-            )
-            for one in precisions
+        works = [
+            self.engine.work(Policy(precision=one, **self.policy, **policy)) for one in precisions
         ]
+        if any(node["module"] in CAMERA for node in document["nodes"].values()):
+            without = noise_free(plan.output(document["last"]).recipe)
+            return [work.value(without) for work in works]
+        return [self.engine.value(plan, document["last"], work) for work in works]
 
 
 def network_of(document: dict[str, Any]) -> Network:

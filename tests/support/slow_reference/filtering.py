@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from slow_reference.camera import at_places
 from slow_reference.numbers import frequencies, mirrored_matrices, periodic_matrices
 
 
@@ -17,6 +18,18 @@ def filtered(samples, transfer, intervals, edges):
     """The frame behind `transfer`, a function of xi (a row) and eta (a column)."""
     (down, up), (across, back) = matrices(samples, edges)
     h = hermitian(transfer, intervals, samples.shape, edges)
+    return (up @ (down @ samples @ across.T * h) @ back.T).real
+
+
+def filtered_at(samples, transfer, intervals, edges, places):
+    """The waves of the frame behind `transfer` between its samples, at (down, across) places."""
+    (down, _), (across, _) = matrices(samples, edges)
+    h = hermitian(transfer, intervals, samples.shape, edges)
+    kind = samples.dtype.type
+    up, back = (
+        at_places(place, size, edges, kind)
+        for place, size in zip(places, samples.shape, strict=True)
+    )
     return (up @ (down @ samples @ across.T * h) @ back.T).real
 
 

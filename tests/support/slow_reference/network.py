@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from slow_reference import electronics, resampling
-from slow_reference.filtering import crossed, filtered
+from slow_reference import camera, electronics, resampling
+from slow_reference.filtering import crossed, filtered, filtered_at, filtered_lines
 from slow_reference.numbers import PI
 from slow_reference.pupil import exit_pupil_mtf
 from slow_reference.transfer import MAGNITUDE, PHASE
@@ -39,6 +39,7 @@ class Picture:
 
     `decisions` are the quantizers on the way, `last` the one that made these very samples. `edges`
     is how the last transform had the frame go on, if one did and nothing was cropped since.
+    `between`, straight behind a transform, makes its picture at any (down, across) places.
     """
 
     samples: Any
@@ -49,10 +50,12 @@ class Picture:
     decisions: tuple = ()
     last: Decisions | None = None
     edges: str | None = None
+    between: Any = None
 
     def then(self, samples, gain=1.0, **changes):
         scale = max(self.scale * gain, float(np.abs(samples).max()))
         made = self.decisions + ((self.last,) if self.last else ())
+        changes = {"between": None, **changes}
         return replace(self, samples=samples, scale=scale, decisions=made, last=None, **changes)
 
 
@@ -176,7 +179,11 @@ def back_transform(magnitude, phase):
     one, other = magnitude.picture, phase.picture
     if one is not None and one is other and magnitude.edges == phase.edges:
         made = filtered(one.samples, transfer, (ax, ay), magnitude.edges)
-        return one.then(made, interval_x=ax, interval_y=ay, edges=magnitude.edges)
+
+        def between(*places):
+            return filtered_at(one.samples, transfer, (ax, ay), magnitude.edges, places)
+
+        return one.then(made, interval_x=ax, interval_y=ay, edges=magnitude.edges, between=between)
     samples, doubt = crossed(
         None if one is None else one.samples,
         None if other is None else other.samples,
@@ -193,7 +200,7 @@ def back_transform(magnitude, phase):
         raise IllConditionedError
     decisions = sum((each.then(each.samples).decisions for each in (one, other) if each), ())
     made = replace(like, samples=samples, scale=scale, interval_x=ax, interval_y=ay)
-    return replace(made, decisions=decisions, last=None, edges="periodic")
+    return replace(made, decisions=decisions, last=None, edges="periodic", between=None)
 
 
 def combine_pixels(reference, p, image, **_):
@@ -206,6 +213,38 @@ def combine_pixels(reference, p, image, **_):
         interval_x=image.interval_x * x,
         interval_y=image.interval_y * y,
         edges=None if image.samples.shape[0] % y or image.samples.shape[1] % x else image.edges,
+    )
+
+
+def sample_pixels(reference, p, image, **_):
+    x, y = p["factor_x"], p["factor_y"]
+    offset_y = p["offset"] if p["offset_y"] is None else p["offset_y"]
+    if (x, y, p["offset"], offset_y) == (1, 1, 0, 0):
+        return image
+    kind, (rows, columns) = image.samples.dtype.type, image.samples.shape
+    places = (
+        camera.pixel_places(rows, y, offset_y, kind),
+        camera.pixel_places(columns, x, p["offset"], kind),
+    )
+    between = image.between
+    if between is None:
+        edges, one = image.edges or "reflect", np.ones(1, image.samples.dtype)[0]
+
+        def between(*wanted):
+            same = np.ones_like
+            return filtered_at(
+                image.samples, lambda xi, eta: same(xi) * same(eta) + 0j, (one, one), edges, wanted
+            )
+
+    whole = all(
+        abs(len(place) * ratio - old) <= 1e-6 * ratio
+        for place, ratio, old in zip(places, (y, x), (rows, columns), strict=True)
+    )
+    return image.then(
+        between(*places),
+        interval_x=image.interval_x * kind(x),
+        interval_y=image.interval_y * kind(y),
+        edges=image.edges if whole and not (p["offset"] or offset_y) else None,
     )
 
 
@@ -258,7 +297,32 @@ def electronics_noise(reference, p, image, context, **_):
     return replace(shaped.then(levels), last=Decisions(distance, float(step), shaped.scale))
 
 
+def focal_plane(reference, p, image, context, **_):
+    made = camera.focal_plane(p, context, image.samples, image.scale)
+    if made is None:
+        raise IllConditionedError
+    samples, scale = made
+    return replace(image.then(samples, 0.0), scale=max(scale, float(np.abs(samples).max())))
+
+
+def microbolometer(reference, p, image, context, **_):
+    """Without noise, of one still frame: the lag along a scan alone."""
+    velocity = context["scan_velocity_mrad_per_s"]
+    if not velocity or not p["time_constant_s"]:
+        return image
+    lag = electronics.low_pass(np.longdouble(p["time_constant_s"]) * velocity)
+    edges = context["edges"]
+    return image.then(filtered_lines(image.samples, lag, image.interval_x, edges))
+
+
+def as_it_is(reference, p, image, **_):
+    """What adds noise, or takes it out, does nothing to a picture without any."""
+    return image
+
+
 PICTURES = {
+    "sample_pixels": sample_pixels, "focal_plane": focal_plane, "microbolometer": microbolometer,
+    "nuc": as_it_is, "noise_3d_source": as_it_is,
     "combine_pixels": combine_pixels, "interpolate": interpolate, "anti_alias": anti_alias,
     "periodic_noise": periodic_noise, "noise_file": noise_file,
     "electronics_noise": electronics_noise,
