@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 from core.chain.wires import Context, Image, Table
 from core.evaluation.recipes import Recipe, Step
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from nodes.detector import focal_plane_steps as steps
 from nodes.detector.counted_bands import counted_photons, radiance_per_photon
@@ -28,8 +28,8 @@ from nodes.detector.focal_plane_figures import (
     response_caution,
 )
 from nodes.detector.focal_plane_panel import FocalPlanePanel
-from nodes.input_output.examine_image import figure
 from nodes.shared.shared_warnings import Band, unit_caution
+from nodes.shared.table_figures import table_figure
 from nodes.shared.unit_deviates import unit_deviates
 
 
@@ -43,14 +43,12 @@ class FocalPlaneOutputs(NamedTuple):
     table: Table
 
 
-def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
-    """A read-out that is one figure of the table, without the picture's own saturated pixels."""
+def _without_saturated(outputs: FocalPlaneOutputs) -> Recipe:
+    """The figures of the mean, for which no sample is made."""
+    return outputs.table.recipe.inputs[0]
 
-    def method(self: Module, outputs: FocalPlaneOutputs) -> Step:
-        return Step.of(figure, outputs.table.recipe.inputs[0], name=name)
 
-    method.__doc__ = meaning
-    return readout(unit, name=name)(method)
+_figure = partial(table_figure, table=_without_saturated)
 
 
 class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group="Detector"):

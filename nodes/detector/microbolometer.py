@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, NamedTuple
 
 from core.chain.frame_sequence import at_frame
@@ -10,7 +9,7 @@ from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.frame_number import FrameNumber
@@ -20,12 +19,12 @@ from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_
 from core.physics.radiometry.planck import band_radiance_derivative
 from core.transfer.factors import Separable
 from nodes.detector import microbolometer_steps as steps
-from nodes.input_output.examine_image import figure
 from nodes.shared.context_defaults import given, given_band, with_interval
 from nodes.shared.factor_helpers import separable
 from nodes.shared.flicker_deviates import flicker_deviates
 from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
 from nodes.shared.shared_warnings import apart_caution, band_caution, unit_caution
+from nodes.shared.table_figures import table_figure
 from nodes.shared.unit_deviates import unit_deviates
 
 _MOST_FRAMES = 64
@@ -39,16 +38,6 @@ class BolometerOutputs(NamedTuple):
     mtf: Transfer
     ptf: Transfer
     table: Table
-
-
-def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
-    """A read-out that is one figure of the table."""
-
-    def method(self: Module, outputs: BolometerOutputs) -> Step:
-        return Step.of(figure, outputs.table.recipe, name=name)
-
-    method.__doc__ = meaning
-    return readout(unit, name=name)(method)
 
 
 class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer", group="Detector"):
@@ -325,11 +314,15 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
             "lower time_constant_s or frame_rate_Hz, unless that is near enough",
         )
 
-    netd_figure = _figure("netd_K", "K", "Temporal noise as a temperature difference.")
-    white_netd_figure = _figure("white_netd_K", "K", "White noise as a temperature difference.")
-    flicker_figure = _figure("flicker_K", "K", "1/f noise as a temperature difference.")
-    fixed_figure = _figure("fixed_pattern_K", "K", "Unlike responses and offsets of pixels.")
-    noise_figure = _figure("noise_radiance", "W/m²/sr", "Temporal noise as radiance of the scene.")
-    snr_figure = _figure("snr", "", "Mean over temporal noise.")
-    scene_figure = _figure("scene_K", "K", "Brightness temperature of the mean.")
-    lag_figure = _figure("lag_percent", "%", "Share of a change that is left after a frame.")
+    netd_figure = table_figure("netd_K", "K", "Temporal noise as a temperature difference.")
+    white_netd_figure = table_figure(
+        "white_netd_K", "K", "White noise as a temperature difference."
+    )
+    flicker_figure = table_figure("flicker_K", "K", "1/f noise as a temperature difference.")
+    fixed_figure = table_figure("fixed_pattern_K", "K", "Unlike responses and offsets of pixels.")
+    noise_figure = table_figure(
+        "noise_radiance", "W/m²/sr", "Temporal noise as radiance of the scene."
+    )
+    snr_figure = table_figure("snr", "", "Mean over temporal noise.")
+    scene_figure = table_figure("scene_K", "K", "Brightness temperature of the mean.")
+    lag_figure = table_figure("lag_percent", "%", "Share of a change that is left after a frame.")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -18,7 +17,7 @@ from core.lineage.linear_change import Linear
 from core.lineage.step_lineage import picture_step
 from core.lineage.step_noise import AtStep, Noise
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.noise_power import NoisePower
@@ -30,8 +29,8 @@ from core.physics.detector.nonuniformity import (
 )
 from core.physics.radiometry.planck import band_radiance
 from nodes.detector.reference_frames import MeanFrame, of_uniform, seen_by_camera
-from nodes.input_output.examine_image import figure
 from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
+from nodes.shared.table_figures import table_figure
 from nodes.shared.unit_deviates import unit_deviates
 
 Array = NDArray[Any]
@@ -44,16 +43,6 @@ class CorrectedOutputs(NamedTuple):
     gain: Image
     offset: Image
     table: Table
-
-
-def _figure(name: str, meaning: str) -> Callable[..., Step]:
-    """A read-out that is one figure of the table, in the picture's unit."""
-
-    def method(self: Module, outputs: CorrectedOutputs) -> Step:
-        return Step.of(figure, outputs.table.recipe, name=name)
-
-    method.__doc__ = meaning
-    return readout(name=name)(method)
 
 
 class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Detector"):
@@ -190,10 +179,22 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
             "put it behind the camera's modules, such as Focal Plane",
         )
 
-    pattern_low = _figure("pattern_low", "Spread of pixels on the cooler reference, uncorrected.")
-    pattern_high = _figure("pattern_high", "Spread of pixels on the warmer reference, uncorrected.")
-    response_per_kelvin = _figure("response_per_kelvin", "Mean response between the references.")
-    weak_pixels = _figure("weak_pixels", "Pixels of too little response to be corrected.")
+    pattern_low = table_figure(
+        "pattern_low",
+        "",
+        "Spread of pixels on the cooler reference, uncorrected, in the picture's unit.",
+    )
+    pattern_high = table_figure(
+        "pattern_high",
+        "",
+        "Spread of pixels on the warmer reference, uncorrected, in the picture's unit.",
+    )
+    response_per_kelvin = table_figure(
+        "response_per_kelvin",
+        "",
+        "Mean response between the references, in the picture's unit per kelvin.",
+    )
+    weak_pixels = table_figure("weak_pixels", "", "Pixels of too little response to be corrected.")
 
 
 @ends_lineage

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, Literal, NamedTuple
 
 from core.chain.wires import Context, Image, Table, Transfer
 from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import NodeContext, warning
 from core.modules.panel_sections import Offer, Section
 from core.modules.parameters import Param
 from core.physics.electronics.filters import (
@@ -40,6 +39,7 @@ from nodes.shared.factor_helpers import separable
 from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
 from nodes.shared.shared_warnings import apart_caution, band_caution, is_radiance, unit_caution
 from nodes.shared.summed_bands import summed_within
+from nodes.shared.table_figures import table_figure
 
 _MATERIALS = tuple(
     (region, (*(material.name for material in materials), MANUAL))
@@ -58,16 +58,6 @@ class ElectronicsOutputs(NamedTuple):
     mtf: Transfer
     ptf: Transfer
     table: Table
-
-
-def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
-    """A read-out that is one figure of the table."""
-
-    def method(self: Module, outputs: ElectronicsOutputs) -> Step:
-        return Step.of(steps.pick, outputs.table.recipe, name=name)
-
-    method.__doc__ = meaning
-    return readout(unit, name=name)(method)
 
 
 class ElectronicsNoise(
@@ -390,16 +380,16 @@ class ElectronicsNoise(
             return None, None
         return self.range_low, self.range_high
 
-    bandwidth_figure = _figure("bandwidth_Hz", "Hz", "Noise bandwidth.")
-    g_number = _figure("g_number", "1/sr", "Optical throughput number G#.")
-    d_star_figure = _figure("d_star", "cm √Hz/W", "Specific detectivity of the band.")
-    nep_W = _figure("nep_W", "W", "Noise equivalent power of a detector of mean noise.")
-    ner = _figure("ner", "W/m²/sr", "Noise equivalent radiance of a detector of mean noise.")
-    netd_detector_K = _figure(
+    bandwidth_figure = table_figure("bandwidth_Hz", "Hz", "Noise bandwidth.")
+    g_number = table_figure("g_number", "1/sr", "Optical throughput number G#.")
+    d_star_figure = table_figure("d_star", "cm √Hz/W", "Specific detectivity of the band.")
+    nep_W = table_figure("nep_W", "W", "Noise equivalent power of a detector of mean noise.")
+    ner = table_figure("ner", "W/m²/sr", "Noise equivalent radiance of a detector of mean noise.")
+    netd_detector_K = table_figure(
         "netd_detector_K", "K", "NETD of the detectors: rms of all, spread included."
     )
-    netd_amplifier_K = _figure("netd_amplifier_K", "K", "NETD of the amplifier.")
-    netd_system_K = _figure("netd_system_K", "K", "NETD of detector and amplifier together.")
-    snr = _figure("snr", "", "Mean over rms noise of detector and amplifier.")
-    quantization_rms = _figure("quantization_rms", "W/m²/sr", "Rms error of the quantizer.")
-    background = _figure("background_K", "K", "Background that weights D* and gives dL/dT.")
+    netd_amplifier_K = table_figure("netd_amplifier_K", "K", "NETD of the amplifier.")
+    netd_system_K = table_figure("netd_system_K", "K", "NETD of detector and amplifier together.")
+    snr = table_figure("snr", "", "Mean over rms noise of detector and amplifier.")
+    quantization_rms = table_figure("quantization_rms", "W/m²/sr", "Rms error of the quantizer.")
+    background = table_figure("background_K", "K", "Background that weights D* and gives dL/dT.")

@@ -195,12 +195,6 @@ def with_quantization(work: Work, table: TableData, final: Array, before: Array)
     return TableData((*table.rows, row))
 
 
-@ends_lineage
-def pick(work: Work, table: TableData, *, name: str) -> Any:
-    """One figure of a table."""
-    return table.as_dict()[name]
-
-
 @dataclass(frozen=True)
 class ScaledByChance(Linear):
     """The gain error as printed in eq. 4.59: it scales the whole picture."""

@@ -15,7 +15,7 @@ from core.chain.realize import asked_for, realize, spectrum
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Magnitude, Phase, Table, Transfer
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, with_reason
+from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
@@ -25,6 +25,7 @@ from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from nodes.input_output.sample_statistics import histogram, statistics
 from nodes.shared.shared_warnings import is_radiance, is_temperature
+from nodes.shared.table_figures import figure
 
 Array = NDArray[Any]
 Display = Literal["linear", "log", "centred_spectrum"]
@@ -145,19 +146,6 @@ def realized(work: Work, *known: Any, value: Any) -> Array:
     """Samples of a magnitude, phase or transfer function; of a complex one the modulus."""
     samples: Array = realize(value, work)
     return np.abs(samples) if np.iscomplexobj(samples) else samples
-
-
-@ends_lineage
-def figure_reason(work: Work, table: TableData, *, name: str) -> str:
-    """Why that value of a table is none."""
-    return next(row.reason for row in table.rows if row.name == name)
-
-
-@with_reason(figure_reason)
-@ends_lineage
-def figure(work: Work, table: TableData, *, name: str) -> float | int | str | None:
-    """One value of a table."""
-    return table.as_dict()[name]
 
 
 @ends_lineage

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Annotated, NamedTuple
 
 from core.chain.camera_sheet import CameraSheet
 from core.chain.wires import Image, Table
-from core.evaluation.recipes import Step
+from core.evaluation.recipes import Recipe, Step
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
-from nodes.input_output.examine_image import figure
 from nodes.optics.camera_figures import camera_figures
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, alike, apart_caution, first
+from nodes.shared.table_figures import table_figure
 
 
 class CameraOutputs(NamedTuple):
@@ -26,12 +26,11 @@ class CameraOutputs(NamedTuple):
     camera: Table
 
 
-def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
-    def method(self: Module, outputs: CameraOutputs) -> Step:
-        return Step.of(figure, outputs.camera.recipe, name=name)
+def _of_camera(outputs: CameraOutputs) -> Recipe:
+    return outputs.camera.recipe
 
-    method.__doc__ = meaning
-    return readout(unit, name=name)(method)
+
+_figure = partial(table_figure, table=_of_camera)
 
 
 class Camera(Module, key="camera", title="Camera", group="Optics"):

@@ -27,7 +27,7 @@ from nodes.analysis.camera.camera_sampling import (
     swath_m,
 )
 from nodes.analysis.camera.camera_settings import CameraSettings, Ground
-from nodes.input_output.examine_image import figure
+from nodes.shared.table_figures import figure
 
 
 class CameraOutputs(NamedTuple):

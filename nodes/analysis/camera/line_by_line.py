@@ -24,8 +24,8 @@ from nodes.analysis.camera.mixed_sampling_steps import (
     picture_of,
 )
 from nodes.analysis.mtf.compare_images import subtracted
-from nodes.input_output.examine_image import figure
 from nodes.shared.context_defaults import given, one_source
+from nodes.shared.table_figures import figure
 
 
 class LineOutputs(NamedTuple):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Annotated, Literal, NamedTuple
 
@@ -11,7 +10,7 @@ from core.chain.wires import Context, Curve, Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.acquisition.eye import frames_integrated
@@ -35,9 +34,9 @@ from nodes.analysis.merit.threshold_curves import (
     sensitivity,
     thresholds,
 )
-from nodes.input_output.examine_image import figure
 from nodes.shared.context_defaults import given_band, with_interval
 from nodes.shared.shared_warnings import alike, band_caution, unit_caution
+from nodes.shared.table_figures import table_figure
 
 Scanning = Literal["automatic", "parallel_scan", "serial_scan", "staring"]
 
@@ -47,7 +46,6 @@ _OF_PLATFORM: dict[str, Scanning] = {
     "push": "parallel_scan",
     "array": "staring",
 }
-_ROWS = {"mrtd_x_K": "mrtd_x_50_percent_nyquist", "mrtd_y_K": "mrtd_y_50_percent_nyquist"}
 
 
 class MeritOutputs(NamedTuple):
@@ -57,17 +55,6 @@ class MeritOutputs(NamedTuple):
     mdtd: Curve
     probability: Curve
     table: Table
-
-
-def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
-    """A read-out that is one figure of the table."""
-    row = _ROWS.get(name, name)
-
-    def method(self: Module, outputs: MeritOutputs) -> Step:
-        return Step.of(figure, outputs.table.recipe, name=row)
-
-    method.__doc__ = meaning
-    return readout(unit, name=name)(method)
 
 
 class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", group="Analysis"):
@@ -379,17 +366,25 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             seconds_fixed=self.eye_integration_s if self.model == "flir92" else 0.0,
         )
 
-    snr = _figure("snr", "", "Noise-free mean over temporal noise; none without noise.")
-    netd_K = _figure("netd_K", "K", "Noise equivalent temperature difference, temporal.")
-    ner = _figure("ner", "W/m²/sr", "Noise equivalent radiance: rms temporal noise.")
-    mrtd_x_K = _figure("mrtd_x_K", "K", "MRTD of upright bars at half of Nyquist, if resolved.")
-    mrtd_y_K = _figure("mrtd_y_K", "K", "MRTD of lying bars at half of Nyquist, if resolved.")
-    detection_range_km = _figure("detection_range_km", "km", "Where half detect (Johnson).")
-    recognition_range_km = _figure("recognition_range_km", "km", "Where half recognize (Johnson).")
-    identification_range_km = _figure(
+    snr = table_figure("snr", "", "Noise-free mean over temporal noise; none without noise.")
+    netd_K = table_figure("netd_K", "K", "Noise equivalent temperature difference, temporal.")
+    ner = table_figure("ner", "W/m²/sr", "Noise equivalent radiance: rms temporal noise.")
+    mrtd_x_K = table_figure(
+        "mrtd_x_K", "K", "MRTD of upright bars at half of Nyquist, if resolved.",
+        row="mrtd_x_50_percent_nyquist",
+    )  # fmt: skip
+    mrtd_y_K = table_figure(
+        "mrtd_y_K", "K", "MRTD of lying bars at half of Nyquist, if resolved.",
+        row="mrtd_y_50_percent_nyquist",
+    )  # fmt: skip
+    detection_range_km = table_figure("detection_range_km", "km", "Where half detect (Johnson).")
+    recognition_range_km = table_figure(
+        "recognition_range_km", "km", "Where half recognize (Johnson)."
+    )
+    identification_range_km = table_figure(
         "identification_range_km", "km", "Where half identify (Johnson)."
     )
-    ttp_range_km = _figure("ttp_range_km", "km", "Range at which half succeed (TTP).")
+    ttp_range_km = table_figure("ttp_range_km", "km", "Range at which half succeed (TTP).")
 
 
 def _air(image: Image, context: Context) -> tuple[AirPath, ...]:

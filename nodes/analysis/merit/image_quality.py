@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, NamedTuple
 
 from core.chain.wires import Context, Curve, Image, Table
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
@@ -22,8 +21,8 @@ from nodes.analysis.merit.edge_quality import (
     quality_table,
     signal_over_noise,
 )
-from nodes.input_output.examine_image import figure
 from nodes.shared.context_defaults import given, with_interval
+from nodes.shared.table_figures import table_figure
 
 
 class QualityOutputs(NamedTuple):
@@ -31,16 +30,6 @@ class QualityOutputs(NamedTuple):
 
     edge: Curve
     table: Table
-
-
-def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
-    """A read-out that is one figure of the table."""
-
-    def method(self: Module, outputs: QualityOutputs) -> Step:
-        return Step.of(figure, outputs.table.recipe, name=name)
-
-    method.__doc__ = meaning
-    return readout(unit, name=name)(method)
 
 
 @ends_lineage
@@ -140,10 +129,10 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
         """Values outside those that the equations were fitted to."""
         return Step.of(limits_caution, outputs.table.recipe)
 
-    giqe5 = _figure("giqe5", "NIIRS", "Interpretability by GIQE 5.")
-    giqe4 = _figure("giqe4", "NIIRS", "Interpretability by GIQE 4.")
-    giqe3 = _figure("giqe3", "NIIRS", "Interpretability by GIQE 3.")
-    gsd_m = _figure("gsd_m", "m", "Ground sample distance, geometric mean.")
-    rer = _figure("rer", "", "Relative edge response, geometric mean.")
-    overshoot_figure = _figure("overshoot", "", "Edge overshoot, geometric mean.")
-    snr_figure = _figure("snr", "", "Mean signal over temporal noise; none without noise.")
+    giqe5 = table_figure("giqe5", "NIIRS", "Interpretability by GIQE 5.")
+    giqe4 = table_figure("giqe4", "NIIRS", "Interpretability by GIQE 4.")
+    giqe3 = table_figure("giqe3", "NIIRS", "Interpretability by GIQE 3.")
+    gsd_m = table_figure("gsd_m", "m", "Ground sample distance, geometric mean.")
+    rer = table_figure("rer", "", "Relative edge response, geometric mean.")
+    overshoot_figure = table_figure("overshoot", "", "Edge overshoot, geometric mean.")
+    snr_figure = table_figure("snr", "", "Mean signal over temporal noise; none without noise.")

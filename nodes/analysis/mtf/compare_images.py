@@ -19,8 +19,8 @@ from core.modules.declaration import Module, NodeContext, readout
 from core.modules.parameters import Param
 from core.transfer.grid import Edges, Grid
 from nodes.analysis.mtf.spectrum_ratio import axes_ratio, radial_ratio
-from nodes.input_output.examine_image import figure
 from nodes.input_output.sample_statistics import blocks
+from nodes.shared.table_figures import figure
 
 Array = NDArray[Any]
 

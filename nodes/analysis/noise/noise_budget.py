@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, NamedTuple
 
 from core.chain.wires import Curve, Image, Table
-from core.evaluation.recipes import Recipe, Step
-from core.modules.declaration import Module, NodeContext, readout
+from core.evaluation.recipes import Step
+from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.analysis.lineage import NoiseOf, transfer_of
 from nodes.analysis.noise.budget_shares import Kind, blur_shares, noise_shares, unknown_before
 from nodes.analysis.noise.budget_tables import Show, blur_bars, budget_table, noise_bars
-from nodes.input_output.examine_image import figure
+from nodes.shared.table_figures import table_figure
 
 
 class BudgetOutputs(NamedTuple):
@@ -22,16 +21,6 @@ class BudgetOutputs(NamedTuple):
     noise: Curve
     blur: Curve
     table: Table
-
-
-def _figure(name: str, unit: str, meaning: str) -> Callable[..., Recipe]:
-    """A read-out that is one figure of the table."""
-
-    def method(self: Module, outputs: BudgetOutputs) -> Recipe:
-        return Step.of(figure, outputs.table.recipe, name=name)
-
-    method.__doc__ = meaning
-    return readout(unit, name=name)(method)
 
 
 class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analysis"):
@@ -81,10 +70,12 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
             Table(Step.of(budget_table, noise, blur, node=node, **noise_kind)),
         )
 
-    sigma = _figure("sigma", "", "All noise together, in the picture's unit.")
-    sigma_temporal = _figure("sigma_temporal", "", "All temporal noise, in the picture's unit.")
-    sigma_fixed = _figure("sigma_fixed", "", "All fixed patterns, in the picture's unit.")
-    mtf_x = _figure("mtf_x", "", "|MTF| of all stages across, at the frequency.")
-    mtf_y = _figure("mtf_y", "", "|MTF| of all stages along, at the frequency.")
-    xi = _figure("xi", "cyc/mrad", "The frequency across.")
-    eta = _figure("eta", "cyc/mrad", "The frequency along.")
+    sigma = table_figure("sigma", "", "All noise together, in the picture's unit.")
+    sigma_temporal = table_figure(
+        "sigma_temporal", "", "All temporal noise, in the picture's unit."
+    )
+    sigma_fixed = table_figure("sigma_fixed", "", "All fixed patterns, in the picture's unit.")
+    mtf_x = table_figure("mtf_x", "", "|MTF| of all stages across, at the frequency.")
+    mtf_y = table_figure("mtf_y", "", "|MTF| of all stages along, at the frequency.")
+    xi = table_figure("xi", "cyc/mrad", "The frequency across.")
+    eta = table_figure("eta", "cyc/mrad", "The frequency along.")

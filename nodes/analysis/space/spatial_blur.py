@@ -27,8 +27,8 @@ from nodes.analysis.space.impulse_response import (
     impulse_responses,
 )
 from nodes.analysis.space.spatial_convolution import convolved
-from nodes.input_output.examine_image import figure
 from nodes.shared.context_defaults import one_source
+from nodes.shared.table_figures import figure
 
 Array = NDArray[Any]
 MOST_MULTIPLICATIONS = 1e12  # about a quarter of an hour
