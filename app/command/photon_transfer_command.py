@@ -24,6 +24,7 @@ from core.physics.measurement.photon_transfer import PhotonTransfer, photon_tran
 from nodes.files.common.file_format import JSON
 from nodes.files.frames.frame_reading import FrameFile, open_frames
 
+_MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
 Row = tuple[str, float | None, str, str]
 
 
@@ -70,7 +71,7 @@ def measure_photon_transfer(options: Options, cancel: threading.Event | None = N
     ]
     print(columns(figures, right=(1,)), end="\n\n")
     print(columns([_LEVEL_HEAD, *_levels(made)], right=(1, 2, 3, 4)))
-    for line in _remarks(curve, options):
+    for line in (*_remarks(curve, options), *_textures(made)):
         print(in_line(line))
 
 
@@ -148,6 +149,17 @@ def _remarks(curve: PhotonTransfer, options: Options) -> list[str]:
     return lines
 
 
+def _textures(made: Measured) -> list[str]:
+    """Fields of which more is structure than pixels that differ; saturated ones say nothing."""
+    return [
+        f"warning: {path.name}: {100.0 * field.structure_share:.0f} % of what differs among its "
+        "pixels is structure of 8 pixels and more, as of a scene or of uneven light: PRNU and DSNU "
+        "are not the camera's alone; give frames of a uniform field"
+        for (path, field), saturated in zip(made.files, made.curve.saturated, strict=True)
+        if field.structure_share > _MOSTLY and not saturated
+    ]
+
+
 def _json(made: Measured) -> str:
     content = {
         "format": "imagechain-photon-transfer",
@@ -163,6 +175,7 @@ def _json(made: Measured) -> str:
                 "fixed_dn2": field.fixed_dn2,
                 "pixels": field.pixels,
                 "bad_pixels": field.bad,
+                "structure_share": field.structure_share,
                 "used": used,
                 "saturated": saturated,
             }

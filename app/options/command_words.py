@@ -206,6 +206,21 @@ def _numerical_words(parser: argparse.ArgumentParser) -> None:
 def photon_transfer_words(parser: argparse.ArgumentParser) -> None:
     """``imagechain photon-transfer``."""
     add: Any = parser.add_argument
+    parser.description = (
+        "Measure a camera, real or simulated, by its photon transfer curve (Janesick 2007; EMVA "
+        "1288): the temporal variance of pixels rises with their mean by 1/K of it, K electrons "
+        "of a digital number. The slope gives the gain; its foot at the level of no electrons the "
+        "read noise, less rounding; the level beyond which the variance collapses the full well; "
+        "the variance among pixels DSNU and PRNU."
+    )
+    parser.epilog = (
+        "Take five levels or more, from near the dark to beyond saturation, of a uniform field, "
+        "with ten frames or more of each; lamps may flicker, pixels may not be clipped at 0. "
+        "Levels up to 0.7 of saturation make the line. A field that is not uniform is warned of: "
+        "its structure counts as PRNU and DSNU, gain and read noise stay right. Frames that are "
+        "simulated need another --seed for each level. Example: imagechain photon-transfer "
+        "flat1.tif flat2.tif flat3.tif --dark dark.tif --output camera.json"
+    )
     add(
         "flats",
         metavar="FILE",
@@ -217,7 +232,8 @@ def photon_transfer_words(parser: argparse.ArgumentParser) -> None:
         "--dark",
         action=Once,
         metavar="FILE",
-        help="frames without light: they give offset, read noise and DSNU",
+        help="frames without light, two or more, of the same size and exposure: they give offset, "
+        "read noise and DSNU",
     )
     add(
         "--offset-dn",

@@ -15,6 +15,7 @@ _FAR = 8.0  # robust deviations beyond which a pixel is a bad one: a normal one 
 _NORMAL = 1.4826  # deviation over the median of absolute deviations, of a normal distribution
 _REACHES = 3.0  # deviations below the mean
 _ROUNDING_DN2 = 1.0 / 12.0
+_BLOCK, _LEAST_BLOCKS = 8, 4
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,9 @@ class FlatField:
         Whether all samples are whole: rounded by a converter.
     least_dn : float
         The least sample.
+    structure_dn2 : float
+        Variance of what is wider than 8 pixels, beyond what unlike pixels, rows and columns leave
+        there; 0 of frames below 32 × 32 pixels.
     """
 
     mean_dn: float
@@ -45,6 +49,14 @@ class FlatField:
     bad: int
     whole_numbers: bool
     least_dn: float
+    structure_dn2: float = 0.0
+
+    @property
+    def structure_share(self) -> float:
+        """Share of the fixed pattern that is structure of the field, not pixels that differ."""
+        if self.fixed_dn2 <= 0.0:
+            return 0.0
+        return min(self.structure_dn2 / self.fixed_dn2, 1.0)
 
     @property
     def cut_off(self) -> bool:
@@ -130,7 +142,44 @@ class FlatFrames:
             good.size - pixels,
             self._whole,
             self._least,
+            structure_variance(np.where(good, means, np.median(means))),
         )
+
+
+def structure_variance(means: NDArray[np.float64]) -> float:
+    """Variance of what is wider than 8 pixels, beyond what white patterns leave there.
+
+    Parameters
+    ----------
+    means : ndarray, shape (rows, columns)
+        A uniform field, each pixel's mean in time.
+
+    Returns
+    -------
+    float
+        Variance of the means of 8 × 8 pixels less what pixels, rows and columns that differ at
+        random leave in them; 0 where that is no more than chance, or the frame is below 32 × 32.
+
+    Notes
+    -----
+    Differences of neighbours have twice the variance of a white pattern, and next to nothing of a
+    smooth field (von Neumann 1941).
+    """
+    rows, columns = (size // _BLOCK * _BLOCK for size in means.shape)
+    if min(rows, columns) < _LEAST_BLOCKS * _BLOCK:
+        return 0.0
+    whole = means[:rows, :columns]
+    blocks = whole.reshape(rows // _BLOCK, _BLOCK, columns // _BLOCK, _BLOCK).mean(axis=(1, 3))
+    pixels = float(np.mean(np.diff(np.diff(whole, axis=0), axis=1) ** 2)) / 4.0
+    white = pixels / _BLOCK**2
+    for axis in (0, 1):
+        lines = whole.mean(axis=axis)
+        own = float(np.mean(np.diff(lines) ** 2)) / 2.0 - pixels / whole.shape[axis]
+        white += max(own, 0.0) / _BLOCK
+    # Row and column patterns leave as many independent values as there are blocks along a side.
+    chance = white * _FAR * math.sqrt(2.0 / min(blocks.shape))
+    structure = float(np.var(blocks)) - white
+    return structure if structure > chance else 0.0
 
 
 def _near(means: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -134,3 +134,39 @@ def test_what_is_refused(imagechain, flats, tmp_path, words, line):
     np.save(tmp_path / "other.npy", np.zeros((3, 5, 6)))
     done = imagechain("photon-transfer", *words)
     assert (done.returncode, done.stderr) == (2, f"imagechain: {line}\n")
+
+
+def patterned(rows, columns):
+    """Relative electrons of each pixel, by the kind of field."""
+    random = np.random.default_rng(5)
+    y, x = np.mgrid[0:rows, 0:columns]
+    return {
+        "pixels": 1 + 0.01 * random.standard_normal((rows, columns)),
+        "lines": 1
+        + 0.01 * random.standard_normal((rows, columns))
+        + 0.02 * random.standard_normal(columns)
+        + 0.02 * random.standard_normal((rows, 1)),
+        "sloping light": 1 + 0.2 * x / columns,
+        "a scene": 1 + 0.1 * np.sin(x / 9.0) * np.cos(y / 7.0),
+        "a falling corner": 1 - 0.1 * ((x / columns) ** 2 + (y / rows) ** 2),
+    }
+
+
+@pytest.mark.parametrize(
+    ("kind", "warned"),
+    [("pixels", False), ("lines", False), ("sloping light", True), ("a scene", True),
+     ("a falling corner", True)],
+)  # fmt: skip
+def test_a_field_that_is_not_uniform_is_warned_of(imagechain, tmp_path, kind, warned):
+    """Pixels, rows and columns that differ at random are a camera's own; waves are a scene's."""
+    random, field = np.random.default_rng(3), patterned(96, 128)[kind]
+    names = []
+    for level in (2000, 6000, 12_000):
+        made = random.poisson(level * field, (12, *field.shape)) / GAIN + OFFSET
+        np.save(tmp_path / f"l{level}.npy", np.rint(made).astype(np.uint16))
+        names.append(f"l{level}.npy")
+    done = imagechain("photon-transfer", *names, "--offset-dn", "150")
+    assert done.returncode == 0, done.stderr
+    lines = [line for line in done.stdout.splitlines() if line.startswith("warning: ")]
+    assert len(lines) == (3 if warned else 0), lines
+    assert all("% of what differs among its pixels is structure" in line for line in lines)
