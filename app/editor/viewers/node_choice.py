@@ -50,11 +50,10 @@ class NodeChoice(QComboBox):
 
     def groups(self) -> Iterable[tuple[str, Sequence[QStandardItem]]]:
         """The names of nodes, with the entries below each."""
-        raise NotImplementedError
+        return ()
 
     def take(self, value: str | None) -> None:
         """An entry has been chosen: its value, empty for none; None where it has no value."""
-        raise NotImplementedError
 
     def take_at(self, index: int) -> None:
         """Choose the entry at a place of the list."""
