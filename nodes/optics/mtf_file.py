@@ -30,7 +30,7 @@ from nodes.files.lens.mtf_table import MTF_COLUMNS, PHASE_COLUMNS, MtfTable, rea
 from nodes.shared.context_defaults import given
 from nodes.shared.factor_helpers import separable
 from nodes.shared.module_ports import Apply
-from nodes.shared.shared_warnings import apart_caution, first
+from nodes.shared.shared_warnings import apart_caution, first, unlinked_phase_caution
 
 ENDS_LOW = 0.02  # an MTF that ends above is cut off by the file, not by the optics
 Scales = tuple[float, float]
@@ -248,6 +248,11 @@ class MtfFile(Module, key="mtf_file", title="MTF File", group="Optics"):
             f"the MTF rises to {highest:.4g}",
             "optics do not amplify: a sharpened picture's MTF sharpens this one too",
         )
+
+    @warning
+    def no_phase(self, outputs: MtfFileOutputs) -> Caution | None:
+        """A PTF that does not reach the picture."""
+        return unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
 
     @warning
     def geometry(self, context: Context) -> Caution | None:

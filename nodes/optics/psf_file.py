@@ -25,7 +25,7 @@ from nodes.files.read import check_finite
 from nodes.optics.lens_source import LensSource, lens_source, stored_samples
 from nodes.shared.context_defaults import given
 from nodes.shared.module_ports import Apply
-from nodes.shared.shared_warnings import apart_caution
+from nodes.shared.shared_warnings import apart_caution, unlinked_phase_caution
 
 EDGE_ENERGY = 0.01  # of the whole, above which the border is warned of
 LARGEST_SIDE = 4096  # samples, whose sum is not fast
@@ -180,6 +180,11 @@ class PsfFile(Module, key="psf_file", title="PSF File", group="Optics"):
         """Samples that are too far apart."""
         psf = _psf_of(outputs)
         return None if psf is None else Step.of(_coarse_caution, psf)
+
+    @warning
+    def no_phase(self, outputs: PsfFileOutputs) -> Caution | None:
+        """A PTF that does not reach the picture."""
+        return unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
 
     @warning
     def geometry(self, context: Context) -> Caution | None:

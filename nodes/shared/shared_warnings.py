@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+from core.chain.wires import Phase, Transfer
 from core.errors import DataError
 from core.modules.caution import Caution
 from core.physics.radiometry.radiance_units import RadianceUnit, radiance_unit
@@ -132,6 +133,24 @@ def apart_caution(
 def alike(one: float, other: float, *, near: float = NEAR) -> bool:
     """Whether two values differ by no more than that share of the larger."""
     return abs(one - other) <= near * max(abs(one), abs(other))
+
+
+def unlinked_phase_caution(apply: str, phase: Phase, ptf: Transfer) -> Caution | None:
+    """A PTF that is left out because no phase is linked to the module.
+
+    Parameters
+    ----------
+    apply : str
+        The module's own; a transfer function alone needs no phase.
+    phase, ptf : Phase, Transfer
+        Outputs of the module.
+    """
+    if apply != "multiply" or phase.image is not None or not ptf.factors:
+        return None
+    return Caution(
+        "no phase is linked, and the PTF is left out of the picture",
+        "link phase from Init & Trans, and from here on to Back Transform",
+    )
 
 
 def first(*cautions: Caution | None) -> Caution | None:

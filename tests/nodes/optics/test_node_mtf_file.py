@@ -32,14 +32,14 @@ UNITS = {
 }
 
 
-def plan_of(folder, key, params, *, init=SENSOR):
+def plan_of(folder, key, params, *, init=SENSOR, linked=True):
     nodes = {
         "scene": ("test_scene", SCENE),
         "init": ("init_trans", init),
         "it": (key, params),
         "back": ("back_transform", {}),
     }
-    phase = key in ("mtf_file", "diffraction_mtf")
+    phase = linked and key in ("mtf_file", "diffraction_mtf")
     links = [
         ("scene.image", "init.image"),
         ("init.context", "it.context"),
@@ -294,8 +294,8 @@ def test_another_content_is_another_key(tmp_path):
     assert key() == before
 
 
-def cautions(folder, params):
-    plan = plan_of(folder, "mtf_file", params)[1]
+def cautions(folder, params, **how):
+    plan = plan_of(folder, "mtf_file", params, **how)[1]
     assert plan.errors() == []
     return {caution.check: caution.text for caution in plan.nodes["it"].warnings}
 
@@ -322,3 +322,13 @@ def test_warns_of_what_amplifies_of_no_file_and_of_another_geometry(tmp_path):
     found = cautions(tmp_path, {**params, "focal_length_mm": 150.0})
     assert "focal_length_mm = 150 mm here, 120 mm on Init & Trans" in found["geometry"]
     assert "geometry" not in cautions(tmp_path, {**params, "focal_length_mm": 120.0})
+
+
+def test_warns_of_a_phase_that_goes_nowhere(tmp_path):
+    with_phase = table(tmp_path, [0.0, 3.0], mtf_x=[1.0, 0.0], phase_x=[0.0, -1.0])
+    assert "no_phase" not in cautions(tmp_path, with_phase)
+    assert "PTF is left out" in cautions(tmp_path, with_phase, linked=False)["no_phase"]
+    alone = {**with_phase, "apply": "filter_only"}
+    assert "no_phase" not in cautions(tmp_path, alone, linked=False)
+    without = table(tmp_path, [0.0, 3.0], mtf_x=[1.0, 0.0])
+    assert "no_phase" not in cautions(tmp_path, without, linked=False)

@@ -277,6 +277,7 @@ BY_HAND = {  # need what only a file tells
     ("mtf_file", "end"),
     ("mtf_file", "above_one"),
     ("mtf_file", "geometry"),
+    ("mtf_file", "no_phase"),
     ("atmospheric_path", "unused"),  # beside a file, in test_node_atmospheric_path
     ("atmospheric_path", "source"),
     ("atmospheric_path", "ranges"),
@@ -285,6 +286,7 @@ BY_HAND = {  # need what only a file tells
     ("psf_file", "border"),
     ("psf_file", "coarse"),
     ("psf_file", "geometry"),
+    ("psf_file", "no_phase"),
 }
 
 
