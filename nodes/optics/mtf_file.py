@@ -10,11 +10,10 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.probe import TransferAt
 from core.chain.wires import Context, Magnitude, Phase, Transfer
 from core.errors import DataError, ParameterError
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.measured.tabulated_mtf import (
@@ -30,6 +29,7 @@ from nodes.files.lens.mtf_table import MTF_COLUMNS, PHASE_COLUMNS, MtfTable, rea
 from nodes.shared.context_defaults import given
 from nodes.shared.factor_helpers import separable
 from nodes.shared.module_ports import Apply
+from nodes.shared.nyquist_readouts import NyquistReadouts
 from nodes.shared.shared_warnings import apart_caution, first, unlinked_phase_caution
 
 ENDS_LOW = 0.02  # an MTF that ends above is cut off by the file, not by the optics
@@ -46,7 +46,7 @@ class MtfFileOutputs(NamedTuple):
     ptf: Transfer
 
 
-class MtfFile(Module, key="mtf_file", title="MTF File", group="Optics"):
+class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics"):
     """Blur by the MTF of a file: measured, of a data sheet, or of a lens design.
 
     The file is a CSV table whose first line names its columns: frequency with its unit, as in
@@ -120,8 +120,8 @@ class MtfFile(Module, key="mtf_file", title="MTF File", group="Optics"):
         if table is not None:
             scales = self._scales(table, context)
             blur, shift = self._factors(table, scales, here.node)
-        mtf = Transfer(magnitude.grid, "mtf", blur, label=self.title)
-        ptf = Transfer(magnitude.grid, "ptf", shift, label=self.title)
+        mtf = magnitude.transfer("mtf", blur, self.title)
+        ptf = magnitude.transfer("ptf", shift, self.title)
         if self.apply == "filter_only":
             return MtfFileOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
         return MtfFileOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)
@@ -278,16 +278,6 @@ class MtfFile(Module, key="mtf_file", title="MTF File", group="Optics"):
     def end_y(self, outputs: MtfFileOutputs) -> float | None:
         """Last frequency along of which the file has the MTF."""
         return _end(outputs.mtf.factors, 1)
-
-    @readout()
-    def mtf_at_nyquist_x(self, outputs: MtfFileOutputs) -> TransferAt:
-        """MTF at the image's Nyquist frequency across."""
-        return TransferAt(outputs.mtf, outputs.mtf.grid.nyquist_x, 0.0)
-
-    @readout()
-    def mtf_at_nyquist_y(self, outputs: MtfFileOutputs) -> TransferAt:
-        """MTF at the image's Nyquist frequency along."""
-        return TransferAt(outputs.mtf, 0.0, outputs.mtf.grid.nyquist_y)
 
 
 def _separable(

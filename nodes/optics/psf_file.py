@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-from core.chain.probe import TransferAt
 from core.chain.wires import Context, Magnitude, Phase, Transfer
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.measured.psf_otf import (
@@ -25,6 +24,7 @@ from nodes.files.read import check_finite
 from nodes.optics.lens_source import LensSource, lens_source, stored_samples
 from nodes.shared.context_defaults import given
 from nodes.shared.module_ports import Apply
+from nodes.shared.nyquist_readouts import NyquistReadouts
 from nodes.shared.shared_warnings import apart_caution, unlinked_phase_caution
 
 EDGE_ENERGY = 0.01  # of the whole, above which the border is warned of
@@ -41,7 +41,7 @@ class PsfFileOutputs(NamedTuple):
     ptf: Transfer
 
 
-class PsfFile(Module, key="psf_file", title="PSF File", group="Optics"):
+class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics"):
     """Blur by a point spread function from a picture: measured, or of a lens design.
 
     The picture of every point becomes that of the file: row 0 is at the top, and a tail to the
@@ -108,8 +108,8 @@ class PsfFile(Module, key="psf_file", title="PSF File", group="Optics"):
         if self.path is not None:
             source = lens_source(self.path, here, band=self.band)
             blur, shift = self._factors(source, context, here.node)
-        mtf = Transfer(magnitude.grid, "mtf", blur, label=self.title)
-        ptf = Transfer(magnitude.grid, "ptf", shift, label=self.title)
+        mtf = magnitude.transfer("mtf", blur, self.title)
+        ptf = magnitude.transfer("ptf", shift, self.title)
         if self.apply == "filter_only":
             return PsfFileOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
         return PsfFileOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)
@@ -218,16 +218,6 @@ class PsfFile(Module, key="psf_file", title="PSF File", group="Optics"):
         """Nyquist frequency of the file's samples across, beyond which the MTF is 0."""
         factors = outputs.mtf.factors
         return factors[0].cutoff[0] if factors else None  # type: ignore[union-attr, index]
-
-    @readout()
-    def mtf_at_nyquist_x(self, outputs: PsfFileOutputs) -> TransferAt:
-        """MTF at the image's Nyquist frequency across."""
-        return TransferAt(outputs.mtf, outputs.mtf.grid.nyquist_x, 0.0)
-
-    @readout()
-    def mtf_at_nyquist_y(self, outputs: PsfFileOutputs) -> TransferAt:
-        """MTF at the image's Nyquist frequency along."""
-        return TransferAt(outputs.mtf, 0.0, outputs.mtf.grid.nyquist_y)
 
 
 def _bound(outputs: PsfFileOutputs) -> dict[str, Any]:
