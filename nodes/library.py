@@ -18,6 +18,7 @@ from nodes.analysis.noise.noise_budget import NoiseBudget
 from nodes.analysis.space.spatial_blur import SpatialBlur
 from nodes.atmosphere.atmosphere_mtf import AtmosphereMTF
 from nodes.atmosphere.atmospheric_path import AtmosphericPath
+from nodes.atmosphere.reflected_light import ReflectedLight
 from nodes.detector.charge_eff_mtf import ChargeEffMTF
 from nodes.detector.charge_eff_phase import ChargeEffPhase
 from nodes.detector.detector_mtf import DetectorMTF
@@ -72,6 +73,7 @@ MODULES: tuple[type[Module], ...] = (
     Interpolate,
     ToRadiance,
     ToTemperature,
+    ReflectedLight,
     AtmosphericPath,
     AtmosphereMTF,
     Camera,

@@ -25,6 +25,7 @@ PURE_NUMBERS = {
     "sigma_tvh", "sigma_tv", "sigma_th", "sigma_t", "sigma_vh", "sigma_v", "sigma_h",
     "snr", "overshoot", "noise_gain", "field",
     "sample_pitch", "sample_pitch_y", "background", "transmission", "angstrom_q", "peak",
+    "optical_depth", "bands",
 }  # fmt: skip
 # Numbers of either sign without a natural limit.
 UNBOUNDED = {

@@ -35,6 +35,9 @@ RECORDED = {
     "interpolate": {"order": 1},
     "to_radiance": {"emissivity": 1.0},
     "to_temperature": {"emissivity": 1.0},
+    "reflected_light": {
+        "sun_elevation_deg": 45.0, "optical_depth": 0.0, "sky": 0.0, "bands": 1,
+    },
     "atmospheric_path": {
         "model": "transmission", "transmission": 1.0, "extinction_per_km": 0.2,
         "visibility_km": 23.0, "angstrom_q": 0.0,

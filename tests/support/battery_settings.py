@@ -19,6 +19,9 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "interpolate": {"width": 20, "height": 7},
     "to_radiance": {"emissivity": 0.9, "surroundings_K": 280},
     "to_temperature": {"emissivity": 0.9, "surroundings_K": 200},
+    "reflected_light": {
+        "sky": 20, "optical_depth": 0.3, "cut_on_um": 0.5, "cut_off_um": 0.9, "bands": 3,
+    },
     "atmospheric_path": {
         "model": "visibility_km", "angstrom_q": 1, "range_m": 4000, "air_K": 285,
     },
@@ -131,6 +134,7 @@ NEVER_NEUTRAL = {
     "compare_images": "what it gives is a difference",
     "to_radiance": "radiance is no temperature",
     "to_temperature": "a temperature is no radiance",
+    "reflected_light": "a reflectance is no radiance",
     "camera_geometry": "a camera's samples lie where it looks",
 }
 

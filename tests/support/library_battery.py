@@ -35,10 +35,13 @@ BASE: dict[str, tuple[str, dict[str, Any]]] = {
     "blur": ("gaussian_mtf", {"sigma_x_mrad": 1}),
     "lag": ("charge_eff_phase", {"efficiency": 0.99}),
     "kelvin": ("to_temperature", {}),
+    "share": ("focal_plane", {"integration_time_s": 1e-5, "full_well_e": 3e6}),
 }
 BASE_LINKS = (
     ("scene.image", "init.image"),
     ("scene.image", "kelvin.image"),
+    ("scene.image", "share.image"),
+    ("init.context", "share.context"),
     ("init.context", "blur.context"),
     ("init.magnitude", "blur.magnitude"),
     ("init.context", "lag.context"),
@@ -52,6 +55,7 @@ SOURCES = {
 OWN_SOURCES = {
     ("measured_mtf", "image"): "edge.image",
     ("to_radiance", "image"): "kelvin.image",
+    ("reflected_light", "image"): "share.saturated",  # 0 and 1, without a unit
     ("to_radiance", "emissivity"): None,
     ("to_temperature", "emissivity"): None,
 }

@@ -1,0 +1,131 @@
+"""Light of sun and sky on a horizontal matt surface, and what that reflects."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.errors import ParameterError
+from core.physics.atmosphere.air_path import Points
+from core.physics.numerics.scalar_checks import non_negative, within
+from core.physics.radiometry.band_nodes import band_nodes
+from core.physics.radiometry.planck import spectral_radiance
+
+FloatArray = NDArray[np.float64]
+
+SUN_K = 5800.0
+"""Temperature of the black body that sunlight is taken for."""
+
+SUN_SR = math.pi * (6.957e8 / 1.495978707e11) ** 2
+"""Solid angle of the Sun at its mean distance: nominal solar radius (IAU 2015 B3) and au."""
+
+_NEAR = 1e-9  # by which a table may end before the band
+
+
+def relative_air_mass(*, elevation_deg: float) -> float:
+    """Length of the sun's way through the air over that from the zenith.
+
+    Parameters
+    ----------
+    elevation_deg : float
+        Of the sun above the horizon, 0 to 90.
+
+    Returns
+    -------
+    float
+        1 at the zenith within 0.03 %, 38 at the horizon.
+
+    Raises
+    ------
+    ParameterError
+        For an elevation out of range.
+
+    Notes
+    -----
+    Source: F. Kasten and A. T. Young, Appl. Opt. 28, 4735 (1989).
+    """
+    height = within("sun_elevation_deg", elevation_deg, 0.0, 90.0, unit="deg")
+    below = 0.50572 * (height + 6.07995) ** -1.6364
+    return float(1.0 / (math.sin(math.radians(height)) + below))
+
+
+@dataclass(frozen=True)
+class Sunlight:
+    """Sun and sky over a horizontal surface.
+
+    Parameters
+    ----------
+    elevation_deg : float
+        Of the sun, 0 to 90.
+    irradiance : float, optional
+        Of the sun above the air, W/m²/µm, on a surface that faces it; at all wavelengths.
+    points : tuple of (float, float)
+        Wavelength in µm, rising, and that irradiance, straight between them. Without both, that of
+        a black body of 5800 K at the sun's distance.
+    sky : float
+        Radiance of the sky, the same all over, W/m²/sr/µm.
+    optical_depth : float
+        Of the air from the zenith, in the way of the sun alone.
+
+    Raises
+    ------
+    ParameterError
+        For a value out of range.
+
+    Notes
+    -----
+    Source: Lambert 1760: L = ρ·(E_sun·e^{−τm}·sin h + E_sky)/π, E_sky = π·L_sky of an even sky.
+    """
+
+    elevation_deg: float
+    irradiance: float | None = None
+    points: Points = ()
+    sky: float = 0.0
+    optical_depth: float = 0.0
+
+    def __post_init__(self) -> None:
+        within("sun_elevation_deg", self.elevation_deg, 0.0, 90.0, unit="deg")
+        non_negative("sky", self.sky, unit="W/m²/sr/µm")
+        non_negative("optical_depth", self.optical_depth)
+        if self.irradiance is not None:
+            non_negative("solar_irradiance", self.irradiance, unit="W/m²/µm")
+        for _, value in self.points:
+            non_negative("solar_irradiance", value, unit="W/m²/µm")
+
+    def on_surface(self, wavelength_um: ArrayLike) -> FloatArray:
+        """Irradiance of a horizontal surface at wavelengths, W/m²/µm."""
+        wavelength = np.asarray(wavelength_um, np.float64)
+        if self.points:
+            known, values = np.array(self.points).T
+            sun = np.interp(wavelength, known, values)
+        elif self.irradiance is not None:
+            sun = np.full(wavelength.shape, self.irradiance)
+        else:
+            sun = SUN_SR * spectral_radiance(wavelength, SUN_K)
+        way = relative_air_mass(elevation_deg=self.elevation_deg)
+        passed = math.exp(-self.optical_depth * way)
+        share = passed * math.sin(math.radians(self.elevation_deg))
+        return np.asarray(share * sun + math.pi * self.sky)
+
+    def over_band(self, cut_on_um: float, cut_off_um: float) -> float:
+        """Irradiance of a horizontal surface in a band, W/m².
+
+        Raises
+        ------
+        ParameterError
+            For a table that does not cover the band.
+        """
+        if self.points:
+            first, last = self.points[0][0], self.points[-1][0]
+            if first > cut_on_um * (1.0 + _NEAR) or last < cut_off_um * (1.0 - _NEAR):
+                raise ParameterError(
+                    "path",
+                    f"{first:g} to {last:g} µm",
+                    f"a table that covers the band, {cut_on_um:g} to {cut_off_um:g} µm",
+                )
+        places = [place for place, _ in self.points]
+        wavelength, width = band_nodes(cut_on_um, cut_off_um, places)
+        return float(width @ self.on_surface(wavelength))

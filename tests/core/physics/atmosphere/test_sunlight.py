@@ -1,0 +1,71 @@
+"""Sun and sky on a surface: air mass, a black body's irradiance, tables, against quadrature."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath
+import pytest
+
+from core.errors import ParameterError
+from core.physics.atmosphere.sunlight import SUN_SR, Sunlight, relative_air_mass
+from planck_truth import band_radiance
+
+
+def test_air_mass():
+    """Kasten and Young's own table: 1 at the zenith, 5.59 at 10°, 10.31 at 5°, 37.92 at 0."""
+    assert relative_air_mass(elevation_deg=90) == pytest.approx(1.0, rel=4e-4)
+    for elevation, published in ((30, 1.9942), (10, 5.5841), (5, 10.3164), (0, 37.9196)):
+        assert relative_air_mass(elevation_deg=elevation) == pytest.approx(published, rel=2e-3)
+    assert relative_air_mass(elevation_deg=60) == pytest.approx(2 / math.sqrt(3), rel=2e-3)
+
+
+def test_the_sun_at_all_wavelengths():
+    """σT⁴·(R/d)² = 1388 W/m²."""
+    whole = 5.670374419e-8 * 5800**4 * (6.957e8 / 1.495978707e11) ** 2
+    assert whole == pytest.approx(1387.8, abs=0.1)
+    assert Sunlight(90).over_band(0.05, 500) == pytest.approx(whole, rel=1e-6)
+    assert pytest.approx(6.794e-5, rel=1e-4) == SUN_SR
+
+
+def test_a_black_body_in_a_band():
+    """Ω·L(5800 K)·exp(−0.3·m)·sin 40° + π·12·0.4, the band's radiance by mpmath."""
+    light = Sunlight(40, sky=12.0, optical_depth=0.3)
+    passed = math.exp(-0.3 * relative_air_mass(elevation_deg=40))
+    direct = SUN_SR * band_radiance(0.5, 0.9, 5800) * passed * math.sin(math.radians(40))
+    assert light.over_band(0.5, 0.9) == pytest.approx(direct + math.pi * 12 * 0.4, rel=1e-12)
+
+
+def test_a_table_and_a_number():
+    points = ((0.4, 1000.0), (0.55, 1800.0), (0.8, 1200.0))
+    light = Sunlight(30, points=points)
+
+    def line(um):
+        low, high = (points[0], points[1]) if um < 0.55 else (points[1], points[2])
+        return low[1] + (high[1] - low[1]) * (um - low[0]) / (high[0] - low[0])
+
+    expected = float(mpmath.quad(line, [0.45, 0.55, 0.7])) / 2
+    assert light.over_band(0.45, 0.7) == pytest.approx(expected, rel=1e-13)
+    assert Sunlight(30, irradiance=900.0).over_band(0.4, 0.6) == pytest.approx(90.0, rel=1e-13)
+    assert Sunlight(0, irradiance=900.0).over_band(0.4, 0.6) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"elevation_deg": -1}, "sun_elevation_deg = -1"),
+        ({"elevation_deg": 91}, "sun_elevation_deg = 91"),
+        ({"elevation_deg": 9, "sky": -1}, "sky = -1"),
+        ({"elevation_deg": 9, "optical_depth": -1}, "optical_depth = -1"),
+        ({"elevation_deg": 9, "irradiance": -1}, "solar_irradiance = -1"),
+        ({"elevation_deg": 9, "points": ((1, -2), (2, 3))}, "solar_irradiance = -2"),
+    ],
+)
+def test_values_out_of_range(values, words):
+    with pytest.raises(ParameterError, match=words):
+        Sunlight(**values)
+
+
+def test_a_table_that_ends_before_the_band():
+    with pytest.raises(ParameterError, match=r"0.5 to 0.8 µm.*covers the band, 0.4 to 0.7 µm"):
+        Sunlight(9, points=((0.5, 1.0), (0.8, 1.0))).over_band(0.4, 0.7)
