@@ -17,7 +17,8 @@ class Theme:
     """Every colour by what it is for, as ``#rrggbb``.
 
     `ports` colours wires and ports by their type, `groups` the heads of nodes by the library's
-    groups, `badges` the marks of a node's state. Fusion draws buttons lighter than `button`.
+    groups, `badges` the marks of a node's state, `channels` the red, green and blue of a picture
+    composed of three bands. Fusion draws buttons lighter than `button`.
 
     Text has a contrast of at least 4.5 to 1 on each of its grounds (WCAG 2.1). Any two of `ports`,
     and of the eight `curves`, differ by at least 10 (CIEDE2000) to usual sight and to protanopes,
@@ -44,6 +45,7 @@ class Theme:
     groups: Mapping[str, str]
     badges: Mapping[str, str]
     curves: tuple[str, ...]
+    channels: tuple[str, str, str]
 
     def palette(self) -> QPalette:
         """For Qt's Fusion style."""
@@ -125,6 +127,7 @@ DARK = Theme(
         }
     ),
     curves=("#7fabff", "#e5da4f", "#7afec9", "#f4b590", "#c891b9", "#f08298", "#95b344", "#c0c1c1"),
+    channels=("#ff7b72", "#5fd06e", "#7ea6ff"),
 )
 
 LIGHT = Theme(
@@ -179,6 +182,7 @@ LIGHT = Theme(
         }
     ),
     curves=("#337cc8", "#926d07", "#376048", "#8b3e14", "#4c24a2", "#d62182", "#74764e", "#5f6770"),
+    channels=("#b32720", "#1c7434", "#2b57c4"),
 )
 
 THEMES: Mapping[Look, Theme] = MappingProxyType({"dark": DARK, "light": LIGHT})

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
+from app.editor.viewers.bands.picture_bands import PictureBands
 from app.editor.viewers.neighbours import neighbours
 from app.editor.viewers.network_ports import PICTURE_TYPES, ports_by_node
 from app.editor.viewers.picture.kept_side import (
@@ -168,6 +169,7 @@ class ImageViewer(Viewer):
         self.theme = theme
         self.bar.region.set_theme(theme)
         self.canvas.set_theme(theme)
+        self.bands.set_theme(theme)
         self.status.set_theme(theme)
 
     def state(self) -> dict[str, Any]:
@@ -179,6 +181,7 @@ class ImageViewer(Viewer):
             "shape": self.bar.display.shape.isChecked(),
             "histogram": self.bar.display.histogram.isChecked(),
             "profile": self.bar.display.profile.isChecked(),
+            "spectra": self.bar.display.spectra.isChecked(),
             "line": list(self.canvas.profile.ends),
             "split": self.canvas.split,
             "zoom": None if zoom is None else list(zoom),
@@ -194,6 +197,7 @@ class ImageViewer(Viewer):
         self.bar.display.shape.setChecked(state.get("shape", True) is True)
         self.bar.display.histogram.setChecked(state.get("histogram", True) is True)
         self.bar.display.profile.setChecked(state.get("profile", False) is True)
+        self.bar.display.spectra.setChecked(state.get("spectra", True) is True)
         if (ends := numbers_of(state.get("line"), 4)) is not None:
             self.canvas.profile.show(self.bar.display.profile.isChecked(), ends)
         if (split := numbers_of([state.get("split")], 1)) is not None:
@@ -202,21 +206,22 @@ class ImageViewer(Viewer):
         self._follow_choices()
 
     def queries(self) -> tuple[Query, ...]:
-        """The picture that is chosen."""
+        """The picture that is chosen, and spectra of its bands."""
         query = self._query
-        return () if query is None else (query,)
+        return () if query is None else (query, *self.bands.queries)
 
     def accepts(self, query: Query) -> bool:
-        """Whether it is what is chosen; while levels are dragged, also with those of before."""
+        """Whether it is what is chosen; while levels or bands are dragged, also with others."""
         chosen = self._query
-        return (
-            isinstance(query, PictureQuery)
-            and chosen is not None
-            and replace(query, levels=chosen.levels) == chosen
-        )
+        if chosen is None or not isinstance(query, PictureQuery):
+            return chosen is not None and self.bands.accepts(query)
+        alike = query.bands.shown == chosen.bands.shown
+        return alike and replace(query, levels=chosen.levels, bands=chosen.bands) == chosen
 
     def take(self, answer: Answer) -> None:
         """Show a picture, or the last one faintly with the reason why there is none."""
+        if self.bands.take(answer):
+            return
         self._failed = answer.error is not None
         if isinstance(answer.value, Picture):
             picture = self._placed(answer.value)
@@ -257,6 +262,7 @@ class ImageViewer(Viewer):
         text = picture.refused or (side.missing if side is not None else "")
         text = text or facts_text(picture, self.choices, *against)
         self.status.show_text(text, failed=bool(picture.refused))
+        self.bands.show_picture(picture, self.choices.port, self.choices.bands)
         self.probe.show_picture(picture, self.choices, kept=side is not None)
 
     def _build(self) -> None:
@@ -267,10 +273,12 @@ class ImageViewer(Viewer):
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
         self.probe = PictureProbe(self.canvas, self.status)
         self.region = RegionTool(self.session, self.evaluator, self.canvas, self.bar.region)
+        self.bands = PictureBands(self.owner, self.theme, self.canvas.ci, self.canvas, self)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
         layout.addWidget(self.bar)
+        layout.addWidget(self.bands.bar)
         self._hint = centred_hint(
             "Choose a wire above, or show a selected node by its number", self
         )
@@ -292,6 +300,11 @@ class ImageViewer(Viewer):
         bar.display.shape.toggled.connect(canvas.show_true_shape)
         bar.display.histogram.toggled.connect(canvas.show_histogram)
         bar.display.profile.toggled.connect(self._toggle_profile)
+        bar.display.spectra.toggled.connect(self.bands.show_spectra)
+        self.bands.bar.chosen.connect(self._choose_bands)
+        self.bands.wanted.connect(self.ask)
+        self.probe.placed.connect(self.bands.point_at)
+        canvas.band_stepped.connect(self.bands.bar.step)
         bar.compare.mode.chosen.connect(self._choose_mode)
         bar.compare.other_chosen.connect(self._choose_other)
         bar.compare.linked.connect(self._choose_link)
@@ -315,6 +328,11 @@ class ImageViewer(Viewer):
 
     def _choose_mode(self, name: str) -> None:
         self._choose(mode=name)
+
+    def _choose_bands(self, choice: Any) -> None:
+        self._choose(bands=choice)
+        if self.picture is not None:
+            self.bands.show_picture(self.picture, self.choices.port, choice)
 
     def _choose_levels(self, name: str) -> None:
         manual = self.picture.levels if self.picture is not None else "extremes"
@@ -353,6 +371,7 @@ class ImageViewer(Viewer):
             self.canvas.clear_picture()
             self._pages.setCurrentWidget(self._hint)
             self.status.show_text("")
+            self.bands.show_picture(None, None, choices.bands)
             self.probe.show_picture(None, choices)
             self.region.show_picture(None, None)
         elif choices.mode != "alone" and choices.other is None:

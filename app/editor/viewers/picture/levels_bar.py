@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import zip_longest
+
 import numpy as np
 import pyqtgraph as pg
+from numpy.typing import NDArray
 from PySide6.QtCore import QTimer, Signal
+from PySide6.QtGui import QPainter
 
 from app.editor.theme import Theme
 from app.editor.viewers.pixels.colour_maps import colour_map
@@ -44,7 +48,7 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
             super().__init__()
         self._writing = False
         self._spread: Range | None = None
-        self._next: tuple[Spread, Range] | None = None
+        self._next: tuple[Spread, Range, tuple[Spread, ...]] | None = None
         self._pause = QTimer(singleShot=True, interval=SPREAD_MS)
         self._pause.timeout.connect(self._show_next)
         self.vb.setMaximumWidth(_WIDTH)
@@ -54,6 +58,10 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         self.gradient.showTicks(False)
         self.axis.enableAutoSIPrefix(False)
         self.disableAutoHistogramRange()
+        self._channels = self.plots[1:4]
+        for plot in self._channels:
+            plot.setFillLevel(None)
+            plot.setCompositionMode(QPainter.CompositionMode.CompositionMode_SourceOver)
         # The curve is turned: its bars grow to the left of zero, up to 1.
         self.vb.setXRange(-1.02, 0.0, padding=0.0)
         self.sigLevelsChanged.connect(self._levels_changed)
@@ -64,7 +72,9 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         """Draw in other colours."""
         paint_axis(self.axis, theme)
         self.plot.setPen(theme.faint_text)
-        self.fillHistogram(True, color=see_through(theme.faint_text, 110))
+        self.plot.setBrush(see_through(theme.faint_text, 110))
+        for plot, colour in zip(self._channels, theme.channels, strict=True):
+            plot.setPen(colour)
         self.region.setBrush(see_through(theme.accent, 50))
         self.region.setHoverBrush(see_through(theme.accent, 90))
         for line in self.region.lines:
@@ -81,25 +91,31 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
         """Whether a newer histogram is about to be drawn."""
         return self._next is not None
 
-    def show_spread(self, spread: Spread, levels: Range) -> None:
-        """Show a histogram, and levels unless the person drags them; the newest, in a while."""
-        self._next = spread, levels
+    def show_spread(self, spread: Spread, levels: Range, channels: tuple[Spread, ...] = ()) -> None:
+        """Show a histogram, and levels unless the person drags them; the newest, in a while.
+
+        Of red, green and blue it is three lines, on the same axis.
+        """
+        self._next = spread, levels, channels
         if not self._pause.isActive():
             self._show_next()
 
     def _show_next(self) -> None:
         if self._next is None:
             return
-        (spread, levels), self._next = self._next, None
+        (spread, levels, channels), self._next = self._next, None
         self._pause.start()
         low, high = spread.low, spread.high
         if not high > low:
             reach = abs(low) * 1e-3 or 1.0
             low, high = low - reach, high + reach
-        bars = np.log1p(spread.counts.astype(np.float64))
-        bars /= max(1.0, float(bars.max()))
-        centres = spread.centres if spread.high > spread.low else np.linspace(low, high, len(bars))
-        self.plot.setData(centres, bars)
+        ends = low, high
+        if channels:
+            self.plot.setData([], [])
+        else:
+            self.plot.setData(*_bars(spread, ends))
+        for plot, channel in zip_longest(self._channels, channels):
+            plot.setData(*(_bars(channel, ends) if channel is not None else ([], [])))
         self._see(low, high, levels)
         if not any(line.moving for line in (*self.region.lines, self.region)):
             self._writing = True
@@ -129,3 +145,11 @@ class LevelsBar(pg.HistogramLUTItem):  # type: ignore[misc]
     def _level_change_finished(self) -> None:
         if not self._writing:
             self.released.emit()
+
+
+def _bars(spread: Spread, ends: Range) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Places and lengths of the bars; between these ends where all samples are alike."""
+    bars = np.log1p(spread.counts.astype(np.float64))
+    bars /= max(1.0, float(bars.max()))
+    centres = spread.centres if spread.high > spread.low else np.linspace(*ends, len(bars))
+    return centres, bars

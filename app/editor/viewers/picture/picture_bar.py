@@ -43,6 +43,7 @@ class PictureBar(QWidget):
         self.compare = CompareMenu(compared.menu())
         self.display.histogram.setChecked(True)
         self.display.shape.setChecked(True)
+        self.display.spectra.setChecked(True)
         compared.menu().aboutToShow.connect(self.opening)
         self.menus = (shown.menu(), compared.menu())
         for menu, title in zip(self.menus, ("&Display", "&Compare"), strict=True):

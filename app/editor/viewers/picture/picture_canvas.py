@@ -41,6 +41,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         The cursor is at a place of the axes, a tuple; None where it is on no picture.
     stepped(columns, rows)
         An arrow key moves the probe.
+    band_stepped(by)
+        A key shows the next band, or the one before.
     zoomed
         The person sees another part of the picture.
     menu_wanted(point)
@@ -49,6 +51,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
 
     pointed = Signal(object)
     stepped = Signal(int, int)
+    band_stepped = Signal(int)
     zoomed = Signal()
     menu_wanted = Signal(QPoint)
 
@@ -118,7 +121,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self._divide()
         for item in (self.first, self.second):
             item.setOpacity(1.0)
-        self.levels.show_spread(picture.spread, picture.levels)
+        channels = tuple(channel.spread for channel in picture.channels)
+        self.levels.show_spread(picture.spread, picture.levels, channels)
         self.profile.show_picture(picture)
         if moved:
             self.mark(None)
@@ -235,7 +239,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Move the probe by the arrows; zoom by plus, minus, 0 or F (all) and 1 (dot by dot).
 
-        With Ctrl the arrows move the wipe.
+        With Ctrl the arrows move the wipe; Page Up and Page Down show the next band.
         """
         key = Qt.Key(event.key())
         step = _STEPS.get(key)
@@ -245,6 +249,8 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
                 self.set_split(self._split + step[0] * far * _WIPE_STEP)
         elif step is not None:
             self.stepped.emit(step[0] * far, step[1] * far)
+        elif key in (Qt.Key.Key_PageUp, Qt.Key.Key_PageDown):
+            self.band_stepped.emit(far if key == Qt.Key.Key_PageUp else -far)
         elif key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
             self.zoom_by(1.25)
             self.zoomed.emit()

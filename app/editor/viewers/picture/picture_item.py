@@ -1,4 +1,4 @@
-"""A picture as an item of a plot: 8-bit levels with a table of colours."""
+"""A picture as an item of a plot: 8-bit levels with a table of colours, or colours of its own."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
 
     def show_picture(self, picture: Picture, table: Table, place: QRectF) -> None:
         """Show this picture at this place."""
-        self.setImage(picture.grey, autoLevels=False, levels=None, lut=_lookup(table))
+        self.setImage(picture.grey, autoLevels=False, levels=None, lut=_lookup(table, picture.grey))
         self.setRect(place)
 
     def set_table(self, table: Table) -> None:
         """Show it in other colours."""
-        self.setLookupTable(_lookup(table))
+        self.setLookupTable(_lookup(table, self.image))
 
     def show_part(self, start: float, end: float) -> None:
         """Show it from there to there."""
@@ -58,6 +58,7 @@ class PictureItem(pg.ImageItem):  # type: ignore[misc]
         painter.restore()
 
 
-def _lookup(table: Table) -> Table | None:
-    """Levels that are greys already need no table, and are shown faster without."""
-    return None if table is colour_table("grey") else table
+def _lookup(table: Table, levels: Any) -> Table | None:
+    """Levels that are greys already, or colours, need no table, and are shown faster without."""
+    is_colour = levels is not None and levels.ndim == 3
+    return None if is_colour or table is colour_table("grey") else table

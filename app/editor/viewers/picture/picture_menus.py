@@ -56,7 +56,7 @@ class Radio(QObject):
 
 
 class DisplayMenu(QObject):
-    """How the picture is drawn: mapping, levels, colours, histogram, line."""
+    """How the picture is drawn: mapping, levels, colours, histogram, line, spectra of its bands."""
 
     def __init__(self, menu: QMenu) -> None:
         super().__init__(menu)
@@ -70,6 +70,7 @@ class DisplayMenu(QObject):
         self.shape = self._toggle(menu, "shape", "&True Shape of Pixels")
         self.histogram = self._toggle(menu, "histogram", "&Histogram")
         self.profile = self._toggle(menu, "profile", "Line &Profile")
+        self.spectra = self._toggle(menu, "spectra", "Spectrum over &Wavelength")
 
     def _toggle(self, menu: QMenu, name: str, text: str) -> QAction:
         action = QAction(text, menu, checkable=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QObject, Signal
 
 from app.editor.viewers.picture.picture_canvas import PictureCanvas
 from app.editor.viewers.pixels.picture_choices import Choices
@@ -23,7 +23,14 @@ class PictureProbe(QObject):
         Signals where the cursor is, and marks the place; Qt's owner.
     status : StatusLine
         Where the sample is shown.
+
+    Signals
+    -------
+    placed(place)
+        The row and column of a picture, at its full size; None where it is on none.
     """
+
+    placed = Signal(object)
 
     def __init__(self, canvas: PictureCanvas, status: StatusLine) -> None:
         super().__init__(canvas)
@@ -76,3 +83,13 @@ class PictureProbe(QObject):
     def _show_sample(self) -> None:
         text = sample_text(self._picture, self._place, self._choices, kept=self._kept)
         self._status.show_more(text)
+        self.placed.emit(self._full_place if text else None)
+
+    @property
+    def _full_place(self) -> tuple[int, int] | None:
+        """Of the picture at full size, where a preview counts its samples too."""
+        picture = self._picture
+        if picture is None or self._place is None or picture.facts.kind != "picture":
+            return None
+        row, column = self._place
+        return round(picture.facts.along.at(row)), round(picture.facts.across.at(column))

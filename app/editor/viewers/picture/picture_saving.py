@@ -42,6 +42,8 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
     if PNG.matches(path):
         write_bytes(path, shown_png(picture, table, split))
         return
+    if picture.channels:
+        raise UsageError(f"{path}: colours of three bands are written as .png, or show one band")
     samples: Any = picture.samples
     if picture.facts.kind == "plane":
         samples = scipy.fft.ifftshift(samples)
@@ -52,23 +54,28 @@ def save_picture(picture: Picture, path: Path, table: Table, split: float = 0.5)
 
 def shown_png(picture: Picture, table: Table, split: float = 0.5) -> bytes:
     """Encode what is shown, in its colours and levels, both sides of a wipe."""
-    return _png(wiped(picture, split), table)
+    levels = wiped(picture, split, table)
+    return _colour_png(levels) if levels.ndim == 3 else _png(levels, table)
 
 
-def wiped(picture: Picture, split: float) -> Levels:
+def wiped(picture: Picture, split: float, table: Table | None = None) -> Levels:
     """The levels on both sides of a wipe; the second picture's nearest ones if it is not as large.
 
-    Without a second one, those of the picture.
+    Without a second one, those of the picture. Where one side has colours of its own, both are
+    colours, of the table where they have none.
     """
     levels, other = picture.grey, picture.other
     if other is None:
         return levels
-    rows, columns = levels.shape
+    others = other.grey
+    if levels.ndim != others.ndim and table is not None:
+        levels, others = (table[one] if one.ndim == 2 else one for one in (levels, others))
+    rows, columns = levels.shape[:2]
     start = round(split * columns)
     down = (np.arange(rows) + 0.5) / rows * other.facts.rows
     right = (np.arange(start, columns) + 0.5) / columns * other.facts.columns
     both = levels.copy()
-    both[:, start:] = other.grey[np.ix_(down.astype(np.intp), right.astype(np.intp))]
+    both[:, start:] = others[np.ix_(down.astype(np.intp), right.astype(np.intp))]
     return both
 
 
@@ -77,6 +84,16 @@ def _png(shown: Levels, table: Table) -> bytes:
     rows, columns = levels.shape
     image = QImage(levels.data, columns, rows, columns, QImage.Format.Format_Indexed8)
     image.setColorTable([0xFF000000 | int(r) << 16 | int(g) << 8 | int(b) for r, g, b in table])
+    return _encoded(image)
+
+
+def _colour_png(shown: Levels) -> bytes:
+    levels = np.ascontiguousarray(shown)
+    rows, columns, _ = levels.shape
+    return _encoded(QImage(levels.data, columns, rows, 3 * columns, QImage.Format.Format_RGB888))
+
+
+def _encoded(image: QImage) -> bytes:
     buffer = QBuffer()
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
     image.save(buffer, "PNG")  # type: ignore[call-overload]

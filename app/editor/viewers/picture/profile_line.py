@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import pyqtgraph as pg
@@ -10,6 +11,7 @@ from PySide6.QtCore import QObject, QPointF
 
 from app.editor.theme import Theme
 from app.editor.viewers.picture.picture_item import extent
+from app.editor.viewers.pixels.band_choice import CHANNELS
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.pixels.probing import Place, along_line
 from app.editor.viewers.plot.plot_looks import bare, paint_axes
@@ -47,6 +49,7 @@ class ProfileLine(QObject):
         plot.setFixedHeight(_LINES * parent.fontMetrics().height())
         self._curve = plot.plot()
         self._other = plot.plot()
+        self._colours = [plot.plot() for _ in CHANNELS]
         self._line = pg.LineSegmentROI([(0, 0), (1, 1)])
         self._line.setZValue(10)
         picture_plot.addItem(self._line)
@@ -91,14 +94,16 @@ class ProfileLine(QObject):
     def clear(self) -> None:
         """Show no profile: there is no picture."""
         self._picture = None
-        self._curve.setData([], [])
-        self._other.setData([], [])
+        for curve in (self._curve, self._other, *self._colours):
+            curve.setData([], [])
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         paint_axes(self._plot, theme)
         self._curve.setPen(theme.curves[0])
         self._other.setPen(theme.curves[1])
+        for curve, colour in zip(self._colours, theme.channels, strict=True):
+            curve.setPen(colour)
         self._line.setPen(theme.accent, width=2)
         self._line.hoverPen = pg.mkPen(theme.changed, width=3)
         for handle in self._line.getHandles():
@@ -137,7 +142,11 @@ class ProfileLine(QObject):
             return
         self._plot.setLabel("left", picture.facts.unit or picture.facts.quantity)
         start, end = self._on(picture)
-        self._curve.setData(*along_line(picture.samples, start, end))
+        self._curve.setData([], [])
+        for curve, channel in zip_longest(self._colours, picture.channels):
+            curve.setData(*(along_line(channel.samples, start, end) if channel else ([], [])))
+        if not picture.channels:
+            self._curve.setData(*along_line(picture.samples, start, end))
         if picture.other is None:
             self._other.setData([], [])
             return

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Any, get_args
 
 from app.editor.viewers.network_ports import followed
-from app.editor.viewers.pixels.picture_query import Automatic, Levels, Mode, PictureQuery, Scale
+from app.editor.viewers.pixels.band_choice import ALL, BandChoice
+from app.editor.viewers.pixels.picture_layers import Automatic
+from app.editor.viewers.pixels.picture_query import Levels, Mode, PictureQuery, Scale
 from core.network.network import Network
 
 SCALES: tuple[Scale, ...] = get_args(Scale)
@@ -26,21 +28,25 @@ class Choices:
     mode: Mode = "alone"
     mapping: Scale = "linear"
     levels: Levels = AUTOMATIC_LEVELS
+    bands: BandChoice = ALL
 
     @property
     def query(self) -> PictureQuery | None:
         """The query; None where nothing is to be shown."""
         if self.port is None:
             return None
-        if not self.compares:
-            return PictureQuery(self.port, mapping=self.mapping, levels=self.levels)
-        return PictureQuery(self.port, self.other, self.mode, self.mapping, self.levels)
+        alone = PictureQuery(
+            self.port, mapping=self.mapping, levels=self.levels, bands=self.bands.in_use
+        )
+        return replace(alone, other=self.other, mode=self.mode) if self.compares else alone
 
     def with_(self, **changes: Any) -> Choices:
         """With some of it changed; manual levels hold only for what they were set for."""
         changed = replace(self, **changes)
         meant_for = ("port", "other", "mode", "mapping")
         otherwise = any(getattr(self, name) != getattr(changed, name) for name in meant_for)
+        # Of another band in the same place they hold, so that bands can be compared.
+        otherwise = otherwise or self.bands.shown != changed.bands.shown
         if otherwise and "levels" not in changes and not isinstance(changed.levels, str):
             return replace(changed, levels=AUTOMATIC_LEVELS)
         return changed
@@ -65,6 +71,7 @@ class Choices:
             "mode": self.mode,
             "mapping": self.mapping,
             "levels": levels,
+            "bands": self.bands.plain(),
         }
 
     @classmethod
@@ -78,6 +85,7 @@ class Choices:
             mode if mode in MODES else "alone",
             mapping if mapping in SCALES else "linear",
             levels if levels in AUTOMATIC else _manual(levels) or AUTOMATIC_LEVELS,
+            BandChoice.of(plain.get("bands")),
         )
 
 

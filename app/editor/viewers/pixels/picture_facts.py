@@ -9,6 +9,7 @@ from typing import Any, Literal
 from app.editor.viewers.network_ports import PICTURE_TYPES
 from core.chain.wires import Image, Magnitude, Phase, Pupil, SpectrumWire, Transfer
 from core.errors import NetworkError
+from core.spectrum.band_stack import BandStack
 from core.transfer.grid import Grid
 
 Band = tuple[float, float]
@@ -65,6 +66,10 @@ class Facts:
         Cut-on and cut-off wavelength.
     pixel_shape : float
         Width of a sample over its height, in angle; 1 where that is not known or beyond 8.
+    wavelengths_um : tuple of float
+        Middles of the bands that are shown alone, or as red, green and blue; empty for all.
+    width_um : float or None
+        Width of the one band shown, whose samples are per µm.
     """
 
     kind: Kind
@@ -76,6 +81,8 @@ class Facts:
     along: Axis
     band_um: Band | None = None
     pixel_shape: float = 1.0
+    wavelengths_um: tuple[float, ...] = ()
+    width_um: float | None = None
 
     @property
     def title(self) -> str:
@@ -87,7 +94,8 @@ def identity(value: Any) -> Hashable:
     """What a picture of the value depends on; the pixels' key alone does not hold their unit."""
     if isinstance(value, Image):
         interval = value.interval_x_mrad, value.interval_y_mrad
-        return value.key, value.shape, interval, value.unit, value.band_um
+        bands = value.bands.key if value.bands is not None else None
+        return value.key, value.shape, interval, value.unit, value.band_um, bands
     if isinstance(value, SpectrumWire):
         return value.key, value.image.unit if value.image is not None else ""
     return getattr(value, "key", None)
@@ -141,6 +149,21 @@ def picture_facts(image: Image, reduced: int = 1) -> Facts:
         image.band_um,
         _pixel_shape(image),
     )
+
+
+def of_bands(facts: Facts, bands: BandStack, places: tuple[int, ...]) -> Facts:
+    """Facts of all bands, as those of one or of three shown alone."""
+    wavelengths = tuple(bands.centres_um[place] for place in places)
+    band, width = None, None
+    if len(places) == 1:
+        (centre,), width = wavelengths, bands.widths_um[places[0]]
+        band = centre - width / 2, centre + width / 2
+    facts = replace(facts, wavelengths_um=wavelengths, band_um=band)
+    if not bands.density:
+        return facts
+    quantity = "spectral radiance" if facts.quantity == "radiance" else facts.quantity
+    unit = f"{facts.unit}/µm" if facts.unit else "1/µm"
+    return replace(facts, quantity=quantity, unit=unit, width_um=width)
 
 
 def _pixel_shape(image: Image) -> float:

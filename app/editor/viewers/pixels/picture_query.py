@@ -11,26 +11,35 @@ from numpy.typing import NDArray
 
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.pixels import picture_steps as steps
+from app.editor.viewers.pixels.band_choice import ALL, BandChoice, bands_of
 from app.editor.viewers.pixels.grey_levels import Range, Spread, grey_levels, spread_of
 from app.editor.viewers.pixels.kept_picture import KeptPicture, why_not_compared
 from app.editor.viewers.pixels.picture_facts import (
     Facts,
     check_is_picture,
     identity,
+    of_bands,
     picture_facts,
     plane_facts,
     pupil_facts,
     spectrum_facts,
+)
+from app.editor.viewers.pixels.picture_layers import (
+    Automatic,
+    Channel,
+    Layer,
+    composed,
+    together,
 )
 from core.chain.engine import Plan
 from core.chain.wires import Image, Pupil, Transfer
 from core.errors import DataError, ImagechainError
 from core.evaluation.float_guard import watched
 from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import Work
 
 Mode = Literal["alone", "wipe", "difference"]
 Scale = Literal["linear", "log", "spectrum"]
-Automatic = Literal["extremes", "percentiles"]
 Levels = Automatic | Range
 
 
@@ -43,13 +52,13 @@ class Picture:
     facts : Facts
         What it is.
     samples : ndarray, shape (rows, columns)
-        The samples as the probe shows them, not mapped.
-    grey : ndarray of uint8
-        The mapped samples from black to white.
+        The samples as the probe shows them, not mapped; of a composite those of its red.
+    grey : ndarray of uint8, shape (rows, columns) or (rows, columns, 3)
+        The mapped samples from black to white; of a composite red, green and blue.
     levels : (float, float)
-        Mapped values of black and white.
+        Mapped values of black and white; of a composite shares, as its channels' spreads have.
     spread : Spread
-        Extremes and histogram of the mapped samples.
+        Extremes and histogram of the mapped samples; of a composite of all channels together.
     mapping : "linear", "log" or "spectrum"
         How samples are mapped; otherwise than linear they are shown by their decimal logarithm,
         but for planes, which are spectra already.
@@ -61,6 +70,8 @@ class Picture:
         Above 1 in a preview.
     refused : str
         Why the kept picture it was to be compared with is not its other half, in one line.
+    channels : tuple of Channel
+        Red, green and blue of a composite; else empty.
     """
 
     facts: Facts
@@ -73,6 +84,7 @@ class Picture:
     other: Picture | None = None
     reduced: int = 1
     refused: str = ""
+    channels: tuple[Channel, ...] = ()
 
     @property
     def logarithmic(self) -> bool:
@@ -98,9 +110,12 @@ class PictureQuery(Query):
         image's spectrum.
     levels : "extremes", "percentiles" or (low, high)
         What becomes black and white: the extremes, the quantiles of 0.5 % and 99.5 %, or these
-        mapped values. A linear difference has automatic levels that put 0 in the middle.
+        mapped values. A linear difference has automatic levels that put 0 in the middle. Every
+        colour of a composite has its own; two numbers are then shares of what lies between these.
     kept : KeptPicture or None
         An earlier state's picture, as the other half: mapped as the present one is, to its levels.
+    bands : BandChoice
+        What is shown of pictures with bands.
     """
 
     urgency: ClassVar[int] = 0
@@ -112,6 +127,7 @@ class PictureQuery(Query):
     mapping: Scale = "linear"
     levels: Levels = "extremes"
     kept: KeptPicture | None = None
+    bands: BandChoice = ALL
 
     def key(self, plan: Plan) -> Hashable:
         """The question and the content of the wires."""
@@ -145,8 +161,9 @@ class PictureQuery(Query):
         node = self.port.rpartition(".")[0]
         try:
             with watched(node):
-                samples = passing.work.value(source.recipe)
-                spread = passing.work.value(Step.of(steps.spread, source.recipe, name=self.port))
+                (recipe,) = source.recipes
+                samples = passing.work.value(recipe)
+                spread = passing.work.value(Step.of(steps.spread, recipe, name=self.port))
         except ImagechainError as error:
             raise error.at(node) from error
         return KeptPicture(self.port, source.value, samples, source.facts, spread)
@@ -154,6 +171,8 @@ class PictureQuery(Query):
     def _beside(self, passing: Passing, now: Picture, kept: KeptPicture) -> Picture:
         """The present picture with the kept one as its other half, where they compare."""
         work, samples, facts = passing.work, kept.samples, kept.facts
+        if now.facts.wavelengths_um:
+            return replace(now, refused="not compared: of A the sum of all bands is kept")
         if self.mapping == "spectrum" and isinstance(kept.value, Image):
             samples, facts = steps.centred_modulus(work, samples), spectrum_facts(kept.value)
         shown = now.facts
@@ -190,15 +209,20 @@ class PictureQuery(Query):
         work = passing.work
         if isinstance(value, Image):
             facts = picture_facts(value, passing.reduced)
-            return _Source(port, value, value.recipe, facts)
+            bands = bands_of(value)
+            places = () if bands is None else self.bands.places(bands)
+            if bands is None or not places:
+                return _Source(port, value, (value.recipe,), facts)
+            recipes = tuple(bands.band(place) for place in places)
+            return _Source(port, value, recipes, of_bands(facts, bands, places))
         if isinstance(value, Pupil):
             recipe = Step.of(steps.real, value.samples, node=node)
-            return _Source(port, value, recipe, pupil_facts(value))
+            return _Source(port, value, (recipe,), pupil_facts(value))
         work.log.looked_at.add(value.key)
         recipe = Step.of(steps.centred_plane, node=node, value=value)
         own = work.value(value.own) if isinstance(value, Transfer) and value.own else None
         rows, columns = value.grid.shape if own is None else own.values.shape
-        return _Source(port, value, recipe, plane_facts(value, rows, columns, own))
+        return _Source(port, value, (recipe,), plane_facts(value, rows, columns, own))
 
     def _shown(self, passing: Passing, source: _Source, levels: Levels) -> Picture:
         node = source.port.rpartition(".")[0]
@@ -209,47 +233,56 @@ class PictureQuery(Query):
             raise error.at(node) from error
 
     def _made(self, passing: Passing, source: _Source, levels: Levels) -> Picture:
-        work, recipe, facts = passing.work, source.recipe, source.facts
+        facts = source.facts
         if self.mapping == "spectrum" and isinstance(source.value, Image):
-            recipe, facts = Step.of(steps.centred_modulus, recipe), spectrum_facts(source.value)
-        log = self.mapping == "log" or recipe is not source.recipe
-        mapped = Step.of(steps.logarithm, recipe) if log else recipe
-        samples = work.value(mapped)
-        step = Step.of(steps.spread, mapped, name=source.port)
-        spread: Spread = work.value(step)
-        if isinstance(levels, str):
-            low, high = spread.low, spread.high
-            if levels == "percentiles":
-                low, high = work.value(Step.of(steps.inner_range, mapped, step))
-            if source.signed and not log:
-                high = max(abs(low), abs(high))
-                low = -high
+            facts = replace(
+                spectrum_facts(source.value),
+                unit=facts.unit,
+                wavelengths_um=facts.wavelengths_um,
+            )
+        layers = [self._layer(passing.work, source, recipe) for recipe in source.recipes]
+        channels: tuple[Channel, ...] = ()
+        if len(layers) == 1:
+            (layer,) = layers
+            drawn = layer.range_of(passing.work, levels)
+            grey, spread = layer.grey(passing.work, drawn), layer.spread
         else:
-            low, high = levels
-        work.check()
-        grey = grey_levels(samples, low, high, for_each=work.for_each)
+            grey, drawn, channels = composed(passing.work, layers, levels)
+            spread = together([channel.spread for channel in channels])
         grey.flags.writeable = False
-        shown = work.value(recipe)
         return Picture(
             facts,
-            shown,
+            layers[0].shown,
             grey,
-            (low, high),
+            drawn,
             spread,
             self.mapping,
             source.value,
             None,
             passing.reduced,
+            channels=channels,
         )
+
+    def _layer(self, work: Work, source: _Source, recipe: Recipe) -> Layer:
+        """Samples of a picture, or of one colour of it, as they are mapped."""
+        plain = recipe
+        if self.mapping == "spectrum" and isinstance(source.value, Image):
+            recipe = Step.of(steps.centred_modulus, recipe)
+        log = self.mapping == "log" or recipe is not plain
+        mapped = Step.of(steps.logarithm, recipe) if log else recipe
+        samples = work.value(mapped)
+        step = Step.of(steps.spread, mapped, name=source.port)
+        signed = source.signed and not log
+        return Layer(work.value(recipe), samples, work.value(step), mapped, step, signed)
 
 
 @dataclass(frozen=True)
 class _Source:
-    """Samples before they are mapped."""
+    """Samples before they are mapped: one picture's, or those of red, green and blue."""
 
     port: str
     value: Any
-    recipe: Recipe
+    recipes: tuple[Recipe, ...]
     facts: Facts
     signed: bool = False
 
@@ -268,10 +301,17 @@ def _less(first: _Source, second: _Source) -> _Source:
             f"no difference: {first.port} is a {a.kind} of {a.columns} × {a.rows} samples, "
             f"{second.port} a {b.kind} of {b.columns} × {b.rows}"
         )
+    if len(first.recipes) != len(second.recipes):
+        of, without = sorted((first, second), key=lambda source: -len(source.recipes))
+        raise DataError(
+            f"no difference: of {of.port} three bands are shown as colours, "
+            f"{without.port} has no bands"
+        )
     if a.unit != b.unit:
         raise DataError(
             f"no difference: {first.port} is in {a.unit or 'no unit'}, "
             f"{second.port} in {b.unit or 'no unit'}"
         )
-    recipe = Step.of(steps.difference, first.recipe, second.recipe)
-    return replace(first, recipe=recipe, signed=True)
+    both = zip(first.recipes, second.recipes, strict=True)
+    recipes = tuple(Step.of(steps.difference, one, other) for one, other in both)
+    return replace(first, recipes=recipes, signed=True)

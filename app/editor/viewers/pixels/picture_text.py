@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app.editor.viewers.pixels.band_choice import CHANNELS
 from app.editor.viewers.pixels.picture_choices import Choices
 from app.editor.viewers.pixels.picture_query import Picture
 from app.editor.viewers.pixels.probing import (
@@ -19,6 +20,8 @@ def facts_text(picture: Picture, choices: Choices, kept: str = "", way: str = ""
     parts = [f"{facts.columns} × {facts.rows}", facts.title]
     if picture.logarithmic:
         parts[1] = f"log₁₀ {parts[1]}"
+    if facts.wavelengths_um:
+        parts.append(bands_text(facts.wavelengths_um))
     if picture.other is not None and kept:
         parts.insert(0, f"left A {kept}, right B now" if way == "wipe" else f"A {kept}")
         bands = picture.other.facts.band_um, facts.band_um
@@ -31,6 +34,14 @@ def facts_text(picture: Picture, choices: Choices, kept: str = "", way: str = ""
     if picture.reduced > 1:
         parts.append(f"preview 1:{picture.reduced}")
     return " · ".join(parts)
+
+
+def bands_text(wavelengths_um: tuple[float, ...]) -> str:
+    """The bands that are shown alone or as colours, by their middles."""
+    if len(wavelengths_um) == 1:
+        return f"at {wavelengths_um[0]:.4g} µm"
+    named = zip(CHANNELS, wavelengths_um, strict=True)
+    return ", ".join(f"{name} {wavelength:.4g}" for name, wavelength in named) + " µm"
 
 
 def _band(band_um: tuple[float, float] | None) -> str:

@@ -16,6 +16,7 @@ from nodes.shared.shared_warnings import is_radiance
 
 Vector = NDArray[np.float64]
 Place = tuple[float, float]
+RADIANCE_PER_UM = "W/m²/sr/µm"
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,15 @@ class Probe:
         The sample.
     temperature_K : float or None
         The apparent temperature, where the sample is a radiance in a known band.
+    colours : tuple of float
+        Samples of red, green and blue, where it is composed of these.
     """
 
     row: int
     column: int
     value: float
     temperature_K: float | None = None
+    colours: tuple[float, ...] = ()
 
 
 def probe(picture: Picture, row: int, column: int) -> Probe | None:
@@ -47,7 +51,10 @@ def probe(picture: Picture, row: int, column: int) -> Probe | None:
     temperature = None
     if facts.band_um is not None and is_radiance(facts.unit):
         temperature = apparent_temperature(value, facts.band_um)
-    return Probe(row, column, value, temperature)
+    elif facts.band_um is not None and facts.width_um and facts.unit == RADIANCE_PER_UM:
+        temperature = apparent_temperature(value * facts.width_um, facts.band_um)
+    colours = tuple(float(channel.samples[row, column]) for channel in picture.channels)
+    return Probe(row, column, value, temperature, colours)
 
 
 def index_at(facts: Facts, x: float, y: float) -> tuple[int, int]:
@@ -77,7 +84,10 @@ def place_text(picture: Picture, sample: Probe) -> str:
 
 def value_text(picture: Picture, sample: Probe, *, difference: bool = False) -> str:
     """For people: what a sample is, and how warm it seems."""
-    text = f"{sample.value:.6g} {picture.facts.unit}".rstrip()
+    values = "  ".join(
+        f"{name} {value:.5g}" for name, value in zip("RGB", sample.colours, strict=False)
+    )
+    text = f"{values or format(sample.value, '.6g')} {picture.facts.unit}".rstrip()
     if sample.temperature_K is not None and not difference:
         text += f"  {sample.temperature_K:.2f} K"
     return text.replace("-", "\N{MINUS SIGN}")

@@ -53,6 +53,12 @@ MOUSE = (
     ("Mouse", "Region", "⬚, or R on a picture", "Draw the region of the selected module"),
     ("Mouse", "Move a region", "drag, or arrow keys", "Shift: by 10; Ctrl: its last edges; Esc"),
     ("Mouse", "Move a wipe", "drag, or Ctrl+arrow", "Of A and B, or two wires; Shift: by more"),
+    (
+        "Mouse",
+        "Show another band",
+        "drag its line, or PgUp",
+        "Of a picture with bands; PgDown: back",
+    ),
     ("Mouse", "Default", "right-click on a value", "Reset it to its default"),
 )
 

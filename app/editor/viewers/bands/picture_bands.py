@@ -1,0 +1,135 @@
+"""Bands in an image viewer: the row of controls, the plot of spectra, and their queries."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pyqtgraph as pg
+from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtWidgets import QWidget
+
+from app.editor.evaluation.queries import Answer, Query
+from app.editor.theme import Theme
+from app.editor.viewers.bands.band_bar import BandBar
+from app.editor.viewers.bands.spectrum_plot import NO_SAMPLE, SpectrumPlot
+from app.editor.viewers.bands.spectrum_query import MeanSpectrumQuery, SampleSpectrumQuery
+from app.editor.viewers.pixels.band_choice import BandChoice, bands_of
+from app.editor.viewers.pixels.picture_query import Picture
+from core.spectrum.band_stack import BandStack
+
+PAUSE_MS = 30
+"""While the cursor moves, the spectrum under it is taken at most so often."""
+
+
+class PictureBands(QObject):
+    """What a viewer has for a picture with bands; nothing of it is there for any other.
+
+    Parameters
+    ----------
+    owner : str
+        The viewer's name.
+    theme : Theme
+        Colours.
+    layout : GraphicsLayout
+        Below the picture.
+    canvas, viewer : QWidget
+        Where the plot and the row are; Qt's owners.
+
+    Signals
+    -------
+    wanted
+        Its queries are others.
+    """
+
+    wanted = Signal()
+
+    def __init__(
+        self, owner: str, theme: Theme, layout: pg.GraphicsLayout, canvas: QWidget, viewer: QWidget
+    ) -> None:
+        super().__init__(viewer)
+        self.bar = BandBar(owner, theme, viewer)
+        self.plot = SpectrumPlot(layout, theme, canvas)
+        self.plot.dragged.connect(self.bar.take_line)
+        self._canvas = canvas
+        self._bands: BandStack | None = None
+        self._port = ""
+        self._on = True
+        self._place: tuple[int, int] | None = None
+        self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
+        self._pause.timeout.connect(self.wanted)
+
+    @property
+    def queries(self) -> tuple[Query, ...]:
+        """The mean spectrum, and that of the sample under the cursor."""
+        if not self.plot.is_shown:
+            return ()
+        mean = MeanSpectrumQuery(self._port)
+        if self._place is None:
+            return (mean,)
+        return mean, SampleSpectrumQuery(self._port, *self._place)
+
+    def show_spectra(self, on: bool) -> None:
+        """Have the plot, or not."""
+        if on != self._on:
+            self._on = on
+            self._put_plot()
+
+    def show_picture(self, picture: Picture | None, port: str | None, choice: BandChoice) -> None:
+        """The viewer shows this picture."""
+        bands = bands_of(picture.value) if picture is not None else None
+        self.bar.show_bands(bands, choice)
+        self._bands, self._port = bands, port or ""
+        if bands is not None and picture is not None:
+            unit = picture.value.unit
+            if bands.density:
+                unit = f"{unit}/µm" if unit else "1/µm"
+            self.plot.show_bands(bands, unit, choice.places(bands))
+        self._put_plot()
+
+    def point_at(self, place: Any) -> None:
+        """The probe is at a row and column of the picture, or nowhere."""
+        if place == self._place:
+            return
+        self._place = place
+        if self._place is None:
+            self.plot.show_sample(None, "")
+        elif self.plot.is_shown and not self._pause.isActive():
+            self._pause.start()
+
+    def accepts(self, query: Query) -> bool:
+        """Whether it is of this picture's spectra; also of a sample that the cursor has left."""
+        if not isinstance(query, MeanSpectrumQuery | SampleSpectrumQuery):
+            return False
+        return query.port == self._port
+
+    def take(self, answer: Answer) -> bool:
+        """Show an answer, if it is one to these queries."""
+        query = answer.query
+        if isinstance(query, MeanSpectrumQuery):
+            self.plot.show_mean(answer.value)
+        elif isinstance(query, SampleSpectrumQuery):
+            self._show_sample(answer, query)
+        else:
+            return False
+        return True
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self.bar.set_theme(theme)
+        self.plot.set_theme(theme)
+
+    def _show_sample(self, answer: Answer, query: SampleSpectrumQuery) -> None:
+        if self._place is None:  # the cursor has left
+            return
+        name = f"row {query.row}  column {query.column}"
+        if answer.error is not None:
+            name = str(answer.error)
+        elif answer.value is None:
+            name = NO_SAMPLE
+        self.plot.show_sample(answer.value, name)
+
+    def _put_plot(self) -> None:
+        before = self.plot.is_shown
+        self.plot.show(self._on and self._bands is not None)
+        if before != self.plot.is_shown or self._bands is not None:
+            self._pause.start()

@@ -1,0 +1,117 @@
+"""The layers of a picture: one, or red, green and blue, each between levels of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.editor.viewers.pixels import picture_steps as steps
+from app.editor.viewers.pixels.grey_levels import BINS, Range, Spread, grey_levels
+from core.evaluation.recipes import Recipe, Step
+from core.evaluation.work import Work
+
+Automatic = Literal["extremes", "percentiles"]
+LevelChoice = Automatic | Range
+WHOLE: Range = (0.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Samples that become one colour, or all the greys.
+
+    Parameters
+    ----------
+    shown : ndarray, shape (rows, columns)
+        The samples as the probe shows them.
+    mapped : ndarray
+        The same, or their logarithms.
+    spread : Spread
+        Extremes and histogram of the mapped ones.
+    recipe, spread_recipe : Recipe
+        Of the mapped samples and of their spread.
+    signed : bool
+        Whether automatic levels put 0 in the middle.
+    """
+
+    shown: NDArray[Any]
+    mapped: NDArray[Any]
+    spread: Spread
+    recipe: Recipe
+    spread_recipe: Recipe
+    signed: bool = False
+
+    def range_of(self, work: Work, levels: LevelChoice) -> Range:
+        """What becomes black and white."""
+        if not isinstance(levels, str):
+            return levels
+        low, high = self.spread.low, self.spread.high
+        if levels == "percentiles":
+            low, high = work.value(Step.of(steps.inner_range, self.recipe, self.spread_recipe))
+        if self.signed:
+            high = max(abs(low), abs(high))
+            low = -high
+        return low, high
+
+    def grey(self, work: Work, levels: Range) -> NDArray[np.uint8]:
+        """The mapped samples from black to white."""
+        work.check()
+        return grey_levels(self.mapped, *levels, for_each=work.for_each)
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One colour of a picture composed of three bands.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (rows, columns)
+        Its samples, not mapped.
+    spread : Spread
+        Extremes and histogram of the mapped samples, as shares of what lies between its automatic
+        levels: 0 at the lower one, 1 at the upper.
+    """
+
+    samples: NDArray[Any]
+    spread: Spread
+
+
+def composed(
+    work: Work, layers: Sequence[Layer], levels: LevelChoice
+) -> tuple[NDArray[np.uint8], Range, tuple[Channel, ...]]:
+    """Layers as colours, (rows, columns, layers), each between automatic levels of its own.
+
+    Where the levels are two numbers, they are shares of what lies between these.
+    """
+    automatic: Automatic = levels if isinstance(levels, str) else "percentiles"
+    shares = WHOLE if isinstance(levels, str) else levels
+    colours, channels = [], []
+    for layer in layers:
+        low, high = layer.range_of(work, automatic)
+        between = high - low
+        black, white = (low + share * between for share in shares)
+        colours.append(layer.grey(work, (black, white)))
+        channels.append(Channel(layer.shown, _as_shares(layer.spread, low, between)))
+    return np.stack(colours, axis=-1), shares, tuple(channels)
+
+
+def together(spreads: Sequence[Spread]) -> Spread:
+    """Several spreads as one, in bins from the least of all to the greatest."""
+    low, high = min(one.low for one in spreads), max(one.high for one in spreads)
+    counts = np.zeros(BINS, np.int64)
+    for one in spreads:
+        place = np.zeros(BINS, np.intp)
+        if high > low:
+            place = np.minimum((one.centres - low) / (high - low) * BINS, BINS - 1).astype(np.intp)
+        np.add.at(counts, place, one.counts)
+    return Spread(low, high, counts)
+
+
+def _as_shares(spread: Spread, low: float, between: float) -> Spread:
+    if not between > 0.0:  # one value: in the middle
+        return Spread(0.5, 0.5, spread.counts)
+    low_share, high_share = ((end - low) / between for end in (spread.low, spread.high))
+    return Spread(low_share, high_share, spread.counts)

@@ -1,0 +1,178 @@
+"""Bands of a picture as a viewer is answered: one, three as colours, and spectra. No Qt."""
+
+import numpy as np
+import pytest
+
+from app.editor.evaluation.queries import Passing
+from app.editor.viewers.bands.spectrum_query import MeanSpectrumQuery, SampleSpectrumQuery
+from app.editor.viewers.pixels.band_choice import ALL, BandChoice, evenly_spaced
+from app.editor.viewers.pixels.picture_choices import Choices
+from app.editor.viewers.pixels.picture_query import PictureQuery
+from app.editor.viewers.pixels.picture_text import facts_text, sample_text
+from core.chain.engine import Engine
+from core.errors import DataError
+from core.evaluation.policy import Policy
+from core.network.file import load_network
+from core.physics.radiometry.planck import band_radiance
+from cube_files import band_by_band
+from cube_network import BANDS, SIZE, write_cube_network
+from nodes.library import standard_library
+
+ONE = BandChoice("one", 4.25)
+COLOURS = BandChoice("colours")
+
+
+class CubeBench:
+    """Answers queries on the network of a cube."""
+
+    def __init__(self, folder, **how):
+        library = standard_library()
+        self.cube, self.wavelengths, self.width = write_cube_network(folder, library, **how)
+        self.engine = Engine(library)
+        network = load_network(folder / "cube.json", library=library)
+        self.plan = self.engine.plan(network, folder=folder)
+        self.work = self.engine.work(Policy("double", 0.0))
+
+    def answer(self, query):
+        query.key(self.plan)
+        return query.answer(Passing(self.engine, self.plan, self.work))
+
+
+@pytest.fixture
+def bench(tmp_path):
+    return CubeBench(tmp_path)
+
+
+def test_one_band_is_the_files_own(bench):
+    place = int(np.argmin(np.abs(bench.wavelengths - 4.25)))
+    picture = bench.answer(PictureQuery("read.image", bands=ONE))
+    assert np.allclose(picture.samples, bench.cube[place], rtol=1e-14)
+    assert picture.facts.unit == "W/m²/sr/µm"
+    assert picture.facts.quantity == "spectral radiance"
+    assert picture.facts.wavelengths_um == pytest.approx((bench.wavelengths[place],))
+    low, high = picture.facts.band_um
+    assert high - low == pytest.approx(bench.width)
+    assert picture.spread.counts.sum() == SIZE[0] * SIZE[1]
+    assert f"at {bench.wavelengths[place]:.4g} µm" in facts_text(picture, Choices("read.image"))
+
+
+def test_one_band_behind_optics_is_blurred_at_its_own_wavelength(bench):
+    picture = bench.answer(PictureQuery("back.image", bands=ONE))
+    place = int(np.argmin(np.abs(bench.wavelengths - 4.25)))
+    weights = (np.arange(BANDS) == place).astype(float)
+    interval = np.radians(0.08) * 1e3 / SIZE[1]
+    expected = band_by_band(
+        bench.cube, bench.wavelengths, weights, interval_mrad=interval, aperture_mm=25.0
+    )
+    assert np.abs(picture.samples - expected).max() <= 1e-9 * np.ptp(expected)
+
+
+def test_the_probe_gives_the_temperature_within_the_band(bench):
+    picture = bench.answer(PictureQuery("read.image", bands=ONE))
+    text = sample_text(picture, (3, 5), Choices("read.image"))
+    kelvin = float(text.split()[-2])
+    low, high = picture.facts.band_um
+    radiance = band_radiance(temperature_K=kelvin, cut_on_um=low, cut_off_um=high)
+    assert radiance == pytest.approx(picture.samples[3, 5] * bench.width, rel=1e-3)
+
+
+def test_colours_each_between_levels_of_its_own(bench):
+    picture = bench.answer(PictureQuery("read.image", levels="percentiles", bands=COLOURS))
+    places = (10, 6, 2)  # of twelve, the middles of three equal parts
+    assert evenly_spaced(BANDS) == places
+    assert picture.grey.shape == (*SIZE, 3)
+    for number, place in enumerate(places):
+        band = bench.cube[place]
+        low, high = np.quantile(band, (0.005, 0.995))
+        wanted = np.clip((band - low) / (high - low) * 255, 0, 255)
+        assert np.abs(picture.grey[..., number] - wanted).max() <= 0.51
+        spread = picture.channels[number].spread
+        assert spread.low == pytest.approx((band.min() - low) / (high - low), rel=1e-9)
+        assert spread.counts.sum() == band.size
+    assert picture.levels == (0.0, 1.0)
+    assert picture.spread.counts.sum() == 3 * SIZE[0] * SIZE[1]
+    red, green, blue = (bench.cube[place, 3, 5] for place in places)
+    text = sample_text(picture, (3, 5), Choices("read.image"))
+    assert f"R {red:.5g}  G {green:.5g}  B {blue:.5g} W/m²/sr/µm" in text
+
+
+def test_levels_of_colours_are_shares_of_their_own(bench):
+    picture = bench.answer(PictureQuery("read.image", levels=(0.25, 0.75), bands=COLOURS))
+    band = bench.cube[10]
+    low, high = np.quantile(band, (0.005, 0.995))
+    wanted = np.clip(((band - low) / (high - low) - 0.25) / 0.5 * 255, 0, 255)
+    assert np.abs(picture.grey[..., 0] - wanted).max() <= 0.51
+
+
+def test_all_bands_are_the_sum_as_ever(bench):
+    picture = bench.answer(PictureQuery("read.image"))
+    assert np.allclose(picture.samples, bench.cube.sum(axis=0) * bench.width, rtol=1e-12)
+    assert picture.channels == ()
+
+
+def test_a_picture_without_bands_is_shown_whatever_is_chosen(bench):
+    plain = bench.answer(PictureQuery("fpa.image"))
+    for choice in (ONE, COLOURS):
+        picture = bench.answer(PictureQuery("fpa.image", bands=choice))
+        assert picture.samples is plain.samples
+        assert picture.facts == plain.facts
+
+
+def test_samples_without_a_share_have_no_unit_per_um(tmp_path):
+    """Reflectance: the bands' mean, and one band is as it stands in the file."""
+    bench = CubeBench(tmp_path, unit="reflectance")
+    picture = bench.answer(PictureQuery("read.image", bands=ONE))
+    whole = bench.answer(PictureQuery("read.image"))
+    assert picture.facts.unit == whole.facts.unit
+    assert np.allclose(whole.samples, bench.cube.mean(axis=0), rtol=1e-12)
+
+
+def test_a_difference_of_one_band(bench):
+    query = PictureQuery("read.image", "back.image", "difference", bands=ONE)
+    one, other = (
+        bench.answer(PictureQuery(port, bands=ONE)).samples for port in ("read.image", "back.image")
+    )
+    assert np.allclose(bench.answer(query).samples, one - other, atol=1e-12)
+
+
+def test_colours_less_a_picture_without_bands_are_refused(bench):
+    query = PictureQuery("read.image", "fpa.electrons", "difference", bands=COLOURS)
+    with pytest.raises(DataError, match=r"of read\.image three bands are shown as colours"):
+        bench.answer(query)
+
+
+def test_spectra(bench):
+    means = bench.answer(MeanSpectrumQuery("back.image"))
+    assert means == pytest.approx(bench.cube.mean(axis=(1, 2)), rel=1e-12)
+    sample = bench.answer(SampleSpectrumQuery("read.image", 7, 11))
+    assert sample == pytest.approx(bench.cube[:, 7, 11], rel=1e-14)
+    assert bench.answer(SampleSpectrumQuery("read.image", SIZE[0], 0)) is None
+    assert bench.answer(SampleSpectrumQuery("back.image", 7, 11)) is None
+    assert bench.answer(MeanSpectrumQuery("fpa.image")) is None
+
+
+def test_manual_levels_hold_from_band_to_band_and_not_from_bands_to_their_sum():
+    choices = Choices("read.image", levels=(1.0, 2.0), bands=ONE)
+    assert choices.with_(bands=BandChoice("one", 3.5)).levels == (1.0, 2.0)
+    assert choices.with_(bands=ALL).levels == "percentiles"
+
+
+@pytest.mark.parametrize(
+    "choice", [ALL, ONE, COLOURS, BandChoice("colours", 3.1, (4.0, 3.5, 3.2)), BandChoice("one")]
+)
+def test_what_is_chosen_comes_back_from_json(choice):
+    assert Choices.of(Choices("read.image", bands=choice).plain()).bands == choice
+
+
+@pytest.mark.parametrize(
+    "plain",
+    [None, 3, [], {"shown": "some"}, {"one_um": "x"}, {"colours_um": [1, 2]}, {"one_um": -1.0}],
+)
+def test_what_cannot_be_used_is_left_out(plain):
+    assert BandChoice.of(plain) == ALL
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 7, 60, 224])
+def test_three_of_few_bands(count):
+    red, green, blue = evenly_spaced(count)
+    assert 0 <= blue <= green <= red < count

@@ -1,0 +1,63 @@
+"""A network that reads a cube of all bands, filters it and counts its electrons."""
+
+import json
+
+from core.network.file import parse_network
+from cube_files import centres, materials_cube, write_cube
+
+BANDS = 12
+SIZE = (24, 40)
+
+
+def cube_samples(unit_low=3.0, unit_high=5.0):
+    """The cube, its wavelengths and the width of a band."""
+    wavelengths, width = centres(BANDS, low=unit_low, high=unit_high)
+    return materials_cube(SIZE, wavelengths), wavelengths, width
+
+
+def write_cube_network(folder, library, *, kind="f8", unit="W/m^2/sr/um", focal_plane=None):
+    """Write the cube and the network's file; give the cube, its wavelengths, a band's width."""
+    cube, wavelengths, width = cube_samples()
+    write_cube(folder, cube, wavelengths, width, kind=kind, unit=unit)
+    well = {"full_well_e": 7e6, "integration_time_s": 0.004, "bits": 14}
+    nodes = {
+        "read": (
+            "read_image",
+            {"path": "cube.img", "bands": "all", "fov_x_deg": 0.08, "fov_y_deg": 0.048},
+        ),
+        "init": (
+            "init_trans",
+            {
+                "focal_length_mm": 100.0,
+                "f_number": 4.0,
+                "detector_x_um": 15,
+                "detector_y_um": 15,
+            },
+        ),
+        "optics": ("diffraction_mtf", {"aperture_mm": 25.0}),
+        "back": ("back_transform", {}),
+        "fpa": ("focal_plane", {**well, **(focal_plane or {})}),
+    }
+    links = [
+        ("read.image", "init.image"),
+        ("init.context", "optics.context"),
+        ("init.magnitude", "optics.magnitude"),
+        ("init.phase", "optics.phase"),
+        ("optics.magnitude", "back.magnitude"),
+        ("optics.phase", "back.phase"),
+        ("back.image", "fpa.image"),
+        ("init.context", "fpa.context"),
+    ]
+    document = {
+        "format": "imagechain-network",
+        "version": 1,
+        "name": "Cube",
+        "nodes": {
+            name: {"module": module, "params": params} for name, (module, params) in nodes.items()
+        },
+        "links": [list(link) for link in links],
+    }
+    text = json.dumps(document)
+    (folder / "cube.json").write_text(text)
+    parse_network(text, library=library)
+    return cube, wavelengths, width
