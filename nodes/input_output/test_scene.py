@@ -8,20 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.wires import Header, Image
-from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Step, ends_lineage
+from core.errors import ParameterError
+from core.evaluation.recipes import Step
 from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
 from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
-from nodes.files.common.size_limits import oversized
-from nodes.scenes import draw_scene, draw_shares, in_two_steps, with_radiance
+from nodes.input_output.scene_bands import SceneBands, refuse_oversized, shares_drawn
+from nodes.scenes import draw_scene, in_two_steps, with_radiance
 from nodes.scenes.checks import Kind
+from nodes.scenes.surfaces.spectral_surfaces import Emissivity
 from nodes.scenes.two_steps import GEOMETRY, Shares
 from nodes.shared.module_ports import ImageOutput
 
+SIZE = ("kind", "width", "height")
+DRAWING = (*SIZE, "angle_deg", "frequency")
 SOURCES = ("cut_on_um", "cut_off_um", "temperature_K", "delta_K")
 
 
@@ -31,6 +34,14 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
     Temperatures and emissivities become band radiance through Planck's law; edges are
     area-sampled, not aliased. The dormitory is a building front with windows, warm and cool, sky
     and ground; the airfield is seen from above, with straight roads, for Camera Geometry.
+
+    With `bands` the scene carries that many of equal width, which optics and air treat each at its
+    own wavelength, until a detector sums them up. Surfaces then have the spectra of what they are
+    made of: grass, leaves, soil, water, asphalt, concrete, brick, paint, glass, in coarse points.
+    They emit by their temperature and mirror the sky and, with `sun_elevation_deg`, sunlight: so a
+    scene of 0.4 to 2.5 µm is one by day. Targets are black in all bands. `emissivity` grey leaves
+    every surface the one number that it has without bands; the sum of all bands is then, but for
+    the Sun, the picture without.
     """
 
     __test__ = False  # not a test class, whatever its name says
@@ -48,6 +59,16 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
     ] = 30.0
     cut_on_um: Annotated[float, Param("shortest wavelength", unit="µm", low=0, above=True)] = 8.0
     cut_off_um: Annotated[float, Param("longest wavelength", unit="µm", low=0, above=True)] = 12.0
+    bands: Annotated[
+        int,
+        Param("bands of equal width that it carries, 0 for none", low=0, high=4096, slider=(0, 64)),
+    ] = 0
+    emissivity: Annotated[
+        Emissivity, Param("of the surfaces, in bands: their materials' spectra, or grey")
+    ] = "spectra"
+    sun_elevation_deg: Annotated[
+        float, Param("of the Sun, in bands; 0 for none", unit="deg", low=0, high=90)
+    ] = 0.0
     temperature_K: Annotated[
         float, Param("background temperature", unit="K", low=0, above=True, slider=(200, 400))
     ] = 303.15
@@ -68,7 +89,12 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
         Section("Pattern", ("angle_deg",), shown_when=("kind", ("slanted_edge", "sine"))),
         Section("", ("frequency",), shown_when=("kind", ("four_bar", "siemens_star", "sine"))),
         Section("Field of view", ("fov_x_deg", "fov_y_deg")),
-        Section("Band", ("cut_on_um", "cut_off_um")),
+        Section("Band", ("cut_on_um", "cut_off_um", "bands")),
+        Section(
+            "Light in bands",
+            ("emissivity", "sun_elevation_deg"),
+            shown_when=("kind", ("dormitory", "airfield")),
+        ),
     )
 
     def check(self) -> None:
@@ -85,29 +111,47 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
     def run(self, here: NodeContext) -> ImageOutput:
         """Plan the picture."""
         x, y = self.fov_x_deg, self.fov_y_deg
+        stack = self._stack(here) if self.bands else None
         return ImageOutput(
             Image(
-                self._recipe(here),
+                self._recipe(here) if stack is None else stack.picture(stack.whole),
                 self.height,
                 self.width,
                 _interval("fov_x_deg", x, self.width),
                 _interval("fov_y_deg", y, self.height),
                 band_um=(self.cut_on_um, self.cut_off_um),
                 header=Header(fov_x_deg=x, fov_y_deg=y),
+                bands=stack,
             )
         )
 
     def _recipe(self, here: NodeContext) -> Step:
         """How it is drawn: what does not depend on temperatures is a step of its own."""
-        values = self.values()
-        size = {name: values[name] for name in ("kind", "width", "height")}
-        sources = {name: values[name] for name in SOURCES}
-        if in_two_steps(**size):
-            geometry = {name: values[name] for name in GEOMETRY[self.kind]}
-            shares = Step.of(shares_drawn, node=here.node, **size, **geometry)
+        sources = self._named(*SOURCES)
+        if (shares := self._shares(here)) is not None:
             return Step.of(shown, shares, node=here.node, **sources)
-        geometry = {"angle_deg": self.angle_deg, "frequency": self.frequency}
-        return Step.of(drawn, node=here.node, **size, **sources, **geometry)
+        return Step.of(drawn, node=here.node, **self._named(*DRAWING), **sources)
+
+    def _stack(self, here: NodeContext) -> SceneBands:
+        """The bands."""
+        return SceneBands.of(
+            shares=self._shares(here),
+            drawing=self._named(*DRAWING),
+            bands=self.bands,
+            sources=self._named(*SOURCES, "emissivity", "sun_elevation_deg"),
+            node=here.node,
+        )
+
+    def _shares(self, here: NodeContext) -> Step | None:
+        """Where its surfaces are seen; None where it is drawn at once."""
+        if not in_two_steps(kind=self.kind, width=self.width, height=self.height):
+            return None
+        names = (*SIZE, *GEOMETRY[self.kind])
+        return Step.of(shares_drawn, node=here.node, **self._named(*names))
+
+    def _named(self, *names: str) -> dict[str, Any]:
+        values = self.values()
+        return {name: values[name] for name in names}
 
 
 def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
@@ -117,21 +161,8 @@ def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
 @source_step(area_means=True)
 def drawn(work: Work, **values: Any) -> NDArray[np.floating]:
     """The scene's samples in the evaluation's precision."""
-    _refuse_oversized(work, **values)
+    refuse_oversized(work, **values)
     return draw_scene(dtype=work.policy.dtype, for_each=work.for_each, **values)
-
-
-@ends_lineage
-def shares_drawn(work: Work, **values: Any) -> Shares:
-    """Where the scene's surfaces are seen."""
-    _refuse_oversized(work, **values)
-    return draw_shares(dtype=work.policy.dtype, for_each=work.for_each, **values)
-
-
-def _refuse_oversized(work: Work, *, width: int, height: int, **_others: Any) -> None:
-    """Refuse a scene that the machine has no room for, as a picture file of its size is."""
-    if reason := oversized(height, width, np.dtype(work.policy.dtype)):
-        raise DataError(f"height × width: {reason}")
 
 
 @source_step(area_means=True)

@@ -15,7 +15,7 @@ from nodes.scenes.texture import GOLDEN_STEPS, mottle, scatter
 Place = tuple[float, float]
 
 FIELDS = (
-    # left, top, right, low, from lawn to asphalt
+    # left, top, right, low, from lawn to bare soil
     (0.00, 0.00, 0.17, 0.23, 0.35),
     (0.17, 0.00, 0.40, 0.14, 0.12),
     (0.63, 0.00, 0.82, 0.12, 0.30),
@@ -49,7 +49,7 @@ def airfield() -> Drawing:
     drawing = Drawing("lawn")
     _fields(drawing)
     drawing.paint_ellipse("shade", 0.885, 0.215, 0.063, 0.046)
-    drawing.paint_ellipse("leaf_cool", 0.885, 0.215, 0.059, 0.042)
+    drawing.paint_ellipse("water", 0.885, 0.215, 0.059, 0.042)
     for start, end, width in ROADS:
         _strip(drawing, "kerb", start, end, 1.5 * width)
         _strip(drawing, "asphalt", start, end, width)
@@ -65,7 +65,7 @@ def airfield() -> Drawing:
 def _fields(drawing: Drawing) -> None:
     for left, top, right, low, share in FIELDS:
         drawing.paint_box("shade", left, top, right, low)
-        drawing.paint_box(between("lawn", "asphalt", share), left, top, right - 0.002, low - 0.002)
+        drawing.paint_box(between("lawn", "soil", share), left, top, right - 0.002, low - 0.002)
     nearer = difference("lawn_near", "lawn")
     for coarse, fine, amplitude, seed in ((2.0, 16.0, 0.5, 751), (30.0, 300.0, 0.35, 761)):
         mottle(

@@ -13,7 +13,12 @@ from nodes.scenes import scene_targets as targets
 from nodes.scenes.airfield import airfield
 from nodes.scenes.checks import check_frame, check_geometry, check_radiometry
 from nodes.scenes.dormitory import dormitory
-from nodes.scenes.scene_materials import surface_radiance, target_radiance
+from nodes.scenes.mixes import Radiances
+from nodes.scenes.scene_canvas import Drawing
+from nodes.scenes.surfaces.scene_materials import surface_radiance, target_radiance
+
+DRAWN = ("dormitory", "airfield")
+"""Scenes of many surfaces; all others are a black target on a black background."""
 
 
 def draw_scene(
@@ -65,8 +70,6 @@ def draw_scene(
     ParameterError
         If a parameter is out of range; it names the value and what is allowed.
     """
-    kind_dtype = check_frame(kind, width, height, dtype)
-    check_geometry(angle_deg=angle_deg, frequency=frequency)
     sources = {
         "cut_on_um": cut_on_um,
         "cut_off_um": cut_off_um,
@@ -74,16 +77,53 @@ def draw_scene(
         "delta_K": delta_K,
     }
     check_radiometry(**sources)
-    if kind in ("dormitory", "airfield"):
-        drawing = dormitory() if kind == "dormitory" else airfield()
-        return drawing.render(
-            surface_radiance(**sources),
-            width=width,
-            height=height,
-            dtype=kind_dtype,
-            for_each=for_each,
+    if kind in DRAWN:
+        radiances = surface_radiance(**sources)
+    else:
+        radiances = dict(zip(("background", "signal"), target_radiance(**sources), strict=True))
+    return draw_radiances(
+        radiances,
+        kind=kind,
+        width=width,
+        height=height,
+        angle_deg=angle_deg,
+        frequency=frequency,
+        dtype=dtype,
+        for_each=for_each,
+    )
+
+
+def drawing_of(kind: str) -> Drawing:
+    """The strokes of one of `DRAWN`."""
+    return dormitory() if kind == "dormitory" else airfield()
+
+
+def draw_radiances(
+    radiances: Radiances,
+    *,
+    kind: str,
+    width: int,
+    height: int,
+    angle_deg: float,
+    frequency: float,
+    dtype: npt.DTypeLike,
+    for_each: ForEach = in_turn,
+) -> npt.NDArray[np.floating]:
+    """A test scene of these radiances; the other parameters are those of `draw_scene`.
+
+    Parameters
+    ----------
+    radiances : mapping of str to float
+        Of every surface, of those in `DRAWN`, and perhaps the strengths of their textures; else of
+        `background` and `signal`. The picture is linear in all of them.
+    """
+    kind_dtype = check_frame(kind, width, height, dtype)
+    check_geometry(angle_deg=angle_deg, frequency=frequency)
+    if kind in DRAWN:
+        return drawing_of(kind).render(
+            radiances, width=width, height=height, dtype=kind_dtype, for_each=for_each
         )
-    background, signal = target_radiance(**sources)
+    background, signal = radiances["background"], radiances["signal"]
     size: dict[str, Any] = {"width": width, "height": height, "dtype": kind_dtype}
     two: dict[str, Any] = {"background": background, "signal": signal}
     draw: dict[str, Callable[[], targets.Picture]] = {

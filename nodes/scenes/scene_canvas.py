@@ -226,8 +226,13 @@ class Drawing:
 
 
 def with_textures(radiances: Radiances, textures: Sequence[Texture]) -> Radiances:
-    """Radiances together with the textures' strengths."""
-    return {**radiances, **{texture.name: texture.strength(radiances) for texture in textures}}
+    """Radiances together with the textures' strengths, where these are not given with them."""
+    strengths = {
+        texture.name: texture.strength(radiances)
+        for texture in textures
+        if texture.name not in radiances
+    }
+    return {**radiances, **strengths}
 
 
 def by_blocks(

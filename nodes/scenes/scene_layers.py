@@ -6,7 +6,7 @@ the shares are kept in small tiles, each with the surfaces that it shows.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,6 +67,11 @@ class Layers:
     textures: tuple[Texture, ...]
     tiles: tuple[Tiles, ...]
 
+    def means(self) -> FloatArray:
+        """Mean share of each name."""
+        height, width = self.shape
+        return _share_sums(self.tiles, len(self.names)) / (width * height)
+
     def picture(
         self, radiances: Radiances, for_each: ForEach = in_turn
     ) -> npt.NDArray[np.floating]:
@@ -96,12 +101,32 @@ class Layers:
 
 def layers_of(drawing: Drawing, *, width: int, height: int, dtype: npt.DTypeLike) -> Layers:
     """Find the share of each surface at `width` × `height` samples; sums are in double."""
+    tiles = tuple(_tiles(drawing, width=width, height=height, dtype=dtype))
+    tile = min(TILE, height), min(TILE, width)
+    return Layers((height, width), tile, drawing.names, drawing.textures, tiles)
+
+
+def mean_shares(drawing: Drawing, *, width: int, height: int) -> FloatArray:
+    """Mean share of each of the drawing's names, without the shares of all samples in memory."""
+    tiles = _tiles(drawing, width=width, height=height, dtype=np.float64)
+    return _share_sums(tiles, len(drawing.names)) / (width * height)
+
+
+def _share_sums(tiles: Iterable[Tiles], names: int) -> FloatArray:
+    sums = np.zeros(names)
+    for several in tiles:
+        # Beyond the frame tiles show nothing.
+        np.add.at(sums, several.surfaces, several.shares.sum(axis=2, dtype=np.float64))
+    return sums
+
+
+def _tiles(drawing: Drawing, *, width: int, height: int, dtype: npt.DTypeLike) -> Iterator[Tiles]:
+    """The tiles of some rows after the other."""
     tall, wide = min(TILE, height), min(TILE, width)
     down, across = -(-height // tall), -(-width // wide)
     strokes = drawing.bound(cell_edges(count=width))
     step = min(max(1, BLOCK_SAMPLES // (tall * wide * across)), down)
     sheet = _Sheet(step, across, (tall, wide))
-    tiles: list[Tiles] = []
     # In turn: most strokes are small, and threads would wait for each other's Python.
     for first in range(0, down, step):
         last = min(first + step, down)
@@ -118,8 +143,7 @@ def layers_of(drawing: Drawing, *, width: int, height: int, dtype: npt.DTypeLike
                 for name, part in mix.items():
                     sheet.add(name, place, part, share)
         sheet.add(drawing.background, (slice(0, stop - start), slice(0, width)), 1.0, clear)
-        tiles += sheet.taken(first, last - first, drawing.names, dtype)
-    return Layers((height, width), (tall, wide), drawing.names, drawing.textures, tuple(tiles))
+        yield from sheet.taken(first, last - first, drawing.names, dtype)
 
 
 class _Sheet:

@@ -16,11 +16,11 @@ import numpy.typing as npt
 
 from core.threads import ForEach, in_turn
 from nodes.scenes import scene_targets as targets
-from nodes.scenes.airfield import airfield
 from nodes.scenes.checks import check_frame, check_radiometry
-from nodes.scenes.dormitory import dormitory
+from nodes.scenes.draw import DRAWN, drawing_of
+from nodes.scenes.mixes import Radiances
 from nodes.scenes.scene_layers import Layers, layers_of
-from nodes.scenes.scene_materials import surface_radiance, target_radiance
+from nodes.scenes.surfaces.scene_materials import surface_radiance, target_radiance
 
 MOST_SAMPLES = 1280 * 1024
 """Larger scenes are drawn at once."""
@@ -74,9 +74,8 @@ def draw_shares(
         If a parameter is out of range.
     """
     frame_dtype = check_frame(kind, width, height, dtype)
-    if kind in ("dormitory", "airfield"):
-        drawing = dormitory() if kind == "dormitory" else airfield()
-        return layers_of(drawing, width=width, height=height, dtype=frame_dtype)
+    if kind in DRAWN:
+        return layers_of(drawing_of(kind), width=width, height=height, dtype=frame_dtype)
     draw: Callable[..., targets.Picture] = targets.slanted_edge
     if kind == "siemens_star":
         draw = targets.siemens_star
@@ -127,8 +126,18 @@ def with_radiance(
     }
     check_radiometry(**sources)
     if isinstance(shares, Layers):
-        return shares.picture(surface_radiance(**sources), for_each)
+        return show_radiances(shares, surface_radiance(**sources), for_each)
     background, signal = target_radiance(**sources)
+    return show_radiances(shares, {"background": background, "signal": signal}, for_each)
+
+
+def show_radiances(
+    shares: Shares, radiances: Radiances, for_each: ForEach = in_turn
+) -> npt.NDArray[np.floating]:
+    """The picture of these radiances, as `nodes.scenes.draw.draw_radiances` takes them."""
+    if isinstance(shares, Layers):
+        return shares.picture(radiances, for_each)
+    background, signal = radiances["background"], radiances["signal"]
     picture: npt.NDArray[np.floating] = shares * (signal - background)
     picture += background
     return picture

@@ -19,7 +19,8 @@ RECORDED = {
     "test_scene": {
         "kind": "dormitory", "width": 512, "height": 512, "fov_x_deg": 30.0, "fov_y_deg": 30.0,
         "cut_on_um": 8.0, "cut_off_um": 12.0, "temperature_K": 303.15, "delta_K": 10.0,
-        "angle_deg": 5.0, "frequency": 16.0,
+        "angle_deg": 5.0, "frequency": 16.0, "bands": 0, "emissivity": "spectra",
+        "sun_elevation_deg": 0.0,
     },
     "write_image": {"format": "by_suffix", "dtype": "automatic"},
     "write_matrix": {},

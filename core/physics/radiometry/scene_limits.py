@@ -6,6 +6,7 @@ import math
 
 from core.physics.radiometry.constants import STEFAN_BOLTZMANN_W_M2_K4
 from core.physics.radiometry.planck import band_radiance
+from core.physics.radiometry.sunlight import SUN_SHARE
 
 COLDEST_SURFACE_K = 162.25
 HOTTEST_SURFACE_K = 353.95
@@ -14,11 +15,7 @@ temperature in 18 years of MODIS. Source: Zhao, Norouzi, Azarderakhsh, AghaKouch
 the American Meteorological Society 102 (9)."""
 
 _SUN_K = 5772.0
-_SUN_RADIUS_M = 6.957e8
-_ASTRONOMICAL_UNIT_M = 1.495978707e11
-_SUN_SHARE = (_SUN_RADIUS_M / _ASTRONOMICAL_UNIT_M) ** 2
-"""Radiance of a white matt surface in overhead sun, as a share of the Sun's own. Source of the
-numbers: IAU 2015, resolution B3 (nominal values); IAU 2012, resolution B2."""
+"""Nominal effective temperature: IAU 2015, resolution B3."""
 
 
 def brightest_surface_radiance(*, band_um: tuple[float, float] | None) -> float:
@@ -42,7 +39,7 @@ def brightest_surface_radiance(*, band_um: tuple[float, float] | None) -> float:
 
     Source: Planck's law; the Sun as a blackbody of its nominal effective temperature.
     """
-    return _radiance(band_um, HOTTEST_SURFACE_K) + _SUN_SHARE * _radiance(band_um, _SUN_K)
+    return _radiance(band_um, HOTTEST_SURFACE_K) + SUN_SHARE * _radiance(band_um, _SUN_K)
 
 
 def coldest_for_radiance(*, radiance: float) -> float:

@@ -1,4 +1,4 @@
-"""Surfaces of the dormitory scene: how warm each is, and how much of the sky it mirrors."""
+"""Surfaces of the drawn scenes: how warm each is, and how much of the sky it mirrors."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.errors import ParameterError
 from core.physics.radiometry.planck import band_radiance
+
+FloatArray = NDArray[np.float64]
 
 SKY_OFFSET = -2.6
 """The zenith, and what surfaces mirror of it, in units of delta_K from temperature_K."""
@@ -58,6 +61,24 @@ SURFACES: Mapping[str, tuple[float, float]] = MappingProxyType(
     }
 )
 
+ALIKE: Mapping[str, str] = MappingProxyType({"soil": "asphalt", "water": "leaf_cool"})
+"""Surfaces as warm and, where they are grey, as bright as others."""
+
+
+def surface_temperatures(*, temperature_K: float, delta_K: float) -> FloatArray:
+    """Temperature of each of `SURFACES` [K]; parameters and error as `surface_radiance`."""
+    offsets = np.array([offset for offset, _ in SURFACES.values()])
+    temperatures = temperature_K + offsets * delta_K
+    if not float(temperatures.min()) > 0.0:
+        low, high = -temperature_K / offsets.max(), -temperature_K / offsets.min()
+        raise ParameterError(
+            "delta_K",
+            delta_K,
+            f"this scene allows more than {low:g} and less than {high:g}",
+            unit="K",
+        )
+    return np.asarray(temperatures)
+
 
 def surface_radiance(
     *, cut_on_um: float, cut_off_um: float, temperature_K: float, delta_K: float
@@ -84,23 +105,15 @@ def surface_radiance(
     ParameterError
         If delta_K puts a surface at or below 0 K.
     """
-    offsets = np.array([offset for offset, _ in SURFACES.values()])
+    temperatures = surface_temperatures(temperature_K=temperature_K, delta_K=delta_K)
     emissivity = np.array([share for _, share in SURFACES.values()])
-    temperatures = temperature_K + offsets * delta_K
-    if not float(temperatures.min()) > 0.0:
-        low, high = -temperature_K / offsets.max(), -temperature_K / offsets.min()
-        raise ParameterError(
-            "delta_K",
-            delta_K,
-            f"this scene allows more than {low:g} and less than {high:g}",
-            unit="K",
-        )
     own = np.asarray(
         band_radiance(cut_on_um=cut_on_um, cut_off_um=cut_off_um, temperature_K=temperatures)
     )
     sky = own[list(SURFACES).index("zenith")]
     total = emissivity * own + (1.0 - emissivity) * sky
-    return dict(zip(SURFACES, total.tolist(), strict=True))
+    radiances = dict(zip(SURFACES, total.tolist(), strict=True))
+    return {**radiances, **{name: radiances[other] for name, other in ALIKE.items()}}
 
 
 def target_radiance(

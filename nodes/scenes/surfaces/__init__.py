@@ -1,0 +1,1 @@
+"""What the scenes' surfaces are made of, and how bright that makes them."""
