@@ -6,12 +6,15 @@ from typing import Any
 
 from app.report.blocks import Block, Grid, Heading, Text
 from app.report.drawing.printed_numbers import number
+from app.report.facts.data_sheet_facts import TIMES
 
 Fact = dict[str, Any]
 _SIZES = {  # from, up to, the unit in which that is written
     "K": ((1e-9, 0.2, 1e-3, "mK"),),
     "s": ((1e-9, 1e-3, 1e-6, "µs"), (1e-3, 1.0, 1e-3, "ms")),
     "e-": ((1e4, 1e6, 1e3, "ke-"), (1e6, 1e15, 1e6, "Me-")),
+    "mm": ((1e3, 1e6, 1e3, "m"),),
+    "m": ((1e-9, 1e-3, 1e-6, "µm"), (1e-3, 0.1, 1e-3, "mm"), (1e4, 1e12, 1e3, "km")),
 }
 
 
@@ -22,7 +25,10 @@ def data_sheet(facts: Fact) -> list[Block]:
         return []
     blocks: list[Block] = [Heading(2, "Data sheet")]
     for group in sheet["groups"]:
-        rows = [(row["label"], *_values(row["values"], row["unit"])) for row in group["rows"]]
+        rows = [
+            (row["label"], *_values(row["values"], row["unit"], row["between"]))
+            for row in group["rows"]
+        ]
         if rows:
             blocks.append(Heading(3, group["title"], group["node"]))
             blocks.append(Grid(("figure", "value", "unit"), rows, numbers=(1,)))
@@ -43,14 +49,21 @@ def data_sheet(facts: Fact) -> list[Block]:
     return blocks
 
 
-def _values(values: list[Any], unit: str) -> tuple[str, str]:
-    """One value, or across × along where they differ or are counts of pixels; and the unit."""
+def _values(values: list[Any], unit: str, between: str) -> tuple[str, str]:
+    """One value, or both with what stands between them, and the unit.
+
+    Values across × along that are alike are one, unless they are counts of pixels.
+    """
     if len(values) == 1:
         return _quantity(values[0], unit)
+    written = {_quantity(value, unit)[1] for value in values}
     shown = [_rounded(value) for value in values]
-    if shown[0] == shown[1] and not isinstance(values[0], int):
+    if len(written) == 1:
+        shown = [_quantity(value, unit)[0] for value in values]
+        (unit,) = written
+    if between == TIMES and shown[0] == shown[1] and not isinstance(values[0], int):
         return shown[0], unit
-    return " × ".join(shown), unit
+    return between.join(shown), unit
 
 
 def _quantity(value: Any, unit: str) -> tuple[str, str]:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import subprocess
 import sys
 
@@ -18,6 +19,7 @@ from nodes.library import standard_library
 
 MWIR = {"pitch": 15e-6, "fill": 0.95**2, "f_number": 4, "transmission": 0.765, "efficiency": 0.7}
 BAND_UM = 3.7, 4.8
+BANDS_UM = {"mwir_camera": [3.7, 4.8], "microbolometer": [8.0, 14.0], "satellite_tdi": [0.5, 0.8]}
 
 
 def command(*words):
@@ -116,6 +118,8 @@ def test_a_pixel_of_the_satellite_is_averaged_once(tmp_path):
     assert noises["Shot noise"]["K"] is None  # reflected light has no kelvins
     rows = {row["label"]: row["values"][0] for row in groups["Focal plane"]["rows"]}
     assert (rows["Read noise"], rows["PRNU"], rows["DSNU"]) == (20.0, 0.3, 10.0)
+    band = next(r for r in groups["Focal plane"]["rows"] if r["label"] == "Spectral band")
+    assert (band["values"], band["unit"]) == (BANDS_UM["satellite_tdi"], "µm")
     assert not facts["nodes"]["camera"]["neutral"]  # the sampling comes from it
     assert "identity" not in [fact["kind"] for fact in facts["skipped"].get("camera", [])]
     assert not any(
@@ -132,5 +136,11 @@ def test_the_report_reads_as_a_data_sheet(name, tmp_path):
     for words in ("Data sheet", "IFOV", "Ground sample distance", "Nyquist frequency"):
         assert words in page
     assert ">at Nyquist<" not in page  # the pixels', or the finer one of the stages' samples?
+    low, high = BANDS_UM[name]
+    row = re.sub(r"<[^>]+>", " ", page[page.index("Spectral band") :][:200])
+    assert " ".join(row.split()).startswith(f"Spectral band {low:g} to {high:g} µm")
+    if name == "satellite_tdi":
+        row = re.sub(r"<[^>]+>", " ", page[page.index("Focal length") :][:200])
+        assert " ".join(row.split()).startswith("Focal length 10 m ")
     assert ("NIIRS" in page) == (name == "satellite_tdi")
     assert ("Johnson" in page) == (name != "satellite_tdi")

@@ -13,6 +13,7 @@ from core.chain.wires import Image
 
 Fact = dict[str, Any]
 Rows = Sequence[tuple[str, str, str]]
+BAND = "band_um"
 
 _CAMERA: Rows = (  # label, figure, of both axes where it ends in *; in the order of a data sheet
     ("Pixels", "pixels_*", ""),
@@ -29,7 +30,9 @@ _CAMERA: Rows = (  # label, figure, of both axes where it ends in *; in the orde
     ("Range", "range_m", "m"),
     ("Ground sample distance", "gsd_*_m", "m"),
 )
+TIMES, UP_TO = " × ", " to "  # between the values of both axes, and of both ends
 _FOCAL_PLANE: Rows = (
+    ("Spectral band", BAND, "µm"),
     ("Integration time", "integration_time_s", "s"),
     ("TDI stages", "tdi_stages", ""),
     ("Frames averaged", "frames_averaged", ""),
@@ -52,6 +55,7 @@ _FOCAL_PLANE: Rows = (
     ("NEI", "nei_photons_per_cm2", "photons/cm²"),
 )
 _MICROBOLOMETER: Rows = (
+    ("Spectral band", BAND, "µm"),
     ("NETD of the data sheet", "netd_mK", "mK"),
     ("at F-number", "reference_f_number", ""),
     ("Transmission of the optics", "optics_transmission", ""),
@@ -118,7 +122,8 @@ def data_sheet_facts(evaluation: Evaluation, nodes: Fact) -> Fact | None:
     for module, (title, wanted) in _GROUPS.items():
         for name, node in working.items():
             if node["module"] == module:
-                rows = list(_rows(_figures(node), wanted))
+                figures = {**_figures(node), BAND: _band(evaluation, name, node)}
+                rows = list(_rows(figures, wanted))
                 groups.append({"title": title, "node": name, "rows": rows})
     noises = [
         {"node": name, "rows": list(_noise_rows(_figures(node)))}
@@ -140,10 +145,26 @@ def _figures(node: Fact) -> dict[str, Any]:
 def _rows(figures: Mapping[str, Any], wanted: Rows) -> Iterator[Fact]:
     """What there is of the figures; those along both axes in one row."""
     for label, name, unit in wanted:
+        if name == BAND:
+            if figures[BAND] is not None:
+                ends = list(figures[BAND])
+                yield {"label": label, "values": ends, "unit": unit, "between": UP_TO}
+            continue
         places = [name.replace("*", axis) for axis in "xy"] if "*" in name else [name]
         values = [figures.get(place) for place in places]
         if all(value is not None for value in values):
-            yield {"label": label, "values": values, "unit": unit}
+            yield {"label": label, "values": values, "unit": unit, "between": TIMES}
+
+
+def _band(evaluation: Evaluation, name: str, node: Fact) -> tuple[float, float] | None:
+    """The wavelengths that a detector counts: its filter's, else its picture's."""
+    own = [node["parameters"].get(end, {}).get("value") for end in ("cut_on_um", "cut_off_um")]
+    inputs = evaluation.plan.nodes[name].inputs.values()
+    known = next((band for value in inputs if (band := getattr(value, "band_um", None))), None)
+    low, high = (
+        end if end is not None else known and known[place] for place, end in enumerate(own)
+    )
+    return None if low is None or high is None else (low, high)
 
 
 def _noise_rows(figures: Mapping[str, Any]) -> Iterator[Fact]:
