@@ -54,10 +54,16 @@ _figure = partial(table_figure, table=_without_saturated)
 class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group="Detector"):
     """Count the picture's photons as electrons, add the camera's noise, and digitize it.
 
-    N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark, with
-    Ω = π/(4F² + 1) and A·FF = pitch²·fill of Init & Trans. In this order: shot noise of all
-    electrons, drawn pixel by pixel; PRNU and DSNU, which stay from frame to frame; a response that
-    bends towards the full well; read noise; the full well; gain, offset, whole numbers.
+    N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
+    electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
+    pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² + 1) the
+    projected solid angle of the optics at F-number F; τ optics_transmission; η
+    cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
+    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07. In this order: shot
+    noise of all electrons, drawn pixel by pixel; PRNU and DSNU, which stay from frame to frame; a
+    response that bends towards the full well; read noise; the full well; gain, offset, whole
+    numbers. PRNU multiplies all electrons by 1 + p·deviate, those of the dark current too; EMVA
+    1288 has it of the response to light alone.
 
     A radiance becomes photons by the black body of its own brightness temperature (`scene`), by
     that of `source_K`, or by the band's middle; the table shows what each makes of the signal. Of a

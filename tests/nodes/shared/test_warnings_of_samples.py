@@ -1,0 +1,223 @@
+"""What is warned of pictures: by their samples, and by what their file says and lacks."""
+
+import json
+
+import numpy as np
+import pytest
+
+from core.chain.engine import Engine
+from core.chain.wires import Header, Image
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Step
+from core.network.file import parse_network
+from nodes.files.write import write_picture
+from nodes.input_output.read_image import ReadImage
+from nodes.library import standard_library
+from nodes.shared.module_ports import ImageOutput
+from nodes.transform.init_trans import InitTrans
+
+LIBRARY = standard_library()
+INIT = {
+    "detector_x_um": 20.0, "detector_y_um": 20.0, "focal_length_mm": 100.0, "f_number": 2.0,
+    "scan_velocity_mrad_per_s": 900.0,
+}  # fmt: skip
+
+
+def checks(folder, **params):
+    """Warnings of a node that reads a file, its samples looked at."""
+    nodes = {"read": {"module": "read_image", "params": params}}
+    document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": []}
+    engine = Engine(LIBRARY)
+    plan = engine.plan(parse_network(json.dumps(document), library=LIBRARY), folder=folder)
+    assert plan.errors() == []
+    return engine.warnings(plan, engine.work(Policy()))
+
+
+def frame(mean, sigma):
+    return mean + sigma * np.resize([-1.0, 1.0], (16, 16))
+
+
+KELVIN = frame(290.0, 8.0)
+LWIR = {"cut_on_um": 8.0, "cut_off_um": 14.0}
+MWIR = {"cut_on_um": 3.0, "cut_off_um": 5.0}
+VISIBLE = {"cut_on_um": 0.4, "cut_off_um": 0.7}
+BANDS = {"cut_on_um": 0.6, "cut_off_um": 3.4}
+
+
+class TestRadianceOfFiles:
+    """Samples read as W/m²/sr that cannot be; limits from `test_scene_limits`."""
+
+    @pytest.mark.parametrize("name", ["a.npy", "a.tif"])
+    @pytest.mark.parametrize("dtype", ["float", "double"])
+    @pytest.mark.parametrize("written", [{}, {"scale": 1.0}])
+    def test_kelvin_without_a_band_looks_like_kelvin(self, tmp_path, name, dtype, written):
+        if name == "a.npy":
+            np.save(tmp_path / name, KELVIN.astype({"float": np.float32}.get(dtype, np.float64)))
+        else:
+            write_picture(tmp_path / name, KELVIN, dtype=dtype)
+        (caution,) = checks(tmp_path, path=name, **written)
+        assert (caution.node, caution.check) == ("read", "radiance")
+        # (π 290 / 5.670374e-8)^¼ = 356.0
+        assert caution.message == (
+            "the samples, 290 ± 8, look like temperatures in kelvin and are read as W/m²/sr, "
+            "which not even all wavelengths give below 356 K"
+        )
+        assert "such as K" in caution.remedy
+
+    @pytest.mark.parametrize("band", [LWIR, MWIR, VISIBLE])
+    def test_kelvin_in_a_band_is_more_than_a_scene_gives(self, tmp_path, band):
+        np.save(tmp_path / "a.npy", KELVIN)
+        (caution,) = checks(tmp_path, path="a.npy", unit="W/m²/sr", **band)
+        assert caution.message.startswith("the samples' mean, 290 W/m²/sr, is more than the ")
+        assert caution.message.endswith("they look like temperatures in kelvin")
+
+    def test_counts_in_a_band(self, tmp_path):
+        np.save(tmp_path / "a.npy", frame(8000.0, 500.0))
+        (caution,) = checks(tmp_path, path="a.npy", scale=2.0, **LWIR)
+        assert "mean, 1.6e+04 W/m²/sr, is more than" in caution.message
+        assert "kelvin" not in caution.message
+
+    @pytest.mark.parametrize(
+        ("samples", "params"),
+        [
+            (KELVIN, {"unit": "K"}),
+            (KELVIN, {"scale": 2.0}),
+            (KELVIN, {"unit": "W/m²/sr"}),  # somebody has said so, of a band nobody names
+            (frame(55.0, 2.0), {}),
+            (frame(55.0, 2.0), LWIR),  # 300 K
+            (frame(2.0, 0.2), MWIR),
+            (frame(100.0, 40.0), VISIBLE),  # in sunlight
+            (frame(240.0, 90.0), {}),  # spread too far for temperatures
+            (frame(0.0, 1.0), LWIR),  # noise
+            (frame(20.0, 1.0), {}),
+        ],
+    )
+    def test_what_may_be_radiance_is_silent(self, tmp_path, samples, params):
+        np.save(tmp_path / "a.npy", samples)
+        assert checks(tmp_path, path="a.npy", **params) == []
+
+    def test_whole_numbers_are_warned_of_once(self, tmp_path):
+        np.save(tmp_path / "a.npy", KELVIN.astype(np.int16))
+        found = [each.check for each in checks(tmp_path, path="a.npy")]
+        assert found == ["numbers_without_unit"]
+
+
+class TestRadianceOfElectronics:
+    """A picture without a band, whose samples the electronics take for radiance of their own."""
+
+    def cautions(self, folder, samples, *, unit="W/m²/sr", band=(8.0, 12.0), **read):
+        np.save(folder / "a.npy", samples)
+        source = {"path": "a.npy", "unit": unit, "fov_x_deg": 1.0, "fov_y_deg": 1.0, **read}
+        own = {"cut_on_um": band[0], "cut_off_um": band[1], "bandwidth_Hz": 1e4, "region": "LWIR"}
+        nodes = {
+            "read": {"module": "read_image", "params": source},
+            "init": {"module": "init_trans", "params": INIT},
+            "electronics": {"module": "electronics_noise", "params": own},
+        }
+        links = [
+            ["read.image", "init.image"],
+            ["read.image", "electronics.image"],
+            ["init.context", "electronics.context"],
+        ]
+        document = {"format": "imagechain-network", "version": 1, "nodes": nodes, "links": links}
+        engine = Engine(LIBRARY)
+        plan = engine.plan(parse_network(json.dumps(document), library=LIBRARY), folder=folder)
+        assert plan.errors() == []
+        return engine.warnings(plan, engine.work(Policy()))
+
+    def test_kelvin_is_more_than_the_band_gives(self, tmp_path):
+        """The unit is typed, so that Read Image has nothing to say; the band is typed here."""
+        (caution,) = self.cautions(tmp_path, KELVIN)
+        assert (caution.node, caution.check) == ("electronics", "radiance")
+        limit = planck(8.0, 12.0, 353.95) + (6.957e8 / 1.495978707e11) ** 2 * planck(8, 12, 5772.0)
+        assert caution.message == (
+            f"the samples' mean, 290 W/m²/sr, is more than the {limit:.3g} that a surface on Earth "
+            "can give in 8 to 12 µm; they look like temperatures in kelvin"
+        )
+
+    @pytest.mark.parametrize("kelvin", [250.0, 300.0, 340.0])
+    def test_radiance_of_a_surface_is_silent(self, tmp_path, kelvin):
+        mean = planck(8.0, 12.0, kelvin)
+        assert self.cautions(tmp_path, frame(mean, 0.05 * mean)) == []
+
+    def test_a_band_of_the_picture_is_warned_of_once(self, tmp_path):
+        (caution,) = self.cautions(tmp_path, KELVIN, cut_on_um=8.0, cut_off_um=12.0)
+        assert caution.node == "read"
+
+    def test_another_unit_is_warned_of_once(self, tmp_path):
+        (caution,) = self.cautions(tmp_path, KELVIN, unit="K")
+        assert (caution.node, caution.check) == ("electronics", "unit")
+
+
+def planck(cut_on_um, cut_off_um, kelvin):
+    """Band radiance by the midpoint rule, from Planck's law as written."""
+    h, c, k = 6.62607015e-34, 299792458.0, 1.380649e-23
+    edges = np.linspace(cut_on_um, cut_off_um, 20001) * 1e-6
+    wave = (edges[1:] + edges[:-1]) / 2
+    return np.sum(2 * h * c**2 / wave**5 / np.expm1(h * c / (wave * k * kelvin))) * (
+        edges[1] - edges[0]
+    )
+
+
+def image(header):
+    return Image(Step.of(np.zeros, shape=(4, 4)), 4, 4, 1.0, 1.0, header=header)
+
+
+class TestFiles:
+    def test_whole_numbers_taken_for_radiance(self):
+        outputs = ImageOutput(image(Header(bare_integers=True)))
+        caution = ReadImage.build({}).numbers_without_unit(outputs)
+        assert "whole numbers" in caution.message
+        assert "W/m²/sr" in caution.message
+        for stated in ({"unit": "DN"}, {"scale": 0.01}):
+            assert ReadImage.build(stated).numbers_without_unit(outputs) is None
+        assert ReadImage.build({}).numbers_without_unit(ImageOutput(image(Header()))) is None
+
+    def test_one_channel_of_a_colour_picture(self):
+        outputs = ImageOutput(image(Header(channels=("R", "G", "B"))))
+        caution = ReadImage.build({}).one_channel(outputs, frozenset())
+        assert caution.message == "colour picture: channel R of R, G, B is read"
+        assert "0 to 2" in caution.remedy
+        one = ImageOutput(image(Header(channels=("Y",))))
+        assert ReadImage.build({}).one_channel(one, frozenset()) is None
+
+    @pytest.mark.parametrize("params", [{"band": 0}, {"band": 2}, {}])
+    def test_a_channel_that_was_chosen_is_not_warned_of(self, tmp_path, params):
+        """Not even the first one, which is the default."""
+        write_picture(tmp_path / "a.png", np.zeros((4, 4, 3)), dtype="uint8")
+        found = [each.check for each in checks(tmp_path, path="a.png", unit="DN", **params)]
+        assert ("one_channel" in found) is not bool(params)
+
+    @pytest.mark.parametrize(
+        ("params", "warned"),
+        [({}, True), ({"band": 0}, False), ({"band": 2}, False), (BANDS, False)],
+    )
+    def test_one_band_of_a_cube(self, tmp_path, params, warned):
+        """Unless it was chosen, or the bands are integrated."""
+        np.zeros((3, 4, 4), np.float32).tofile(tmp_path / "a.img")
+        header = "ENVI\nsamples = 4\nlines = 4\nbands = 3\ndata type = 4\ninterleave = bsq\n"
+        header += "byte order = 0\nwavelength units = um\n"
+        header += "wavelength = {1, 2, 3}\nfwhm = {1, 1, 1}\n"
+        (tmp_path / "a.hdr").write_text(header)
+        found = {each.check: each for each in checks(tmp_path, path="a.img", unit="DN", **params)}
+        assert ("one_band" in found) is warned
+        if warned:
+            assert found["one_band"].message == "the file holds 3 bands: band 0 is read"
+            assert found["one_band"].remedy == "band chooses another one, 0 to 2"
+
+    def test_gains_of_the_header_that_are_not_applied(self):
+        outputs = ImageOutput(image(Header(not_applied=("data gain values",))))
+        caution = ReadImage.build({}).as_stored(outputs)
+        assert "data gain values" in caution.message
+        assert "scale" in caution.remedy
+        assert ReadImage.build({"scale": 0.01}).as_stored(outputs) is None
+        assert ReadImage.build({}).as_stored(ImageOutput(image(Header()))) is None
+
+    def test_a_focal_length_other_than_the_files(self):
+        init = InitTrans.build({"focal_length_mm": 100.0})
+        caution = init.focal_length(image(Header(focal_length_mm=50.0)))
+        assert "100 mm" in caution.message
+        assert "50 mm" in caution.message
+        assert init.focal_length(image(Header(focal_length_mm=100.0))) is None
+        assert init.focal_length(image(Header())) is None
+        assert InitTrans.build({}).focal_length(image(Header(focal_length_mm=50.0))) is None
