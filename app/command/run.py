@@ -24,7 +24,7 @@ from app.run.output import find_output, how_to_choose
 from app.run.png import encode_png, grey_levels, robust_limits
 from app.run.readout_tables import columns, jsonable, readout_rows, warning_lines
 from app.run.responses import mtf_csv
-from app.run.saving import check_suffix, save_value
+from app.run.saving import check_suffix, cube_of, is_cube, save_value
 from app.run.sequence import MOST_FRAMES, format_for_frames, save_frames, series_of
 from app.run.shipped import Place, find_network
 from app.run.staging import Staging, check_folder
@@ -212,6 +212,8 @@ def _claim(plan: Plan, options: Options, staging: Staging) -> list[tuple[Path, s
         region = _region(save, value)
         if options.frames is not None and isinstance(value, Image):
             files.append((path, *_frames(save.port, value, path, options, region)))
+        elif is_cube(value, path):
+            files.append((path, *_bands(value, path, options, region)))
         else:
             check_suffix(save.port, value, path)
         saves.append((path, save.port, region))
@@ -230,6 +232,12 @@ def _frames(
 ) -> tuple[FrameFormat, FrameSeries]:
     kind, policy = format_for_frames(port, path), policy_of(options)
     return kind, series_of(image, kind, policy, frames=options.frames or 1, region=region)
+
+
+def _bands(
+    image: Image, path: Path, options: Options, region: Region | None
+) -> tuple[FrameFormat, FrameSeries]:
+    return format_for_frames("", path), cube_of(image, policy_of(options), region).series
 
 
 def _claim_guarded(
@@ -312,9 +320,13 @@ def _write_beside(
     staging: Staging,
     frames: int | None,
 ) -> None:
-    """Write the header of frames that have one in a file of its own."""
+    """Write the header of frames or bands that have one in a file of its own."""
     path, port, region = save
     image = evaluation.plan.output(port)
+    if frames is None and is_cube(image, path):
+        cube = cube_of(image, evaluation.work.policy, region)
+        staging.write(header_beside_frames(path), cube.write_header)
+        return
     if frames is None or not isinstance(image, Image):
         return
     kind = format_for_frames(port, path)

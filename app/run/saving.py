@@ -18,6 +18,7 @@ from core.chain.realize import realize
 from core.chain.results import CurveData, TableData
 from core.chain.wires import Context, Curve, Image, Table
 from core.errors import UsageError
+from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from nodes.files.arrays import write_curves, write_matrix
@@ -27,6 +28,7 @@ from nodes.files.curve_text import columns_text, is_plain
 from nodes.files.formats import PNG, SAVED, WRITTEN, written_format
 from nodes.files.read import check_finite
 from nodes.files.write import write_picture
+from nodes.input_output.cube_output import Cube
 
 Array = NDArray[Any]
 _TABLES = (CSV,)
@@ -47,9 +49,12 @@ def check_suffix(port: str, value: Any, path: Path) -> None:
     elif isinstance(value, Curve):
         allowed = _CURVES
     if ENVI_FRAMES.matches(path):
+        if isinstance(value, Image) and value.bands is not None:
+            return
         words = " ".join(ENVI_FRAMES.suffixes)
         raise UsageError(
-            f"--save {port}={path}: frames alone are written as {words}: give --frames"
+            f"--save {port}={path}: bands and frames alone are written as {words}, and no bands "
+            "are on this port: give --frames"
         )
     if not any(file_format.matches(path) for file_format in allowed):
         words = " ".join(suffixes(*allowed))
@@ -61,7 +66,8 @@ def save_value(
 ) -> None:
     """Write the computed value: arrays as they are, curves as columns, tables as rows.
 
-    Of an image, only the region is computed and written.
+    Of an image, only the region is computed and written; its bands, where it has any, into an ENVI
+    file, whose header is that of `cube_of`, and their sum into any other.
 
     A ``.png`` runs from black at the least to white at the greatest sample, in 8 bits. A pupil
     with a wavefront is written as its amplitude.
@@ -71,6 +77,9 @@ def save_value(
     ImagechainError
         From computing, or from the writer.
     """
+    if isinstance(value, Image) and is_cube(value, path):
+        cube_of(value, work.policy, region).write(path, work, name=port)
+        return
     made = realize(value, work, region)
     if isinstance(made, TableData):
         _save_rows(path, [(row.name, row.value, row.unit, row.meaning) for row in made.rows])
@@ -83,6 +92,17 @@ def save_value(
         check_finite(array, port)
         metadata = metadata_of(value, array.shape) if isinstance(value, Image) else {}
         save_array(path, array, metadata)
+
+
+def is_cube(value: Any, path: Path) -> bool:
+    """Whether a port's value is written as bands under this name."""
+    return isinstance(value, Image) and value.bands is not None and ENVI_FRAMES.matches(path)
+
+
+def cube_of(image: Image, policy: Policy, region: Region | None = None) -> Cube:
+    """The bands of an image as they are written."""
+    shape = region.shape if region else image.shape
+    return Cube(image, policy.dtype, metadata_of(image, shape), region)
 
 
 def real_array(made: Array, work: Work) -> Array:

@@ -19,16 +19,23 @@ from core.modules.declaration import Module, NodeContext
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.files.common.digital_numbers import DIGITAL_NUMBER, integer_type
-from nodes.files.common.file_format import suffixes
+from nodes.files.common.file_format import ENVI_FRAMES, suffixes
 from nodes.files.common.picture_info import MetadataValue
 from nodes.files.formats import WRITTEN, written_format
+from nodes.files.frames.frame_writing import frame_format, header_beside_frames, refuse_without_room
 from nodes.files.read import check_finite
 from nodes.files.write import write_picture
+from nodes.input_output.cube_output import Cube
 
 Dtype = Literal["automatic", "float", "double", "half", "uint8", "uint16"]
 Files = list[tuple[Path, Callable[[Path], None]]]
 
 _BY_SUFFIX = "by_suffix"
+_CUBE = "envi"
+_CUBE_DTYPES: dict[str, np.dtype[Any]] = {
+    "float": np.dtype(np.float32),
+    "double": np.dtype(np.float64),
+}
 
 
 class WriteImage(
@@ -40,6 +47,10 @@ class WriteImage(
     to the type's whole range; a picture in digital numbers, DN, is not stretched where both are
     empty: 12 bits are 0 to 4095 in the file. `automatic` is the evaluation's precision where the
     format holds it, and 16-bit integers for PNG and for digital numbers up to 65535.
+
+    All bands of a picture that has some go into an ENVI file (`.img`, `.bsq`, or `format` envi), as
+    floats in W/m²/sr/µm, one after the other: the cube is never in memory. Into every other format
+    goes their sum, which the picture is.
     """
 
     path: Annotated[Path | None, Param("file to write, relative to the network file's folder")] = (
@@ -49,7 +60,7 @@ class WriteImage(
         str,
         Param(
             "format of the file",
-            choices=(_BY_SUFFIX, *(picture_format.name for picture_format in WRITTEN)),
+            choices=(_BY_SUFFIX, *(picture_format.name for picture_format in WRITTEN), _CUBE),
         ),
     ] = _BY_SUFFIX
     dtype: Annotated[Dtype, Param("type of the stored samples")] = "automatic"
@@ -74,6 +85,9 @@ class WriteImage(
     def run(self, image: Image, here: NodeContext) -> None:
         """Check where and how to write."""
         target = self.target(here)
+        if ENVI_FRAMES.matches(target) and image.bands is None:
+            allowed = f"a name that ends in {', '.join(suffixes(*WRITTEN))}, as the picture has no"
+            raise ParameterError("path", target.name, f"{allowed} bands of wavelength")
         held = _dtypes(target)
         if self.dtype not in ("automatic", *held):
             allowed = f"automatic, or what a {target.suffix.lower()} file holds: {', '.join(held)}"
@@ -91,9 +105,16 @@ class WriteImage(
             allowed = "a file name, relative to the network file's folder"
             raise ParameterError("path", None, allowed)
         path, known = here.folder / self.path, written_format(self.path)
+        if self.format in (_BY_SUFFIX, _CUBE) and ENVI_FRAMES.matches(self.path):
+            return path
+        if self.format == _CUBE:
+            if known is None:
+                return path.with_name(path.name + ENVI_FRAMES.suffixes[0])
+            raise ParameterError("format", self.format, f"by_suffix, or that of {self.path.name}")
         if self.format == _BY_SUFFIX:
             if known is None:
-                allowed = f"a name that ends in {', '.join(suffixes(*WRITTEN))}; or choose a format"
+                endings = ", ".join(suffixes(*WRITTEN, ENVI_FRAMES))
+                allowed = f"a name that ends in {endings}; or choose a format"
                 raise ParameterError("path", self.path.as_posix(), allowed)
             return path
         if known is None:
@@ -107,6 +128,8 @@ class WriteImage(
         """Compute the picture; the file and what writes it."""
         image: Image = inputs["image"]
         target = self.target(here)
+        if ENVI_FRAMES.matches(target):
+            return self._cube_files(image, target, work)
         samples = realize(image, work)
         check_finite(samples, target.name)
         dtype = self._stored(_dtypes(target), samples, image.unit)
@@ -117,6 +140,18 @@ class WriteImage(
             write_picture, array=samples, dtype=dtype, low=low, high=high, metadata=_metadata(image)
         )
         return [(target, writer)]
+
+    def _cube_files(self, image: Image, target: Path, work: Work) -> Files:
+        """The data file, made band by band as it is written, and its header."""
+        dtype = _CUBE_DTYPES.get(self.dtype, np.dtype(work.policy.dtype))
+        cube = Cube(image, dtype, _metadata(image))
+        kind = frame_format(target)
+        assert kind is not None
+        refuse_without_room([(target, kind, cube.series)])
+        return [
+            (target, partial(cube.write, work=work, name=target.name)),
+            (header_beside_frames(target), cube.write_header),
+        ]
 
     def _as_they_are(self, unit: str) -> bool:
         """Whether integers are the samples themselves: digital numbers, and no range is given."""
@@ -143,6 +178,8 @@ class WriteImage(
 
 
 def _dtypes(path: Path) -> tuple[str, ...]:
+    if ENVI_FRAMES.matches(path):
+        return tuple(_CUBE_DTYPES)
     kind = written_format(path)
     return kind.dtypes if kind is not None else ()
 

@@ -1,4 +1,4 @@
-"""Frames as the bands of an ENVI file, one after the other (BSQ), with its header beside it."""
+"""Frames, or bands, of an ENVI file, one after the other (BSQ), with its header beside it."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from nodes.files.headers.envi_header import REAL_TYPES
 def envi_header_text(series: FrameSeries) -> str:
     """The header of the data file: size, type and what is known of the frames."""
     code = next(code for code, name in REAL_TYPES.items() if name == series.dtype.str[1:])
+    beside = ", a band each" if series.what == "frames" else ""
     lines = [
         "ENVI",
-        "description = {frames of Imagechain, a band each}",
+        f"description = {{{series.what} of Imagechain{beside}}}",
         f"samples = {series.columns}",
         f"lines = {series.rows}",
         f"bands = {series.frames}",
@@ -23,5 +24,6 @@ def envi_header_text(series: FrameSeries) -> str:
     ]
     for key, value in series.metadata.items():
         name = "data units" if key == "unit" else key.replace("_", " ")
-        lines.append(f"{name} = {' '.join(str(value).split())}")
+        text = f"{{{', '.join(map(repr, value))}}}" if isinstance(value, tuple) else str(value)
+        lines.append(f"{name} = {' '.join(text.split())}")
     return "\n".join(lines) + "\n"

@@ -1,4 +1,4 @@
-"""How many frames a file holds, of which size and type, and what is known of them."""
+"""How many frames or bands a file holds, of which size and type, and what is known of them."""
 
 from __future__ import annotations
 
@@ -22,14 +22,18 @@ class FrameSeries:
     dtype
         Of the samples.
     metadata
-        Texts and numbers of all frames, as `nodes.files.write.write_picture` takes them.
+        Texts and numbers of all frames, as `nodes.files.write.write_picture` takes them; a tuple is
+        a list with a number for each frame.
+    what
+        What they are: bands of wavelength are written as frames are.
     """
 
     frames: int
     rows: int
     columns: int
     dtype: np.dtype[Any]
-    metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
+    metadata: Mapping[str, MetadataValue | tuple[float, ...]] = field(default_factory=dict)
+    what: str = "frames"
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -44,7 +48,7 @@ class FrameSeries:
     @property
     def size_text(self) -> str:
         """Number and size, in words."""
-        return f"{self.frames} frames of {self.rows} × {self.columns} samples"
+        return f"{self.frames} {self.what} of {self.rows} × {self.columns} samples"
 
 
 def metadata_lines(series: FrameSeries) -> list[str]:

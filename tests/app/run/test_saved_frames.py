@@ -107,7 +107,8 @@ def test_a_disk_that_is_full(frames, noisy, tmp_path):
         ),
         (
             ("--save", "electronics.image=f.bsq"),
-            "--save electronics.image=f.bsq: frames alone are written as .bsq .img: give --frames",
+            "--save electronics.image=f.bsq: bands and frames alone are written as .bsq .img, and "
+            "no bands are on this port: give --frames",
         ),
         (
             ("--frames", "2", "--save", "electronics.image=f.bsq", "--save", "scene.image=f.bsq"),

@@ -1,0 +1,54 @@
+"""``--save NODE.PORT=FILE.img``: all bands of a picture."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nodes.files.read import read_info, read_pixels
+
+
+@pytest.fixture
+def banded(small, write):
+    small["nodes"]["scene"]["params"] |= {"bands": 6, "cut_on_um": 3.0, "cut_off_um": 5.0}
+    return write(small)
+
+
+def test_bands_of_a_filtered_picture(imagechain, banded, tmp_path):
+    done = imagechain("run", banded, "--save", "back.image=b.img", "--save", "back.image=b.npy")
+    assert done.returncode == 0, done.stderr
+    whole = np.load(tmp_path / "b.npy")
+    info = read_info(tmp_path / "b.img")
+    assert (info.rows, info.columns, info.bands) == (*whole.shape, 6)
+    assert info.unit == "W/m^2/sr/um"
+    assert info.wavelengths_um == pytest.approx(3.0 + (np.arange(6) + 0.5) / 3)
+    assert info.fwhm_um == pytest.approx([1 / 3] * 6)
+    bands = [read_pixels(tmp_path / "b.img", index) for index in range(6)]
+    np.testing.assert_allclose(np.sum(bands, axis=0) / 3, whole, rtol=1e-5)
+
+
+def test_a_region_of_them(imagechain, banded, tmp_path):
+    done = imagechain(
+        "run", banded, "--save", "scene.image=b.bsq", "--save", "scene.image[2:9,5:]=part.bsq"
+    )
+    assert done.returncode == 0, done.stderr
+    for index in range(6):
+        whole, part = (read_pixels(tmp_path / name, index) for name in ("b.bsq", "part.bsq"))
+        assert np.array_equal(part, whole[2:9, 5:])
+
+
+def test_without_bands_one_line(imagechain, small, write, tmp_path):
+    done = imagechain("run", write(small), "--save", "scene.image=b.img")
+    assert done.returncode == 2
+    assert "no bands are on this port" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert not (tmp_path / "b.img").exists()
+
+
+def test_a_disk_without_room_is_refused_first(imagechain, banded, tmp_path):
+    done = imagechain(
+        "run", banded, "--set", "scene.width=65536", "--set", "scene.height=65536",
+        "--set", "scene.bands=4096", "--save", "scene.image=b.img",
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "4096 bands of 65536 × 65536 samples take" in done.stderr
