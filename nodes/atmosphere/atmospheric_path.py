@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -10,7 +9,7 @@ from core.chain.wires import Context, Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.atmosphere.air_path import (
@@ -24,9 +23,9 @@ from core.spectrum.band_stack import AttenuatedBands, BandStack
 from nodes.atmosphere import path_steps as steps
 from nodes.files.path_table import read_path_table
 from nodes.files.wavelength_table import read_wavelengths
-from nodes.input_output.examine_image import figure
 from nodes.optics.band_spectrum import SUNLIGHT_K
 from nodes.shared.shared_warnings import apart_caution, first, is_temperature
+from nodes.shared.table_figures import table_figure
 
 
 class PathOutputs(NamedTuple):
@@ -34,14 +33,6 @@ class PathOutputs(NamedTuple):
 
     image: Image
     table: Table
-
-
-def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
-    def method(self: Module, outputs: PathOutputs) -> Step:
-        return Step.of(figure, outputs.table.recipe, name=name)
-
-    method.__doc__ = meaning
-    return readout(unit, name=name)(method)
 
 
 class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", group="Atmosphere"):
@@ -261,9 +252,11 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             ),
         )  # fmt: skip
 
-    transmission_figure = _figure("transmission", "", "Mean transmission of the band.")
-    path_radiance = _figure("path_radiance", "W/m²/sr", "Radiance that the air adds in the band.")
-    optical_depth = _figure(
+    transmission_figure = table_figure("transmission", "", "Mean transmission of the band.")
+    path_radiance = table_figure(
+        "path_radiance", "W/m²/sr", "Radiance that the air adds, of the band."
+    )
+    optical_depth = table_figure(
         "optical_depth", "", "−ln of the band's transmission; none where nothing passes."
     )
 

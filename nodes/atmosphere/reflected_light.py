@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, NamedTuple
@@ -14,15 +13,15 @@ from core.chain.wires import Image, Table
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.caution import Caution
-from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.atmosphere.sunlight import Sunlight
 from core.spectrum.band_stack import AttenuatedBands, BandStack
 from nodes.atmosphere.reflected_steps import GreyBands, bright_caution, light_table, reflected
 from nodes.files.wavelength_table import read_wavelengths
-from nodes.input_output.examine_image import figure
 from nodes.shared.shared_warnings import Band, is_radiance, is_temperature
+from nodes.shared.table_figures import table_figure
 
 _SHARES = {"": 1.0, "1": 1.0, "-": 1.0, "reflectance": 1.0, "albedo": 1.0, "%": 0.01}
 _BRIGHTEST = 1e30  # W/m²/µm
@@ -33,14 +32,6 @@ class LightOutputs(NamedTuple):
 
     image: Image
     table: Table
-
-
-def _figure(name: str, unit: str, meaning: str) -> Callable[..., Step]:
-    def method(self: Module, outputs: LightOutputs) -> Step:
-        return Step.of(figure, outputs.table.recipe, name=name)
-
-    method.__doc__ = meaning
-    return readout(unit, name=name)(method)
 
 
 class ReflectedLight(Module, key="reflected_light", title="Reflected Light", group="Atmosphere"):
@@ -188,8 +179,12 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
             return None
         return Step.of(bright_caution, image.recipe, share=share)
 
-    air_mass = _figure("air_mass", "", "The sun's way through the air, over that from the zenith.")
-    irradiance = _figure("irradiance", "W/m²", "Sun and sky on a horizontal surface in the band.")
+    air_mass = table_figure(
+        "air_mass", "", "The sun's way through the air, over that from the zenith."
+    )
+    irradiance = table_figure(
+        "irradiance", "W/m²", "Sun and sky on a horizontal surface in the band."
+    )
 
 
 def _white(
