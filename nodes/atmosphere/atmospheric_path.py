@@ -19,11 +19,11 @@ from core.physics.atmosphere.air_path import (
 )
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.radiance_units import radiance_unit
+from core.physics.radiometry.sunlight import SUNLIGHT_K
 from core.spectrum.band_stack import AttenuatedBands, BandStack
 from nodes.atmosphere import path_steps as steps
 from nodes.files.path_table import read_path_table
 from nodes.files.wavelength_table import read_wavelengths
-from nodes.optics.band_spectrum import SUNLIGHT_K
 from nodes.shared.shared_warnings import apart_caution, first, is_temperature
 from nodes.shared.table_figures import table_figure
 

@@ -16,7 +16,7 @@ from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
-from core.physics.atmosphere.sunlight import Sunlight
+from core.physics.atmosphere.sun_and_sky import Sunlight
 from core.spectrum.band_stack import AttenuatedBands, BandStack
 from nodes.atmosphere.reflected_steps import GreyBands, bright_caution, light_table, reflected
 from nodes.files.wavelength_table import read_wavelengths

@@ -18,7 +18,7 @@ from core.lineage.linear_change import Linear
 from core.lineage.step_lineage import picture_step
 from core.modules.caution import Caution
 from core.noise.noise_power import NoisePower
-from core.physics.atmosphere.sunlight import Sunlight, relative_air_mass
+from core.physics.atmosphere.sun_and_sky import Sunlight, relative_air_mass
 from core.spectrum.band_stack import BandStack, Row, Rows, stacked
 
 Array = NDArray[Any]

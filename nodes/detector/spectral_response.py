@@ -23,9 +23,9 @@ from core.noise.noise_power import NoisePower
 from core.physics.detector.response_curve import ResponseCurve
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
+from core.physics.radiometry.sunlight import SUNLIGHT_K
 from core.spectrum.band_stack import AttenuatedBands
 from nodes.files.wavelength_table import read_wavelengths
-from nodes.optics.band_spectrum import SUNLIGHT_K
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import Band, unit_caution
 

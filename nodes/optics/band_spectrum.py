@@ -15,10 +15,10 @@ from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
+from core.physics.radiometry.sunlight import SUNLIGHT_K
 from core.spectrum.band_stack import BandStack, Row
 from nodes.shared.shared_warnings import Band, is_radiance
 
-SUNLIGHT_K = 5800.0
 _KELVIN = ("K", "kelvin")
 
 

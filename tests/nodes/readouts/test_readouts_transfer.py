@@ -316,6 +316,7 @@ def test_readouts_of_photon_noise(tmp_path):
 def test_every_module_of_blur_has_its_row():
     apart = {  # in tests of their own
         "atmospheric_path",
+        "reflected_light",
         "spectral_response",
         "camera",
         "diffraction_mtf",

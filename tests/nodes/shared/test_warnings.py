@@ -274,6 +274,12 @@ BY_HAND = {  # need what only a file tells
     ("atmospheric_path", "unused"),  # beside a file, in test_node_atmospheric_path
     ("atmospheric_path", "source"),
     ("atmospheric_path", "ranges"),
+    ("atmospheric_path", "dark_air"),
+    ("reflected_light", "unused"),  # in test_node_reflected_light
+    ("reflected_light", "brightness"),
+    ("atmosphere_mtf", "path"),  # in test_node_atmosphere_mtf
+    ("atmosphere_mtf", "cutoff"),
+    ("figures_of_merit", "extinction"),  # in test_ranges_through_air
     ("spectral_response", "source"),  # of bands, in test_node_spectral_response
     ("psf_file", "no_file"),  # of a file, in test_node_psf_file
     ("psf_file", "border"),

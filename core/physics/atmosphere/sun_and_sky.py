@@ -13,14 +13,12 @@ from core.physics.atmosphere.air_path import Points
 from core.physics.numerics.scalar_checks import non_negative, within
 from core.physics.radiometry.band_nodes import band_nodes
 from core.physics.radiometry.planck import spectral_radiance
+from core.physics.radiometry.sunlight import SUN_SHARE, SUNLIGHT_K
 
 FloatArray = NDArray[np.float64]
 
-SUN_K = 5800.0
-"""Temperature of the black body that sunlight is taken for."""
-
-SUN_SR = math.pi * (6.957e8 / 1.495978707e11) ** 2
-"""Solid angle of the Sun at its mean distance: nominal solar radius (IAU 2015 B3) and au."""
+SUN_SR = math.pi * SUN_SHARE
+"""Solid angle of the Sun at its mean distance."""
 
 _NEAR = 1e-9  # by which a table may end before the band
 
@@ -104,7 +102,7 @@ class Sunlight:
         elif self.irradiance is not None:
             sun = np.full(wavelength.shape, self.irradiance)
         else:
-            sun = SUN_SR * spectral_radiance(wavelength, SUN_K)
+            sun = SUN_SR * spectral_radiance(wavelength, SUNLIGHT_K)
         way = relative_air_mass(elevation_deg=self.elevation_deg)
         passed = math.exp(-self.optical_depth * way)
         share = passed * math.sin(math.radians(self.elevation_deg))

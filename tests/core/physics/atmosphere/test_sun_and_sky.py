@@ -8,7 +8,7 @@ import mpmath
 import pytest
 
 from core.errors import ParameterError
-from core.physics.atmosphere.sunlight import SUN_SR, Sunlight, relative_air_mass
+from core.physics.atmosphere.sun_and_sky import SUN_SR, Sunlight, relative_air_mass
 from planck_truth import band_radiance
 
 
