@@ -181,7 +181,8 @@ def _lines(engine: Engine, plan: Plan, work: Work, nodes: tuple[str, ...]) -> li
     for node in dict.fromkeys(nodes):
         if node not in plan.nodes or plan.nodes[node].error is not None:
             continue
-        units = {r.name: r.unit for r in plan.node(node).declaration.readouts}
+        planned = plan.node(node)
+        units = {r.name: planned.unit(r) for r in planned.declaration.readouts}
         for name, value in engine.readouts(plan, node, work).items():
             text = "none" if value is None else shown_value(value, units[name])
             lines.append(in_line(f"  {node}.{name}  {text}"))

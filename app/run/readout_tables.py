@@ -55,12 +55,11 @@ def readout_rows(evaluation: Evaluation) -> list[tuple[str, str, str, str]]:
     """Node, read-out, value and unit of all that have a value."""
     rows = []
     for node, values in evaluation.readouts.items():
-        declared = {
-            readout.name: readout for readout in evaluation.plan.nodes[node].declaration.readouts
-        }
+        planned = evaluation.plan.nodes[node]
+        units = {readout.name: planned.unit(readout) for readout in planned.declaration.readouts}
         for name, value in values.items():
             if value is not None:
-                unit = declared[name].unit
+                unit = units[name]
                 rows.append((node, name, number_text(without_rounding(value, unit)), unit))
     return rows
 

@@ -20,7 +20,14 @@ from core.evaluation.region import Region
 from core.evaluation.store import Store
 from core.evaluation.work import Work
 from core.modules.caution import Caution, PendingCheck, checked
-from core.modules.declaration import GIVEN, Declaration, Module, NodeContext, declaration
+from core.modules.declaration import (
+    GIVEN,
+    Declaration,
+    Module,
+    NodeContext,
+    Readout,
+    declaration,
+)
 from core.modules.library_type import Library
 from core.network.linked_values import with_values
 from core.network.network import Link, Network, Node, passed_through
@@ -43,6 +50,13 @@ class PlannedNode:
         """Declaration of the node's module."""
         assert self.module is not None
         return declaration(type(self.module))
+
+    def unit(self, readout: Readout) -> str:
+        """Unit of a read-out, which may be that of a picture that comes in."""
+        if not readout.unit_of:
+            return readout.unit
+        unit: str = getattr(self.inputs.get(readout.unit_of), "unit", "")
+        return unit
 
     @cached_property
     def checks(self) -> tuple[Caution | PendingCheck, ...]:

@@ -66,13 +66,14 @@ class Port:
 
 @dataclass(frozen=True)
 class Readout:
-    """A figure shown on the panel."""
+    """A figure shown on the panel; with `unit_of` in the unit of the picture at that input."""
 
     name: str
     unit: str
     meaning: str
     needs: tuple[str, ...]
     method: str
+    unit_of: str = ""
 
 
 @dataclass(frozen=True)
@@ -118,17 +119,19 @@ class Declaration:
 
 
 def readout(
-    unit: str = "", *, name: str = ""
+    unit: str = "", *, name: str = "", unit_of: str = ""
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Mark a method as a read-out in `unit`; its docstring is its meaning.
 
     Its arguments are named after the input ports it needs, or `outputs` for what `run` returned.
-    It returns a value, or the recipe of one. `name` is for a read-out named like a parameter.
+    It returns a value, or the recipe of one. `name` is for a read-out named like a parameter,
+    `unit_of` names the input of whose picture it has the unit.
     """
 
     def mark(method: Callable[..., Any]) -> Callable[..., Any]:
         method.readout_unit = unit  # type: ignore[attr-defined]
         method.readout_name = name  # type: ignore[attr-defined]
+        method.readout_unit_of = unit_of  # type: ignore[attr-defined]
         return method
 
     return mark
@@ -330,5 +333,7 @@ def _readouts(module: type[Module]) -> tuple[Readout, ...]:
                 name = method.readout_name or attribute
                 needs = tuple(inspect.signature(method).parameters)[1:]
                 unit = method.readout_unit
-                readouts[name] = Readout(name, unit, _meaning(method), needs, attribute)
+                readouts[name] = Readout(
+                    name, unit, _meaning(method), needs, attribute, method.readout_unit_of
+                )
     return tuple(readouts.values())

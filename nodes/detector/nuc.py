@@ -182,12 +182,14 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     pattern_low = table_figure(
         "pattern_low",
         "",
-        "Spread of pixels on the cooler reference, uncorrected, in the picture's unit.",
+        "Spread of pixels on the cooler reference, uncorrected.",
+        unit_of="image",
     )
     pattern_high = table_figure(
         "pattern_high",
         "",
-        "Spread of pixels on the warmer reference, uncorrected, in the picture's unit.",
+        "Spread of pixels on the warmer reference, uncorrected.",
+        unit_of="image",
     )
     response_per_kelvin = table_figure(
         "response_per_kelvin",

@@ -120,22 +120,22 @@ class ExamineImage(
             "convert it to W/m²/sr: by scale and unit on Read Image, by units on Focal Plane",
         )
 
-    @readout()
+    @readout(unit_of="image")
     def minimum(self, outputs: ExamineOutputs) -> Recipe:
         """Least sample."""
         return Step.of(figure, outputs.table.recipe, name="minimum")
 
-    @readout()
+    @readout(unit_of="image")
     def maximum(self, outputs: ExamineOutputs) -> Recipe:
         """Greatest sample."""
         return Step.of(figure, outputs.table.recipe, name="maximum")
 
-    @readout()
+    @readout(unit_of="image")
     def mean(self, outputs: ExamineOutputs) -> Recipe:
         """Mean of the samples."""
         return Step.of(figure, outputs.table.recipe, name="mean")
 
-    @readout()
+    @readout(unit_of="image")
     def sigma(self, outputs: ExamineOutputs) -> Recipe:
         """Standard deviation of the samples."""
         return Step.of(figure, outputs.table.recipe, name="sigma")

@@ -36,6 +36,7 @@ def table_figure(
     meaning: str,
     *,
     row: str = "",
+    unit_of: str = "",
     table: Callable[[Any], Recipe] = of_table,
 ) -> Any:
     """A read-out that is one figure of the table.
@@ -46,6 +47,8 @@ def table_figure(
         Of the read-out.
     row : str
         The table's row; of the read-out's name, if not given.
+    unit_of : str
+        The input of whose picture it has the unit, in place of `unit`.
     table : callable
         Gives the table of the outputs.
     """
@@ -54,4 +57,4 @@ def table_figure(
         return Step.of(figure, table(outputs), name=row or name)
 
     method.__doc__ = meaning
-    return readout(unit, name=name)(method)
+    return readout(unit, name=name, unit_of=unit_of)(method)

@@ -56,7 +56,7 @@ def all_figures(passing: Passing, work: Work) -> tuple[NodeFigure, ...]:
         for key, value in values.items():
             readout = declared[key]
             figures.append(
-                NodeFigure(name, key, label_of(key), value, readout.unit, readout.meaning)
+                NodeFigure(name, key, label_of(key), value, planned.unit(readout), readout.meaning)
             )
     return tuple(figures)
 

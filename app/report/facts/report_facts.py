@@ -169,7 +169,7 @@ def _node(evaluation: Evaluation, name: str, node: PlannedNode) -> dict[str, Any
         "readouts": {
             readout.name: {
                 "value": values[readout.name],
-                "unit": readout.unit,
+                "unit": node.unit(readout),
                 "meaning": readout.meaning,
             }
             for readout in declared.readouts

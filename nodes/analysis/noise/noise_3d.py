@@ -31,7 +31,7 @@ def _figure(name: str, meaning: str) -> Callable[..., Recipe]:
         return Step.of(sigma_of, outputs.table.recipe, name=name)
 
     method.__doc__ = meaning
-    return readout("W/m²/sr", name=name)(method)
+    return readout(name=name, unit_of="image")(method)
 
 
 class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):

@@ -70,11 +70,9 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
             Table(Step.of(budget_table, noise, blur, node=node, **noise_kind)),
         )
 
-    sigma = table_figure("sigma", "", "All noise together, in the picture's unit.")
-    sigma_temporal = table_figure(
-        "sigma_temporal", "", "All temporal noise, in the picture's unit."
-    )
-    sigma_fixed = table_figure("sigma_fixed", "", "All fixed patterns, in the picture's unit.")
+    sigma = table_figure("sigma", "", "All noise together.", unit_of="image")
+    sigma_temporal = table_figure("sigma_temporal", "", "All temporal noise.", unit_of="image")
+    sigma_fixed = table_figure("sigma_fixed", "", "All fixed patterns.", unit_of="image")
     mtf_x = table_figure("mtf_x", "", "|MTF| of all stages across, at the frequency.")
     mtf_y = table_figure("mtf_y", "", "|MTF| of all stages along, at the frequency.")
     xi = table_figure("xi", "cyc/mrad", "The frequency across.")
