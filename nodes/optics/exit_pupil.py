@@ -57,7 +57,8 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     (picture, FITS, `.npy`, text, Zemax's listing) adds to these: NaN outside the aperture, or zeros
     from its border on; where it is unknown the pupil is opaque. Its waves are those of its own
     wavelength, a path in µm is the same at all. A complex `.npy` as `path` has amplitude and phase
-    in one, at its own wavelength alone. Row 0 is at the top. Sources: Tantalo 1996, section 4.3.2;
+    in one, at its own wavelength alone. Row 0 is at the top; W enters as exp(2πiW), so that one
+    that rises to the right moves the picture to the left. Sources: Tantalo 1996, section 4.3.2;
     Noll 1976; Mahajan 1994 (the disc of the wavefront).
     """
 
@@ -185,6 +186,11 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
             raise DataError(
                 "a complex pupil has its wavefront with it: give it as path alone, or amplitude "
                 "and wavefront as two files of real numbers"
+            )
+        if wavefront.samples.bands > 1:
+            raise DataError(
+                f"{wavefront.file.name} has {wavefront.samples.bands} bands; allowed: a wavefront "
+                "map of one"
             )
         factor, wavelength_um = map_scale(
             self.wavefront_unit, self.map_wavelength_um or wavefront.samples.wavelength_um

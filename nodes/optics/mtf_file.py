@@ -78,7 +78,13 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         Param("an MTF that is not 1 at 0: an error, or divided by its value there"),
     ] = "refuse"
     field: Annotated[
-        int, Param("field of a listing of Zemax, counted from 0", low=0, high=1000, slider=(0, 12))
+        int,
+        Param(
+            "field of a listing of Zemax, counted from 0 without the limit",
+            low=0,
+            high=1000,
+            slider=(0, 12),
+        ),
     ] = 0
     focal_length_mm: Annotated[
         float | None,

@@ -59,7 +59,10 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         Path | None,
         Param("picture of a point, relative to the network file's folder; empty: no blur"),
     ] = None
-    band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0
+    band: Annotated[
+        int | None,
+        Param("band or channel of a file of several, counted from 0", low=0, zero_is_empty=False),
+    ] = None
     sample_pitch: Annotated[
         float | None,
         Param("distance of the file's samples across, in `pitch_unit`; empty: as the file has it",
@@ -106,7 +109,14 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         blur: tuple[Factor, ...] = ()
         shift: tuple[Factor, ...] = ()
         if self.path is not None:
-            source = lens_source(self.path, here, band=self.band)
+            source = lens_source(self.path, here, band=self.band or 0)
+            if self.band is None and source.samples.bands > 1:
+                raise ParameterError(
+                    "band",
+                    None,
+                    f"{source.file.name} has {source.samples.bands} bands: 0 to "
+                    f"{source.samples.bands - 1}",
+                )
             blur, shift = self._factors(source, context, here.node)
         mtf = magnitude.transfer("mtf", blur, self.title)
         ptf = magnitude.transfer("ptf", shift, self.title)

@@ -69,7 +69,7 @@ RECORDED = {
         **FREE, "frequency_unit": "file", "direction": "file", "normalise": "refuse", "field": 0,
     },
     "psf_file": {
-        **FREE, "band": 0, "pitch_unit": "um", "centroid": "kept", "background": 0.0,
+        **FREE, "pitch_unit": "um", "centroid": "kept", "background": 0.0,
     },
     "poisson_noise": {**SEED, "width_px": 5.0, "percent": 1.0, "mode": "published"},
     "crosstrack_mtf": {**FREE, "dwell_time_s": 0.0},

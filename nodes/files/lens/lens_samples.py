@@ -32,6 +32,8 @@ class LensSamples:
         Whether the samples are complex numbers.
     wavelength_um, spacing_um
         As a listing's header names them; None where nothing is named.
+    bands
+        Bands or channels of the file, of which one is read.
     """
 
     rows: int
@@ -39,6 +41,7 @@ class LensSamples:
     is_complex: bool = False
     wavelength_um: float | None = None
     spacing_um: float | None = None
+    bands: int = 1
 
 
 def describe_lens_samples(path: Path, band: int = 0) -> LensSamples:
@@ -60,7 +63,7 @@ def describe_lens_samples(path: Path, band: int = 0) -> LensSamples:
         return _within_limits(file, LensSamples(mapped.shape[0], mapped.shape[1], True))
     info = read_info(file)
     checked_band(band, info.bands, file)
-    return _within_limits(file, LensSamples(info.rows, info.columns))
+    return _within_limits(file, LensSamples(info.rows, info.columns, bands=info.bands))
 
 
 def read_lens_samples(path: Path, band: int = 0) -> NDArray[Any]:

@@ -68,8 +68,8 @@ def read_mtf_table(path: Path, *, field: int = 0) -> MtfTable:
         A CSV file, its columns parted by comma, semicolon, tab or blanks, or the text of Zemax's
         MTF against frequency. Lines that begin with ``#`` are passed over.
     field
-        Of a listing of Zemax, which of its fields, counted from 0. Its tangential column is the
-        MTF along y, as for a field along y.
+        Of a listing of Zemax, which of its fields, counted from 0 without the diffraction limit.
+        Its tangential column is the MTF along y, as for a field along y.
 
     Raises
     ------
@@ -199,20 +199,23 @@ def _zemax(file: Path, lines: Sequence[tuple[int, str]], field: int) -> MtfTable
     """One field of Zemax's listing: below each heading rows of frequency and two MTFs."""
     unit: str | None = None
     fields: list[list[tuple[int, str]]] = []
-    is_inside = False
+    is_inside = is_limit = False
     for number, line in lines:
         stated = _ZEMAX_UNIT.search(line)
         if stated:
             unit = unit_of(stated[1])
+        if line.lower().startswith("field:"):
+            is_limit = "diffraction limit" in line.lower()
         if _HEADING.fullmatch(line):
-            fields.append([])
-            is_inside = True
+            # The limit is what the lens would do without its aberrations, and no field of it.
+            is_inside = not is_limit
+            fields += [[]] if is_inside else []
         elif is_inside and _numbers(line) and line.strip():
             fields[-1].append((number, line))
         elif line.strip():
             is_inside = False
     if field >= len(fields):
-        allowed = "0" if len(fields) == 1 else f"0 to {len(fields) - 1}"
+        allowed = {0: "none", 1: "0"}.get(len(fields), f"0 to {len(fields) - 1}")
         raise FileError(f"{file}: there is no field {field} in this listing; allowed: {allowed}")
     names = ("frequency", "mtf_y", "mtf_x")
     checks = [_check_of(name, "") for name in names]

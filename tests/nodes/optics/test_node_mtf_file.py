@@ -193,6 +193,8 @@ def test_zemax_listing(tmp_path):
         "Spatial Frequency units are cycles per mm.\r\n\r\n"
         "Field: Diffraction limit\r\nSpatial frequency    Tangential    Sagittal\r\n"
         "  0.000000   1.000000   1.000000\r\n 10.000000   0.900000   0.900000\r\n\r\n"
+        "Field: 0.00 (deg)\r\nSpatial frequency    Tangential    Sagittal\r\n"
+        "  0.000000   1.000000   1.000000\r\n 10.000000   0.800000   0.800000\r\n\r\n"
         "Field: 2.00 (deg)\r\nSpatial frequency    Tangential    Sagittal\r\n"
         "  0.000000   1.000000   1.000000\r\n 10.000000   0.500000   0.700000\r\n"
         " 20.000000   0.000000   0.300000\r\n"
@@ -204,6 +206,9 @@ def test_zemax_listing(tmp_path):
     assert (x["values"], y["values"]) == ((1.0, 0.7, 0.3), (1.0, 0.5, 0.0))
     found = engine.readouts(plan, "it", engine.work(Policy()))
     assert found["end_x"] == pytest.approx(20.0 * FOCAL_LENGTH_MM / 1000)
+    _, plan = plan_of(tmp_path, "mtf_file", {"path": "mtf.txt"})
+    law = plan.nodes["it"].outputs["mtf"].factors[0].x
+    assert dict(law.parameters)["values"] == (1.0, 0.8)  # not the limit's 0.9
     error = plan_of(tmp_path, "mtf_file", {"path": "mtf.txt", "field": 2})[1].errors()[0]
     assert "no field 2 in this listing; allowed: 0 to 1" in str(error)
 

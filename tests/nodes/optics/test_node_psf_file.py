@@ -210,6 +210,16 @@ def test_what_is_missing(tmp_path):
     assert "complex" in refusal(tmp_path, {"path": "pupil.npy", **PITCH})
 
 
+def test_of_several_bands_one_is_chosen(tmp_path):
+    np.save(tmp_path / "psf.npy", COMET)
+    np.save(tmp_path / "cube.npy", np.stack([COMET[::-1], COMET], axis=-1))
+    assert "cube.npy has 2 bands: 0 to 1" in refusal(tmp_path, {"path": "cube.npy", **PITCH})
+    chosen = value(tmp_path, {"path": "cube.npy", "band": 1, **PITCH})
+    np.testing.assert_array_equal(chosen, value(tmp_path, {"path": "psf.npy", **PITCH}))
+    first = value(tmp_path, {"path": "cube.npy", "band": 0, **PITCH})
+    assert np.abs(first - chosen).max() > 0.01 * chosen.max()
+
+
 def test_another_content_is_another_key(tmp_path):
     def key():
         return planned(tmp_path, {"path": "psf.npy", **PITCH})[1].output("it.magnitude").key

@@ -282,6 +282,7 @@ def test_what_does_not_fit(tmp_path):
     np.save(tmp_path / "left.npy", half)
     np.save(tmp_path / "right.npy", np.where(half > 0, np.nan, 1.0))
     np.save(tmp_path / "cube.npy", np.ones((2, 2, 2)) * 1j)
+    np.save(tmp_path / "bands.npy", np.ones((2, 2, 3)))
 
     def of(path, wavefront):
         return {"shape": "file", "path": path, "wavefront_path": wavefront}
@@ -293,6 +294,7 @@ def test_what_does_not_fit(tmp_path):
         (of(None, "complex.npy"), "has its wavefront with it"),
         (of("left.npy", "right.npy"), "known nowhere that the pupil transmits"),
         (of("cube.npy", None), "complex array of shape (2, 2, 2)"),
+        (of(None, "bands.npy"), "bands.npy has 3 bands; allowed: a wavefront map of one"),
         (of(None, "other.npy"), "no such file"),
     ):
         assert words in refusal(tmp_path, pupil)
