@@ -37,6 +37,7 @@ _NAMES = (
     *("GRND RFLT", "DRCT RFLT", "TOTAL RAD", "REF SOL", "SOL@OBS", "DEPTH", "DIR EM", "TOA SUN"),
 )
 _HEADING = re.compile("|".join(name.replace(" ", "[ _]") for name in _NAMES) + r"|\S+")
+_EXPONENT = re.compile(r"(?<=[\d.])(?=[-+]\d{3}$)")  # Fortran writes 1E-105 as 1.000-105
 _NEEDED = ("FREQ", "TOT TRANS", "PTH THRML")
 _END = -9999.0
 _FARTHEST = 4  # characters between the end of a number and that of its name
@@ -108,7 +109,7 @@ def _row(line: str, names: list[tuple[str, int]]) -> dict[str, float] | None:
     """Values by name; None for a line that is no row."""
     cells = list(re.finditer(r"\S+", line))
     try:
-        values = [float(cell.group()) for cell in cells]
+        values = [float(_EXPONENT.sub("E", cell.group())) for cell in cells]
     except ValueError:
         return None
     if values and values[0] == _END:

@@ -349,3 +349,29 @@ def test_published_radiances_by_the_command(case, tmp_path):
     expected = float(case["expected"]["radiance_W_per_m2_sr"])
     np.testing.assert_allclose(np.load(tmp_path / "l.npy"), expected, rtol=1e-9)
     assert f"transmission,{inputs['transmission']}" in (tmp_path / "t.csv").read_text()
+
+
+def test_light_of_the_air_is_no_signal(tmp_path):
+    """SNR of Image Quality: half of 10 over a noise of 0.1; the air's 0.6 is no scene."""
+    (tmp_path / "lut.csv").write_text("0.4,0.5,2\n0.9,0.5,2\n")
+    np.save(tmp_path / "in.npy", np.full((16, 16), 10.0))
+    nodes = {
+        "read": ("read_image", {"path": "in.npy", **FOV, "cut_on_um": 0.5, "cut_off_um": 0.8}),
+        "air": ("atmospheric_path", {"model": "modtran", "path": "lut.csv", "range_m": 3000}),
+        "init": ("init_trans", {"range_m": 3000}),
+        "noise": ("noise_3d_source", {"sigma_tvh": 0.1}),
+        "quality": ("image_quality", {}),
+    }
+    links = [
+        ("read.image", "air.image"),
+        ("air.image", "init.image"),
+        ("air.image", "noise.image"),
+        ("noise.image", "quality.image"),
+        ("init.context", "quality.context"),
+    ]
+    engine = Engine(standard_library())
+    plan = engine.plan(linked_network(nodes, links), folder=tmp_path)
+    assert plan.errors() == []
+    work = engine.work(Policy(precision="double"))
+    np.testing.assert_allclose(work.value(plan.output("air.image").recipe), 5.6, rtol=1e-12)
+    assert engine.readouts(plan, "quality", work)["snr"] == pytest.approx(50.0, rel=1e-9)
