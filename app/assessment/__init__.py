@@ -1,1 +1,1 @@
-"""A network's final picture judged: an edge sent through it, and its budget of noise and blur."""
+"""A network judged: an edge sent through it, its noise and blur, what its detector counts."""

@@ -93,6 +93,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
               high=1e6, slider=(250, 6500)),
     ] = None  # fmt: skip
 
+    illustration = "air"
     panel = (
         Section("", ("model",)),
         Section("Air", ("transmission",), shown_when=("model", ("transmission",))),

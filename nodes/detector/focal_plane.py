@@ -11,6 +11,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
+from core.physics.electrons.spectral_photons import QuantumEfficiency
 from nodes.detector import focal_plane_steps as steps
 from nodes.detector.counted_bands import counted_photons, radiance_per_photon
 from nodes.detector.focal_plane_band import (
@@ -19,6 +20,7 @@ from nodes.detector.focal_plane_band import (
     optics_caution,
 )
 from nodes.detector.focal_plane_figures import (
+    Collection,
     ReadOut,
     clipping_level,
     electron_levels,
@@ -256,9 +258,14 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     @warning
     def response_ends(self, outputs: FocalPlaneOutputs) -> Caution | None:
         """A response that breaks off within the band."""
+        return response_caution(self.efficiency(outputs))
+
+    @staticmethod
+    def efficiency(outputs: FocalPlaneOutputs) -> QuantumEfficiency:
+        """Electrons per photon over wavelength, within the cold filter, as they were planned."""
         figures_of_mean: Any = outputs.table.recipe.inputs[0]
-        collection = dict(figures_of_mean.parameters)["collection"]
-        return response_caution(collection.weights.efficiency)
+        collection: Collection = dict(figures_of_mean.parameters)["collection"]
+        return collection.weights.efficiency
 
     @warning
     def overflow(self, outputs: FocalPlaneOutputs) -> Recipe:

@@ -67,6 +67,7 @@ class SpectralResponse(
               high=1e6, slider=(250, 6500)),
     ] = None  # fmt: skip
 
+    illustration = "response"
     panel = (
         Section("", ("shape",)),
         Section("File", ("path",), shown_when=("shape", ("file",))),

@@ -1,4 +1,4 @@
-"""Focal Plane: how full the well is and of what, and the noise by source."""
+"""Focal Plane: how full the well is and of what, the noise by source, the response."""
 
 from __future__ import annotations
 
@@ -13,27 +13,61 @@ from app.editor.panels.illustrations.illustration import DISABLED, Illustration
 from app.editor.panels.illustrations.painting.bars import Bar, paint_bars
 from app.editor.panels.illustrations.painting.few_digits import brief, electrons, kelvin
 from app.editor.panels.illustrations.queries.electrons_query import ElectronBudget, ElectronsQuery
+from app.editor.panels.illustrations.queries.response_query import (
+    ResponseOverSpectrum,
+    ResponseQuery,
+)
+from app.editor.panels.illustrations.response_illustration import in_words as response_in_words
+from app.editor.panels.illustrations.response_illustration import paint_response
 
+_LINES, _CHART = 12.5, 9.0  # of text: without a chart, and what that takes
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
 
 class FocalPlaneIllustration(Illustration):
-    """The well as a bar, filled by what brings electrons, and below it a bar for every noise."""
+    """The well as a bar, filled by what brings electrons, and below it a bar for every noise.
 
-    lines = 12.5
+    Of a picture in bands, below that the quantum efficiency over their means.
+    """
+
+    lines = _LINES
+    _budget: ElectronBudget | None = None
+    _over = ResponseOverSpectrum()
 
     def queries(self) -> Sequence[Query]:
-        """Electrons and noises."""
-        return (ElectronsQuery(self.node),)
+        """Electrons and noises; the response over the spectrum."""
+        return ElectronsQuery(self.node), ResponseQuery(self.node)
 
     def take(self, value: Any) -> str:
         """Keep them."""
-        self._budget: ElectronBudget | None = value
-        return in_words(value) if value is not None else DISABLED
+        if isinstance(value, ResponseOverSpectrum):
+            self._over = value
+            lines = _LINES + (_CHART if self._has_chart else 0.0)
+            if lines != self.lines:
+                self.lines = lines
+                self.updateGeometry()
+        else:
+            self._budget = value
+        if self._budget is None:
+            return DISABLED
+        words = in_words(self._budget)
+        return f"{words}; {response_in_words(self._over)}" if self._has_chart else words
+
+    @property
+    def _has_chart(self) -> bool:
+        return self._over.response is not None and self._over.spectrum is not None
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
-        """Paint the well above, the noises below."""
+        """Paint the well above, the noises below, and the spectrum below these."""
+        if self._has_chart and self._budget is not None:
+            height = area.height() * _CHART / self.lines
+            below = QRectF(area.left(), area.bottom() - height, area.width(), height)
+            paint_response(painter, below, self._over, self.theme)
+            area = area.adjusted(0, 0, 0, -height - QFontMetricsF(painter.font()).height() * 0.4)
+        self._electrons(painter, area)
+
+    def _electrons(self, painter: QPainter, area: QRectF) -> None:
         budget = self._budget
         if budget is None:
             painter.drawText(area, Qt.AlignmentFlag.AlignCenter, DISABLED)

@@ -10,7 +10,9 @@ from app.editor.panels.illustrations.electronics_illustration import Electronics
 from app.editor.panels.illustrations.exit_pupil_illustration import ExitPupilIllustration
 from app.editor.panels.illustrations.focal_plane_illustration import FocalPlaneIllustration
 from app.editor.panels.illustrations.illustration import Illustration
+from app.editor.panels.illustrations.path_illustration import PathIllustration
 from app.editor.panels.illustrations.periodic_noise_illustration import PeriodicNoiseIllustration
+from app.editor.panels.illustrations.response_illustration import ResponseIllustration
 from app.editor.panels.illustrations.sampling_illustration import InitTransIllustration
 from app.editor.panels.illustrations.thumbnail_illustration import ThumbnailIllustration
 from app.editor.panels.illustrations.transfer_illustration import (
@@ -27,6 +29,8 @@ _BY_WORD: Mapping[str, type[Illustration]] = MappingProxyType(
         "pupil": ExitPupilIllustration,
         "detectivity": ElectronicsIllustration,
         "electrons": FocalPlaneIllustration,
+        "response": ResponseIllustration,
+        "air": PathIllustration,
         "sinusoid": PeriodicNoiseIllustration,
         "ground_sampling": CameraIllustration,
     }

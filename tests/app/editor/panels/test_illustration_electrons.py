@@ -86,7 +86,7 @@ def test_without_a_well_or_a_warm_scene_it_says_what_there_is(bench):
     words = told(bench.show(camera(full_well_e=None, gain_e_per_dn=2.0)))
     assert words.startswith("453 ke⁻, no full well given; ")
     visible = {"cut_on_um": 0.5, "cut_off_um": 0.7, "temperature_K": 3000.0}
-    words = told(bench.show(camera(visible, photon_weighting="source", integration_time_s=1e-5)))
+    words = told(bench.show(camera(visible, photon_weighting="source", integration_time_s=1e-6)))
     assert " K" not in words
     assert "; SNR " in words
 

@@ -72,6 +72,8 @@ EDITS = {
         "background",
         0.9,
     ),
+    "spectral_response": ({}, "peak", 0.5),
+    "atmospheric_path": ({"transmission": 0.8}, "air_K", 280.0),
     "tdi_mtf": ({}, "velocity_mismatch_percent", 5.0),
     "microbolometer": ({}, "time_constant_s", 0.03),
 }

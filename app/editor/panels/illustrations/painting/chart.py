@@ -90,6 +90,20 @@ class Chart:
             painter.drawPolyline(QPolygonF(list(points)))
         painter.restore()
 
+    def filled(self, x: ArrayLike, y: ArrayLike, colour: str) -> None:
+        """Tint what lies below points, which are all finite."""
+        along, values = np.asarray(x, np.float64), np.asarray(y, np.float64)
+        foot = [self.at(along[-1], self._y.low), self.at(along[0], self._y.low)]
+        points = [self.at(*point) for point in zip(along, values, strict=True)]
+        tint = QColor(colour)
+        tint.setAlpha(60)
+        self._painter.save()
+        self._painter.setClipRect(self.frame)
+        self._painter.setPen(Qt.PenStyle.NoPen)
+        self._painter.setBrush(tint)
+        self._painter.drawPolygon(QPolygonF([*points, *foot]))
+        self._painter.restore()
+
     def upright(self, x: float, text: str, line: int = 0) -> None:
         """A dashed line at a place across, with a text at its top, so many lines down."""
         point = self.at(x, self._y.high)
