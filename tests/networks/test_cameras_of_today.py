@@ -127,7 +127,7 @@ def test_a_pixel_of_the_satellite_is_averaged_once(tmp_path):
     )
 
 
-@pytest.mark.parametrize("name", ["mwir_camera", "microbolometer", "satellite_tdi"])
+@pytest.mark.parametrize("name", ["mwir_camera", "microbolometer", "satellite_tdi", "dirsig_cube"])
 def test_the_report_reads_as_a_data_sheet(name, tmp_path):
     report = tmp_path / "report.html"
     code, _, _ = command("run", name, "--report", str(report), "--output-dir", str(tmp_path / "o"))

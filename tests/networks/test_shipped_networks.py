@@ -16,6 +16,7 @@ FOLDER = Path(__file__).parents[2] / "networks"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.json"))
 EXPECTED = {
     "camera_and_sensor",
+    "dirsig_cube",
     "figures_of_merit",
     "first_steps",
     "inframetrics",

@@ -1,0 +1,106 @@
+"""The shipped cube: what it is made of, and what the network makes of it, by hand."""
+
+from __future__ import annotations
+
+import csv
+import tomllib
+from fnmatch import fnmatch
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from app.run.shipped import shipped_networks
+from child_process import ROOT
+from core.chain.engine import Engine
+from core.evaluation.policy import Policy
+from core.network.file import load_network
+from nodes.library import standard_library
+from planck_truth import band_radiance
+from shipped_cube import BANDS, COLUMNS, ROWS, header, samples
+
+FOLDER = ROOT / "networks" / "cubes"
+EDGES_UM = np.linspace(3.0, 5.0, BANDS + 1)
+PHOTON_J_UM = 6.62607015e-34 * 299792458.0 * 1e6
+DOUBLE = Policy("double", 0.0)
+
+
+@pytest.fixture(scope="module")
+def stored():
+    """W/m²/sr/µm, (rows, columns, bands)."""
+    numbers = np.fromfile(FOLDER / "scene.img", "<u2").reshape(ROWS, COLUMNS, BANDS)
+    return numbers.astype(float) / 1000.0
+
+
+@pytest.fixture(scope="module")
+def network():
+    library = standard_library()
+    engine = Engine(library)
+    path = shipped_networks()["dirsig_cube"]
+    plan = engine.plan(load_network(path, library=library), folder=path.parent)
+    assert plan.errors() == []
+    return engine, plan
+
+
+def test_the_file_is_what_the_script_makes(stored):
+    made = samples().astype(float) / 1000.0
+    # Another processor rounds a few halves the other way.
+    assert np.abs(made - stored).max() <= 1.001e-3
+    assert np.mean(made != stored) < 1e-3
+    assert (FOLDER / "scene.img.hdr").read_text(encoding="utf-8") == header()
+    assert 0.01 < stored.min() < stored.max() < 65.0
+
+
+def test_the_picture_is_the_integral_of_the_cube(network, stored):
+    engine, plan = network
+    made = engine.value(plan, "scene.image", engine.work(DOUBLE))
+    np.testing.assert_allclose(made, 0.125 * stored.sum(axis=2), rtol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def transmission():
+    """Mean of the path's in every band, by a fine sum."""
+    lines = (FOLDER / "air_4km.csv").read_text(encoding="utf-8").splitlines()
+    rows = list(csv.reader(line for line in lines if not line.startswith("#")))[1:]
+    wavelengths, values = np.array(rows, float).T
+    fine = [np.linspace(low, high, 4001) for low, high in pairwise(EDGES_UM)]
+    return np.array([np.interp(one, wavelengths, values).mean() for one in fine])
+
+
+def test_pixels_count_the_photons_of_every_band(network, stored, transmission):
+    """QE·A·Ω·t·Σ τ·(τ_air·L + (1 − τ_air)·L(293.15 K))·λ/hc: 0.5 % for where in a band light is."""
+    engine, plan = network
+    made = engine.readouts(plan, "focal_plane", engine.work(DOUBLE))
+    centres = (EDGES_UM[1:] + EDGES_UM[:-1]) / 2
+    air = np.array([band_radiance(low, high, 293.15) for low, high in pairwise(EDGES_UM)])
+    light = transmission * 0.125 * stored.mean(axis=(0, 1)) + (1 - transmission) * air
+    photons = np.sum(light * centres / PHOTON_J_UM)
+    area, solid_angle = (15e-6) ** 2 * 0.95**2, np.pi / (4 * 4.0**2 + 1)
+    electrons = 0.7 * area * solid_angle * 0.016 * 0.8 * photons
+    assert made["signal_e"] == pytest.approx(electrons, rel=5e-3)
+    assert 30 < made["well_fill_percent"] < 60
+    assert made["photon_weighting"] == "spectrum"
+
+
+def test_nothing_is_warned_of(network):
+    engine, plan = network
+    assert engine.warnings(plan, engine.work(DOUBLE)) == []
+
+
+def test_few_wavelengths_stand_for_all_within_the_bound(network):
+    engine, plan = network
+    exact = engine.value(plan, "pixels.image", engine.work(DOUBLE))
+    usual = Engine(engine.library)
+    quick = usual.value(plan, "pixels.image", usual.work(Policy()))
+    assert exact.shape == (80, 96)
+    assert np.abs(quick - exact).max() <= 1e-5 * np.ptp(exact)
+
+
+def test_its_files_are_packaged():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    patterns = project["tool"]["setuptools"]["package-data"]["networks"]
+    files = list(FOLDER.iterdir())
+    assert sorted(file.name for file in files) == ["air_4km.csv", "scene.img", "scene.img.hdr"]
+    for file in files:
+        assert any(fnmatch(f"cubes/{file.name}", pattern) for pattern in patterns)
+    assert sum(file.stat().st_size for file in files) < 1_050_000
