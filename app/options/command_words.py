@@ -197,8 +197,9 @@ def _numerical_words(parser: argparse.ArgumentParser) -> None:
         action=Once,
         metavar="T",
         help="error budget: leave out stages that together change the picture by less than this "
-        "fraction of its range, 0 to below 1 (default: below the precision's rounding; 0: only "
-        "what changes nothing at all)",
+        "fraction of its range, 0 to below 1 (default: below the precision's rounding, "
+        "but 1e-4 of each band's contrast where few wavelengths stand for all bands; 0: only what "
+        "changes nothing at all)",
     )
     add("--seed", action=Once, metavar="N", help="of the noise, in place of the network's")
     add("--threads", action=Once, metavar="N", help="worker threads (default: all)")

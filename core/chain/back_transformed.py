@@ -129,7 +129,7 @@ class Delivered(Recipe):
     @property
     def _pictures(self) -> tuple[Recipe, ...]:
         if self.weights is not None:
-            return self._by_wavelength.recipes
+            return self.filtered_sum.recipes
         wires = (self.magnitude, self.phase)
         return tuple(wire.image.recipe for wire in wires if wire.image is not None)
 
@@ -146,7 +146,7 @@ class Delivered(Recipe):
         return self.magnitude.image.bands
 
     @cached_property
-    def _by_wavelength(self) -> FilteredSum:
+    def filtered_sum(self) -> FilteredSum:
         """The sum of bands behind the factors that depend on wavelength."""
         assert self.weights is not None
         factors = spectral_of((*self.magnitude.factors, *self._phase_factors()))[0]
@@ -164,7 +164,7 @@ class Delivered(Recipe):
     def _spectra(self) -> tuple[Recipe, ...]:
         """Of the picture that magnitude and phase stem from, or of sums of its bands."""
         if self.weights is not None:
-            return self._by_wavelength.recipes
+            return self.filtered_sum.recipes
         assert self.magnitude.image is not None
         transform = mirrored_spectrum if self.mirrored else periodic_spectrum
         return (Step.of(transform, self.magnitude.image.recipe, node=self.node),)
@@ -233,7 +233,7 @@ class Delivered(Recipe):
         if self.weights is None:
             return self._filtered(work, work.value(self._spectra[0]), factors, region)
         total: Array | None = None
-        for spectrum, own in self._by_wavelength.spectra(work):
+        for spectrum, own in self.filtered_sum.spectra(work):
             made = self._filtered(work, spectrum, (*own, *factors), region)
             total = made if total is None else np.add(total, made, out=total)
         assert total is not None
@@ -242,7 +242,7 @@ class Delivered(Recipe):
     @property
     def _is_split(self) -> bool:
         """Whether bands are filtered each at its own wavelength."""
-        return self.weights is not None and bool(self._by_wavelength.factors)
+        return self.weights is not None and bool(self.filtered_sum.factors)
 
     def _filtered(
         self,
@@ -279,7 +279,7 @@ class Delivered(Recipe):
 
     def rank(self, work: Work) -> WavelengthRank | None:
         """The wavelengths that stand for those of all bands, where these are filtered apart."""
-        return work.value(self._by_wavelength.wavelengths) if self._is_split else None
+        return work.value(self.filtered_sum.wavelengths) if self._is_split else None
 
     def _phase_factors(self) -> tuple[Factor, ...]:
         """PTFs as functions of the magnitude's frequencies, sample by sample of the spectrum."""

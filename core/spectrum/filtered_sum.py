@@ -152,7 +152,8 @@ class FilteredSum:
         return ChosenWavelengths(self.factors, self.bands.centres_um, self.grid, self.node)
 
     @property
-    def _sums(self) -> ComponentSums:
+    def sums(self) -> ComponentSums:
+        """Recipe of the sums of bands that belong to those wavelengths."""
         return ComponentSums(self.bands, self.weights, self.wavelengths, self.node)
 
     @property
@@ -166,8 +167,8 @@ class FilteredSum:
         if not self.factors:
             return (Step.of(transform, self.bands.picture(self.weights), node=self.node),)
         if self._is_even:
-            return (SummedSpectrum(self._sums, self.grid, self.axes, self.node),)
-        return self.wavelengths, self._sums
+            return (SummedSpectrum(self.sums, self.grid, self.axes, self.node),)
+        return self.wavelengths, self.sums
 
     def spectra(self, work: Work) -> Iterator[tuple[MeanFree, tuple[Factor, ...]]]:
         """Spectra, and the factors that have still to be applied to each before they are added.
@@ -180,7 +181,7 @@ class FilteredSum:
             return
         rank: WavelengthRank = work.value(self.wavelengths)
         transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
-        for place, picture in zip(rank.chosen, work.value(self._sums), strict=True):
+        for place, picture in zip(rank.chosen, work.value(self.sums), strict=True):
             work.check()
             wavelength = self.bands.centres_um[place]
             yield transform(work, picture), tuple(one.at(wavelength) for one in self.factors)

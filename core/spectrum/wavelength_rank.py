@@ -27,8 +27,8 @@ RADII = 1537
 """Places along the radius on which radial functions are fitted and, between them, judged."""
 ACROSS = 49
 """The same along either axis for functions that are not radial."""
-_USUAL = {"single": 1e-5, "double": 1e-13}
-"""Largest error where no tolerance is chosen: in pictures it is a tenth of that, of their range."""
+_USUAL = {"single": 1e-4, "double": 1e-13}
+"""Largest error where no tolerance is chosen; in pictures it is about a hundredth of that."""
 _SHARE = 0.5
 """Of a chosen error budget; the rest is for stages that are left out."""
 

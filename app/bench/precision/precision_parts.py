@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app.bench.precision.precision_bands import MEASURES as BANDS
 from app.bench.precision.precision_charge_transfer import MEASURES as CHARGE_TRANSFER
 from app.bench.precision.precision_low_rank import MEASURES as LOW_RANK
 from app.bench.precision.precision_pictures import MEASURES as PICTURES
@@ -18,6 +19,7 @@ MEASURES = (
     *PUPILS,
     *LOW_RANK,
     *WAVELENGTHS,
+    *BANDS,
     *CHARGE_TRANSFER,
     *POISSON,
     *QUANTILES,

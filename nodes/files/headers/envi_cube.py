@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import mmap
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,7 @@ from nodes.files.headers.envi_header import EnviLayout
 
 Array = NDArray[Any]
 _BLOCK_BYTES = 1 << 23  # of samples as the file has them; two threads hold two blocks
+_MOST_MAPPED = 1 << 28
 _PIECE = 1 << 13  # samples of one matrix product: a larger one would start threads of its own
 
 
@@ -50,7 +53,18 @@ def weighted_sums(
     sums = np.zeros((len(weights), layout.rows, layout.columns), dtype)
     if len(used) == 0:
         return sums
-    factors = np.ascontiguousarray(weights[:, used].astype(dtype))
+    blocks = list(_row_blocks(layout, len(used)))
+    if fill is None and layout.missing is None and layout.dtype == dtype:
+        with _mapped(layout) as mapped:
+            factors = weights.astype(dtype)
+
+            def direct(rows: slice) -> None:
+                _multiply(mapped.cube, rows, factors, sums, layout.interleave)
+                mapped.let_go()
+
+            for_each(direct, blocks)
+        return sums
+    chosen = np.ascontiguousarray(weights[:, used].astype(dtype))
 
     def one(rows: slice) -> None:
         block = _block(layout, rows, used, dtype)
@@ -59,11 +73,64 @@ def weighted_sums(
         made = sums[:, rows].reshape(len(weights), -1)  # a copy where rows are not all
         for left in range(0, block.shape[1], _PIECE):
             part = slice(left, left + _PIECE)
-            made[:, part] = factors @ block[:, part]
+            made[:, part] = chosen @ block[:, part]
         sums[:, rows] = made.reshape(sums[:, rows].shape)
 
-    for_each(one, list(_row_blocks(layout, len(used))))
+    for_each(one, blocks)
     return sums
+
+
+def _multiply(cube: Array, rows: slice, factors: Array, sums: Array, order: str) -> None:
+    """Σ_b w_b·L_b of some rows, straight from the file's samples as they lie."""
+    if order == "bil":
+        for row in range(rows.start, rows.stop):
+            np.matmul(factors, cube[row], out=sums[:, row])
+        return
+    columns = sums.shape[2]
+    step = max(1, _PIECE // columns)
+    for start in range(rows.start, rows.stop, step):
+        part = slice(start, min(start + step, rows.stop))
+        # Views: rows of a band, and all bands of a sample, lie side by side.
+        if order == "bsq":
+            samples = cube[:, part].reshape(len(cube), -1)
+        else:
+            samples = cube[part].reshape(-1, cube.shape[2]).T
+        made = sums[:, part].reshape(len(sums), -1)
+        made[...] = factors @ samples
+        sums[:, part] = made.reshape(sums[:, part].shape)
+
+
+class _Mapped:
+    """A file's samples in its own order, of which pages that were read are let go again."""
+
+    def __init__(self, layout: EnviLayout) -> None:
+        shapes = {
+            "bsq": (layout.bands, layout.rows, layout.columns),
+            "bil": (layout.rows, layout.bands, layout.columns),
+            "bip": (layout.rows, layout.columns, layout.bands),
+        }
+        try:
+            self.cube: Array = np.memmap(
+                layout.data,
+                layout.dtype,
+                mode="r",
+                offset=layout.offset_bytes,
+                shape=shapes[layout.interleave],
+            )
+        except (OSError, ValueError) as error:
+            raise FileError(f"{layout.data}: cannot be mapped: {error}") from error
+        self._is_large = self.cube.nbytes > _MOST_MAPPED
+
+    def let_go(self) -> None:
+        """Of a large file no more than what is being read counts as memory in use."""
+        base: Any = getattr(self.cube, "_mmap", None)
+        if self._is_large and hasattr(base, "madvise"):  # not on every system
+            base.madvise(mmap.MADV_DONTNEED)
+
+
+@contextmanager
+def _mapped(layout: EnviLayout) -> Iterator[_Mapped]:
+    yield _Mapped(layout)
 
 
 def band_totals(
