@@ -20,6 +20,7 @@ from core.physics.atmosphere.sun_and_sky import Sunlight
 from core.spectrum.band_stack import AttenuatedBands, BandStack
 from nodes.atmosphere.reflected_steps import GreyBands, bright_caution, light_table, reflected
 from nodes.files.wavelength_table import read_wavelengths
+from nodes.shared.common_parameters import CutOff, CutOn
 from nodes.shared.shared_warnings import Band, is_radiance, is_temperature
 from nodes.shared.table_figures import table_figure
 
@@ -65,12 +66,8 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
         float,
         Param("radiance of the sky", unit="W/m²/sr/µm", low=0, high=1e30, slider=(0, 200)),
     ] = 0.0
-    cut_on_um: Annotated[
-        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
-    cut_off_um: Annotated[
-        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
+    cut_on_um: CutOn = None
+    cut_off_um: CutOff = None
     bands: Annotated[
         int, Param("bands in which the radiance comes", low=1, high=10000, slider=(1, 60))
     ] = 1

@@ -19,6 +19,7 @@ from core.physics.noise.flicker_noise import FlickerBand, flicker_band, flicker_
 from core.physics.radiometry.planck import band_radiance_derivative
 from core.transfer.factors import Separable
 from nodes.detector import microbolometer_steps as steps
+from nodes.shared.common_parameters import CutOff, CutOn, LongestPeriod
 from nodes.shared.context_defaults import given, given_band, with_interval
 from nodes.shared.factor_helpers import separable
 from nodes.shared.flicker_deviates import flicker_deviates
@@ -79,12 +80,8 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         float | None,
         Param("integration time of the camera; empty: the data sheet's", unit="s", low=0, high=1e3),
     ] = None
-    cut_on_um: Annotated[
-        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
-    cut_off_um: Annotated[
-        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
+    cut_on_um: CutOn = None
+    cut_off_um: CutOff = None
     time_constant_s: Annotated[
         float, Param("thermal time constant", unit="s", low=0, high=1e3, slider=(0, 0.03))
     ] = 0.01
@@ -96,11 +93,7 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
         Param("where 1/f noise equals the white; 0: none", unit="Hz", low=0, high=1e9,
               slider=(0, 10)),
     ] = 0.0  # fmt: skip
-    longest_period_s: Annotated[
-        float,
-        Param("slowest 1/f noise: time since the last correction", unit="s", low=1e-9, high=1e9,
-              slider=(1, 3600)),
-    ] = 60.0  # fmt: skip
+    longest_period_s: LongestPeriod = 60.0
     response_percent: Annotated[
         float,
         Param("spread of the response among pixels", unit="%", low=0, high=100, slider=(0, 10)),

@@ -34,6 +34,7 @@ from nodes.electronics.detector_figures import (
     statistics,
 )
 from nodes.input_output.radiance_check import radiance_caution
+from nodes.shared.common_parameters import CutOff, CutOn
 from nodes.shared.context_defaults import given_band, of_context, with_interval
 from nodes.shared.factor_helpers import separable
 from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
@@ -73,12 +74,8 @@ class ElectronicsNoise(
     error (`literal`).
     """
 
-    cut_on_um: Annotated[
-        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
-    cut_off_um: Annotated[
-        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
+    cut_on_um: CutOn = None
+    cut_off_um: CutOff = None
     region: Annotated[Literal["VIS", "MWIR", "LWIR"], Param("wavelength region")] = "VIS"
     material: Annotated[
         Literal["HgCdTe", "InSb", "PtSi", "Si", "Si:Ga", "Si:As", "manual"],

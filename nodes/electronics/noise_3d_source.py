@@ -28,6 +28,7 @@ from core.physics.noise.flicker_noise import (
     flicker_sigma,
 )
 from core.physics.noise.noise_components import COMPONENTS
+from nodes.shared.common_parameters import LongestPeriod
 from nodes.shared.flicker_deviates import flicker_deviates
 from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
 from nodes.shared.unit_deviates import unit_deviates
@@ -87,13 +88,7 @@ class Noise3DSource(
         float,
         Param("frame rate, for 1/f noise", unit="Hz", low=1e-6, high=1e9, slider=(1, 120)),
     ] = 30.0
-    longest_period_s: Annotated[
-        float,
-        Param(
-            "slowest 1/f noise: time since the last correction", unit="s", low=1e-9, high=1e9,
-            slider=(1, 3600),
-        ),
-    ] = 60.0  # fmt: skip
+    longest_period_s: LongestPeriod = 60.0
 
     illustration = "picture"
     panel = (

@@ -30,6 +30,7 @@ from nodes.optics.band_spectrum import (
     photon_weights,
     source_temperature,
 )
+from nodes.shared.common_parameters import CutOff, CutOn
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import Apply
 from nodes.shared.nyquist_readouts import NyquistReadouts
@@ -82,12 +83,8 @@ class DiffractionMTF(
         Param("inner over outer diameter; empty: of Camera, or none", low=0, high=1, below=True,
               slider=(0, 0.6), zero_is_empty=False),
     ] = None  # fmt: skip
-    cut_on_um: Annotated[
-        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
-    cut_off_um: Annotated[
-        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
+    cut_on_um: CutOn = None
+    cut_off_um: CutOff = None
     weighting: Annotated[
         Literal["photons", "energy", "uniform"],
         Param("wavelengths count by photons, as in a photon detector, by energy, or all alike"),

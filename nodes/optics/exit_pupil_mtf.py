@@ -30,6 +30,7 @@ from nodes.optics.pupil_factor import (
     sampled_error,
     sampled_factors,
 )
+from nodes.shared.common_parameters import CutOff, CutOn
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import Apply
 from nodes.shared.nyquist_readouts import NyquistReadouts
@@ -61,12 +62,8 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     eq. 4.21 is the array's half width over λ.
     """
 
-    cut_on_um: Annotated[
-        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
-    cut_off_um: Annotated[
-        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
+    cut_on_um: CutOn = None
+    cut_off_um: CutOff = None
     size_x_cm: Annotated[
         float, Param("width of the whole pupil array", unit="cm", low=0, above=True)
     ] = 25.6

@@ -11,6 +11,7 @@ from core.modules.caution import Caution
 from core.modules.declaration import Module, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
+from nodes.shared.common_parameters import CutOff, CutOn
 from nodes.shared.shared_warnings import band_caution
 from nodes.transform.radiometry_steps import Surface
 
@@ -27,12 +28,8 @@ class Radiometry(Module):
         Param("temperature of what surfaces reflect; empty: nothing", unit="K", low=0, high=1e4,
               slider=(200, 320)),
     ] = None  # fmt: skip
-    cut_on_um: Annotated[
-        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
-    cut_off_um: Annotated[
-        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
+    cut_on_um: CutOn = None
+    cut_off_um: CutOff = None
 
     panel = (
         Section("Surfaces", ("emissivity", "surroundings_K")),

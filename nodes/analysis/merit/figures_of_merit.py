@@ -34,6 +34,7 @@ from nodes.analysis.merit.threshold_curves import (
     sensitivity,
     thresholds,
 )
+from nodes.shared.common_parameters import CutOff, CutOn
 from nodes.shared.context_defaults import given_band, with_interval
 from nodes.shared.shared_warnings import alike, band_caution, unit_caution
 from nodes.shared.table_figures import table_figure
@@ -109,12 +110,8 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
         Scanning,
         Param("automatic: as Init & Trans's platform, line serial, push parallel, array staring"),
     ] = "automatic"
-    cut_on_um: Annotated[
-        float | None, Param("shortest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
-    cut_off_um: Annotated[
-        float | None, Param("longest wavelength; empty: the image's band", unit="µm", low=0)
-    ] = None
+    cut_on_um: CutOn = None
+    cut_off_um: CutOff = None
     background_K: Annotated[
         float | None,
         Param("background; empty: brightness temperature of the mean", unit="K", low=0),
