@@ -253,7 +253,9 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
             ),
         )  # fmt: skip
 
-    transmission_figure = table_figure("transmission", "", "Mean transmission of the band.")
+    transmission_figure = table_figure(
+        "transmission", "", "Mean transmission of the band, weighted by the light in it."
+    )
     path_radiance = table_figure(
         "path_radiance", "W/m²/sr", "Radiance that the air adds, of the band."
     )

@@ -51,11 +51,14 @@ def path_over_band(
 @ends_lineage
 def path_over_bands(work: Work, means: Array, *, weights: Row, gain: Row, offset: Row) -> PathBand:
     """The same of a picture in bands: weighted by the light in each."""
+    added = float(np.dot(weights, offset))
+    if min(gain) == max(gain):
+        return PathBand(gain[0], added)
     light = np.maximum(means * np.array(weights), 0.0)
     total = float(light.sum())
     if not total > 0.0:
         raise DataError("the picture has no light in its bands to weight the transmission by")
-    return PathBand(float(light @ np.array(gain)) / total, float(np.dot(weights, offset)))
+    return PathBand(min(float(light @ np.array(gain)) / total, 1.0), added)
 
 
 @dataclass(frozen=True)

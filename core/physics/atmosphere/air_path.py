@@ -366,7 +366,7 @@ def _passed(depth_per_m: FloatArray, weight: FloatArray, distance: FloatArray) -
     """Σ w·exp(−depth·R) for each range; all passes over no distance."""
     opaque = np.isinf(depth_per_m)
     ranges = distance.reshape(-1, 1)
-    with np.errstate(under="ignore"):
+    with np.errstate(under="ignore", over="ignore"):
         left = np.exp(-np.where(opaque, 0.0, depth_per_m) * ranges)
     left = np.where(opaque & (ranges > 0.0), 0.0, left)
     return np.minimum((left @ weight).reshape(distance.shape), 1.0)[()]

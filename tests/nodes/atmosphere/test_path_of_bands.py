@@ -124,6 +124,19 @@ def test_grey_air_is_a_number_and_clear_air_nothing(chain):
     assert bench.plan.output("air.image").bands == bench.plan.output("read.image").bands
 
 
+def test_a_mean_of_alike_transmissions_is_that_one(tmp_path):
+    """Of a cube without light there is no weight, and none is needed; of clear air it is 1."""
+    wavelengths, width = centres(7)
+    write_cube(tmp_path, np.zeros((7, 2, 3)), wavelengths, width)
+    for value in (1.0, 0.7):
+        nodes = {
+            "read": ("read_image", {"path": "cube.img", "bands": "all"}),
+            "air": ("atmospheric_path", {"transmission": value}),
+        }
+        bench = NodeBench(standard_library(), tmp_path, nodes, [("read.image", "air.image")])
+        assert bench.readouts("air")["transmission"] == pytest.approx(value, rel=1e-15)
+
+
 def test_a_source_is_of_no_account(chain):
     made, *_ = chain
     bench, _ = made({**HAZE, "source_K": 900})

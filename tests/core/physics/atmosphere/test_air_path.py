@@ -115,6 +115,9 @@ def test_grey_air_follows_beer_and_nothing_passes_an_opaque_one():
     opaque = (AirPath(transmission=0.0, range_m=10),)
     left = transmission_at_ranges(paths=opaque, range_m=np.array([0.0, 1e-3, 5.0]), **band)
     assert left.tolist() == [1.0, 0.0, 0.0]
+    fog = (AirPath(extinction_per_km=1e300, range_m=1.0),)
+    with np.errstate(all="raise"):
+        assert transmission_at_ranges(paths=fog, range_m=1e9, **band) == 0.0
     half = (AirPath(points=((7, 0.0), (10, 0.0), (10.0001, 1.0), (13, 1.0)), range_m=10),)
     assert 0.4 < transmission_at_ranges(paths=half, range_m=1e9, **band) < 0.6
 
