@@ -6,10 +6,11 @@ It is read off the plan and the evaluation's tally; nothing that is computed dep
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from core.chain.back_transformed import Delivered
+from core.chain.delivered_bands import DeliveredBands
 from core.chain.engine import Plan, PlannedNode
 from core.chain.wires import Curve, Image, Pupil, SpectrumWire, Table, Transfer
 from core.evaluation.recipes import Recipe, Step
@@ -137,9 +138,21 @@ class _Account:
         for value in made.values():
             if isinstance(value, Image):
                 yield from self._of_regions(name, value)
-            recipe = getattr(value, "recipe", None)
-            if isinstance(recipe, Delivered) and recipe.key in self.known:
+            recipe = self._delivered(value)
+            if recipe is not None:
                 yield from self._of_picture(name, recipe)
+
+    def _delivered(self, value: Any) -> Delivered | None:
+        """The inverse transform that made a picture, or another sum of its bands."""
+        recipe = getattr(value, "recipe", None)
+        if isinstance(recipe, Delivered) and recipe.key in self.known:
+            return recipe
+        bands = getattr(value, "bands", None)
+        if not isinstance(bands, DeliveredBands):
+            return None
+        sums = (one for one in self.requested.values() if isinstance(one, Delivered))
+        alike = (one for one in sums if replace(one, weights=None).key == bands.delivered.key)
+        return next(alike, None)
 
     def _unchanged(self, name: str, keys: set[str]) -> Iterator[Skip]:
         steps = self._steps.get(name, [])

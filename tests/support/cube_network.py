@@ -15,7 +15,9 @@ def cube_samples(unit_low=3.0, unit_high=5.0):
     return materials_cube(SIZE, wavelengths), wavelengths, width
 
 
-def write_cube_network(folder, library, *, kind="f8", unit="W/m^2/sr/um", focal_plane=None):
+def write_cube_network(
+    folder, library, *, kind="f8", unit="W/m^2/sr/um", focal_plane=None, aperture_mm=25.0
+):
     """Write the cube and the network's file; give the cube, its wavelengths, a band's width."""
     cube, wavelengths, width = cube_samples()
     write_cube(folder, cube, wavelengths, width, kind=kind, unit=unit)
@@ -29,12 +31,12 @@ def write_cube_network(folder, library, *, kind="f8", unit="W/m^2/sr/um", focal_
             "init_trans",
             {
                 "focal_length_mm": 100.0,
-                "f_number": 4.0,
+                "f_number": 100.0 / aperture_mm,
                 "detector_x_um": 15,
                 "detector_y_um": 15,
             },
         ),
-        "optics": ("diffraction_mtf", {"aperture_mm": 25.0}),
+        "optics": ("diffraction_mtf", {"aperture_mm": aperture_mm}),
         "back": ("back_transform", {}),
         "fpa": ("focal_plane", {**well, **(focal_plane or {})}),
     }
