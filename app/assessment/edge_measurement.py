@@ -144,6 +144,10 @@ def _reason(evaluation: Evaluation) -> str | None:
     if len(chain.sources) != 1:
         sources = ", ".join(chain.sources)
         return f"{chain.final} stems from more than one picture ({sources}): no edge replaces both"
+    source = chain.sources[0]
+    bands = evaluation.plan.output(source).bands
+    if bands is not None:
+        return f"{source} has {bands.count} bands of wavelength, and an edge in its place has one"
     return None
 
 

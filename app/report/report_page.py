@@ -16,6 +16,7 @@ from app.report.economy_section import economy, state
 from app.report.edge_section import judged
 from app.report.facts.published import DIFFERENT, REPRODUCED
 from app.report.html_page import html_page
+from app.report.spectrum_section import spectrum
 from app.report.transfer_section import transfer
 from app.run.evaluation import Evaluation
 from core.chain.realize import realize
@@ -38,6 +39,7 @@ def page(evaluation: Evaluation, facts: dict[str, Any]) -> str:
         *_pictures(evaluation, facts),
         *data_sheet(facts),
         *_published(facts),
+        *spectrum(facts),
         *transfer(evaluation, facts),
         *judged(facts),
         *_pupils(evaluation),

@@ -16,6 +16,7 @@ from app.report.facts.budget_facts import budget_facts
 from app.report.facts.data_sheet_facts import data_sheet_facts
 from app.report.facts.edge_facts import judged_facts
 from app.report.facts.published import conflicts, published_rows
+from app.report.facts.spectrum_facts import spectrum_facts
 from app.run.evaluation import Evaluation
 from app.run.output import ending_images
 from app.run.responses import StageResponse, at_nyquist
@@ -68,6 +69,7 @@ def report_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> dict[str,
         "drawn_as": drawn_as(network),
         "curves": curve_facts(evaluation),
         "budget": budget_facts(evaluation),
+        "spectra": spectrum_facts(evaluation, skipped),
         "data_sheet": data_sheet_facts(evaluation, nodes),
         "nodes": nodes,
         "published": published_rows(evaluation, nyquist),
