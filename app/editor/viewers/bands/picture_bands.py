@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import pyqtgraph as pg
 from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtWidgets import QWidget
 
@@ -26,14 +25,12 @@ class PictureBands(QObject):
 
     Parameters
     ----------
-    owner : str
-        The viewer's name.
-    theme : Theme
-        Colours.
-    layout : GraphicsLayout
-        Below the picture.
-    canvas, viewer : QWidget
-        Where the plot and the row are; Qt's owners.
+    bar : BandBar
+        The row of controls.
+    plot : SpectrumPlot
+        The spectra, below the picture.
+    parent : QWidget
+        Qt's owner.
 
     Signals
     -------
@@ -43,14 +40,10 @@ class PictureBands(QObject):
 
     wanted = Signal()
 
-    def __init__(
-        self, owner: str, theme: Theme, layout: pg.GraphicsLayout, canvas: QWidget, viewer: QWidget
-    ) -> None:
-        super().__init__(viewer)
-        self.bar = BandBar(owner, theme, viewer)
-        self.plot = SpectrumPlot(layout, theme, canvas)
+    def __init__(self, bar: BandBar, plot: SpectrumPlot, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.bar, self.plot = bar, plot
         self.plot.dragged.connect(self.bar.take_line)
-        self._canvas = canvas
         self._bands: BandStack | None = None
         self._port = ""
         self._on = True

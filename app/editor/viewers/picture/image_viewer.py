@@ -14,7 +14,9 @@ from PySide6.QtWidgets import QApplication, QStackedWidget, QVBoxLayout, QWidget
 from app.editor.evaluation.queries import Answer, Query
 from app.editor.session import Session
 from app.editor.theme import Theme
+from app.editor.viewers.bands.band_bar import BandBar
 from app.editor.viewers.bands.picture_bands import PictureBands
+from app.editor.viewers.bands.spectrum_plot import SpectrumPlot
 from app.editor.viewers.neighbours import neighbours
 from app.editor.viewers.network_ports import PICTURE_TYPES, ports_by_node
 from app.editor.viewers.picture.kept_side import (
@@ -267,18 +269,20 @@ class ImageViewer(Viewer):
 
     def _build(self) -> None:
         self.bar = PictureBar(self.session, self.owner, self)
+        band_bar = BandBar(self.owner, self.theme, self)  # before the canvas in the order of Tab
         self.canvas = PictureCanvas(self.theme, self)
         self.canvas.setObjectName(f"{self.owner}.canvas")
         self.links = ZoomLinks(self.canvas)
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
         self.probe = PictureProbe(self.canvas, self.status)
         self.region = RegionTool(self.session, self.evaluator, self.canvas, self.bar.region)
-        self.bands = PictureBands(self.owner, self.theme, self.canvas.ci, self.canvas, self)
+        spectra = SpectrumPlot(self.canvas.ci, self.theme, self.canvas)
+        self.bands = PictureBands(band_bar, spectra, self)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
         layout.addWidget(self.bar)
-        layout.addWidget(self.bands.bar)
+        layout.addWidget(band_bar)
         self._hint = centred_hint(
             "Choose a wire above, or show a selected node by its number", self
         )

@@ -110,6 +110,17 @@ def test_one_band_by_slider_wavelength_and_keys(viewer, bench, qtbot, cube):
     assert viewer.picture.samples == pytest.approx(samples[place + 1], rel=1e-6)
 
 
+def test_tab_leads_from_the_wire_through_the_bands_to_the_picture(viewer, bench):
+    choose(viewer, bench, "one")
+    order, widget = [], viewer.bar.ports
+    while widget is not viewer.canvas and len(order) < 40:
+        widget = widget.nextInFocusChain()
+        order.append(widget)
+    bar = viewer.bands.bar
+    assert viewer.canvas in order
+    assert order.index(bar.shown) < order.index(bar.slider) < order.index(bar.one)
+
+
 def test_a_dragged_line_chooses_the_band_and_rests_on_it(viewer, bench, cube):
     samples, wavelengths, _ = cube
     choose(viewer, bench, "one")
