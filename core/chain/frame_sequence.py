@@ -12,10 +12,12 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 from core.chain.back_transformed import Delivered
+from core.chain.delivered_bands import DeliveredBands
 from core.chain.wires import Magnitude, Phase
 from core.evaluation.recipes import Recipe, Step
 from core.noise.frame_number import FrameNumber
 from core.noise.random_fields import Stream
+from core.spectrum.band_stack import AttenuatedBands, BandStack, SteppedBands
 from core.transfer.factors import Law, Planar, Separable
 
 Change = Callable[[Recipe], Recipe | None]
@@ -128,4 +130,18 @@ class Remaking:
         made = self.of(wire.image.recipe)
         if made is wire.image.recipe:
             return wire
-        return replace(wire, image=wire.image.with_recipe(made))
+        bands = None if wire.image.bands is None else self._bands(wire.image.bands)
+        return replace(wire, image=wire.image.with_recipe(made, bands=bands))
+
+    def _bands(self, bands: BandStack) -> BandStack:
+        """The bands of a picture that is remade."""
+        if isinstance(bands, DeliveredBands):
+            delivered = self.of(bands.delivered)
+            assert isinstance(delivered, Delivered)
+            image = delivered.magnitude.image
+            assert image is not None
+            assert image.bands is not None
+            return DeliveredBands.of(image.bands, delivered)
+        if isinstance(bands, AttenuatedBands | SteppedBands):
+            return replace(bands, before=self._bands(bands.before))
+        return bands

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from core.chain.frame_sequence import at_frame
 from core.errors import DataError, FileError, ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
@@ -172,3 +173,32 @@ def test_a_unit_that_is_not_understood_is_refused_with_those_that_are(library, t
     assert isinstance(error, FileError)
     assert "flicks" in str(error)
     assert "W/m²/sr" in str(error)
+
+
+def test_later_frames_of_a_moving_picture_go_through_a_second_chain(library, tmp_path, cube):
+    nodes, links = network()
+    nodes["sight"] = ("line_of_sight", {"rms_x_mrad": 0.3, "frame_rate_Hz": 50.0})
+    links = [link for link in links if not link[1].startswith("back.")]
+    links += [
+        ("init.context", "sight.context"),
+        ("optics.magnitude", "sight.magnitude"),
+        ("optics.phase", "sight.phase"),
+        ("sight.magnitude", "back.magnitude"),
+        ("sight.phase", "back.phase"),
+        ("back.image", "pixels.image"),
+        ("pixels.image", "again.image"),
+        ("again.magnitude", "end.magnitude"),
+        ("again.phase", "end.phase"),
+    ]
+    nodes["pixels"] = ("combine_pixels", {"factor_x": 3, "factor_y": 2})  # not a whole number
+    nodes["again"] = ("init_trans", {"focal_length_mm": 100.0, "f_number": 1.0})
+    nodes["end"] = ("back_transform", {})
+    bench = NodeBench(library, tmp_path, nodes, links)
+    work = bench.engine.work(Policy("double", 0.0))
+    first, last = bench.port("pixels.image"), bench.port("end.image")
+    assert last.bands.count == BANDS
+    frames = [work.value(at_frame(last.recipe, number)) for number in range(3)]
+    for number, frame in enumerate(frames):
+        want = work.value(at_frame(first.recipe, number))
+        assert np.abs(frame - want).max() <= 1e-12 * np.ptp(want)
+    assert np.abs(frames[1] - frames[0]).max() > 1e-3 * np.ptp(frames[0])
