@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import cycle
 from typing import Any
 
-from app.report.blocks import Block, Drawn, Grid, Heading, of_many
+from app.report.blocks import Block, Drawn, Grid, Heading, Text, of_many
 from app.report.drawing.picture_drawing import COLOURS, MOST_DRAWN, figure
 from app.report.drawing.printed_numbers import number
 
@@ -95,13 +95,20 @@ def _table(spectra: list[Fact]) -> Block:
 
 def _transformed(facts: Fact) -> list[Block]:
     rows = [
-        (one["node"], one["text"], number(_short(one["bound"])))
+        (
+            ", ".join(one["ports"]),
+            f"{one['wavelengths']} of {one['bands']}",
+            number(_short(one["bound"])),
+        )
         for one in facts["spectra"]["transformed"]
     ]
     if not rows:
         return []
-    heads = ("node", "wavelengths", "changes at most, of the contrast")
-    return [Grid(heads, rows, numbers=(2,))]
+    heads = ("filtered picture", "wavelengths transformed", "changes at most, of the contrast")
+    words = (
+        "Wavelengths that are not transformed are made of the others, where the optics allow it."
+    )
+    return [Text(words), Grid(heads, rows, numbers=(1, 2))]
 
 
 def _short(value: float) -> float:

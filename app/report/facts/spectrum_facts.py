@@ -6,15 +6,15 @@ from typing import Any
 
 from app.assessment.response_over_band import response_over_band
 from app.run.evaluation import Evaluation
-from core.chain.skipped import Skip
+from core.chain.back_transformed import Delivered
 from core.chain.wires import Image
 from core.spectrum.band_stack import BandStack
 
 Fact = dict[str, Any]
 
 
-def spectrum_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> Fact:
-    """Mean spectra, responses, and what stood for all wavelengths; empty lists without bands."""
+def spectrum_facts(evaluation: Evaluation) -> Fact:
+    """Mean spectra, responses, and what stands for all wavelengths; empty lists without bands."""
     spectra: dict[str, Fact] = {}
     for port, image in _with_bands(evaluation):
         assert image.bands is not None
@@ -26,11 +26,7 @@ def spectrum_facts(evaluation: Evaluation, skipped: tuple[Skip, ...]) -> Fact:
     return {
         "means": list(spectra.values()),
         "responses": _responses(evaluation) if spectra else [],
-        "transformed": [
-            {"node": skip.node, "text": skip.text, "bound": skip.bound}
-            for skip in skipped
-            if skip.kind == "wavelengths"
-        ],
+        "transformed": _transformed(evaluation),
     }
 
 
@@ -41,6 +37,19 @@ def _with_bands(evaluation: Evaluation) -> list[tuple[str, Image]]:
         for port, value in planned.outputs.items()
         if not planned.node.disabled and isinstance(value, Image) and value.bands is not None
     ]
+
+
+def _transformed(evaluation: Evaluation) -> list[Fact]:
+    """Of filtered pictures: how many wavelengths stand for all bands, and what that changes."""
+    transformed: dict[Any, Fact] = {}
+    for port, image in _with_bands(evaluation):
+        rank = image.recipe.rank(evaluation.work) if isinstance(image.recipe, Delivered) else None
+        if rank is None:
+            continue
+        alike = tuple(rank.chosen), rank.bound
+        fact = {"ports": [], "wavelengths": len(rank.chosen), "bands": rank.shares.shape[1]}
+        transformed.setdefault(alike, {**fact, "bound": rank.bound})["ports"].append(port)
+    return list(transformed.values())
 
 
 def _spectrum(bands: BandStack, means: Any, unit: str) -> Fact:
