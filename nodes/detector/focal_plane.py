@@ -14,10 +14,12 @@ from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.electrons.spectral_photons import QuantumEfficiency
 from nodes.detector import focal_plane_steps as steps
 from nodes.detector.counted_bands import counted_photons, radiance_per_photon
-from nodes.detector.focal_plane_band import (
+from nodes.detector.focal_plane_cautions import (
     filter_caution,
     material_caution,
     optics_caution,
+    overflow_caution,
+    response_caution,
 )
 from nodes.detector.focal_plane_figures import (
     Collection,
@@ -25,9 +27,7 @@ from nodes.detector.focal_plane_figures import (
     clipping_level,
     electron_levels,
     figures,
-    overflow_caution,
     picture_range,
-    response_caution,
 )
 from nodes.detector.focal_plane_panel import FocalPlanePanel
 from nodes.shared.shared_warnings import Band, unit_caution
@@ -198,7 +198,11 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     def band(self, image: Image, context: Context) -> Caution | None:
         """A cold filter that lets through what the picture's band does not hold."""
         known = image.band_um or context.band_um
-        return None if known is None else filter_caution(known, self._passed(known))
+        return (
+            None
+            if known is None
+            else filter_caution(known, self._passed(known), in_bands=image.bands is not None)
+        )
 
     @warning
     def material(self, image: Image, context: Context) -> Caution | None:

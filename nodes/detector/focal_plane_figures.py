@@ -31,9 +31,7 @@ from core.physics.electrons.photon_conversion import (
     PhotonWeights,
     conversion_between,
 )
-from core.physics.electrons.spectral_photons import QuantumEfficiency
 from core.physics.radiometry.planck import band_radiance, band_radiance_derivative
-from nodes.shared.shared_warnings import NEAR
 
 Array = NDArray[Any]
 _TOLERANCE = {"single": 1e-8, "double": 2e-14}  # of electrons, below the samples' rounding
@@ -394,45 +392,6 @@ def figures(
         *_worth(levels, collection),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
-
-
-@ends_lineage
-def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> Caution | None:
-    """A picture whose mean is clipped, so that it has no NETD and no SNR, or its brightest.
-
-    Noise and unlike pixels are left out: what they alone clip is in `saturated_pixels`.
-    """
-    clipped = mean_clipped(levels, reading)
-    if clipped is not None:
-        return replace(clipped, message=f"{clipped.message}: it has no NETD, SNR or NEI")
-    saturation = reading.saturation_e
-    if levels.brightest_e > saturation:
-        return Caution(
-            f"the picture's brightest gives {levels.brightest_e:.4g} e- and is clipped at "
-            f"{saturation:.4g} e-: SNR and noise are those of the mean; saturated_pixels says how "
-            "many are clipped",
-            "make integration_time_s smaller, or full_well_e, gain_e_per_dn or bits larger",
-        )
-    return None
-
-
-def response_caution(efficiency: QuantumEfficiency) -> Caution | None:
-    """A curve whose first or last point is within the band and not zero."""
-    if not efficiency.points:
-        return None
-    (first, at_first), (last, at_last) = efficiency.points[0], efficiency.points[-1]
-    ends = []
-    if at_first > 0.0 and first > efficiency.cut_on_um * (1 + NEAR):
-        ends.append(f"begins at {first:g} µm with {at_first:g}")
-    if at_last > 0.0 and last < efficiency.cut_off_um * (1 - NEAR):
-        ends.append(f"ends at {last:g} µm with {at_last:g}")
-    if not ends:
-        return None
-    return Caution(
-        f"the response {' and '.join(ends)}, within the band of {efficiency.cut_on_um:g} to "
-        f"{efficiency.cut_off_um:g} µm: no photons are counted beyond",
-        "give points over the whole band, or close the curve by points of 0",
-    )
 
 
 def _worth(

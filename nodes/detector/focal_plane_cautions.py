@@ -1,22 +1,29 @@
-"""What Focal Plane warns of: its band beside the picture's, the optics' and the material's."""
+"""What Focal Plane warns of: its band beside the picture's and the optics', and what is clipped."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from core.chain.wires import Image
+from core.evaluation.recipes import ends_lineage
+from core.evaluation.work import Work
 from core.modules.caution import Caution
+from core.physics.electrons.spectral_photons import QuantumEfficiency
 from core.transfer.factors import Factor
+from nodes.detector.focal_plane_figures import ElectronLevels, ReadOut, mean_clipped
 from nodes.shared.passed_factors import passed_factors
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, NEAR, Band, alike
 
 
-def filter_caution(picture: Band, passed: Band) -> Caution | None:
+def filter_caution(picture: Band, passed: Band, *, in_bands: bool) -> Caution | None:
     """A cold filter that lets through what the picture's band does not hold."""
     low, high = passed
     if low >= picture[0] * (1 - NEAR) and high <= picture[1] * (1 + NEAR):
         return None
     return Caution(
         f"the cold filter passes {low:g} to {high:g} µm and the picture's radiance is that of "
-        f"{picture[0]:g} to {picture[1]:g} µm: what lies beyond is extrapolated by a black body",
+        f"{picture[0]:g} to {picture[1]:g} µm: what lies beyond is "
+        + ("not counted" if in_bands else "extrapolated by a black body"),
         "give a picture of the filter's whole band, or a narrower filter",
     )
 
@@ -60,3 +67,42 @@ def _band_of(factor: Factor) -> Band | None:
         if "cut_on_um" in bound and "cut_off_um" in bound:
             return bound["cut_on_um"], bound["cut_off_um"]
     return None
+
+
+@ends_lineage
+def overflow_caution(work: Work, levels: ElectronLevels, *, reading: ReadOut) -> Caution | None:
+    """A picture whose mean is clipped, so that it has no NETD and no SNR, or its brightest.
+
+    Noise and unlike pixels are left out: what they alone clip is in `saturated_pixels`.
+    """
+    clipped = mean_clipped(levels, reading)
+    if clipped is not None:
+        return replace(clipped, message=f"{clipped.message}: it has no NETD, SNR or NEI")
+    saturation = reading.saturation_e
+    if levels.brightest_e > saturation:
+        return Caution(
+            f"the picture's brightest gives {levels.brightest_e:.4g} e- and is clipped at "
+            f"{saturation:.4g} e-: SNR and noise are those of the mean; saturated_pixels says how "
+            "many are clipped",
+            "make integration_time_s smaller, or full_well_e, gain_e_per_dn or bits larger",
+        )
+    return None
+
+
+def response_caution(efficiency: QuantumEfficiency) -> Caution | None:
+    """A curve whose first or last point is within the band and not zero."""
+    if not efficiency.points:
+        return None
+    (first, at_first), (last, at_last) = efficiency.points[0], efficiency.points[-1]
+    ends = []
+    if at_first > 0.0 and first > efficiency.cut_on_um * (1 + NEAR):
+        ends.append(f"begins at {first:g} µm with {at_first:g}")
+    if at_last > 0.0 and last < efficiency.cut_off_um * (1 - NEAR):
+        ends.append(f"ends at {last:g} µm with {at_last:g}")
+    if not ends:
+        return None
+    return Caution(
+        f"the response {' and '.join(ends)}, within the band of {efficiency.cut_on_um:g} to "
+        f"{efficiency.cut_off_um:g} µm: no photons are counted beyond",
+        "give points over the whole band, or close the curve by points of 0",
+    )
