@@ -50,4 +50,12 @@ def why_not_compared(kept: Facts, now: Facts) -> str:
         reasons.append(f"A is in {kept.unit or 'no unit'}, B in {now.unit or 'no unit'}")
     elif kept.quantity != now.quantity:
         reasons.append(f"A is {kept.quantity}, B {now.quantity}")
+    elif kept.wavelengths_um != now.wavelengths_um:
+        both = (_wavelengths(facts.wavelengths_um) for facts in (kept, now))
+        reasons.append("A is {}, B {}".format(*both))
     return f"not compared: {'; '.join(reasons)}" if reasons else ""
+
+
+def _wavelengths(wavelengths_um: tuple[float, ...]) -> str:
+    shown = ", ".join(f"{wavelength:.5g}" for wavelength in wavelengths_um)
+    return f"at {shown} µm" if shown else "all bands"

@@ -73,28 +73,32 @@ class Channel:
     spread : Spread
         Extremes and histogram of the mapped samples, as shares of what lies between its automatic
         levels: 0 at the lower one, 1 at the upper.
+    ends : (float, float)
+        These levels.
     """
 
     samples: NDArray[Any]
     spread: Spread
+    ends: Range
 
 
 def composed(
-    work: Work, layers: Sequence[Layer], levels: LevelChoice
+    work: Work, layers: Sequence[Layer], levels: LevelChoice, like: Sequence[Channel] = ()
 ) -> tuple[NDArray[np.uint8], Range, tuple[Channel, ...]]:
     """Layers as colours, (rows, columns, layers), each between automatic levels of its own.
 
-    Where the levels are two numbers, they are shares of what lies between these.
+    Where the levels are two numbers, they are shares of what lies between these. With `like`, each
+    is between the levels of that channel, so that two pictures can be compared.
     """
     automatic: Automatic = levels if isinstance(levels, str) else "percentiles"
     shares = WHOLE if isinstance(levels, str) else levels
     colours, channels = [], []
-    for layer in layers:
-        low, high = layer.range_of(work, automatic)
+    for number, layer in enumerate(layers):
+        low, high = like[number].ends if like else layer.range_of(work, automatic)
         between = high - low
         black, white = (low + share * between for share in shares)
         colours.append(layer.grey(work, (black, white)))
-        channels.append(Channel(layer.shown, _as_shares(layer.spread, low, between)))
+        channels.append(Channel(layer.shown, _as_shares(layer.spread, low, between), (low, high)))
     return np.stack(colours, axis=-1), shares, tuple(channels)
 
 

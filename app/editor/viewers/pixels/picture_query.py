@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.viewers.pixels import picture_steps as steps
-from app.editor.viewers.pixels.band_choice import ALL, BandChoice, bands_of
+from app.editor.viewers.pixels.band_choice import ALL, BandChoice
 from app.editor.viewers.pixels.grey_levels import Range, Spread, grey_levels, spread_of
 from app.editor.viewers.pixels.kept_picture import KeptPicture, why_not_compared
 from app.editor.viewers.pixels.picture_facts import (
@@ -145,8 +145,11 @@ class PictureQuery(Query):
             return self._shown(passing, _less(first, second), self.levels)
         left = self._shown(passing, first, self.levels)
         same = left.facts.unit == second.facts.unit and left.facts.kind == second.facts.kind
-        automatic: Levels = self.levels if isinstance(self.levels, str) else "extremes"
-        right = self._shown(passing, second, left.levels if same else automatic)
+        if same and len(first.recipes) == len(second.recipes):
+            right = self._shown(passing, second, left.levels, left.channels)
+        else:
+            automatic: Levels = self.levels if isinstance(self.levels, str) else "extremes"
+            right = self._shown(passing, second, automatic)
         return replace(left, other=right)
 
     def kept_picture(self, passing: Passing) -> KeptPicture:
@@ -171,9 +174,10 @@ class PictureQuery(Query):
     def _beside(self, passing: Passing, now: Picture, kept: KeptPicture) -> Picture:
         """The present picture with the kept one as its other half, where they compare."""
         work, samples, facts = passing.work, kept.samples, kept.facts
-        if now.facts.wavelengths_um:
-            return replace(now, refused="not compared: of A the sum of all bands is kept")
-        if self.mapping == "spectrum" and isinstance(kept.value, Image):
+        source = self._of_image(kept.port, kept.value, 1) if now.facts.wavelengths_um else None
+        if source is not None:
+            facts = self._drawn_facts(source)
+        elif self.mapping == "spectrum" and isinstance(kept.value, Image):
             samples, facts = steps.centred_modulus(work, samples), spectrum_facts(kept.value)
         shown = now.facts
         if passing.reduced > 1:  # a preview has fewer samples: their number is known later
@@ -181,6 +185,8 @@ class PictureQuery(Query):
         refused = why_not_compared(facts, shown)
         if refused:
             return replace(now, refused=refused)
+        if source is not None:
+            return replace(now, other=self._shown(passing, source, now.levels, now.channels))
         log = self.mapping == "log" or samples is not kept.samples
         mapped = steps.logarithm(work, samples) if log else samples
         work.check()
@@ -208,13 +214,7 @@ class PictureQuery(Query):
         node = port.rpartition(".")[0]
         work = passing.work
         if isinstance(value, Image):
-            facts = picture_facts(value, passing.reduced)
-            bands = bands_of(value)
-            places = () if bands is None else self.bands.places(bands)
-            if bands is None or not places:
-                return _Source(port, value, (value.recipe,), facts)
-            recipes = tuple(bands.band(place) for place in places)
-            return _Source(port, value, recipes, of_bands(facts, bands, places))
+            return self._of_image(port, value, passing.reduced)
         if isinstance(value, Pupil):
             recipe = Step.of(steps.real, value.samples, node=node)
             return _Source(port, value, (recipe,), pupil_facts(value))
@@ -224,22 +224,37 @@ class PictureQuery(Query):
         rows, columns = value.grid.shape if own is None else own.values.shape
         return _Source(port, value, (recipe,), plane_facts(value, rows, columns, own))
 
-    def _shown(self, passing: Passing, source: _Source, levels: Levels) -> Picture:
+    def _of_image(self, port: str, image: Image, reduced: int) -> _Source:
+        """All of an image, or the bands of it that are chosen."""
+        facts = picture_facts(image, reduced)
+        places = () if image.bands is None else self.bands.places(image.bands)
+        if image.bands is None or not places:
+            return _Source(port, image, (image.recipe,), facts)
+        recipes = tuple(image.bands.band(place) for place in places)
+        return _Source(port, image, recipes, of_bands(facts, image.bands, places))
+
+    def _drawn_facts(self, source: _Source) -> Facts:
+        """Of the samples, or of their spectrum where that is shown."""
+        facts = source.facts
+        if self.mapping != "spectrum" or not isinstance(source.value, Image):
+            return facts
+        modulus = spectrum_facts(source.value)
+        return replace(modulus, unit=facts.unit, wavelengths_um=facts.wavelengths_um)
+
+    def _shown(
+        self, passing: Passing, source: _Source, levels: Levels, like: tuple[Channel, ...] = ()
+    ) -> Picture:
         node = source.port.rpartition(".")[0]
         try:
             with watched(node):
-                return self._made(passing, source, levels)
+                return self._made(passing, source, levels, like)
         except ImagechainError as error:
             raise error.at(node) from error
 
-    def _made(self, passing: Passing, source: _Source, levels: Levels) -> Picture:
-        facts = source.facts
-        if self.mapping == "spectrum" and isinstance(source.value, Image):
-            facts = replace(
-                spectrum_facts(source.value),
-                unit=facts.unit,
-                wavelengths_um=facts.wavelengths_um,
-            )
+    def _made(
+        self, passing: Passing, source: _Source, levels: Levels, like: tuple[Channel, ...]
+    ) -> Picture:
+        facts = self._drawn_facts(source)
         layers = [self._layer(passing.work, source, recipe) for recipe in source.recipes]
         channels: tuple[Channel, ...] = ()
         if len(layers) == 1:
@@ -247,7 +262,7 @@ class PictureQuery(Query):
             drawn = layer.range_of(passing.work, levels)
             grey, spread = layer.grey(passing.work, drawn), layer.spread
         else:
-            grey, drawn, channels = composed(passing.work, layers, levels)
+            grey, drawn, channels = composed(passing.work, layers, levels, like)
             spread = together([channel.spread for channel in channels])
         grey.flags.writeable = False
         return Picture(

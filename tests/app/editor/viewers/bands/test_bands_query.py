@@ -33,9 +33,18 @@ class CubeBench:
         self.plan = self.engine.plan(network, folder=folder)
         self.work = self.engine.work(Policy("double", 0.0))
 
-    def answer(self, query):
-        query.key(self.plan)
-        return query.answer(Passing(self.engine, self.plan, self.work))
+    def answer(self, query, plan=None):
+        query.key(plan or self.plan)
+        return query.answer(Passing(self.engine, plan or self.plan, self.work))
+
+    def changed(self, node, name, value):
+        return self.engine.plan(
+            self.plan.network.with_parameter(node, name, value), folder=self.plan.folder
+        )
+
+    def kept(self):
+        passing = Passing(self.engine, self.plan, self.work)
+        return PictureQuery("read.image").kept_picture(passing)
 
 
 @pytest.fixture
@@ -139,6 +148,43 @@ def test_colours_less_a_picture_without_bands_are_refused(bench):
     query = PictureQuery("read.image", "fpa.electrons", "difference", bands=COLOURS)
     with pytest.raises(DataError, match=r"of read\.image three bands are shown as colours"):
         bench.answer(query)
+
+
+def test_two_pictures_in_colours_have_the_levels_of_the_first(bench):
+    query = PictureQuery("read.image", "back.image", "wipe", levels="percentiles", bands=COLOURS)
+    left = bench.answer(query)
+    for number, place in enumerate((10, 6, 2)):
+        low, high = np.quantile(bench.cube[place], (0.005, 0.995))
+        right = left.other.channels[number].samples
+        wanted = np.clip((right - low) / (high - low) * 255, 0, 255)
+        assert np.abs(left.other.grey[..., number] - wanted).max() <= 0.51
+
+
+@pytest.mark.parametrize("choice", [ONE, COLOURS])
+def test_a_kept_picture_is_compared_band_by_band(bench, choice):
+    """B is twice as bright as A, and A drawn by B's levels."""
+    after = bench.changed("read", "scale", 2.0)
+    query = PictureQuery("read.image", levels="percentiles", bands=choice, kept=bench.kept())
+    now = bench.answer(query, after)
+    place = {"one": int(np.argmin(np.abs(bench.wavelengths - 4.25))), "colours": 10}[choice.shown]
+    assert now.refused == ""
+    assert np.allclose(now.samples, 2 * bench.cube[place], rtol=1e-12)
+    assert np.allclose(now.other.samples, bench.cube[place], rtol=1e-12)
+    low, high = np.quantile(2 * bench.cube[place], (0.005, 0.995))
+    wanted = np.clip((bench.cube[place] - low) / (high - low) * 255, 0, 255)
+    drawn = now.other.grey if choice is ONE else now.other.grey[..., 0]
+    assert np.abs(drawn - wanted).max() <= 0.51
+
+
+def test_bands_at_other_wavelengths_are_not_compared(bench):
+    query = PictureQuery("read.image", bands=BandChoice("one", 3.0), kept=bench.kept())
+    network = bench.plan.network.with_parameter("read", "cut_on_um", 4.0)
+    after = bench.engine.plan(
+        network.with_parameter("read", "cut_off_um", 5.0), folder=bench.plan.folder
+    )
+    now = bench.answer(query, after)
+    assert now.other is None
+    assert now.refused == "not compared: A is at 3.0833 µm, B at 4.0833 µm"
 
 
 def test_spectra(bench):
