@@ -30,7 +30,7 @@ _BESIDE = 3  # room that a line edit keeps at both ends, and for the cursor
 
 @dataclass(frozen=True)
 class ReadoutsQuery(Query):
-    """What are the read-outs of that node? Answered by their texts in order."""
+    """What are the read-outs of that node? Answered by their texts and units in order."""
 
     node: str
     urgency: ClassVar[int] = 1
@@ -41,13 +41,19 @@ class ReadoutsQuery(Query):
         if planned.error is not None:
             return (type(planned.error), str(planned.error))
         wires = (planned.inputs, planned.outputs)
-        keys = tuple((n, getattr(v, "key", None)) for wire in wires for n, v in wire.items())
+        keys = tuple(
+            (name, getattr(value, "key", None), getattr(value, "unit", ""))
+            for wire in wires
+            for name, value in wire.items()
+        )
         return keys, repr(planned.module), planned.node.disabled
 
-    def answer(self, passing: Passing) -> tuple[tuple[str, str], ...]:
-        """Name and text of each."""
+    def answer(self, passing: Passing) -> tuple[tuple[str, str, str], ...]:
+        """Name, text and unit of each."""
         readouts = passing.engine.readouts(passing.plan, self.node, passing.work)
-        return tuple((name, shown_figure(value)) for name, value in readouts.items())
+        planned = passing.plan.node(self.node)
+        units = {one.name: planned.unit(one) for one in planned.declaration.readouts}
+        return tuple((name, shown_figure(value), units[name]) for name, value in readouts.items())
 
 
 class ReadoutValue(QLineEdit):
@@ -136,6 +142,7 @@ class ReadoutsView(QWidget):
         self._owner = f"panel.readouts.{id(self):x}"
         self._evaluator = evaluator
         self.values: dict[str, ReadoutValue] = {}
+        self.units: dict[str, QLabel] = {}
         self._quiet: list[QLabel] = []
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 2, 0, 2)
@@ -148,15 +155,14 @@ class ReadoutsView(QWidget):
             value = ReadoutValue(self)
             value.setObjectName(f"readout.{readout.name}")
             unit = QLabel(readout.unit, self)
-            value.setAccessibleName(
-                f"{name.text()} in {readout.unit}" if readout.unit else name.text()
-            )
             for label in (name, unit):
                 label.setTextFormat(Qt.TextFormat.PlainText)
             for column, widget in enumerate((name, value, unit)):
                 widget.setToolTip(tip(readout.meaning))
                 grid.addWidget(widget, row, column)
             self.values[readout.name] = value
+            self.units[readout.name] = unit
+            value.setAccessibleName(_spoken(readout.name, readout.unit))
             self._quiet += [name, unit]
         self.title = QLabel(TITLE, self)
         self.title.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
@@ -210,8 +216,20 @@ class ReadoutsView(QWidget):
     def _answered(self, answer: Any) -> None:
         if not isinstance(answer, Answer) or answer.owner != self._owner:
             return
-        texts = dict(answer.value) if answer.error is None else {}
+        texts, units = {}, {}
+        if answer.error is None:
+            texts = {name: text for name, text, _ in answer.value}
+            units = {name: unit for name, _, unit in answer.value}
         for name, value in self.values.items():
             value.show_text(texts.get(name, NONE))
+            unit = units.get(name, "")
+            if name in units and unit != self.units[name].text():
+                self.units[name].setText(unit)  # of the picture that comes in
+                value.setAccessibleName(_spoken(name, unit))
         if self._freshness is not None:
             self._freshness.catch_up(answer.generation)
+
+
+def _spoken(name: str, unit: str) -> str:
+    """A read-out's name for who does not see it."""
+    return f"{label_of(name)} in {unit}" if unit else label_of(name)

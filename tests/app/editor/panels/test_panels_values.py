@@ -90,6 +90,10 @@ def chain_with(key, folder):
     if key == "nuc":  # a correction needs a pattern to correct
         nodes["pattern"] = ("noise_3d_source", {"sigma_vh": 1.0})
         inputs = [("back.image", "pattern.image"), ("pattern.image", "node.image")]
+    if key == "reflected_light":  # reflectances
+        read = {**PARAMS["read_image"], "scale": 1e-4, "unit": "reflectance"}
+        nodes["paint"] = ("read_image", {**read, "cut_on_um": 0.4, "cut_off_um": 0.7})
+        inputs = [("paint.image", "node.image")]
     return linked_network(nodes, (*LINKS, *inputs))
 
 
@@ -162,6 +166,15 @@ def test_read_outs_follow_edits_and_go_where_they_cannot_be(qtbot, session, eval
     qtbot.waitUntil(lambda: set(texts(area).values()) == {"—"})
     session.undo()
     qtbot.waitUntil(lambda: texts(area)["half_contrast"] != "—")
+
+
+def test_a_figure_of_a_picture_has_the_pictures_unit(qtbot, session, evaluator, tmp_path):
+    area = panel_area(qtbot, session, evaluator)
+    open_chain(session, "examine_image", tmp_path)
+    units = area.panels["node"].body.readouts.units
+    qtbot.waitUntil(lambda: texts(area)["mean"] != "—")
+    assert units["mean"].text() == "W/m²/sr"
+    assert "W/m²/sr" in area.panels["node"].body.readouts.values["mean"].accessibleName()
 
 
 def read_outs_answered(evaluator):
