@@ -69,7 +69,7 @@ class SpectrumPlot(QObject):
         self.bands: BandStack | None = None
         self._places: tuple[int, ...] = ()
         self._theme = theme
-        self._key: object = None
+        self._axes: object = None
         self._range: tuple[float, float] | None = None
         self._shown = False
         self._name = ""
@@ -90,10 +90,13 @@ class SpectrumPlot(QObject):
         self._shown = shown
 
     def show_bands(self, bands: BandStack, unit: str, places: tuple[int, ...]) -> None:
-        """Have these bands, with lines at those that are shown alone."""
-        self._places = places
-        if self._key != (bands.key, unit):
-            self._key, self.bands = (bands.key, unit), bands
+        """Have these bands, with lines at those that are shown alone.
+
+        At the same wavelengths the curves stay until there are newer ones: an edit does not blink.
+        """
+        self._places, self.bands = places, bands
+        if self._axes != (bands.centres_um, bands.widths_um, unit):
+            self._axes = (bands.centres_um, bands.widths_um, unit)
             self._range = None
             self.mean.setData([], [])
             self.show_sample(None, "")
@@ -106,8 +109,12 @@ class SpectrumPlot(QObject):
         self._put_lines()
 
     def show_mean(self, values: Vector | None) -> None:
-        """Show the mean of every band."""
+        """Show the mean of every band, and fit the ordinate to what is drawn now."""
+        self._range = None
         self._draw(self.mean, values)
+        drawn = self.sample.getData()[1]
+        if drawn is not None:
+            self._see(drawn)
 
     def show_sample(self, values: Vector | None, name: str) -> None:
         """Show the spectrum of a sample, of that name; none without values."""
@@ -159,6 +166,10 @@ class SpectrumPlot(QObject):
             curve.setData([], [])
             return
         curve.setData(np.array(self.bands.centres_um), np.asarray(values, np.float64))
+        self._see(values)
+
+    def _see(self, values: Vector) -> None:
+        """Let the ordinate reach over these values, and what it reached over before."""
         good = values[np.isfinite(values)]
         if not len(good):
             return

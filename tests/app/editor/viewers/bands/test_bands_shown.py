@@ -239,6 +239,20 @@ def test_the_ordinate_of_spectra_only_grows(viewer, bench, qtbot, cube):
     assert high >= seen[1]
 
 
+def test_curves_stay_until_there_are_newer_ones_and_the_ordinate_follows(
+    viewer, bench, qtbot, cube
+):
+    plot, mean = viewer.bands.plot, cube[0].mean(axis=(1, 2))
+    qtbot.waitUntil(lambda: plot.mean.getData()[0] is not None)
+    seen = plot.plot.viewRange()[1]
+    drawn = []
+    plot.mean.sigPlotChanged.connect(lambda curve: drawn.append(len(curve.getData()[0])))
+    bench.do(set_parameter("read", "scale", 0.1))
+    qtbot.waitUntil(lambda: plot.mean.getData()[1] == pytest.approx(0.1 * mean, rel=1e-6))
+    assert set(drawn) == {BANDS}  # never empty
+    assert plot.plot.viewRange()[1][1] == pytest.approx(0.1 * seen[1], rel=1e-6)
+
+
 def test_behind_a_filter_the_plot_says_where_to_look(viewer, bench, qtbot):
     viewer.look_at(FILTERED)
     bench.settle()
