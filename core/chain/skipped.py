@@ -204,7 +204,7 @@ class _Account:
             yield Skip(name, "folded", text, share=1 / factors)
         rank = recipe.rank(self.work)
         if rank is not None and rank.bound > 0.0:
-            count, every = len(rank.chosen), recipe.bands.count
+            count, every = rank.shares.shape
             text = f"{count} wavelengths transformed, which stand for those of {every} bands"
             yield Skip(maker, "wavelengths", text, bound=rank.bound, share=count / every)
         counted, left_out = recipe.spent(self.work)

@@ -28,6 +28,12 @@ from core.transfer.product import Product
 Array = NDArray[Any]
 
 
+def used_bands(weights: Row) -> tuple[int, ...]:
+    """Indices of the bands that count; all where none does."""
+    used = tuple(place for place, weight in enumerate(weights) if weight)
+    return used or tuple(range(len(weights)))
+
+
 @dataclass(frozen=True, eq=False)
 class ComponentSums(Recipe):
     """The weighted sums of bands that belong to the chosen wavelengths, (chosen, rows, columns)."""
@@ -48,8 +54,11 @@ class ComponentSums(Recipe):
     def compute(self, work: Work) -> Array:
         """One pass over the bands."""
         rank: WavelengthRank = work.value(self.wavelengths)
-        rows = tuple(tuple(map(float, share * np.array(self.weights))) for share in rank.shares)
-        return np.asarray(work.value(self.bands.sums(rows)))
+        weights = np.array(self.weights)
+        rows = np.zeros((len(rank.chosen), len(weights)))
+        used = np.array(used_bands(self.weights))
+        rows[:, used] = rank.shares * weights[used]
+        return np.asarray(work.value(self.bands.sums(tuple(tuple(row) for row in rows.tolist()))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +97,7 @@ class SummedSpectrum(Recipe):
         """Transform, multiply and add, one wavelength after the other."""
         rank: WavelengthRank = work.value(self.sums.wavelengths)
         pictures = work.value(self.sums)
-        factors, centres = self.sums.wavelengths.factors, self.sums.bands.centres_um
+        factors, centres = self.sums.wavelengths.factors, self.sums.wavelengths.centres_um
         transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
         total: Array | None = None
         mean = 0.0
@@ -148,8 +157,9 @@ class FilteredSum:
 
     @cached_property
     def wavelengths(self) -> ChosenWavelengths:
-        """Recipe of those that stand for all."""
-        return ChosenWavelengths(self.factors, self.bands.centres_um, self.grid, self.node)
+        """Recipe of those that stand for all bands that count."""
+        centres = tuple(self.bands.centres_um[place] for place in used_bands(self.weights))
+        return ChosenWavelengths(self.factors, centres, self.grid, self.node)
 
     @property
     def sums(self) -> ComponentSums:
@@ -183,5 +193,5 @@ class FilteredSum:
         transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
         for place, picture in zip(rank.chosen, work.value(self.sums), strict=True):
             work.check()
-            wavelength = self.bands.centres_um[place]
+            wavelength = self.wavelengths.centres_um[place]
             yield transform(work, picture), tuple(one.at(wavelength) for one in self.factors)

@@ -93,6 +93,28 @@ def test_as_it_is_used_single_precision_is_within_1e_5_of_the_range(library, tmp
     assert np.abs(made - want).max() <= 1e-5 * np.ptp(want)
 
 
+@pytest.mark.parametrize(
+    ("policy", "allowed"),
+    [(Policy("double", 0.0), 1e-12), (Policy(), 1e-5), (Policy("single", 2e-3), 1e-5)],
+    ids=["every band", "as it is used", "few"],
+)
+def test_sixty_bands_of_256_squared(library, tmp_path, policy, allowed):
+    size, (wavelengths, width) = (256, 256), centres(BANDS)
+    samples = materials_cube(size, wavelengths, seed=5)
+    write_cube(tmp_path, samples, wavelengths, width, kind="f4")
+    stored = samples.astype(np.float32).astype(float)
+    nodes = network(size=size)
+    made, bench, work = delivered(library, tmp_path, policy=policy, nodes=nodes)
+    want = expected((stored, wavelengths, width))
+    error = made - want
+    assert np.abs(error).max() <= allowed * np.ptp(want)
+    rank = bench.port("back.image").recipe.rank(work)
+    if rank.bound:
+        contrast = width * stored.std(axis=(1, 2)).sum()
+        assert len(rank.chosen) <= 6
+        assert np.sqrt(np.mean(error**2)) <= rank.bound * contrast + 1e-7 * np.ptp(want)
+
+
 def test_pixels_combined_behind_it_are_the_means_of_that_picture(library, tmp_path, cube):
     nodes, links = network()
     nodes["pixels"] = ("combine_pixels", {"factor_x": 4, "factor_y": 2})
@@ -121,6 +143,24 @@ def test_an_interval_within_the_cube_counts_bands_by_their_part(library, tmp_pat
     part = np.clip(np.minimum(high, 4.25) - np.maximum(low, 3.5), 0.0, None)
     want = expected(cube, part)
     assert np.abs(made - want).max() <= 1e-12 * np.ptp(want)
+
+
+def test_bands_that_do_not_count_choose_no_wavelengths(library, tmp_path, cube):
+    nodes, links = network()
+    nodes["filter"] = ("spectral_response", {"centre_um": 4.0, "width_um": 0.3})
+    links = [*links, ("back.image", "filter.image")]
+    policy = Policy("double", 1e-6)
+    made, bench, work = delivered(
+        library, tmp_path, policy=policy, nodes=(nodes, links), port="filter.image"
+    )
+    recipe = bench.port("filter.image").recipe
+    rank = next(work.value(one).shares for one in (recipe.inputs[0].filtered_sum.wavelengths,))
+    _, wavelengths, width = cube
+    low, high = wavelengths - width / 2, wavelengths + width / 2
+    part = np.clip(np.minimum(high, 4.15) - np.maximum(low, 3.85), 0.0, None)
+    assert rank.shape[1] == np.count_nonzero(part > 1e-12)
+    want = expected(cube, part)
+    assert np.abs(made - want).max() <= 1e-6 * np.ptp(want)
 
 
 def test_missing_samples_are_refused_or_filled_band_by_band(library, tmp_path, cube):
