@@ -17,6 +17,8 @@ from core.spectrum.band_stack import BandStack
 
 _TEXTS = {"all": "All bands: {whole}", "one": "One band", "colours": "Colours"}
 
+_NARROWEST = 9  # letters that a list or a wavelength has room for
+
 
 class BandBar(QWidget):
     """All bands, one by a slider or its wavelength, or three as colours.
@@ -63,6 +65,9 @@ class BandBar(QWidget):
         self._letters = tuple(QLabel(name[0].upper(), self) for name in CHANNELS)
         self.even = tool_button(f"{owner}.even", "Even", "Take three evenly spaced bands", self)
         self.about = ElidedLabel(f"{owner}.band.about", "The bands", self)
+        letter = self.fontMetrics().averageCharWidth()
+        for widget in (self.shown, self.one, *self.colours):  # a narrow viewer cuts their texts
+            widget.setMinimumWidth(_NARROWEST * letter)
         self._lay()
         self.shown.activated.connect(self._shown_chosen)
         self.slider.valueChanged.connect(self._one_chosen)

@@ -16,6 +16,7 @@ from app.editor.viewers.pixels.band_choice import BandChoice, bands_of
 from app.editor.viewers.pixels.picture_query import Picture
 from core.spectrum.band_stack import BandStack
 
+_LONGEST = 110  # letters of a problem beside the curves
 PAUSE_MS = 30
 """While the cursor moves, the spectrum under it is taken at most so often."""
 
@@ -99,7 +100,7 @@ class PictureBands(QObject):
         """Show an answer, if it is one to these queries."""
         query = answer.query
         if isinstance(query, MeanSpectrumQuery):
-            self.plot.show_mean(answer.value)
+            self.plot.show_mean(answer.value, _problem(answer))
         elif isinstance(query, SampleSpectrumQuery):
             self._show_sample(answer, query)
         else:
@@ -114,11 +115,10 @@ class PictureBands(QObject):
     def _show_sample(self, answer: Answer, query: SampleSpectrumQuery) -> None:
         if self._place is None:  # the cursor has left
             return
-        name = f"row {query.row}  column {query.column}"
-        if answer.error is not None:
-            name = str(answer.error)
-        elif answer.value is None:
-            name = NO_SAMPLE
+        name = _problem(answer)
+        if not name:
+            place = f"row {query.row}  column {query.column}"
+            name = NO_SAMPLE if answer.value is None else place
         self.plot.show_sample(answer.value, name)
 
     def _put_plot(self) -> None:
@@ -126,3 +126,9 @@ class PictureBands(QObject):
         self.plot.show(self._on and self._bands is not None)
         if before != self.plot.is_shown or self._bands is not None:
             self._pause.start()
+
+
+def _problem(answer: Answer) -> str:
+    """Why there is no spectrum; of a long line its end, as it begins with the name of a file."""
+    text = "" if answer.error is None else " ".join(str(answer.error).split())
+    return text if len(text) <= _LONGEST else f"…{text[1 - _LONGEST :]}"

@@ -72,7 +72,7 @@ class SpectrumPlot(QObject):
         self._axes: object = None
         self._range: tuple[float, float] | None = None
         self._shown = False
-        self._name = ""
+        self._name = self._problem = ""
         self.set_theme(theme)
 
     @property
@@ -108,8 +108,14 @@ class SpectrumPlot(QObject):
             self.set_theme(self._theme)
         self._put_lines()
 
-    def show_mean(self, values: Vector | None) -> None:
-        """Show the mean of every band, and fit the ordinate to what is drawn now."""
+    def show_mean(self, values: Vector | None, problem: str = "") -> None:
+        """Show the mean of every band, and fit the ordinate to what is drawn now.
+
+        Without it, the problem is written in its place.
+        """
+        if problem != self._problem:
+            self._problem = problem
+            self._write_legend()
         self._range = None
         self._draw(self.mean, values)
         drawn = self.sample.getData()[1]
@@ -142,7 +148,10 @@ class SpectrumPlot(QObject):
 
     def _write_legend(self) -> None:
         self.legend.clear()
-        self.legend.addItem(self.mean, MEAN)
+        if self._problem:
+            self.legend.addItem(self._no_curve, self._problem)
+        else:
+            self.legend.addItem(self.mean, MEAN)
         if self._name:
             drawn = self.sample.xData is not None and len(self.sample.xData) > 0
             self.legend.addItem(self.sample if drawn else self._no_curve, self._name)

@@ -15,6 +15,7 @@ from core.editing.fields import set_parameter
 from core.editing.operation import together
 from core.errors import UsageError
 from core.network.file import load_network
+from cube_files import write_cube
 from cube_network import BANDS, SIZE, write_cube_network
 from viewer_bench import ViewerBench, is_freed
 
@@ -258,6 +259,27 @@ def test_behind_a_filter_the_plot_says_where_to_look(viewer, bench, qtbot):
     bench.settle()
     point_at(viewer, bench, qtbot, 7, 11)
     assert names(viewer) == [MEAN, NO_SAMPLE]
+
+
+def test_why_there_is_no_mean_stands_in_its_place(viewer, bench, qtbot, cube, tmp_path):
+    """Another band than the one shown has a sample that is not finite."""
+    samples, wavelengths, width = cube
+    choose(viewer, bench, "one")
+    broken = samples.copy()
+    broken[2, 4, 4] = np.nan
+    write_cube(tmp_path, broken, wavelengths, width)
+    bench.evaluator.generate()
+    bench.settle()
+    qtbot.waitUntil(lambda: names(viewer) != [MEAN])
+    assert "1 of 960 samples of band 2 are not finite" in names(viewer)[0]
+    assert viewer.picture.samples == pytest.approx(samples[BANDS // 2], rel=1e-6)
+
+
+@pytest.mark.parametrize("shown", ["all", "one", "colours"])
+def test_the_row_fits_a_narrow_viewer(viewer, bench, shown):
+    choose(viewer, bench, shown)
+    letter = viewer.fontMetrics().averageCharWidth()
+    assert viewer.bands.bar.minimumSizeHint().width() < 60 * letter
 
 
 def test_the_plot_of_spectra_can_be_put_away(viewer, bench, qtbot):
