@@ -78,6 +78,11 @@ class BandBar(QWidget):
         self.set_theme(theme)
         self.hide()
 
+    @property
+    def has_bands(self) -> bool:
+        """Whether the picture has bands."""
+        return self._bands is not None
+
     def set_theme(self, theme: Theme) -> None:
         """Write in other colours."""
         for letter, colour in zip(self._letters, theme.channels, strict=True):

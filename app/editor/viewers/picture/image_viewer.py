@@ -264,7 +264,7 @@ class ImageViewer(Viewer):
         text = picture.refused or (side.missing if side is not None else "")
         text = text or facts_text(picture, self.choices, *against)
         self.status.show_text(text, failed=bool(picture.refused))
-        self.bands.show_picture(picture, self.choices.port, self.choices.bands)
+        self._show_bands(picture)
         self.probe.show_picture(picture, self.choices, kept=side is not None)
 
     def _build(self) -> None:
@@ -333,10 +333,13 @@ class ImageViewer(Viewer):
     def _choose_mode(self, name: str) -> None:
         self._choose(mode=name)
 
+    def _show_bands(self, picture: Picture | None) -> None:
+        self.bands.show_picture(picture, self.choices.port, self.choices.bands)
+        self.bar.display.spectra.setEnabled(self.bands.bar.has_bands)
+
     def _choose_bands(self, choice: Any) -> None:
         self._choose(bands=choice)
-        if self.picture is not None:
-            self.bands.show_picture(self.picture, self.choices.port, choice)
+        self._show_bands(self.picture)
 
     def _choose_levels(self, name: str) -> None:
         manual = self.picture.levels if self.picture is not None else "extremes"
@@ -375,7 +378,7 @@ class ImageViewer(Viewer):
             self.canvas.clear_picture()
             self._pages.setCurrentWidget(self._hint)
             self.status.show_text("")
-            self.bands.show_picture(None, None, choices.bands)
+            self._show_bands(None)
             self.probe.show_picture(None, choices)
             self.region.show_picture(None, None)
         elif choices.mode != "alone" and choices.other is None:

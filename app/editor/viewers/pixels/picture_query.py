@@ -37,6 +37,7 @@ from core.errors import DataError, ImagechainError
 from core.evaluation.float_guard import watched
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
+from core.spectrum.band_stack import BandStack
 
 Mode = Literal["alone", "wipe", "difference"]
 Scale = Literal["linear", "log", "spectrum"]
@@ -230,8 +231,9 @@ class PictureQuery(Query):
         places = () if image.bands is None else self.bands.places(image.bands)
         if image.bands is None or not places:
             return _Source(port, image, (image.recipe,), facts)
-        recipes = tuple(image.bands.band(place) for place in places)
-        return _Source(port, image, recipes, of_bands(facts, image.bands, places))
+        return _Source(
+            port, image, _recipes(image.bands, places), of_bands(facts, image.bands, places)
+        )
 
     def _drawn_facts(self, source: _Source) -> Facts:
         """Of the samples, or of their spectrum where that is shown."""
@@ -300,6 +302,15 @@ class _Source:
     recipes: tuple[Recipe, ...]
     facts: Facts
     signed: bool = False
+
+
+def _recipes(bands: BandStack, places: tuple[int, ...]) -> tuple[Recipe, ...]:
+    """One band alone; of several all in one pass, as a file may have them sample by sample."""
+    if len(places) == 1:
+        return (bands.band(places[0]),)
+    every = range(bands.count)
+    sums = bands.sums(tuple(tuple(float(one == place) for one in every) for place in places))
+    return tuple(Step.of(steps.one_of, sums, index=index) for index in range(len(places)))
 
 
 def _less(first: _Source, second: _Source) -> _Source:

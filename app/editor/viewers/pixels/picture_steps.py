@@ -55,6 +55,12 @@ def difference(_work: Work, samples: Array, other: Array) -> Array:
 
 
 @ends_lineage
+def one_of(_work: Work, pictures: Array, *, index: int) -> Array:
+    """One of several pictures that are made together."""
+    return np.asarray(pictures[index])
+
+
+@ends_lineage
 def spread(work: Work, samples: Array, *, name: str) -> Spread:
     """Extremes and histogram.
 

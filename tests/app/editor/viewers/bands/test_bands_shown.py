@@ -77,10 +77,12 @@ def test_a_picture_without_bands_has_no_controls_for_them(viewer, bench):
     bench.settle()
     assert not viewer.bands.bar.isVisible()
     assert not viewer.bands.plot.is_shown
+    assert not viewer.bar.display.spectra.isEnabled()
     assert len(viewer.queries()) == 1
     viewer.look_at(READ)
     bench.settle()
     assert viewer.bands.bar.isVisible()
+    assert viewer.bar.display.spectra.isEnabled()
     assert viewer.picture.facts.wavelengths_um
 
 
