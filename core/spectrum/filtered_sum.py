@@ -18,7 +18,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.filtering.mirrored import BLOCK_SAMPLES, MeanFree, mirrored_spectrum
 from core.filtering.periodic import periodic_spectrum
-from core.spectrum.band_stack import BandStack, Row
+from core.spectrum.band_stack import BandStack, Row, Rows
 from core.spectrum.wavelength_rank import ChosenWavelengths, WavelengthRank
 from core.transfer.factors import Factor, Planar
 from core.transfer.grid import Grid
@@ -26,6 +26,8 @@ from core.transfer.planar_blocks import Axes, Planes
 from core.transfer.product import Product
 
 Array = NDArray[Any]
+SAMPLES_AT_ONCE = 1 << 26
+"""Of the sums that are made in one pass over the bands: 256 MB in single precision."""
 
 
 def used_bands(weights: Row) -> tuple[int, ...]:
@@ -53,12 +55,30 @@ class ComponentSums(Recipe):
 
     def compute(self, work: Work) -> Array:
         """One pass over the bands."""
+        return np.asarray(work.value(self.bands.sums(self._rows(work))))
+
+    def pictures(self, work: Work, *, samples: int) -> Iterator[Array]:
+        """The sums one after the other, of pictures of so many samples.
+
+        Where wavelengths are many there are several passes over the bands: otherwise all of a cube
+        would be in memory where none of its bands stands for others.
+        """
+        rows = self._rows(work)
+        at_once = max(1, SAMPLES_AT_ONCE // samples)
+        if len(rows) <= at_once:
+            yield from work.value(self)
+            return
+        parts = (rows[start : start + at_once] for start in range(0, len(rows), at_once))
+        for several in work.one_by_one(map(self.bands.sums, parts), forgetting=True):
+            yield from several
+
+    def _rows(self, work: Work) -> Rows:
         rank: WavelengthRank = work.value(self.wavelengths)
         weights = np.array(self.weights)
         rows = np.zeros((len(rank.chosen), len(weights)))
         used = np.array(used_bands(self.weights))
         rows[:, used] = rank.shares * weights[used]
-        return np.asarray(work.value(self.bands.sums(tuple(tuple(row) for row in rows.tolist()))))
+        return tuple(tuple(row) for row in rows.tolist())
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,10 +113,14 @@ class SummedSpectrum(Recipe):
         """The choice of wavelengths, and the sums."""
         return self.sums.wavelengths, self.sums
 
+    def first(self, work: Work) -> tuple[Recipe, ...]:  # noqa: ARG002  (as every recipe's)
+        """The choice alone: how many sums there are decides how they are made."""
+        return (self.sums.wavelengths,)
+
     def compute(self, work: Work) -> MeanFree:
         """Transform, multiply and add, one wavelength after the other."""
         rank: WavelengthRank = work.value(self.sums.wavelengths)
-        pictures = work.value(self.sums)
+        pictures = self.sums.pictures(work, samples=self.grid.rows * self.grid.columns)
         factors, centres = self.sums.wavelengths.factors, self.sums.wavelengths.centres_um
         transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
         total: Array | None = None
@@ -178,7 +202,7 @@ class FilteredSum:
             return (Step.of(transform, self.bands.picture(self.weights), node=self.node),)
         if self._is_even:
             return (SummedSpectrum(self.sums, self.grid, self.axes, self.node),)
-        return self.wavelengths, self.sums
+        return (self.wavelengths,)
 
     def spectra(self, work: Work) -> Iterator[tuple[MeanFree, tuple[Factor, ...]]]:
         """Spectra, and the factors that have still to be applied to each before they are added.
@@ -191,7 +215,8 @@ class FilteredSum:
             return
         rank: WavelengthRank = work.value(self.wavelengths)
         transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
-        for place, picture in zip(rank.chosen, work.value(self.sums), strict=True):
+        pictures = self.sums.pictures(work, samples=self.grid.rows * self.grid.columns)
+        for place, picture in zip(rank.chosen, pictures, strict=True):
             work.check()
             wavelength = self.wavelengths.centres_um[place]
             yield transform(work, picture), tuple(one.at(wavelength) for one in self.factors)

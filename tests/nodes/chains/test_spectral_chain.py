@@ -242,3 +242,23 @@ def test_later_frames_of_a_moving_picture_go_through_a_second_chain(library, tmp
         want = work.value(at_frame(first.recipe, number))
         assert np.abs(frame - want).max() <= 1e-12 * np.ptp(want)
     assert np.abs(frames[1] - frames[0]).max() > 1e-3 * np.ptp(frames[0])
+
+
+@pytest.mark.parametrize("optics", [{}, {"defocus_waves": 0.1}])
+def test_many_wavelengths_are_summed_in_several_passes(library, tmp_path, cube, monkeypatch, optics):
+    nodes = network(optics=optics)
+    whole, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0), nodes=nodes)
+    samples = SIZE[0] * SIZE[1]
+    monkeypatch.setattr("core.spectrum.filtered_sum.SAMPLES_AT_ONCE", 7 * samples)
+    bench = NodeBench(library, tmp_path, *nodes)
+    work, sizes = bench.engine.work(Policy("double", 0.0)), []
+    compute = type(work)._compute
+    monkeypatch.setattr(
+        type(work),
+        "_compute",
+        lambda *a: [sizes.append(work.store.used_bytes), compute(*a)][1],
+    )
+    made = bench.engine.value(bench.plan, "back.image", work)
+    np.testing.assert_allclose(made, whole, rtol=1e-12)
+    # All 60 wavelengths, and no more than some passes of 7 are there at a time.
+    assert max(sizes) < 60 * samples * 8 / 2
