@@ -245,7 +245,9 @@ def test_later_frames_of_a_moving_picture_go_through_a_second_chain(library, tmp
 
 
 @pytest.mark.parametrize("optics", [{}, {"defocus_waves": 0.1}])
-def test_many_wavelengths_are_summed_in_several_passes(library, tmp_path, cube, monkeypatch, optics):
+def test_many_wavelengths_are_summed_in_several_passes(
+    library, tmp_path, cube, monkeypatch, optics
+):
     nodes = network(optics=optics)
     whole, *_ = delivered(library, tmp_path, policy=Policy("double", 0.0), nodes=nodes)
     samples = SIZE[0] * SIZE[1]
@@ -262,3 +264,16 @@ def test_many_wavelengths_are_summed_in_several_passes(library, tmp_path, cube, 
     np.testing.assert_allclose(made, whole, rtol=1e-12)
     # All 60 wavelengths, and no more than some passes of 7 are there at a time.
     assert max(sizes) < 60 * samples * 8 / 2
+
+
+@pytest.mark.parametrize("index", [0, 23, 59])
+def test_a_band_alone_is_filtered_once_at_its_own_wavelength(library, tmp_path, cube, index):
+    bench = NodeBench(library, tmp_path, *network())
+    work = bench.engine.work(Policy("double", 1e-2))
+    band = bench.port("back.image").bands.band(index)
+    assert len(band.rank(work).chosen) == 1
+    weights = np.zeros(BANDS)
+    weights[index] = 1.0
+    want = expected(cube, weights)
+    # A tolerance of 1 % would let few wavelengths err by that; its own does not.
+    assert np.abs(work.value(band) - want).max() <= 1e-12 * np.ptp(want)
