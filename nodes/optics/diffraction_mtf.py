@@ -139,7 +139,8 @@ class DiffractionMTF(
             aperture=aperture,
             cut_on_um=band[0],
             cut_off_um=band[1],
-            weighting=self.weighting,
+            # Bands have their own light: no black body's over all of them is ever summed up.
+            weighting=self.weighting if self._bands(magnitude) is None else "uniform",
             temperature_K=self._temperature(magnitude, band, here.node),
             wavelengths=0 if self.wavelengths == "auto" else self.wavelengths,
             tolerance=self._finest(),
