@@ -126,3 +126,31 @@ def test_what_knows_no_bands_says_that_it_took_their_sum(library, tmp_path, cube
         texts = [caution.message for caution in plan.nodes[name].warnings]
         assert any("sum of the picture's 20 bands" in text for text in texts), texts
     assert not plan.nodes["read"].warnings
+
+
+@pytest.mark.parametrize(
+    ("points", "law"),
+    [
+        ("2,0.2\n6,0.6\n", lambda um: 0.2 + 0.1 * (um - 2)),
+        ("2,0\n4,1\n6,0\n", lambda um: 1 - np.abs(um - 4) / 2),
+    ],
+    ids=["no point in the band", "1 at its only point in the band"],
+)
+def test_a_file_counts_between_points_that_lie_beyond_the_band(library, tmp_path, points, law):
+    np.save(tmp_path / "one.npy", np.full(SIZE, 2.0))
+    (tmp_path / "r.csv").write_text(points)
+    read = {"path": "one.npy", "cut_on_um": 3.0, "cut_off_um": 5.0}
+    there = bench(
+        library, tmp_path, {"shape": "file", "path": "r.csv", "source_K": 300.0}, read=read
+    )
+    places = fine(3.0, 5.0)
+    want = 2.0 * np.average(law(places), weights=planck(places, 300.0))
+    np.testing.assert_allclose(there.value("filter.image"), want, rtol=1e-9)
+
+
+def test_a_file_that_is_1_at_both_ends_of_the_band_changes_nothing(library, tmp_path):
+    np.save(tmp_path / "one.npy", np.full(SIZE, 2.0))
+    (tmp_path / "r.csv").write_text("2,1\n6,1\n")
+    read = {"path": "one.npy", "cut_on_um": 3.0, "cut_off_um": 5.0}
+    there = bench(library, tmp_path, {"shape": "file", "path": "r.csv"}, read=read)
+    assert there.port("filter.image").recipe is there.port("read.image").recipe
