@@ -17,12 +17,13 @@ from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
 from core.spectrum.band_stack import BandStack, Row, Rows
 from nodes.files.common.picture_info import PictureInfo
-from nodes.files.headers.envi_bands import band_weights_um
+from nodes.files.headers.envi_bands import band_ends_um, band_weights_um
 from nodes.files.headers.envi_cube import band_totals, mean_spectrum, weighted_sums
 from nodes.files.headers.envi_header import EnviLayout, read_layout
 from nodes.input_output.source_file import Missing, Source, Stamp, check_unchanged
 
 Array = NDArray[Any]
+Interval = tuple[float, float]
 _WIDEST_UM = 1e6
 _PER_WAVENUMBER = 1e4  # dν = 1e4/λ² dλ, ν in cm⁻¹ and λ in µm
 
@@ -122,7 +123,8 @@ def file_bands(
     scale : float
         Factor on the samples.
     interval_um : (float, float) or None
-        Wavelengths that count; None for all. A band at an end counts by its part within.
+        Wavelengths that count; None for all. A band at an end counts by its part within, about the
+        middle of that part.
     missing : "refuse", "mean" or "zero"
         What stands for samples that are not finite.
     node : str
@@ -148,14 +150,14 @@ def file_bands(
     if not places:
         ends = f"{min(info.wavelengths_um):g} to {max(info.wavelengths_um):g} µm"
         raise ParameterError("cut_on_um", low, f"an interval with bands of the file, {ends}")
-    centres = [_centre(info, place) for place in places]
-    whole = band_weights_um(info, cut_on_um=0.0, cut_off_um=_WIDEST_UM)
+    first, last = band_ends_um(info)
+    centres = [_middle(info, place, (first[place], last[place]), (low, high)) for place in places]
     factors = [
-        scale * (1.0 if unit is None else _per_um(unit, centre, whole[place]))
+        scale * (1.0 if unit is None else _per_um(unit, centre, last[place] - first[place]))
         for place, centre in zip(places, centres, strict=True)
     ]
     return FileBands(
-        tuple(map(float, centres)),
+        tuple(centres),
         tuple(float(widths[place]) for place in places),
         source.file,
         source.stamps,
@@ -172,8 +174,14 @@ def _centre(info: PictureInfo, place: int) -> float:
     return info.wavelengths_um[place]
 
 
+def _middle(info: PictureInfo, place: int, ends: Interval, interval: Interval) -> float:
+    """Wavelength of a band, or of what is left of one that the interval cuts."""
+    left = max(ends[0], interval[0]), min(ends[1], interval[1])
+    return _centre(info, place) if left == ends else float(sum(left)) / 2.0
+
+
 def _per_um(unit: RadianceUnit, centre_um: float, width_um: float) -> float:
-    """Factor to W/m²/sr/µm at a wavelength."""
+    """Factor to W/m²/sr/µm of a band, which without a share of wavelength holds its whole width."""
     factor = unit.factor
     if unit.photons:
         factor *= PHOTON_ENERGY_J_UM / centre_um

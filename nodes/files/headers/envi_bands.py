@@ -110,7 +110,7 @@ def band_weights_um(
     if not (math.isfinite(cut_off_um) and cut_off_um > cut_on_um):
         allowed = f"a finite number above cut_on_um = {cut_on_um:g}"
         raise ParameterError("cut_off_um", cut_off_um, allowed, unit="um")
-    low, high = _edges_um(info)
+    low, high = band_ends_um(info)
     low, high = np.maximum(low, cut_on_um), np.minimum(high, cut_off_um)
     high = np.maximum(low, high)
     edges = np.unique(np.concatenate([low, high]))
@@ -121,7 +121,8 @@ def band_weights_um(
     return np.asarray(covers @ shares, dtype=np.float64)
 
 
-def _edges_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def band_ends_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Wavelengths from which and up to which each band reaches, µm; as `band_weights_um` has it."""
     if info.wavelengths_um is None:
         raise FileError(
             f"{info.path}: the header gives no wavelengths in a unit of length, "
@@ -154,7 +155,7 @@ def _check_coverage(
     covered = float(weights.sum())
     if covered > 0 and covered >= min_coverage * (cut_off_um - cut_on_um):
         return
-    low, high = _edges_um(info)
+    low, high = band_ends_um(info)
     raise ParameterError(
         "cut_on_um, cut_off_um",
         (cut_on_um, cut_off_um),
