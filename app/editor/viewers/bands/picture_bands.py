@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -48,6 +49,7 @@ class PictureBands(QObject):
         self._bands: BandStack | None = None
         self._port = ""
         self._on = True
+        self._height = math.inf
         self._place: tuple[int, int] | None = None
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._pause.timeout.connect(self.wanted)
@@ -67,6 +69,11 @@ class PictureBands(QObject):
         if on != self._on:
             self._on = on
             self._put_plot()
+
+    def fit(self, height: float) -> None:
+        """Have that height for picture and plot; the picture goes first."""
+        self._height = height
+        self._put_plot()
 
     def show_picture(self, picture: Picture | None, port: str | None, choice: BandChoice) -> None:
         """The viewer shows this picture."""
@@ -123,7 +130,8 @@ class PictureBands(QObject):
 
     def _put_plot(self) -> None:
         before = self.plot.is_shown
-        self.plot.show(self._on and self._bands is not None)
+        wanted = self._on and self._bands is not None
+        self.plot.show(wanted and self.plot.fits(self._height))
         if before != self.plot.is_shown or self._bands is not None:
             self._pause.start()
 

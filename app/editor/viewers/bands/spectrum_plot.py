@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 _LINES = 8  # of text that the plot is high
+_PICTURE = 12  # lines that it leaves the picture, or is not there
 _ROW = 2  # of the layout: the picture, its profile, its spectrum
 _FEW = 24  # bands up to which every one has a dot
 _ROOM, _ABOVE = 0.06, 0.6  # beside the curves, of their range; above them stands the legend
@@ -55,7 +56,8 @@ class SpectrumPlot(QObject):
         plot.setMouseEnabled(x=False, y=False)
         plot.disableAutoRange()
         plot.setLabel("bottom", "wavelength (µm)")
-        plot.setFixedHeight(_LINES * parent.fontMetrics().height())
+        self._line = parent.fontMetrics().height()
+        plot.setFixedHeight(_LINES * self._line)
         self.mean, self.sample = plot.plot(), plot.plot()
         self._no_curve = pg.PlotDataItem(pen=None)
         self.legend = plot.addLegend(offset=(-2, -1), colCount=2)
@@ -79,6 +81,10 @@ class SpectrumPlot(QObject):
     def is_shown(self) -> bool:
         """Whether there is a plot."""
         return self._shown
+
+    def fits(self, height: float) -> bool:
+        """Whether a height has room for it and for a picture that can be looked at."""
+        return height >= (_LINES + _PICTURE) * self._line
 
     def show(self, shown: bool) -> None:
         """Take a row of the layout, or none."""

@@ -308,6 +308,7 @@ class ImageViewer(Viewer):
         self.bands.bar.chosen.connect(self._choose_bands)
         self.bands.wanted.connect(self.ask)
         self.probe.placed.connect(self.bands.point_at)
+        canvas.sigDeviceRangeChanged.connect(self._fit_spectra)
         canvas.band_stepped.connect(self.bands.bar.step)
         bar.compare.mode.chosen.connect(self._choose_mode)
         bar.compare.other_chosen.connect(self._choose_other)
@@ -364,6 +365,11 @@ class ImageViewer(Viewer):
 
     def _toggle_profile(self, on: bool) -> None:
         self.canvas.profile.show(on)
+        self._fit_spectra()
+
+    def _fit_spectra(self, *_: object) -> None:
+        """Where there is little height, the picture has all of it."""
+        self.bands.fit(self.canvas.height() - self.canvas.profile.height)
 
     def _follow_choices(self) -> None:
         """Show on the controls what is chosen, and post its queries."""

@@ -66,6 +66,11 @@ class ProfileLine(QObject):
         return self._shown
 
     @property
+    def height(self) -> float:
+        """What its plot takes of the layout."""
+        return float(self._plot.minimumHeight()) if self._shown else 0.0
+
+    @property
     def ends(self) -> Ends:
         """Start and end as shares of the picture: x, y, x, y."""
         return self._ends

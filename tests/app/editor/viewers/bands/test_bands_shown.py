@@ -40,7 +40,7 @@ def bench(qtbot, session, library, cube, tmp_path):
 def viewer(bench):
     made = ImageViewer(bench.session, bench.evaluator, DARK, 1)
     made.look_at(READ)
-    return bench.show(made)
+    return bench.show(made, 640, 480)
 
 
 def choose(viewer, bench, shown):
@@ -261,6 +261,21 @@ def test_behind_a_filter_the_plot_says_where_to_look(viewer, bench, qtbot):
     bench.settle()
     point_at(viewer, bench, qtbot, 7, 11)
     assert names(viewer) == [MEAN, NO_SAMPLE]
+
+
+def test_without_height_for_both_the_picture_has_all_of_it(viewer, bench, qtbot):
+    line = viewer.fontMetrics().height()
+    viewer.resize(640, 18 * line)
+    qtbot.waitUntil(lambda: not viewer.bands.plot.is_shown)
+    qtbot.waitUntil(lambda: viewer.canvas.view.height() > 5 * line)
+    qtbot.wait(60)
+    assert len(viewer.queries()) == 1
+    viewer.resize(640, 32 * line)
+    qtbot.waitUntil(lambda: viewer.bands.plot.is_shown)
+    viewer.bar.display.profile.setChecked(True)  # takes eight lines
+    assert not viewer.bands.plot.is_shown
+    viewer.bar.display.profile.setChecked(False)
+    assert viewer.bands.plot.is_shown
 
 
 def test_why_there_is_no_mean_stands_in_its_place(viewer, bench, qtbot, cube, tmp_path):
