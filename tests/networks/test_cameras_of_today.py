@@ -19,7 +19,12 @@ from nodes.library import standard_library
 
 MWIR = {"pitch": 15e-6, "fill": 0.95**2, "f_number": 4, "transmission": 0.765, "efficiency": 0.7}
 BAND_UM = 3.7, 4.8
-BANDS_UM = {"mwir_camera": [3.7, 4.8], "microbolometer": [8.0, 14.0], "satellite_tdi": [0.5, 0.8]}
+BANDS_UM = {
+    "mwir_camera": [3.7, 4.8],
+    "microbolometer": [8.0, 14.0],
+    "satellite_tdi": [0.5, 0.8],
+    "dirsig_cube": [3.0, 5.0],
+}
 
 
 def command(*words):
