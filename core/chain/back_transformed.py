@@ -68,6 +68,7 @@ def back_transform(magnitude: Magnitude, phase: Phase, *, node: str | None = Non
         pixel_mrad=like.pixel_mrad if like is not None else (None, None),
         bands=bands,
         air=like.air if like is not None else (),
+        responses=like.responses if like is not None else (),
     )
 
 

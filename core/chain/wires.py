@@ -12,6 +12,7 @@ from core.errors import DataError
 from core.evaluation.content_key import content_key
 from core.evaluation.recipes import Recipe
 from core.physics.atmosphere.air_path import AirPath
+from core.physics.detector.response_curve import ResponseCurve
 from core.physics.optics.pupil_shapes import PupilShape
 from core.spectrum.band_stack import BandStack
 from core.transfer.factors import Factor
@@ -73,6 +74,8 @@ class Image:
         The bands of wavelength that the pixels are the integral of, where they are known.
     air : tuple of AirPath
         What the air that it has come through consists of, all along one way.
+    responses : tuple of ResponseCurve
+        What has weighted its wavelengths behind the air: filters, a detector's material.
     """
 
     port_type: ClassVar[str] = "image"
@@ -90,6 +93,7 @@ class Image:
     pixel_mrad: tuple[float | None, float | None] = (None, None)
     bands: BandStack | None = None
     air: tuple[AirPath, ...] = ()
+    responses: tuple[ResponseCurve, ...] = ()
 
     @property
     def key(self) -> str:

@@ -14,6 +14,8 @@ from core.evaluation.work import Work
 from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
 from core.spectrum.band_stack import BandStack, Row
 
+_TOUCHING = 1e-9  # of the wavelength
+
 
 def counted_weights(bands: BandStack, efficiency: QuantumEfficiency) -> Row:
     """Weights that make counted photons, s⁻¹ m⁻² sr⁻¹, of radiances per µm.
@@ -43,6 +45,21 @@ def counted_weights(bands: BandStack, efficiency: QuantumEfficiency) -> Row:
             unit="µm",
         )
     return weights
+
+
+def lit_windows(bands: BandStack) -> tuple[tuple[float, float], ...]:
+    """Parts of a picture's band in which its bands lie; none where they touch all over it."""
+    ends = sorted(
+        (centre - width / 2, centre + width / 2)
+        for centre, width in zip(bands.centres_um, bands.widths_um, strict=True)
+    )
+    windows = [ends[0]]
+    for low, high in ends[1:]:
+        if abs(low - windows[-1][1]) <= _TOUCHING * low:
+            windows[-1] = windows[-1][0], high
+        else:
+            windows.append((low, high))
+    return tuple(windows) if len(windows) > 1 else ()
 
 
 def counted_photons(image: Image, efficiency: QuantumEfficiency) -> Recipe:

@@ -22,6 +22,7 @@ from core.physics.electrons.photon_conversion import CountedPhotons, PhotonWeigh
 from core.physics.electrons.rule_07 import rule_07_e_per_s
 from core.physics.electrons.spectral_photons import QuantumEfficiency
 from core.physics.noise.noise_equivalent import detector_area_cm2
+from nodes.detector.counted_bands import lit_windows
 from nodes.detector.focal_plane_figures import Collection, ReadOut
 from nodes.files.wavelength_table import read_wavelengths
 from nodes.shared.context_defaults import given_band, of_context
@@ -260,9 +261,12 @@ class FocalPlanePanel(SeededModule):
         )
         f_number = of_context("f_number", context, unit="")
         housing = housing_sr(f_number=f_number, cold_shield_efficiency=self.cold_shield_efficiency)
-        kind = PhotonWeights if image.bands is None else CountedPhotons
+        light = self.photon_weighting, band or (low, high), efficiency, self.source_K
+        weights = PhotonWeights(*light, image.responses)
+        if image.bands is not None:
+            weights = CountedPhotons(*light, image.responses, lit_windows(image.bands))
         return Collection(
-            weights=kind(self.photon_weighting, band or (low, high), efficiency, self.source_K),
+            weights=weights,
             scene_m2_s_sr=exposure * cone_sr(f_number=f_number),
             housing_m2_s_sr=exposure * housing,
             optics_transmission=self.optics_transmission,

@@ -38,12 +38,14 @@ class SpectralResponse(
     """Weight every wavelength by a response: of a detector's material, a filter, a window.
 
     A picture in bands has each of them multiplied by the mean response over it, and its sum is the
-    radiance that counts; Focal Plane behind it counts what is left of the photons. A picture of one
-    band is multiplied by the mean over the band, weighted by the radiance of a black body: of the
-    picture's mean brightness temperature, of sunlight's 5800 K where the band begins below 2.5 µm,
-    or of `source_K`. `file`: a CSV of µm and response, straight between its points, 0 beyond them.
-    `gaussian`: `width_um` is its full width at half maximum. A response per watt instead of per
-    photon goes in as it is where radiance is wanted; Focal Plane has its own for photons.
+    radiance that counts. Focal Plane behind it counts what is left of the photons; its NETD is that
+    of the scene before the response, which dims light of the scene alone, not of optics and
+    housing. A picture of one band is multiplied by the mean over the band, weighted by the radiance
+    of a black body: of the picture's mean brightness temperature, of sunlight's 5800 K where the
+    band begins below 2.5 µm, or of `source_K`. `file`: a CSV of µm and response, straight between
+    its points, 0 beyond them. `gaussian`: `width_um` is its full width at half maximum. A response
+    per watt instead of per photon goes in as it is where radiance is wanted; Focal Plane has its
+    own for photons.
     """
 
     shape: Annotated[
@@ -102,11 +104,13 @@ class SpectralResponse(
                 f"{low:g} to {high:g} µm",
                 f"a response that meets the picture's band, {band[0]:g} to {band[1]:g} µm",
             )
+        passed = (*image.responses, response)
         if image.bands is not None:
             pairs = zip(image.bands.centres_um, image.bands.widths_um, strict=True)
             gain = tuple(response.mean(c - w / 2, c + w / 2) for c, w in pairs)
             stack = AttenuatedBands.of(image.bands, gain=gain, node=node)
-            return ImageOutput(image.with_recipe(stack.picture(stack.whole), bands=stack))
+            made = stack.picture(stack.whole)
+            return ImageOutput(image.with_recipe(made, bands=stack, responses=passed))
         counted = Step.of(
             mean_response,
             image.recipe,
@@ -115,7 +119,8 @@ class SpectralResponse(
             band_um=band,
             source_K=self._source(band),
         )
-        return ImageOutput(image.with_recipe(Step.of(weighted, image.recipe, counted, node=node)))
+        dimmed = Step.of(weighted, image.recipe, counted, node=node)
+        return ImageOutput(image.with_recipe(dimmed, responses=passed))
 
     def response(self, band: Band, here: NodeContext) -> ResponseCurve:
         """The response as the parameters have it; a middle and width left empty are the band's."""

@@ -69,6 +69,15 @@ class ResponseCurve:
         half = self.width_um / 2.0 if self.shape == "rectangle" else _REACH * self._sigma_um
         return max(self.centre_um - half, 0.0), self.centre_um + half
 
+    @property
+    def bends_um(self) -> tuple[float, ...]:
+        """Wavelengths between which it is smooth."""
+        if self.shape == "file":
+            return tuple(place for place, _ in self.points)
+        if self.shape == "rectangle":
+            return self.ends_um
+        return tuple(np.linspace(*self.ends_um, _PIECES + 1).tolist())
+
     def at(self, wavelength_um: ArrayLike) -> FloatArray:
         """Response at wavelengths, µm."""
         wavelength = np.asarray(wavelength_um, np.float64)
@@ -124,13 +133,7 @@ class ResponseCurve:
         DataError
             For a source that emits nothing in the band.
         """
-        first, last = self.ends_um
-        bends = [place for place, _ in self.points]
-        if self.shape == "rectangle":
-            bends = [first, last]
-        elif self.shape == "gaussian":
-            bends = list(np.linspace(first, last, _PIECES + 1))
-        inside = tuple(place for place in bends if cut_on_um < place < cut_off_um)
+        inside = tuple(place for place in self.bends_um if cut_on_um < place < cut_off_um)
         wavelength, width = band_nodes(cut_on_um, cut_off_um, inside)
         weight = width * spectral_radiance(wavelength, source_K)
         total = float(weight.sum())

@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
+from core.physics.detector.response_curve import ResponseCurve
+from core.physics.electrons.filtered_body import FilteredBody
 from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM, QuantumEfficiency
 from core.physics.numerics.brent_root import brent_root
 from core.physics.numerics.chebyshev import chebyshev_sum
@@ -57,12 +59,15 @@ class PhotonWeights:
         Of the detector within its filter.
     source_K : float
         Temperature of the source.
+    responses : tuple of ResponseCurve
+        What has dimmed the radiance before: that of a black body has come through these.
     """
 
     weighting: Weighting
     band_um: tuple[float, float]
     efficiency: QuantumEfficiency
     source_K: float
+    responses: tuple[ResponseCurve, ...] = ()
 
     @property
     def is_thermal(self) -> bool:
@@ -87,8 +92,8 @@ class PhotonWeights:
         """
         if self.used == "scene":
             if temperature_K is None:
-                temperature_K = brightness_temperature(radiance=radiance, **self._band)
-            return np.asarray(self.efficiency.photon_radiance(temperature_K) / radiance)
+                temperature_K = self._temperatures(radiance)
+            return np.asarray(self._photons(temperature_K) / radiance)
         return np.full(np.shape(radiance), self._constant)
 
     def slope(self, radiance: float, *, temperature_K: float | None = None) -> float:
@@ -98,32 +103,62 @@ class PhotonWeights:
         """
         if self.used == "scene":
             if temperature_K is None:
-                temperature_K = float(brightness_temperature(radiance=radiance, **self._band))
-            photons = float(self.efficiency.photon_radiance_slope(temperature_K))
-            return photons / band_radiance_derivative(temperature_K=temperature_K, **self._band)
+                temperature_K = self.temperature(radiance)
+            photons = self.efficiency.photon_radiance_slope
+            if self.responses:
+                photons = self._counted.photons_slope
+            return float(photons(temperature_K)) / self.per_kelvin(temperature_K)
         return self._constant
 
     def temperature(self, mean: float) -> float:
         """Temperature of the black body whose light gives this mean, K."""
-        return float(brightness_temperature(radiance=mean, **self._band))
+        return float(self._temperatures(np.float64(mean)))
 
     def per_kelvin(self, temperature_K: float) -> float:
         """Derivative of that light by the temperature."""
+        if self.responses:
+            return float(self._dimmed.radiance_slope(temperature_K))
         return float(band_radiance_derivative(temperature_K=temperature_K, **self._band))
+
+    def _temperatures(self, radiance: Any) -> Any:
+        if self.responses:
+            return self._dimmed.temperature(radiance)
+        return brightness_temperature(radiance=radiance, **self._band)
+
+    def _radiance(self, temperature_K: float) -> Any:
+        if self.responses:
+            return self._dimmed.radiance(temperature_K)
+        return band_radiance(temperature_K=temperature_K, **self._band)
+
+    def _photons(self, temperature_K: Any) -> FloatArray:
+        if self.responses:
+            return self._counted.photons(temperature_K)
+        return self.efficiency.photon_radiance(temperature_K)
+
+    @cached_property
+    def _dimmed(self) -> FilteredBody:
+        """Black bodies behind the responses, in the band of the radiance."""
+        return FilteredBody((self.band_um,), self.efficiency, self.responses)
+
+    @cached_property
+    def _counted(self) -> FilteredBody:
+        """The same within the detector's filter."""
+        passed = self.efficiency.cut_on_um, self.efficiency.cut_off_um
+        return FilteredBody((passed,), self.efficiency, self.responses)
 
     @cached_property
     def _constant(self) -> float:
         """Photons per radiance where that is the same for all samples."""
         efficiency = self.efficiency
         if self.used == "source":
-            radiance = band_radiance(temperature_K=self.source_K, **self._band)
+            radiance = float(self._radiance(self.source_K))
             if not radiance > 0.0:
                 low, high = self.band_um
                 raise DataError(
                     f"a source of {self.source_K:g} K emits nothing from {low:g} to {high:g} µm: "
                     "give a hotter source_K"
                 )
-            return float(efficiency.photon_radiance(self.source_K)) / radiance
+            return float(self._photons(self.source_K)) / radiance
         low = max(self.band_um[0], efficiency.cut_on_um)
         high = min(self.band_um[1], efficiency.cut_off_um)
         if not low < high:
@@ -135,7 +170,15 @@ class PhotonWeights:
 
 @dataclass(frozen=True)
 class CountedPhotons(PhotonWeights):
-    """Light whose spectrum is known: it comes as the photons that the detector counts already."""
+    """Light whose spectrum is known: it comes as the photons that the detector counts already.
+
+    Parameters
+    ----------
+    windows : tuple of (float, float)
+        Where that spectrum has gaps, the parts of the band in which it is known; empty: all of it.
+    """
+
+    windows: tuple[tuple[float, float], ...] = ()
 
     @property
     def used(self) -> Weighting:
@@ -146,7 +189,7 @@ class CountedPhotons(PhotonWeights):
         """Temperature of the black body of which so many photons are counted, K."""
 
         def above(logarithm: float) -> float:
-            photons = float(self.efficiency.photon_radiance(math.exp(logarithm)))
+            photons = float(self._photons(math.exp(logarithm)))
             return math.log(max(photons, _LEAST_PHOTONS) / mean)
 
         low, high = math.log(_COLDEST_K), math.log(_HOTTEST_K)
@@ -159,7 +202,19 @@ class CountedPhotons(PhotonWeights):
 
     def per_kelvin(self, temperature_K: float) -> float:
         """Derivative of the photons counted by the temperature."""
+        if self.responses or self.windows:
+            return float(self._counted.photons_slope(temperature_K))
         return float(self.efficiency.photon_radiance_slope(temperature_K))
+
+    def _photons(self, temperature_K: Any) -> FloatArray:
+        if self.responses or self.windows:
+            return self._counted.photons(temperature_K)
+        return self.efficiency.photon_radiance(temperature_K)
+
+    @cached_property
+    def _counted(self) -> FilteredBody:
+        whole = ((self.efficiency.cut_on_um, self.efficiency.cut_off_um),)
+        return FilteredBody(self.windows or whole, self.efficiency, self.responses)
 
     @cached_property
     def _constant(self) -> float:

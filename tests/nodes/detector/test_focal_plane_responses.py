@@ -1,0 +1,165 @@
+"""Focal Plane behind Spectral Response, and of cubes with gaps: temperature, NETD, electrons."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cube_files import C1_UM, C2_UM, PHOTON_J_UM, write_cube
+from node_bench import NodeBench
+from nodes.library import standard_library
+
+SIZE = (6, 7)
+LOW, HIGH = 3.7, 4.8
+PITCH_UM, F_NUMBER, TIME_S, QE = 15.0, 4.0, 0.004, 0.7
+PER_PHOTON = QE * TIME_S * (PITCH_UM * 1e-6) ** 2 * np.pi / (4 * F_NUMBER**2 + 1)
+RESPONSES = {
+    "grey": ({"shape": "rectangle", "peak": 0.5}, lambda um: 0.5 + 0 * um),
+    "narrow": (
+        {"shape": "rectangle", "centre_um": 4.3, "width_um": 0.4, "peak": 0.8},
+        lambda um: 0.8 * (np.abs(um - 4.3) <= 0.2),
+    ),
+    "gaussian": (
+        {"shape": "gaussian", "centre_um": 4.25, "width_um": 0.6, "peak": 0.9},
+        lambda um: 0.9 * np.exp(-4 * np.log(2) * ((um - 4.25) / 0.6) ** 2),
+    ),
+    "file": (
+        {"shape": "file", "path": "r.csv"},
+        lambda um: np.interp(um, [3.5, 4.0, 5.0], [0.1, 1.0, 0.3]),
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def library():
+    return standard_library()
+
+
+def planck(um, kelvin):
+    return C1_UM / um**5 / np.expm1(C2_UM / um / kelvin)
+
+
+def fine(low, high, count=220_000):
+    """Middles of cells, whose edges meet those of the responses."""
+    return low + (high - low) * (np.arange(count) + 0.5) / count
+
+
+def electrons(law, kelvin, *, parts=((LOW, HIGH),)):
+    """Of a black body, by fine sums."""
+    total = 0.0
+    for low, high in parts:
+        um = fine(low, high)
+        total += (high - low) * np.mean(law(um) * planck(um, kelvin) * um)
+    return PER_PHOTON * total / PHOTON_J_UM
+
+
+def figures(library, folder, read, response, plane=()):
+    (folder / "r.csv").write_text("3.5,0.1\n4,1\n5,0.3\n")
+    nodes = {
+        "read": ("read_image", {"fov_x_deg": 0.1, "fov_y_deg": 0.1, **read}),
+        "filter": ("spectral_response", response),
+        "init": (
+            "init_trans",
+            {
+                "detector_x_um": PITCH_UM,
+                "detector_y_um": PITCH_UM,
+                "focal_length_mm": 100.0,
+                "f_number": F_NUMBER,
+                "platform": "array",
+            },
+        ),
+        "back": ("back_transform", {}),
+        "plane": (
+            "focal_plane",
+            {"integration_time_s": TIME_S, "quantum_efficiency": QE, **dict(plane)},
+        ),
+        "merit": ("figures_of_merit", {}),
+    }
+    links = [
+        ("read.image", "filter.image"),
+        ("filter.image", "init.image"),
+        ("init.magnitude", "back.magnitude"),
+        ("init.phase", "back.phase"),
+        ("back.image", "plane.image"),
+        ("init.context", "plane.context"),
+        ("plane.image", "merit.image"),
+        ("init.context", "merit.context"),
+    ]
+    there = NodeBench(library, folder, nodes, links)
+    return there.readouts("plane"), there.readouts("merit")
+
+
+def cube(folder, parts, *, kelvin=300.0, width=0.01):
+    wavelengths = np.concatenate(
+        [low + width * (np.arange(round((high - low) / width)) + 0.5) for low, high in parts]
+    )
+    samples = planck(wavelengths, kelvin)[:, np.newaxis, np.newaxis] * np.ones(SIZE)
+    write_cube(folder, samples, wavelengths, width)
+    return {"path": "cube.img", "bands": "all"}
+
+
+def expected_netd(law, parts=((LOW, HIGH),)):
+    warm, cold = (electrons(law, kelvin, parts=parts) for kelvin in (300.05, 299.95))
+    return np.sqrt(electrons(law, 300.0, parts=parts)) / ((warm - cold) / 0.1)
+
+
+@pytest.mark.parametrize("name", RESPONSES)
+def test_a_warm_band_behind_a_response_has_the_electrons_and_netd_of_its_black_body(
+    library, tmp_path, name
+):
+    params, law = RESPONSES[name]
+    um = fine(LOW, HIGH)
+    np.save(tmp_path / "scene.npy", np.full(SIZE, (HIGH - LOW) * planck(um, 300.0).mean()))
+    read = {"path": "scene.npy", "cut_on_um": LOW, "cut_off_um": HIGH}
+    made, _ = figures(library, tmp_path, read, params)
+    assert made["signal_e"] == pytest.approx(electrons(law, 300.0), rel=2e-6)  # of the fine sums
+    assert made["netd_K"] == pytest.approx(expected_netd(law), rel=2e-6)
+
+
+@pytest.mark.parametrize("name", RESPONSES)
+def test_a_cube_behind_a_response_has_them_too(library, tmp_path, name):
+    params, law = RESPONSES[name]
+    made, merit = figures(library, tmp_path, cube(tmp_path, [(LOW, HIGH)]), params)
+    assert made["signal_e"] == pytest.approx(electrons(law, 300.0), rel=2e-5)  # of the bands
+    assert made["netd_K"] == pytest.approx(expected_netd(law), rel=2e-5)
+    assert merit["netd_K"] == pytest.approx(expected_netd(law), rel=2e-5)
+
+
+def test_light_in_the_gaps_of_a_cube_is_no_part_of_its_temperature(library, tmp_path):
+    parts = [(3.7, 4.0), (4.5, 4.8)]
+    made, _ = figures(library, tmp_path, cube(tmp_path, parts), {})
+    want = expected_netd(np.ones_like, parts)
+    assert made["signal_e"] == pytest.approx(electrons(np.ones_like, 300.0, parts=parts), rel=2e-5)
+    assert made["netd_K"] == pytest.approx(want, rel=2e-5)
+
+
+def test_reflected_light_behind_a_response_is_counted_by_its_source(library, tmp_path):
+    low, high = 0.5, 0.9
+    um = fine(low, high)
+    law = np.interp(um, [0.5, 0.6, 0.9], [0.0, 1.0, 0.2])
+    light = planck(um, 5800.0)
+    np.save(tmp_path / "scene.npy", np.full(SIZE, 20.0))
+    (tmp_path / "q.csv").write_text("0.5,0\n0.6,1\n0.9,0.2\n")
+    nodes = {
+        "read": (
+            "read_image",
+            {"path": "scene.npy", "cut_on_um": low, "cut_off_um": high, "fov_x_deg": 1.0,
+             "fov_y_deg": 1.0},
+        ),
+        "filter": ("spectral_response", {"shape": "file", "path": "q.csv"}),
+        "init": (
+            "init_trans",
+            {"detector_x_um": PITCH_UM, "detector_y_um": PITCH_UM, "focal_length_mm": 100.0,
+             "f_number": F_NUMBER},
+        ),
+        "plane": ("focal_plane", {"integration_time_s": TIME_S, "quantum_efficiency": QE}),
+    }  # fmt: skip
+    links = [
+        ("read.image", "filter.image"),
+        ("filter.image", "init.image"),
+        ("filter.image", "plane.image"),
+        ("init.context", "plane.context"),
+    ]
+    made = NodeBench(library, tmp_path, nodes, links).readouts("plane")["signal_e"]
+    want = PER_PHOTON * 20.0 * np.mean(law * light * um) / np.mean(light) / PHOTON_J_UM
+    assert made == pytest.approx(want, rel=2e-6)
