@@ -24,6 +24,7 @@ from nodes.files.read import check_finite
 Array = NDArray[Any]
 _BYTES_AT_ONCE = 1 << 26
 _BANDS_AT_ONCE = 16
+_TOUCHING = 1e-9  # of the wavelength, by which bands that touch may overlap by rounding
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,8 @@ class Cube:
         header["wavelength_units"] = "Micrometers"
         header["wavelength"] = bands.centres_um
         header["fwhm"] = bands.widths_um
+        if _overlapping(bands):  # would be shared once more where it is read
+            header["band_shares"] = bands.widths_um
         shape = self.image.shape if self.region is None else self.region.shape
         return FrameSeries(bands.count, *shape, self.dtype.newbyteorder("<"), header, "bands")
 
@@ -98,6 +101,14 @@ class Cube:
             yield self.bands.sums(
                 tuple(tuple(float(place == one) for place in range(count)) for one in chosen)
             )
+
+
+def _overlapping(bands: BandStack) -> bool:
+    """Whether shares of the spectrum, laid about their wavelengths, overlap."""
+    order = np.argsort(bands.centres_um)
+    centres, halves = np.array(bands.centres_um)[order], np.array(bands.widths_um)[order] / 2.0
+    low, high = centres - halves, centres + halves
+    return bool(np.any(np.maximum.accumulate(high)[:-1] > low[1:] * (1.0 + _TOUCHING)))
 
 
 def _plain(unit: str) -> str:

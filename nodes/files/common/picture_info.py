@@ -42,6 +42,8 @@ class PictureInfo:
         channel or the bands are spectral.
     not_applied
         Fields of the header that would change the samples, which are delivered as stored.
+    shares_um
+        Share of every band in the sum of all, µm, where that is not what its width makes it.
     """
 
     path: Path
@@ -58,6 +60,7 @@ class PictureInfo:
     kind: str
     channels: tuple[str, ...] = ()
     not_applied: tuple[str, ...] = ()
+    shares_um: tuple[float, ...] | None = None
 
 
 def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:

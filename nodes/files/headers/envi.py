@@ -85,6 +85,7 @@ def info_of(layout: EnviLayout) -> PictureInfo:
         unit=common.unit,
         wavelengths_um=wavelengths_um,
         fwhm_um=fwhm_um,
+        shares_um=None if fwhm_um is None else _numbers(layout, "band shares"),
         focal_length_mm=common.focal_length_mm,
         fov_x_deg=common.fov_x_deg,
         fov_y_deg=common.fov_y_deg,

@@ -84,7 +84,8 @@ def band_weights_um(
     A band reaches over wavelength ± fwhm/2. Without ``fwhm`` it reaches half-way to its
     neighbours (the outer ones as far outward), which inside the spectrum is the trapezoid rule.
     Where bands overlap they share the width equally, so that a constant spectrum L gives
-    L·(covered width) whatever the widths; gaps between bands count nothing.
+    L·(covered width) whatever the widths; gaps between bands count nothing. Shares that the header
+    gives itself (``band shares``, µm, as cubes of our own that overlap have it) hold as they are.
 
     Parameters
     ----------
@@ -111,8 +112,11 @@ def band_weights_um(
         allowed = f"a finite number above cut_on_um = {cut_on_um:g}"
         raise ParameterError("cut_off_um", cut_off_um, allowed, unit="um")
     low, high = band_ends_um(info)
+    whole = high - low
     low, high = np.maximum(low, cut_on_um), np.minimum(high, cut_off_um)
     high = np.maximum(low, high)
+    if info.shares_um is not None:
+        return np.asarray(np.array(info.shares_um) * ((high - low) / whole))
     edges = np.unique(np.concatenate([low, high]))
     middle, width = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
     covers = (low[:, None] < middle) & (middle < high[:, None])

@@ -38,6 +38,37 @@ def cube(tmp_path):
     return samples * 10.0  # in W/m²/sr/µm
 
 
+@pytest.mark.parametrize(
+    ("wavelengths", "widths", "total"),
+    [
+        # Each reaches half-way to its neighbours.
+        ([1.0, 1.1, 1.6, 1.7, 2.4], None, [0.1, 0.3, 0.3, 0.4, 0.7]),
+        # What two have in common is halved: 3 to 4, 3.5 to 4.5 and 4.3 to 4.7 µm.
+        ([3.5, 4.0, 4.5], [1.0, 1.0, 0.4], [0.75, 0.65, 0.3]),
+    ],
+    ids=["uneven", "overlapping"],
+)
+def test_bands_that_overlap_have_the_same_sum_when_they_are_read_again(
+    library, tmp_path, wavelengths, widths, total
+):
+    samples = np.random.default_rng(1).uniform(1, 2, (len(wavelengths), 5, 6))
+    write_cube(tmp_path, samples, wavelengths, 1.0)
+    header = tmp_path / "cube.img.hdr"
+    lines = [line for line in header.read_text().splitlines() if not line.startswith("fwhm")]
+    if widths:
+        lines.append(f"fwhm = {{{', '.join(map(str, widths))}}}")
+    header.write_text("\n".join(lines) + "\n")
+    first = reading(library, tmp_path, {"path": "o.img"})
+    want = np.tensordot(total, samples, 1)
+    np.testing.assert_allclose(first.value("in.image"), want, rtol=1e-13)
+    first.write("out")
+    second = reading(library, tmp_path, {"path": "p.img"}, read={"path": "o.img"})
+    np.testing.assert_allclose(second.value("in.image"), want, rtol=1e-13)
+    second.write("out")
+    third = reading(library, tmp_path, {"path": "q.img"}, read={"path": "p.img"})
+    np.testing.assert_allclose(third.value("in.image"), want, rtol=1e-13)
+
+
 @pytest.mark.parametrize(("precision", "dtype"), [("single", np.float32), ("double", np.float64)])
 @pytest.mark.parametrize(
     "sink", [{"path": "o.img"}, {"path": "o.bsq"}, {"path": "o", "format": "envi"}]
