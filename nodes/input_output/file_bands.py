@@ -222,8 +222,10 @@ def _made_sums(
         fill=None if missing == "refuse" else fill,
         for_each=work.for_each,
     )
+    check_unchanged(file, stamps)
     if not np.isfinite(sums).all():
-        _, row, column = np.argwhere(~np.isfinite(sums))[0]
+        # Not by a list of all places: a cube without data has more of these than samples.
+        _, row, column = np.unravel_index(np.argmin(np.isfinite(sums)), sums.shape)
         raise DataError(
             f"{file}: a band is not finite at row {row}, column {column}: missing = mean or zero "
             "puts a number in the place of such samples and of those without data"
@@ -265,6 +267,7 @@ def _stored_means(
     """Mean of every band that counts, as stored; of its samples that are finite, or all but 0."""
     layout = _layout(file, stamps)
     totals, counts = band_totals(layout, for_each=work.for_each)
+    check_unchanged(file, stamps)
     size = layout.rows * layout.columns
     means = np.zeros(layout.bands)
     for place in places:
@@ -296,4 +299,5 @@ def _spectrum(
     columns: tuple[int, int],
 ) -> Array:
     stored = mean_spectrum(_layout(file, stamps), slice(*rows), slice(*columns))
+    check_unchanged(file, stamps)
     return np.asarray(stored[list(places)] * np.array(factors))

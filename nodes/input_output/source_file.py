@@ -137,8 +137,11 @@ def _stored(
 ) -> NDArray[Any]:
     check_unchanged(file, stamps)
     if interval_um is None:
-        return read_pixels(file, band)
-    return integrate_bands(file, *interval_um)
+        samples = read_pixels(file, band)
+    else:
+        samples = integrate_bands(file, *interval_um)
+    check_unchanged(file, stamps)  # rows of before and after a change are no picture
+    return samples
 
 
 def check_unchanged(file: Path, stamps: tuple[Stamp, ...]) -> None:

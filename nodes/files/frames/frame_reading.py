@@ -21,7 +21,7 @@ from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import Samples, delivered_dtype
 from nodes.files.common.size_limits import oversized
 from nodes.files.formats import NPY, TIFF
-from nodes.files.headers.envi import info_of, map_cube
+from nodes.files.headers.envi import band_of, info_of
 from nodes.files.headers.envi_header import is_envi, read_layout
 from nodes.files.read import check_finite, read_info
 from nodes.files.tiff.plain_tiff import channel_of, is_plain
@@ -82,11 +82,7 @@ class FrameFile:
     def _of_envi(self) -> Iterator[Samples]:
         layout = read_layout(self.path)
         for number in range(self.frames):
-            stored = map_cube(layout)[:, :, number]
-            samples = np.array(stored, delivered_dtype(layout.dtype), order="C")
-            if layout.missing is not None:
-                samples[stored == layout.missing] = np.nan
-            yield samples
+            yield band_of(layout, number)
 
     def _of_tiff(self) -> Iterator[Samples]:
         with _mapped_tiff(self.path) as content:

@@ -1,4 +1,4 @@
-"""ENVI pictures as DIRSIG writes them: raw samples mapped into memory, described by a text header.
+"""ENVI pictures as DIRSIG writes them: raw samples, described by a text header.
 
 Interleave bsq, bil and bip, every real data type (1, 2, 3, 4, 5, 12, 13, 14, 15), both byte
 orders and a header offset. Samples are delivered as stored: gain and offset fields of the header
@@ -13,12 +13,12 @@ import math
 import os
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.errors import FileError
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.common.size_limits import refuse_oversized
+from nodes.files.headers.envi_cube import row_blocks, sample_block
 from nodes.files.headers.envi_header import EnviLayout, read_layout
 from nodes.files.headers.header_fields import header_fields
 
@@ -97,26 +97,6 @@ def info_of(layout: EnviLayout) -> PictureInfo:
     return info
 
 
-def map_cube(layout: EnviLayout) -> NDArray[np.generic]:
-    """Map the samples read-only as (rows, columns, bands), whatever their order in the file.
-
-    Nothing is read until samples are touched; they have the file's type and byte order.
-    """
-    rows, columns, bands = layout.rows, layout.columns, layout.bands
-    on_disk, axes = {
-        "bsq": ((bands, rows, columns), (1, 2, 0)),
-        "bil": ((rows, bands, columns), (0, 2, 1)),
-        "bip": ((rows, columns, bands), (0, 1, 2)),
-    }[layout.interleave]
-    try:
-        mapped = np.memmap(
-            layout.data, dtype=layout.dtype, mode="r", offset=layout.offset_bytes, shape=on_disk
-        )
-    except (OSError, ValueError) as error:
-        raise FileError(f"{layout.data}: cannot be mapped: {error}") from error
-    return mapped.transpose(axes)
-
-
 def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
     """Read one band, in native byte order and C order.
 
@@ -141,10 +121,15 @@ def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
     layout = read_layout(path)
     info = info_of(layout)  # a faulty header is refused even where its fault does not matter here
     band = checked_band(band, info.bands, info.path)
-    stored = map_cube(layout)[:, :, band]
-    samples = np.array(stored, dtype=delivered_dtype(layout.dtype), order="C")
-    if layout.missing is not None:
-        samples[stored == layout.missing] = np.nan
+    return band_of(layout, band)
+
+
+def band_of(layout: EnviLayout, band: int) -> Samples:
+    """One band of a checked header, as `read_band` gives it."""
+    samples = np.empty((layout.rows, layout.columns), delivered_dtype(layout.dtype))
+    for rows in row_blocks(layout, 1):
+        block = sample_block(layout, rows, np.array([band]), samples.dtype)
+        samples[rows] = block.reshape(-1, layout.columns)
     return samples
 
 

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from core.errors import DataError, FileError, ParameterError
 from core.physics.radiometry.radiance_units import radiance_unit
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
-from nodes.files.headers.envi import info_of, map_cube
+from nodes.files.headers.envi import info_of
+from nodes.files.headers.envi_cube import row_blocks, sample_block
 from nodes.files.headers.envi_header import read_layout
-
-_BLOCK_SAMPLES = 1 << 21
 
 
 def integrate_bands(
@@ -60,19 +59,11 @@ def integrate_bands(
     _check_coverage(info, weights, cut_on_um, cut_off_um, min_coverage)
     weights = weights * _per_um(info)
     used = np.flatnonzero(weights)
-    cube = map_cube(layout)
     total = np.empty((info.rows, info.columns), dtype=delivered_dtype(layout.dtype))
-    # Blocks hold whole rows of all bands, so that an interleaved file is read from disk once.
-    step = max(1, _BLOCK_SAMPLES // (info.columns * info.bands))
-    for start in range(0, info.rows, step):
-        rows = slice(start, start + step)
-        block = np.zeros(total[rows].shape)
-        for band in used:
-            stored = cube[rows, :, band]
-            block += weights[band] * stored.astype(np.float64)
-            if layout.missing is not None:
-                block[stored == layout.missing] = np.nan
-        total[rows] = block
+    for rows in row_blocks(layout, len(used)):
+        block = sample_block(layout, rows, used, np.dtype(np.float64))
+        block *= weights[used][:, None]
+        total[rows] = block.sum(axis=0).reshape(-1, info.columns)
     return total
 
 
@@ -118,11 +109,14 @@ def band_weights_um(
     if info.shares_um is not None:
         return np.asarray(np.array(info.shares_um) * ((high - low) / whole))
     edges = np.unique(np.concatenate([low, high]))
-    middle, width = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
-    covers = (low[:, None] < middle) & (middle < high[:, None])
-    sharing = covers.sum(axis=0)
-    shares = np.divide(width, sharing, out=np.zeros_like(width), where=sharing > 0)
-    return np.asarray(covers @ shares, dtype=np.float64)
+    # Of the pieces between two edges, where each band begins and ends: no table of both.
+    first, last = np.searchsorted(edges, low), np.searchsorted(edges, high)
+    starts, ends = (np.bincount(places, minlength=len(edges)) for places in (first, last))
+    sharing = np.cumsum(starts - ends)
+    shares = np.zeros(len(edges))
+    np.divide(np.diff(edges), sharing[:-1], out=shares[:-1], where=sharing[:-1] > 0)
+    widths = np.add.reduceat(shares, np.column_stack([first, last]).ravel())[::2]
+    return np.asarray(np.where(first < last, widths, 0.0), dtype=np.float64)
 
 
 def band_ends_um(info: PictureInfo) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -78,14 +78,6 @@ def test_every_layout_reads_bit_for_bit(tmp_path, code, interleave):
         assert (info.dtype, info.kind) == (truth.dtype.name, "envi")
 
 
-def test_cube_is_mapped_not_read(tmp_path):
-    layout = envi.read_layout(write(tmp_path, 5, "bsq", 1))
-    mapped = envi.map_cube(layout)
-    assert isinstance(mapped, np.memmap)
-    assert not mapped.flags.writeable
-    assert np.array_equal(mapped, cube(5))
-
-
 def test_one_band_of_a_large_file_takes_the_memory_of_one_band(tmp_path):
     data = tmp_path / "x.img"
     with data.open("wb") as file:

@@ -1,0 +1,121 @@
+"""Sums over the bands of a cube whose file is damaged, changed meanwhile, or very long in bands."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.errors import FileError
+from nodes.files.common.picture_info import PictureInfo
+from nodes.files.headers.envi_bands import band_weights_um
+from nodes.files.headers.envi_cube import weighted_sums
+from nodes.files.headers.envi_header import read_layout
+
+ORDERS = {"bsq": (2, 0, 1), "bil": (0, 2, 1), "bip": (0, 1, 2)}
+INTERLEAVES = list(ORDERS)
+CUT_SHORT = """
+import os, sys
+import numpy as np
+from nodes.files.headers.envi_cube import weighted_sums
+from nodes.files.headers.envi_header import read_layout
+
+layout = read_layout(sys.argv[1])
+def cut_short(function, items):
+    os.truncate(layout.data, 100)
+    for item in items:
+        function(item)
+weighted_sums(layout, np.ones((1, layout.bands)), dtype=np.dtype("f4"), for_each=cut_short)
+"""
+
+
+def write(folder, cube, interleave):
+    """Write (rows, columns, bands) in single precision."""
+    rows, columns, bands = cube.shape
+    stored = cube.astype("<f4").transpose(ORDERS[interleave])
+    (folder / "x.img").write_bytes(np.ascontiguousarray(stored).tobytes())
+    (folder / "x.img.hdr").write_text(
+        f"ENVI\nsamples = {columns}\nlines = {rows}\nbands = {bands}\ndata type = 4\n"
+        f"interleave = {interleave}\nbyte order = 0\n"
+    )
+    return folder / "x.img"
+
+
+@pytest.mark.parametrize("interleave", INTERLEAVES)
+def test_a_file_cut_short_while_it_is_read_is_an_error_and_no_end_of_the_process(
+    tmp_path, interleave
+):
+    data = write(tmp_path, np.ones((64, 64, 5)), interleave)
+    ended = subprocess.run(
+        [sys.executable, "-c", CUT_SHORT, str(data)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    assert ended.returncode == 1
+    assert f"FileError: {data}: ends before its last sample" in ended.stderr
+
+
+@pytest.mark.parametrize("dtype", ["f4", "f8"])
+@pytest.mark.parametrize("interleave", INTERLEAVES)
+@pytest.mark.parametrize("used", [(1, 2), (0, 2, 3), (2,), (0, 1, 2)])
+def test_a_band_without_weight_may_hold_what_is_no_number(tmp_path, interleave, dtype, used):
+    cube = np.random.default_rng(3).random((7, 6, 5))
+    weights = np.zeros((2, 5))
+    weights[:, used] = np.random.default_rng(4).random((2, len(used)))
+    want = np.einsum("wb,rcb->wrc", weights, cube.astype("f4").astype("f8"))
+    others = [band for band in range(5) if band not in used]
+    cube[:, :, others[0]], cube[2, 3, others[1]] = np.nan, np.inf
+    layout = read_layout(write(tmp_path, cube, interleave))
+    sums = weighted_sums(layout, weights, dtype=np.dtype(dtype))
+    np.testing.assert_allclose(sums, want, rtol=1e-6 if dtype == "f4" else 1e-14)
+
+
+def info(centres, widths):
+    of_samples = {"unit": None, "focal_length_mm": None, "fov_x_deg": None, "fov_y_deg": None}
+    return PictureInfo(
+        path=Path("x.img"),
+        rows=1,
+        columns=1,
+        bands=len(centres),
+        wavelengths_um=tuple(centres),
+        fwhm_um=tuple(widths),
+        dtype="float32",
+        kind="envi",
+        **of_samples,
+    )
+
+
+def test_the_widths_of_65536_bands_take_no_table_of_bands_by_bands():
+    count = 65536
+    described = info(3.0 + (np.arange(count) + 0.5) * 2.0**-15, [2.0**-15] * count)
+    tracemalloc.start()
+    widths = band_weights_um(described, cut_on_um=3.25, cut_off_um=5.5)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    want = np.where(np.arange(count) < 0.25 * 2**15, 0.0, 2.0**-15)  # to 5 µm, side by side
+    np.testing.assert_array_equal(widths, want)
+    assert peak < 100 * count * 8
+
+
+def test_overlapping_bands_in_any_order_share_what_they_cover():
+    # 3-5, 4-6, 4-5 and 7-8 µm: 3-4 of one, 4-5 of three, 5-6 of one, a gap, 7-8 of one.
+    described = info([5.0, 7.5, 4.0, 4.5], [2.0, 1.0, 2.0, 1.0])
+    widths = band_weights_um(described, cut_on_um=0.0, cut_off_um=100.0)
+    np.testing.assert_allclose(widths, [4 / 3, 1.0, 4 / 3, 1 / 3], rtol=1e-15)
+    cut = band_weights_um(described, cut_on_um=4.5, cut_off_um=5.5)
+    np.testing.assert_allclose(cut, [1 / 6 + 0.5, 0.0, 1 / 6, 1 / 6], rtol=1e-15)
+
+
+def test_a_file_that_is_shorter_than_its_header_says_is_refused(tmp_path):
+    data = write(tmp_path, np.ones((4, 4, 3)), "bip")
+    os.truncate(data, 100)
+    with pytest.raises(FileError, match="92 missing"):
+        read_layout(data)
