@@ -50,7 +50,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
 
     solar_irradiance: Annotated[
         float | None,
-        Param("sun above the air, facing it; empty: 5800 K", unit="W/m²/µm", low=0, high=1e30,
+        Param("sun above the air, facing it; empty: 5800 K", unit="W/m²/µm", low=0, high=1e12,
               slider=(0, 2500)),
     ] = None  # fmt: skip
     path: Annotated[
@@ -64,7 +64,7 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     ] = 0.0
     sky: Annotated[
         float,
-        Param("radiance of the sky", unit="W/m²/sr/µm", low=0, high=1e30, slider=(0, 200)),
+        Param("radiance of the sky", unit="W/m²/sr/µm", low=0, high=1e12, slider=(0, 200)),
     ] = 0.0
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None

@@ -23,6 +23,7 @@ PLACES = {
     "nodes/files/formats.py",
     "nodes/files/common/file_format.py",
     "nodes/files/headers/envi_header.py",
+    "nodes/files/lens/lens_samples.py",  # listings of lens programs, and no pictures
     "app/editor/window/documents/opening.py",
 }
 
