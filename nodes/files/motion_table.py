@@ -8,7 +8,7 @@ from pathlib import Path
 
 from core.errors import FileError
 from nodes.files.common.paths import readable_file
-from nodes.files.common.table_cells import begins_with_number, cells_of
+from nodes.files.common.table_cells import begins_with_number, cells_of, number_of
 
 Points = tuple[tuple[float, float], ...]
 _LONGEST_BYTES = 10_000_000
@@ -68,7 +68,7 @@ def _read(file: Path, stamp: tuple[int, int]) -> tuple[Points, Points]:
 
 def _numbers(line: str) -> tuple[float, ...] | None:
     try:
-        return tuple(float(cell) for cell in cells_of(line) if cell.strip())
+        return tuple(number_of(cell) for cell in cells_of(line) if cell.strip())
     except ValueError:
         return None
 

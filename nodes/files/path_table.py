@@ -8,7 +8,7 @@ from pathlib import Path
 
 from core.errors import FileError
 from nodes.files.common.paths import readable_file
-from nodes.files.common.table_cells import begins_with_number, cells_of
+from nodes.files.common.table_cells import begins_with_number, cells_of, number_of
 from nodes.files.tape7 import is_tape7, tape7_points
 
 Points = tuple[tuple[float, float], ...]
@@ -67,7 +67,7 @@ def _csv_points(lines: list[str], file: Path) -> tuple[Points, Points]:
             if len(cells) != len(COLUMNS):
                 raise _refused(file, number, line, f"three numbers, {', '.join(COLUMNS)}")
         try:
-            place, passed, added = (float(cells[index]) for index in places)
+            place, passed, added = (number_of(cells[index]) for index in places)
         except (ValueError, IndexError):
             raise _refused(file, number, line, f"numbers in {', '.join(COLUMNS)}") from None
         if not (0.0 < place <= _LARGEST_UM and 0.0 <= passed <= 1.0):

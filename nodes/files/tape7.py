@@ -29,6 +29,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from core.errors import FileError
+from nodes.files.common.table_cells import number_of
 
 Points = tuple[tuple[float, float], ...]
 
@@ -109,7 +110,7 @@ def _row(line: str, names: list[tuple[str, int]]) -> dict[str, float] | None:
     """Values by name; None for a line that is no row."""
     cells = list(re.finditer(r"\S+", line))
     try:
-        values = [float(_EXPONENT.sub("E", cell.group())) for cell in cells]
+        values = [number_of(_EXPONENT.sub("E", cell.group())) for cell in cells]
     except ValueError:
         return None
     if values and values[0] == _END:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from core.errors import FileError
 from nodes.files.common.paths import readable_file
-from nodes.files.common.table_cells import begins_with_number, cells_of
+from nodes.files.common.table_cells import begins_with_number, cells_of, number_of
 
 Points = tuple[tuple[float, float], ...]
 _LONGEST_BYTES = 10_000_000
@@ -53,7 +53,7 @@ def _read(file: Path, what: str, low: float, high: float, stamp: tuple[int, int]
             continue
         cells = [cell for cell in cells_of(line) if cell.strip()]
         try:
-            place, value = (float(cell) for cell in cells)
+            place, value = (number_of(cell) for cell in cells)
         except ValueError:
             # A first line that begins with a number is damaged data, not names.
             if points or named or begins_with_number(line):

@@ -18,6 +18,7 @@ from core.errors import FileError
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.common.size_limits import refuse_oversized
+from nodes.files.common.table_cells import number_of
 from nodes.files.headers.envi_cube import row_blocks, sample_block
 from nodes.files.headers.envi_header import EnviLayout, read_layout
 from nodes.files.headers.header_fields import header_fields
@@ -195,7 +196,7 @@ def _numbers(layout: EnviLayout, key: str) -> tuple[float, ...] | None:
             f"{layout.bands} bands"
         )
     try:
-        values = tuple(float(text) for text in texts)
+        values = tuple(number_of(text) for text in texts)
     except ValueError as error:
         raise FileError(f"{layout.header}: {key} holds what is no number: {error}") from error
     if not all(math.isfinite(value) and value > 0 for value in values):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
-from nodes.files.common.table_cells import cells_of
+from nodes.files.common.table_cells import cells_of, number_of
 from nodes.files.lens.lens_text import lens_lines
 
 _GRID = re.compile(r"(?:pupil|image) grid size:?\s*(\d+)\s*by\s*(\d+)", re.IGNORECASE)
@@ -110,6 +110,6 @@ def read_listing(path: Path) -> Listing:
 def _numbers(line: str) -> NDArray[np.float64] | None:
     """Numbers of a line; at once as an array, of which a large file needs a fifth of the memory."""
     try:
-        return np.array([float(cell) for cell in cells_of(line) if cell.strip()], np.float64)
+        return np.array([number_of(cell) for cell in cells_of(line) if cell.strip()], np.float64)
     except ValueError:
         return None

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from core.errors import FileError
 from nodes.files.common.paths import readable_file
-from nodes.files.common.table_cells import cells_of
+from nodes.files.common.table_cells import cells_of, number_of
 from nodes.files.lens.lens_text import lens_lines
 
 Column = tuple[float, ...]
@@ -190,7 +190,7 @@ def _columns(
 
 def _numbers(line: str) -> tuple[float, ...] | None:
     try:
-        return tuple(float(cell) for cell in cells_of(line))
+        return tuple(number_of(cell) for cell in cells_of(line))
     except ValueError:
         return None
 
