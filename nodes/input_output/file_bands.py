@@ -144,13 +144,14 @@ def file_bands(
             "read one of them with bands = one"
         )
     low, high = interval_um or (0.0, _WIDEST_UM)
+    first, last = band_ends_um(info)
+    _check_ends(info, first, last)
     widths = band_weights_um(info, cut_on_um=low, cut_off_um=high)
     lit = [int(place) for place in np.flatnonzero(widths > 0.0)]
     places = sorted(lit, key=lambda place: _centre(info, place))
     if not places:
         ends = f"{min(info.wavelengths_um):g} to {max(info.wavelengths_um):g} µm"
         raise ParameterError("cut_on_um", low, f"an interval with bands of the file, {ends}")
-    first, last = band_ends_um(info)
     centres = [_middle(info, place, (first[place], last[place]), (low, high)) for place in places]
     factors = [
         scale * (1.0 if unit is None else _per_um(unit, centre, last[place] - first[place]))
@@ -167,6 +168,16 @@ def file_bands(
         node,
         density=unit is not None,
     )
+
+
+def _check_ends(info: PictureInfo, first: Array, last: Array) -> None:
+    """Refuse a band that reaches where no light is: widths in another unit than wavelengths."""
+    for place in np.flatnonzero(~((first > 0.0) & (first < last) & (last <= _WIDEST_UM)))[:1]:
+        raise FileError(
+            f"{info.path}: band {place} at {_centre(info, int(place)):g} µm reaches from "
+            f"{first[place]:g} to {last[place]:g} µm; allowed: bands that have a width, between 0 "
+            f"and {_WIDEST_UM:g} µm: see wavelength, fwhm and wavelength units of its header"
+        )
 
 
 def _centre(info: PictureInfo, place: int) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from core.errors import FileError
 from cube_files import PHOTON_J_UM, write_cube
 from node_bench import NodeBench
 from nodes.library import standard_library
@@ -91,3 +92,18 @@ def test_overlapping_bands_without_a_share_of_wavelength_hold_their_own_width(
     there = bench(library, tmp_path, read=cut)
     want = 2.0 * ((4.25 if cut else 4.5) - 3.0)
     np.testing.assert_allclose(there.value("read.image"), want, rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("centres", "width", "reach"),
+    [
+        ([3.5, 4.0], 100.0, "band 0 at 3.5 µm reaches from -46.5 to 53.5 µm"),  # nm for µm
+        ([3.5, 4.0], 1e-300, "band 0 at 3.5 µm reaches from 3.5 to 3.5 µm"),
+        ([3.5, 2e6], 1.0, "band 1 at 2e\\+06 µm reaches from 2e\\+06 to 2e\\+06 µm"),
+    ],
+)
+def test_a_band_that_reaches_where_no_light_is_is_refused(library, tmp_path, centres, width, reach):
+    write_cube(tmp_path, flat(2.0, 5.0), np.array(centres), width)
+    there = bench(library, tmp_path, read={})
+    with pytest.raises(FileError, match=reach):
+        raise there.error("read")
