@@ -24,6 +24,7 @@ TABLES = {
         "interpolation",
         "low_rank",
         "wavelengths",
+        "bands",
         "charge_transfer",
         "poisson",
         "poisson_quantile",
