@@ -66,6 +66,12 @@ _KINDS: Mapping[str, Mapping[str, Factor]] = MappingProxyType(
             "cyc/deg": 1.0 / (_DEGREE * 1000.0),
         },
         "temperature": {"K": _TEN**0, "mK": _TEN**-3},
+        "spectral radiance": {
+            "W/m²/sr/µm": _TEN**0,
+            "W/m²/sr/nm": _TEN**3,
+            "W/cm²/sr/µm": _TEN**4,
+        },
+        "spectral irradiance": {"W/m²/µm": _TEN**0, "W/m²/nm": _TEN**3},
         "number of electrons": {"e-": _TEN**0, "ke-": _TEN**3, "Me-": _TEN**6},
         "current of electrons": {"e-/s": _TEN**0, "ke-/s": _TEN**3},
         "gain": {"e-/DN": _TEN**0},

@@ -58,7 +58,8 @@ BEFORE = {
 
 
 def plan_of(document):
-    return Engine(LIBRARY).plan(parse_network(json.dumps(document), library=LIBRARY))
+    network = parse_network(json.dumps(document), library=LIBRARY)
+    return Engine(LIBRARY).plan(network, folder=ROOT / "networks")
 
 
 def shipped(name):

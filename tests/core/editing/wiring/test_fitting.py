@@ -32,6 +32,8 @@ def test_what_gives_a_context_or_a_phase(library):
         Candidate("init_trans", "phase"),
         Candidate("diffraction_mtf", "phase"),
         Candidate("exit_pupil_mtf", "phase"),
+        Candidate("mtf_file", "phase"),
+        Candidate("psf_file", "phase"),
         Candidate("line_of_sight", "phase"),
         Candidate("charge_eff_phase", "phase"),
     )
