@@ -2,7 +2,7 @@
 
 from nodes.analysis.lineage.noise_free import noise_free
 from nodes.analysis.lineage.noise_lineage import ImageNoise, NoiseOf, NoiseTerm
-from nodes.analysis.lineage.transfer_lineage import ImageTransfer, require_gain, transfer_of
+from nodes.analysis.lineage.transfer_lineage import ImageTransfer, transfer_of
 
 __all__ = [
     "ImageNoise",
@@ -10,6 +10,5 @@ __all__ = [
     "NoiseOf",
     "NoiseTerm",
     "noise_free",
-    "require_gain",
     "transfer_of",
 ]

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from core.chain.wires import Image
-from core.errors import DataError
 from core.evaluation.recipes import Recipe
-from core.lineage.linear_change import LevelChange
 from core.lineage.step_lineage import lineage_of
 from core.transfer.factors import Factor
 from core.transfer.grid import Grid
@@ -60,24 +57,6 @@ class ImageTransfer:
             Stage(s.label, tuple(f for f in s.factors if f.part == part)) for s in self.stages
         )
         return tuple(stage for stage in stages if stage.factors)
-
-
-def require_gain(gain: float, levels: Sequence[LevelChange], consequence: str) -> None:
-    """Refuse a picture that does not follow the scene (`DataError`).
-
-    Parameters
-    ----------
-    gain : float
-        From the scene to the picture.
-    levels : sequence of LevelChange
-        Of which one may have the reason.
-    consequence : str
-        What cannot be had of the picture.
-    """
-    if gain > 0.0:
-        return
-    reason = next((level.reason for level in levels if level.reason), "")
-    raise DataError(f"{reason or 'the picture does not change with the scene'}: {consequence}")
 
 
 def transfer_of(image: Image, *, of_camera: bool = False) -> ImageTransfer:

@@ -30,6 +30,7 @@ from core.physics.noise.noise_components import COMPONENTS
 from core.physics.numerics.probability_range import range_for_probability
 from core.transfer.grid import Grid
 from nodes.analysis.merit.threshold_curves import Sensitivity, Thresholds
+from nodes.analysis.merit.unseen_scene import Unseen
 
 Vector = NDArray[np.float64]
 TtpForm = Literal["mrtd", "system_contrast_threshold"]
@@ -122,9 +123,17 @@ class Acquisition:
 
 @ends_lineage
 def acquisition(
-    work: Work, thresholds: Thresholds, noise: Sensitivity, *, task: Task, grid: Grid
-) -> Acquisition:
+    work: Work,
+    thresholds: Thresholds | Unseen,
+    noise: Sensitivity | Unseen,
+    *,
+    task: Task,
+    grid: Grid,
+) -> Acquisition | Unseen:
     """Johnson's and the TTP probability, and the ranges at which they are one half."""
+    if isinstance(thresholds, Unseen):
+        return thresholds
+    assert not isinstance(noise, Unseen)
 
     def johnson(n50: float, range_m: Any) -> Any:
         if len(thresholds.both) < 2:
@@ -250,8 +259,10 @@ def _relative_noise(
 
 
 @ends_lineage
-def probability_curve(work: Work, result: Acquisition) -> CurveData:
+def probability_curve(work: Work, result: Acquisition | Unseen) -> CurveData:
     """Probabilities against range."""
+    if isinstance(result, Unseen):
+        return result.curve("Target acquisition", "range (km)", "probability")
     km = result.range_m / 1000.0
     series = [
         Series(task, km, probability)
@@ -264,40 +275,49 @@ def probability_curve(work: Work, result: Acquisition) -> CurveData:
 @ends_lineage
 def merit_table(
     work: Work,
-    seen: Sensitivity,
-    thresholds: Thresholds,
-    reached: Acquisition,
+    seen: Sensitivity | Unseen,
+    thresholds: Thresholds | Unseen,
+    reached: Acquisition | Unseen,
     *,
     grid: Grid,
     unit: str,
     frames: float,
 ) -> TableData:
-    """All figures in one table."""
-    ner = math.sqrt(max(seen.noise.temporal, 0.0))
+    """All figures in one table; empty with their reason where nothing of the scene is seen."""
+    values: dict[str, float | None] = {}
+    why = seen.reason if isinstance(seen, Unseen) else ""
+    if not isinstance(seen, Unseen):
+        ner = math.sqrt(max(seen.noise.temporal, 0.0))
+        values |= {"snr": seen.mean / ner if ner > 0.0 else None, "netd_K": seen.netd_K}
+        values |= {"ner": ner, "background_K": seen.background_K}
+        for name in COMPONENTS:
+            values[f"sigma_{name}_K"] = math.sqrt(seen.noise_K2.variance(name))
+    if not isinstance(reached, Unseen):
+        for task, range_m in zip(TASKS, reached.johnson_ranges, strict=True):
+            values[f"{task}_range_km"] = _km(range_m)
+        values["ttp_range_km"] = _km(reached.ttp_range)
+
+    def row(name: str, unit: str, meaning: str) -> TableRow:
+        return TableRow(name, values.get(name), unit, meaning, why)
+
     rows = [
-        TableRow("snr", seen.mean / ner if ner > 0.0 else None, "", "mean over temporal noise"),
-        TableRow("netd_K", seen.netd_K, "K", "temporal noise as a temperature difference"),
-        TableRow("ner", ner, unit, "rms temporal noise"),
-        TableRow("background_K", seen.background_K, "K", "background that gives dL/dT"),
+        row("snr", "", "mean over temporal noise"),
+        row("netd_K", "K", "temporal noise as a temperature difference"),
+        row("ner", unit, "rms temporal noise"),
+        row("background_K", "K", "background that gives dL/dT"),
         TableRow("frames_integrated", frames, "", "frames that the eye averages"),
+        *(row(f"sigma_{name}_K", "K", _MEANINGS[name]) for name in COMPONENTS),
     ]
-    for name in COMPONENTS:
-        sigma = math.sqrt(seen.noise_K2.variance(name))
-        rows.append(TableRow(f"sigma_{name}_K", sigma, "K", _MEANINGS[name]))
     for share in (0.25, 0.5, 0.75):
         text = f"{share:g} of Nyquist"
-        for axis, nyquist, curve in (
-            ("x", grid.nyquist_x, thresholds.horizontal),
-            ("y", grid.nyquist_y, thresholds.vertical),
-        ):
-            value = at_frequency(thresholds.frequency, curve, share * nyquist)
+        for axis, nyquist in (("x", grid.nyquist_x), ("y", grid.nyquist_y)):
             name = f"mrtd_{axis}_{round(100 * share)}_percent_nyquist"
-            rows.append(TableRow(name, value, "K", f"MRTD along {axis} at {text}"))
-    for task, range_m in zip(TASKS, reached.johnson_ranges, strict=True):
-        rows.append(
-            TableRow(f"{task}_range_km", _km(range_m), "km", f"Johnson: half of {task}s succeed")
-        )
-    rows.append(TableRow("ttp_range_km", _km(reached.ttp_range), "km", "TTP: half succeed"))
+            if not isinstance(thresholds, Unseen):
+                curve = thresholds.horizontal if axis == "x" else thresholds.vertical
+                values[name] = at_frequency(thresholds.frequency, curve, share * nyquist)
+            rows.append(row(name, "K", f"MRTD along {axis} at {text}"))
+    rows += [row(f"{task}_range_km", "km", f"Johnson: half of {task}s succeed") for task in TASKS]
+    rows.append(row("ttp_range_km", "km", "TTP: half succeed"))
     return TableData(tuple(rows))
 
 

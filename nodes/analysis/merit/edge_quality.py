@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +22,10 @@ from core.physics.acquisition.edge_response import (
 )
 from core.physics.acquisition.giqe import INCH_M, beyond_limits, giqe_3, giqe_4, giqe_5
 from core.transfer.grid import Grid
-from nodes.analysis.lineage import ImageNoise, require_gain
+from nodes.analysis.lineage import ImageNoise
 from nodes.analysis.lineage.line_transfer import Line, Stage, stage_along
 from nodes.analysis.merit.threshold_curves import HORIZONTAL, VERTICAL
+from nodes.analysis.merit.unseen_scene import Unseen, unseen
 
 Vector = NDArray[np.float64]
 _DRAWN = np.linspace(-4.0, 4.0, 129)  # samples beside the edge
@@ -69,7 +71,7 @@ def signal_over_noise(
     *levels: LevelChange,
     gain: float | None,
     gain_before: float,
-) -> float:
+) -> float | Unseen:
     """Mean of the scene's share of the picture over the temporal noise; infinite without noise.
 
     Raises
@@ -81,7 +83,9 @@ def signal_over_noise(
     if gain is None:
         raise DataError("gain_model literal scales the picture by the gain error; take per_pixel")
     gain *= math.prod(level.gain for level in levels)
-    require_gain(gain, levels, "it has no signal")
+    clipped = unseen(gain, levels, "it has no signal")
+    if clipped is not None:
+        return clipped
     mean = levels[0].signal / levels[0].gain / gain_before if levels else seen.mean / gain
     if not mean > 0.0:
         raise DataError(f"the picture's signal is {mean:.6g}: its SNR needs one above zero")
@@ -104,9 +108,9 @@ class View:
 
 @ends_lineage
 def quality_table(
-    work: Work, edge: EdgeQuality, snr: float, *, grid: Grid, view: View
+    work: Work, edge: EdgeQuality, snr: float | Unseen, *, grid: Grid, view: View
 ) -> TableData:
-    """The equations and what they are made of."""
+    """The equations and what they are made of; those of the noise are empty without a signal."""
     across = grid.interval_x_mrad * view.range_m / 1000.0
     along = (
         grid.interval_y_mrad * view.range_m / 1000.0 / math.cos(math.radians(view.off_nadir_deg))
@@ -115,22 +119,29 @@ def quality_table(
     overshoot = view.overshoot
     if overshoot is None:
         overshoot = math.sqrt(edge.overshoot[0] * edge.overshoot[1])
-    known = {"gsd_inch": gsd_m / INCH_M, "rer": rer, "snr": snr}
-    sharpened = {"overshoot": overshoot, "noise_gain": view.noise_gain}
-    rows = (
-        ("giqe5", float(giqe_5(**known)), "NIIRS", "GIQE 5, of the picture as it is"),
-        ("giqe4", float(giqe_4(**known, **sharpened)), "NIIRS", "GIQE 4, with H and G"),
-        ("giqe3", float(giqe_3(**known, **sharpened)), "NIIRS", "GIQE 3, with H and G"),
+    gsd_inch = gsd_m / INCH_M
+    why = snr.reason if isinstance(snr, Unseen) else ""
+    fifth = fourth = third = shown_snr = None
+    if not isinstance(snr, Unseen):
+        known = {"gsd_inch": gsd_inch, "rer": rer, "snr": snr}
+        sharpened = {"overshoot": overshoot, "noise_gain": view.noise_gain}
+        fifth = float(giqe_5(**known))
+        fourth, third = (float(giqe(**known, **sharpened)) for giqe in (giqe_4, giqe_3))
+        shown_snr = snr if math.isfinite(snr) else None
+    rows: tuple[tuple[Any, ...], ...] = (
+        ("giqe5", fifth, "NIIRS", "GIQE 5, of the picture as it is", why),
+        ("giqe4", fourth, "NIIRS", "GIQE 4, with H and G", why),
+        ("giqe3", third, "NIIRS", "GIQE 3, with H and G", why),
         ("gsd_m", gsd_m, "m", "ground sample distance, geometric mean"),
         ("gsd_across_m", across, "m", "across"),
         ("gsd_along_m", along, "m", "along"),
-        ("gsd_inch", known["gsd_inch"], "in", "geometric mean"),
+        ("gsd_inch", gsd_inch, "in", "geometric mean"),
         ("rer", rer, "", "relative edge response, geometric mean"),
         ("rer_x", edge.rer[0], "", "across"),
         ("rer_y", edge.rer[1], "", "along"),
         ("overshoot", overshoot, "", "edge overshoot H, geometric mean"),
         ("noise_gain", view.noise_gain, "", "noise gain G of the sharpening"),
-        ("snr", snr if math.isfinite(snr) else None, "", "signal over temporal noise"),
+        ("snr", shown_snr, "", "signal over temporal noise", why),
     )
     return TableData(tuple(TableRow(*row) for row in rows))
 

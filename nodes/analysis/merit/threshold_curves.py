@@ -19,8 +19,9 @@ from core.physics.acquisition.mrtd import mrtd_flir92_K, mrtd_ratches_K, mrtd_tw
 from core.physics.noise.noise_components import COMPONENTS, NoiseVariances
 from core.physics.radiometry.planck import band_radiance_derivative, brightness_temperature
 from core.transfer.grid import Grid
-from nodes.analysis.lineage import ImageNoise, require_gain
+from nodes.analysis.lineage import ImageNoise
 from nodes.analysis.lineage.line_transfer import Line, Stage, stage_along
+from nodes.analysis.merit.unseen_scene import Unseen, unseen
 
 Vector = NDArray[np.float64]
 Model = Literal["ratches_1976", "flir92"]
@@ -109,7 +110,7 @@ def sensitivity(
     background_K: float | None,
     gain: float | None = 1.0,
     gain_before: float = 1.0,
-) -> Sensitivity:
+) -> Sensitivity | Unseen:
     """Noise over the slope dL/dT at the background, by default that of the picture's mean.
 
     `gain` is what a uniform scene is multiplied by on its way to the picture. Where the picture is
@@ -128,7 +129,9 @@ def sensitivity(
             "in temperature; take per_pixel or published"
         )
     gain *= math.prod(level.gain for level in levels)
-    require_gain(gain, levels, "there is nothing to detect")
+    clipped = unseen(gain, levels, "there is nothing to detect")
+    if clipped is not None:
+        return clipped
     scene = levels[0].mean / gain_before if levels else seen.mean / gain
     # What is in proportion to the scene, as a radiance at the slope of the response.
     mean = levels[0].signal / levels[0].gain / gain_before if levels else scene
@@ -155,13 +158,15 @@ def sensitivity(
 @ends_lineage
 def thresholds(
     work: Work,
-    noise_figures: Sensitivity,
+    noise_figures: Sensitivity | Unseen,
     *,
     stages: tuple[Stage, ...],
     grid: Grid,
     observer: Observer,
-) -> Thresholds:
+) -> Thresholds | Unseen:
     """MRTD up to the samples' own rate, or the first zero of the MTF, or Nyquist."""
+    if isinstance(noise_figures, Unseen):
+        return noise_figures
     nyquist_x, nyquist_y = grid.nyquist_x, grid.nyquist_y
     frequency = np.linspace(0.0, _HIGHEST * max(nyquist_x, nyquist_y), _SAMPLES + 1)[1:]
     mtf_x = _to_first_zero(work, stages, HORIZONTAL, frequency)
@@ -237,8 +242,10 @@ def _to_first_zero(work: Work, stages: tuple[Stage, ...], line: Line, frequency:
 
 
 @ends_lineage
-def mrtd_curve(work: Work, mrtd: Thresholds) -> CurveData:
+def mrtd_curve(work: Work, mrtd: Thresholds | Unseen) -> CurveData:
     """MRTD horizontal, vertical and for both directions, as far as anything is resolved."""
+    if isinstance(mrtd, Unseen):
+        return mrtd.curve("MRTD", "frequency (cyc/mrad)", "MRTD (K)")
     series = (
         *_shown("horizontal", mrtd.frequency, mrtd.horizontal),
         *_shown("vertical", mrtd.frequency, mrtd.vertical),
@@ -256,13 +263,15 @@ def _shown(label: str, x: Vector, y: Vector) -> tuple[Series, ...]:
 @ends_lineage
 def mdtd_curve(
     work: Work,
-    noise_figures: Sensitivity,
+    noise_figures: Sensitivity | Unseen,
     *,
     stages: tuple[Stage, ...],
     grid: Grid,
     observer: Observer,
 ) -> CurveData:
     """MDTD of squares from a quarter of a sample to 25 samples wide."""
+    if isinstance(noise_figures, Unseen):
+        return noise_figures.curve("MDTD", "target size (mrad)", "MDTD (K)")
     widest = max(grid.interval_x_mrad, grid.interval_y_mrad)
     size = np.geomspace(_SMALLEST, _LARGEST, _SIZES) * widest
     # The sums repeat after the inverse of the step: twice the largest target, and its blur.
