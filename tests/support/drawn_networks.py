@@ -83,8 +83,9 @@ def drawn(
     names: dict[tuple[int, int], list[str]],
     most: int = 7,
     modules: Modules | None = None,
+    of_picture: tuple[str, ...] = (),
 ) -> Drawn:
-    """A network of up to `most` modules."""
+    """A network of up to `most` modules; those of the picture out of `of_picture`, if given."""
     size = random.choice([size for size in names if size[0] != "pupil"])
     rows, columns = size
     modules = modules or Modules(random, names)
@@ -98,7 +99,7 @@ def drawn(
         read["scale"] = modules.signed(-3, 3)
     at = Sampling(rows, columns, x, y)
     items: list[Item] = []
-    of_picture = OF_TODAY if random.random() < 0.3 else OF_1996
+    of_picture = of_picture or (OF_TODAY if random.random() < 0.3 else OF_1996)
     for _ in range(random.randint(0, most)):
         key = random.choice(ON_SPECTRUM if random.random() < 0.7 else of_picture)
         counting = [item for item in items if item.key == "focal_plane" and not item.disabled]

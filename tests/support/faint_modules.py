@@ -34,7 +34,7 @@ class FaintModules(Modules):
         return {
             **super().charge_eff_mtf(at),
             "detectors_per_line": 1,
-            "efficiency": 1 - self.size(),
+            "efficiency": max(1 - self.size(), 0.0),
         }
 
     charge_eff_phase = charge_eff_mtf

@@ -29,7 +29,13 @@ PASSIVE = {
 
 def faint(random: Random, comparison: Comparison, budget: float, *, keys) -> Drawn:
     modules = FaintModules(random, comparison.names, budget)
-    network = drawn(random, comparison.names, most=9, modules=modules)
+    network = drawn(
+        random,
+        comparison.names,
+        most=9,
+        modules=modules,
+        of_picture=(*PASSIVE, "electronics_noise"),
+    )
     items = [
         replace(item, params={**without_apply(item.params), **PASSIVE.get(item.key, {})})
         for item in network.items
