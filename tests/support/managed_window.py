@@ -87,11 +87,12 @@ class Managed:
         page = self.window.findChild(FullScreenPage)
         wait_until(page.isActiveWindow, "the page has the focus")
         whole = self.screen.geometry()
-        # The window manager takes the frame off when it gets to it.
-        wait_until(lambda: page.frameGeometry() == whole, "the page has the bare screen")
+        # Without its frame, whose extents Qt may still have from before: then the window manager
+        # has taken it off without another word.
+        wait_until(lambda: page.geometry() == whole, "the page has the bare screen")
         process_events(0.3)
         self.measured["page"] = {
-            "frame": page.frameGeometry().getRect(),
+            "frame": page.geometry().getRect(),
             "whole": self.screen.geometry().getRect(),
             "picture": picture.size().toTuple(),
         }
