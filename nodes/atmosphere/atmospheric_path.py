@@ -24,6 +24,7 @@ from core.spectrum.band_stack import AttenuatedBands, BandStack
 from nodes.atmosphere import path_steps as steps
 from nodes.files.path_table import read_path_table
 from nodes.files.wavelength_table import read_wavelengths
+from nodes.shared.common_parameters import WeightingSource
 from nodes.shared.shared_warnings import apart_caution, first, is_temperature
 from nodes.shared.table_figures import table_figure
 
@@ -87,11 +88,7 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
         Param("temperature of the air; empty: it adds no radiance", unit="K", low=0, high=1e4,
               slider=(230, 320)),
     ] = None  # fmt: skip
-    source_K: Annotated[
-        float | None,
-        Param("black body that weights one band; empty: the scene's, or sunlight", unit="K", low=0,
-              high=1e6, slider=(250, 6500)),
-    ] = None  # fmt: skip
+    source_K: WeightingSource = None
 
     illustration = "air"
     panel = (

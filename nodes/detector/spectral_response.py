@@ -26,6 +26,7 @@ from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.sunlight import SUNLIGHT_K
 from core.spectrum.band_stack import AttenuatedBands
 from nodes.files.wavelength_table import read_wavelengths
+from nodes.shared.common_parameters import WeightingSource
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import Band, unit_caution
 
@@ -63,11 +64,7 @@ class SpectralResponse(
               unit="µm", low=0, high=1000, slider=(0.01, 5)),
     ] = None  # fmt: skip
     peak: Annotated[float, Param("largest response", low=0, high=1)] = 1.0
-    source_K: Annotated[
-        float | None,
-        Param("black body that weights one band; empty: the scene's, or sunlight", unit="K", low=0,
-              high=1e6, slider=(250, 6500)),
-    ] = None  # fmt: skip
+    source_K: WeightingSource = None
 
     illustration = "response"
     panel = (

@@ -30,7 +30,7 @@ from nodes.optics.band_spectrum import (
     photon_weights,
     source_temperature,
 )
-from nodes.shared.common_parameters import CutOff, CutOn
+from nodes.shared.common_parameters import CutOff, CutOn, LightingSource
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import Apply
 from nodes.shared.nyquist_readouts import NyquistReadouts
@@ -89,11 +89,7 @@ class DiffractionMTF(
         Literal["photons", "energy", "uniform"],
         Param("wavelengths count by photons, as in a photon detector, by energy, or all alike"),
     ] = "photons"
-    source_K: Annotated[
-        float | None,
-        Param("black body that lights the band; empty: the picture's mean, or sunlight", unit="K",
-              low=0, high=1e6, slider=(200, 6500)),
-    ] = None  # fmt: skip
+    source_K: LightingSource = None
     wavelengths: Annotated[
         Number, Param("as many as the tolerance needs, or so many over the band, 1 its middle")
     ] = "auto"

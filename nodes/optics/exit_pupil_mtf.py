@@ -30,7 +30,7 @@ from nodes.optics.pupil_factor import (
     sampled_error,
     sampled_factors,
 )
-from nodes.shared.common_parameters import CutOff, CutOn
+from nodes.shared.common_parameters import CutOff, CutOn, LightingSource
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import Apply
 from nodes.shared.nyquist_readouts import NyquistReadouts
@@ -84,11 +84,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         Weighting,
         Param("wavelengths count all alike, as in 1996, by photons, or by energy"),
     ] = "uniform"
-    source_K: Annotated[
-        float | None,
-        Param("black body that lights the band; empty: the picture's mean, or sunlight", unit="K",
-              low=0, high=1e6, slider=(200, 6500)),
-    ] = None  # fmt: skip
+    source_K: LightingSource = None
     apply: Apply = "multiply"
 
     panel = (

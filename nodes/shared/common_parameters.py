@@ -22,3 +22,13 @@ LongestPeriod = Annotated[
         slider=(1, 3600),
     ),
 ]
+WeightingSource = Annotated[
+    float | None,
+    Param("black body that weights one band; empty: the scene's, or sunlight", unit="K", low=0,
+          high=1e6, slider=(250, 6500)),
+]  # fmt: skip
+LightingSource = Annotated[
+    float | None,
+    Param("black body that lights the band; empty: the picture's mean, or sunlight", unit="K",
+          low=0, high=1e6, slider=(200, 6500)),
+]  # fmt: skip
