@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal
 
-from core.chain.wires import Context, Magnitude, Phase, Transfer
+from core.chain.wires import Context, Magnitude, Phase
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
@@ -34,6 +34,7 @@ from nodes.shared.common_parameters import CutOff, CutOn, LightingSource
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import Apply
 from nodes.shared.nyquist_readouts import NyquistReadouts
+from nodes.shared.otf_outputs import OtfOutputs, otf_outputs
 from nodes.shared.shared_warnings import (
     F_NUMBER_NEAR,
     Band,
@@ -43,15 +44,6 @@ from nodes.shared.shared_warnings import (
 )
 
 Number = Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
-
-
-class DiffractionOutputs(NamedTuple):
-    """Both halves of the spectrum, and the OTF's values and phase."""
-
-    magnitude: Magnitude
-    phase: Phase
-    mtf: Transfer
-    ptf: Transfer
 
 
 class DiffractionMTF(
@@ -124,10 +116,8 @@ class DiffractionMTF(
         magnitude: Magnitude,
         here: NodeContext,
         phase: Phase | None = None,
-    ) -> DiffractionOutputs:
+    ) -> OtfOutputs:
         """Plan the OTF."""
-        if phase is None:
-            phase = Phase(None, magnitude.grid, magnitude.edges)
         band, aperture = self._band(context), self.aperture_of(context)
         aperture.check(band[0])
         law = Law.of(
@@ -148,11 +138,7 @@ class DiffractionMTF(
             aperture,
             magnitude,
         )
-        mtf = magnitude.transfer("mtf", (blur,), self.title)
-        ptf = magnitude.transfer("ptf", (), self.title)
-        if self.apply == "filter_only":
-            return DiffractionOutputs(magnitude.only(blur), phase.only(), mtf, ptf)
-        return DiffractionOutputs(magnitude.times(blur), phase, mtf, ptf)
+        return otf_outputs(self.apply, magnitude, phase, blur=(blur,), label=self.title)
 
     def _by_bands(self, blur: Planar, aperture: Aperture, magnitude: Magnitude) -> Planar:
         """Each band of the picture at its own wavelength; the mean is weighted by their light."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,19 +34,11 @@ from nodes.shared.common_parameters import CutOff, CutOn, LightingSource
 from nodes.shared.context_defaults import given_band
 from nodes.shared.module_ports import Apply
 from nodes.shared.nyquist_readouts import NyquistReadouts
+from nodes.shared.otf_outputs import OtfOutputs, otf_outputs
 from nodes.shared.shared_warnings import F_NUMBER_NEAR, alike, wavelength_caution
 
 Weighting = Literal["uniform", "photons", "energy"]
 EXACT_ERROR = 1e-12  # of the closed forms, as tested
-
-
-class PupilOutputs(NamedTuple):
-    """Both halves of the spectrum, and the OTF's modulus and phase."""
-
-    magnitude: Magnitude
-    phase: Phase
-    mtf: Transfer
-    ptf: Transfer
 
 
 class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF", group="Optics"):
@@ -103,7 +95,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         pupil: Pupil,
         here: NodeContext,
         phase: Phase | None = None,
-    ) -> PupilOutputs:
+    ) -> OtfOutputs:
         """Plan the OTF."""
         scale = self._scale(context, pupil, magnitude, here.node)
         if phase is None:
@@ -115,7 +107,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
                 Transfer(grid, part, label=label, own=raw_transfer(pupil, scale, part, node))
                 for part in ("mtf", "ptf")
             ]
-            return PupilOutputs(magnitude, phase, raw[0], raw[1])
+            return OtfOutputs(magnitude, phase, raw[0], raw[1])
         shift: Planar | None = None
         blur: Planar | None = None
         if self.method == "exact":
@@ -129,11 +121,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
             law = PupilLaw(pupil, scale, None, node)
         blur = self._by_bands(blur, law, magnitude)
         shifts = () if shift is None else (self._by_bands(shift, law, magnitude),)
-        mtf = magnitude.transfer("mtf", (blur,), label)
-        ptf = magnitude.transfer("ptf", shifts, label)
-        if self.apply == "filter_only":
-            return PupilOutputs(magnitude.only(blur), phase.only(*shifts), mtf, ptf)
-        return PupilOutputs(magnitude.times(blur), phase.plus(*shifts), mtf, ptf)
+        return otf_outputs(self.apply, magnitude, phase, blur=(blur,), shift=shifts, label=label)
 
     @warning
     def band(self, context: Context) -> Caution | None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.wires import Context, Magnitude, Phase, Transfer
+from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, ParameterError
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
@@ -30,20 +30,12 @@ from nodes.shared.context_defaults import given
 from nodes.shared.factor_helpers import separable
 from nodes.shared.module_ports import Apply
 from nodes.shared.nyquist_readouts import NyquistReadouts
+from nodes.shared.otf_outputs import OtfOutputs, otf_outputs
 from nodes.shared.shared_warnings import apart_caution, first, unlinked_phase_caution
 
 ENDS_LOW = 0.02  # an MTF that ends above is cut off by the file, not by the optics
 Scales = tuple[float, float]
 Curves = dict[str, tuple[Column, Column]]
-
-
-class MtfFileOutputs(NamedTuple):
-    """Both halves of the spectrum, and the file's MTF and PTF."""
-
-    magnitude: Magnitude
-    phase: Phase
-    mtf: Transfer
-    ptf: Transfer
 
 
 class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics"):
@@ -116,21 +108,15 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         magnitude: Magnitude,
         here: NodeContext,
         phase: Phase | None = None,
-    ) -> MtfFileOutputs:
+    ) -> OtfOutputs:
         """Plan the blur, and the shift where phases are known."""
-        if phase is None:
-            phase = Phase(None, magnitude.grid, magnitude.edges)
         blur: tuple[Factor, ...] = ()
         shift: tuple[Factor, ...] = ()
         table = self._table(here)
         if table is not None:
             scales = self._scales(table, context)
             blur, shift = self._factors(table, scales, here.node)
-        mtf = magnitude.transfer("mtf", blur, self.title)
-        ptf = magnitude.transfer("ptf", shift, self.title)
-        if self.apply == "filter_only":
-            return MtfFileOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
-        return MtfFileOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)
+        return otf_outputs(self.apply, magnitude, phase, blur=blur, shift=shift, label=self.title)
 
     def _table(self, here: NodeContext) -> MtfTable | None:
         if self.path is None:
@@ -227,7 +213,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         return Caution("path is empty, and nothing is blurred", "name a table of MTF")
 
     @warning
-    def end(self, context: Context, outputs: MtfFileOutputs) -> Caution | None:
+    def end(self, context: Context, outputs: OtfOutputs) -> Caution | None:
         """A table that ends while there is still contrast, within the picture's frequencies."""
         grid = context.grid
         for law, scale, nyquist in _ends(outputs.mtf.factors, grid.nyquist_x, grid.nyquist_y):
@@ -242,7 +228,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         return None
 
     @warning
-    def above_one(self, outputs: MtfFileOutputs) -> Caution | None:
+    def above_one(self, outputs: OtfOutputs) -> Caution | None:
         """An MTF that amplifies, as that of sharpened pictures does."""
         highest = max(
             (max(_points(law)[1]) for law, _, _ in _ends(outputs.mtf.factors, 0.0, 0.0)),
@@ -256,7 +242,7 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         )
 
     @warning
-    def no_phase(self, outputs: MtfFileOutputs) -> Caution | None:
+    def no_phase(self, outputs: OtfOutputs) -> Caution | None:
         """A PTF that does not reach the picture."""
         return unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
 
@@ -276,12 +262,12 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
         )  # fmt: skip
 
     @readout("cyc/mrad")
-    def end_x(self, outputs: MtfFileOutputs) -> float | None:
+    def end_x(self, outputs: OtfOutputs) -> float | None:
         """Last frequency across of which the file has the MTF."""
         return _end(outputs.mtf.factors, 0)
 
     @readout("cyc/mrad")
-    def end_y(self, outputs: MtfFileOutputs) -> float | None:
+    def end_y(self, outputs: OtfOutputs) -> float | None:
         """Last frequency along of which the file has the MTF."""
         return _end(outputs.mtf.factors, 1)
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
-from core.chain.wires import Context, Magnitude, Phase, Transfer
+from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
@@ -25,20 +25,12 @@ from nodes.optics.lens_source import LensSource, lens_source, stored_samples
 from nodes.shared.context_defaults import given
 from nodes.shared.module_ports import Apply
 from nodes.shared.nyquist_readouts import NyquistReadouts
+from nodes.shared.otf_outputs import OtfOutputs, otf_outputs
 from nodes.shared.shared_warnings import apart_caution, unlinked_phase_caution
 
 EDGE_ENERGY = 0.01  # of the whole, above which the border is warned of
 LARGEST_SIDE = 4096  # samples, whose sum is not fast
 COARSE = 0.02  # MTF at the samples' Nyquist frequency, likewise
-
-
-class PsfFileOutputs(NamedTuple):
-    """Both halves of the spectrum, and the MTF and PTF of the point spread function."""
-
-    magnitude: Magnitude
-    phase: Phase
-    mtf: Transfer
-    ptf: Transfer
 
 
 class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics"):
@@ -102,10 +94,8 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         magnitude: Magnitude,
         here: NodeContext,
         phase: Phase | None = None,
-    ) -> PsfFileOutputs:
+    ) -> OtfOutputs:
         """Plan the OTF."""
-        if phase is None:
-            phase = Phase(None, magnitude.grid, magnitude.edges)
         blur: tuple[Factor, ...] = ()
         shift: tuple[Factor, ...] = ()
         if self.path is not None:
@@ -118,11 +108,7 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
                     f"{source.samples.bands - 1}",
                 )
             blur, shift = self._factors(source, context, here.node)
-        mtf = magnitude.transfer("mtf", blur, self.title)
-        ptf = magnitude.transfer("ptf", shift, self.title)
-        if self.apply == "filter_only":
-            return PsfFileOutputs(magnitude.only(*blur), phase.only(*shift), mtf, ptf)
-        return PsfFileOutputs(magnitude.times(*blur), phase.plus(*shift), mtf, ptf)
+        return otf_outputs(self.apply, magnitude, phase, blur=blur, shift=shift, label=self.title)
 
     def _factors(
         self, source: LensSource, context: Context, node: str
@@ -180,19 +166,19 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         return Caution("path is empty, and nothing is blurred", "name a picture of a point")
 
     @warning
-    def border(self, outputs: PsfFileOutputs) -> Step | None:
+    def border(self, outputs: OtfOutputs) -> Step | None:
         """Energy that is cut off at the file's border, or a background."""
         psf = _psf_of(outputs)
         return None if psf is None else Step.of(_border_caution, psf)
 
     @warning
-    def coarse(self, outputs: PsfFileOutputs) -> Step | None:
+    def coarse(self, outputs: OtfOutputs) -> Step | None:
         """Samples that are too far apart."""
         psf = _psf_of(outputs)
         return None if psf is None else Step.of(_coarse_caution, psf)
 
     @warning
-    def no_phase(self, outputs: PsfFileOutputs) -> Caution | None:
+    def no_phase(self, outputs: OtfOutputs) -> Caution | None:
         """A PTF that does not reach the picture."""
         return unlinked_phase_caution(self.apply, outputs.phase, outputs.ptf)
 
@@ -208,29 +194,29 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
         )
 
     @readout("mrad")
-    def centre_x_mrad(self, outputs: PsfFileOutputs) -> Step | None:
+    def centre_x_mrad(self, outputs: OtfOutputs) -> Step | None:
         """Centre of gravity to the right of the file's middle."""
         return _centroid(outputs, 1)
 
     @readout("mrad")
-    def centre_y_mrad(self, outputs: PsfFileOutputs) -> Step | None:
+    def centre_y_mrad(self, outputs: OtfOutputs) -> Step | None:
         """Centre of gravity below the file's middle."""
         return _centroid(outputs, 0)
 
     @readout()
-    def sum_of_samples(self, outputs: PsfFileOutputs) -> Step | None:
+    def sum_of_samples(self, outputs: OtfOutputs) -> Step | None:
         """Sum of the file's samples less the background, by which they are divided."""
         psf = _psf_of(outputs)
         return None if psf is None else Step.of(_total, psf)
 
     @readout("cyc/mrad")
-    def file_nyquist_x(self, outputs: PsfFileOutputs) -> float | None:
+    def file_nyquist_x(self, outputs: OtfOutputs) -> float | None:
         """Nyquist frequency of the file's samples across, beyond which the MTF is 0."""
         factors = outputs.mtf.factors
         return factors[0].cutoff[0] if factors else None  # type: ignore[union-attr, index]
 
 
-def _bound(outputs: PsfFileOutputs) -> dict[str, Any]:
+def _bound(outputs: OtfOutputs) -> dict[str, Any]:
     """Arguments of the OTF's law; empty without a file."""
     return {
         name: value
@@ -240,11 +226,11 @@ def _bound(outputs: PsfFileOutputs) -> dict[str, Any]:
     }
 
 
-def _psf_of(outputs: PsfFileOutputs) -> Recipe | None:
+def _psf_of(outputs: OtfOutputs) -> Recipe | None:
     return _bound(outputs).get("psf")
 
 
-def _centroid(outputs: PsfFileOutputs, axis: int) -> Step | None:
+def _centroid(outputs: OtfOutputs, axis: int) -> Step | None:
     bound = _bound(outputs)
     if not bound:
         return None
