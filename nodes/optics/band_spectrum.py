@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +14,37 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
+from core.modules.parameters import Param
+from core.physics.detector.response_curve import ResponseCurve
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.radiometry.planck import brightness_temperature
 from core.physics.radiometry.sunlight import SUNLIGHT_K
 from core.spectrum.band_stack import BandStack, Row
+from nodes.files.wavelength_table import read_wavelengths
 from nodes.shared.shared_warnings import Band, is_radiance
 
+Responses = tuple[ResponseCurve, ...]
+DetectorResponse = Annotated[
+    Path | None,
+    Param("CSV of µm and the detector's response, which weights the light besides, or empty"),
+]
 _KELVIN = ("K", "kelvin")
+
+
+def weighting_responses(
+    path: Path | None, folder: Path, magnitude: Magnitude | None, weighting: str
+) -> Responses:
+    """What weights a band's wavelengths besides the light: filters before, the detector behind.
+
+    Wavelengths that count all alike are weighted by the file alone.
+    """
+    before: Responses = ()
+    if magnitude is not None and magnitude.image is not None and weighting != "uniform":
+        before = magnitude.image.responses
+    if path is None:
+        return before
+    points = read_wavelengths((folder / path).absolute(), what="response", low=0.0, high=1.0)
+    return (*before, ResponseCurve("file", points=points))
 
 
 def source_temperature(
@@ -90,11 +115,16 @@ def number(work: Work, *, value: float) -> float:
     return value
 
 
-def photon_weights(bands: BandStack, weighting: str) -> Row:
-    """Weights of a picture's bands: by their photons, or their energy."""
-    if weighting == "energy":
-        return bands.whole
-    return tuple(w * c for w, c in zip(bands.whole, bands.centres_um, strict=True))
+def photon_weights(bands: BandStack, weighting: str, detector: Responses = ()) -> Row:
+    """Weights of a picture's bands: by their photons, or their energy, and what is detected."""
+    weights = bands.whole
+    if weighting != "energy":
+        weights = tuple(w * c for w, c in zip(weights, bands.centres_um, strict=True))
+    for response in detector:
+        pairs = zip(bands.centres_um, bands.widths_um, strict=True)
+        passed = (response.mean(c - w / 2, c + w / 2) for c, w in pairs)
+        weights = tuple(weight * share for weight, share in zip(weights, passed, strict=True))
+    return weights
 
 
 def kelvin_caution(magnitude: Magnitude, band: Band, source_K: float | None) -> Caution | None:
@@ -108,4 +138,14 @@ def kelvin_caution(magnitude: Magnitude, band: Band, source_K: float | None) -> 
         "the picture is in kelvin: its mean weights the band, and temperatures are blurred as if "
         "they were radiance",
         "take To Radiance before Init & Trans",
+    )
+
+
+def one_wavelength_caution(response: Path | None, one: bool) -> Caution | None:
+    """A response that is not used, as one wavelength is taken."""
+    if response is None or not one:
+        return None
+    return Caution(
+        "the response is not used: one wavelength stands for the band",
+        "take more wavelengths",
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from core.chain.wires import Context, Magnitude, Phase
 from core.errors import ParameterError
@@ -13,22 +13,28 @@ from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
+from core.physics.optics.diffraction.band_weights import Spectrum
 from core.physics.optics.diffraction.diffraction_otf import (
     FINEST_TOLERANCE,
     USUAL_WITH_DEFOCUS,
+    USUAL_WITH_MANY_BENDS,
     Aperture,
-    Spectrum,
     diffraction_otf,
+    has_many_bends,
     wavelengths_needed,
 )
 from core.spectrum.band_mean import over_bands
 from core.spectrum.band_stack import BandStack
 from core.transfer.factors import AtWavelength, Law, Planar
 from nodes.optics.band_spectrum import (
+    DetectorResponse,
+    Responses,
     kelvin_caution,
     number,
+    one_wavelength_caution,
     photon_weights,
     source_temperature,
+    weighting_responses,
 )
 from nodes.shared.common_parameters import CutOff, CutOn, LightingSource
 from nodes.shared.context_defaults import given_band
@@ -55,14 +61,15 @@ class DiffractionMTF(
     no pupil array is needed. Over a band the OTFs of all wavelengths are weighted: by the photons,
     or the energy, of a black body, or uniformly as in 1996. The black body is `source_K`, else that
     of the picture's mean radiance, else sunlight's 5800 K where the band begins below 2.5 µm.
-    `wavelengths` auto takes as many as `tolerance` needs, placed between the kinks of the OTF; a
-    number takes so many over the band, 1 its middle. With auto a picture with bands is blurred band
-    by band, and the MTF shown is their mean by the picture's own light. `defocus_waves` is W20 at
-    the rim at the band's middle; the OTF is real and may be negative. `rms_wavefront_waves`, at the
-    band's middle too, takes Shannon's factor for small errors of any shape,
-    1 − (W/0.18)²(1 − 4(ν − 1/2)²).
-    Sources: Goodman 2005; O'Neill 1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon
-    1994, Handbook of Optics I, chapter 35.
+    `response`, and a Spectral Response that the picture has come through, weight the light besides:
+    the band is as a detector counts it that stands behind the optics. `wavelengths` auto takes as
+    many as `tolerance` needs, placed between the kinks of the OTF; a number takes so many over the
+    band, 1 its middle. With auto a picture with bands is blurred band by band, and the MTF shown is
+    their mean by the picture's own light. `defocus_waves` is W20 at the rim at the band's middle;
+    the OTF is real and may be negative. `rms_wavefront_waves`, at the band's middle too, takes
+    Shannon's factor for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman
+    2005; O'Neill 1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook
+    of Optics I, chapter 35.
     """
 
     aperture_mm: Annotated[
@@ -82,12 +89,18 @@ class DiffractionMTF(
         Param("wavelengths count by photons, as in a photon detector, by energy, or all alike"),
     ] = "photons"
     source_K: LightingSource = None
+    response: DetectorResponse = None
     wavelengths: Annotated[
         Number, Param("as many as the tolerance needs, or so many over the band, 1 its middle")
     ] = "auto"
     tolerance: Annotated[
         float,
-        Param("largest error of the OTF with auto; 0: 1e-13, with defocus 1e-10", low=0, high=1),
+        Param(
+            "largest error of the OTF with auto; 0: 1e-13, with defocus 1e-10, with a response of "
+            "many points 1e-6",
+            low=0,
+            high=1,
+        ),
     ] = 0.0
     defocus_waves: Annotated[
         float,
@@ -105,6 +118,7 @@ class DiffractionMTF(
         Section("Band", ("cut_on_um", "cut_off_um")),
         Section("Weights", ("weighting",)),
         Section("", ("source_K",), shown_when=("weighting", ("photons", "energy"))),
+        Section("", ("response",)),
         Section("Wavelengths", ("wavelengths",)),
         Section("", ("tolerance",), shown_when=("wavelengths", ("auto",))),
         Section("Output", ("apply",)),
@@ -120,16 +134,20 @@ class DiffractionMTF(
         """Plan the OTF."""
         band, aperture = self._band(context), self.aperture_of(context)
         aperture.check(band[0])
+        # Bands have their own light: no black body's over all of them is ever summed up.
+        weighting = self.weighting if self._bands(magnitude) is None else "uniform"
+        responses = weighting_responses(self.response, here.folder, magnitude, weighting)
+        spectrum = Spectrum(*band, weighting, responses=responses)
         law = Law.of(
             diffraction_otf,
             aperture=aperture,
             cut_on_um=band[0],
             cut_off_um=band[1],
-            # Bands have their own light: no black body's over all of them is ever summed up.
-            weighting=self.weighting if self._bands(magnitude) is None else "uniform",
+            weighting=weighting,
             temperature_K=self._temperature(magnitude, band, here.node),
+            responses=responses,
             wavelengths=0 if self.wavelengths == "auto" else self.wavelengths,
-            tolerance=self._finest(),
+            tolerance=self._finest(many_bends=has_many_bends(spectrum)),
         )
         # All that the law lets through is below the cutoff of the shortest wavelength taken.
         cutoff = aperture.diameter_mm / band[0]
@@ -137,10 +155,13 @@ class DiffractionMTF(
             Planar(law, radial=True, cutoff=(cutoff, cutoff), label=self.title, node=here.node),
             aperture,
             magnitude,
+            weighting_responses(self.response, here.folder, None, "uniform"),
         )
         return otf_outputs(self.apply, magnitude, phase, blur=(blur,), label=self.title)
 
-    def _by_bands(self, blur: Planar, aperture: Aperture, magnitude: Magnitude) -> Planar:
+    def _by_bands(
+        self, blur: Planar, aperture: Aperture, magnitude: Magnitude, detector: Responses
+    ) -> Planar:
         """Each band of the picture at its own wavelength; the mean is weighted by their light."""
         bands = self._bands(magnitude)
         if bands is None:
@@ -158,7 +179,8 @@ class DiffractionMTF(
         blur = replace(blur, by_wavelength=AtWavelength(one, ("cut_on_um", "cut_off_um")))
         if self.weighting == "uniform":
             return blur
-        return over_bands(blur, bands, photon_weights(bands, self.weighting), node=blur.node)
+        weights = photon_weights(bands, self.weighting, detector)
+        return over_bands(blur, bands, weights, node=blur.node)
 
     def _bands(self, magnitude: Magnitude) -> BandStack | None:
         """Bands of the picture, where the wavelengths are not fixed here."""
@@ -191,8 +213,10 @@ class DiffractionMTF(
             sum(self._band(context)) / 2,
         )
 
-    def _finest(self) -> float:
+    def _finest(self, *, many_bends: bool = False) -> float:
         usual = USUAL_WITH_DEFOCUS if self.defocus_waves else FINEST_TOLERANCE
+        if many_bends:
+            usual = USUAL_WITH_MANY_BENDS
         return max(self.tolerance or usual, FINEST_TOLERANCE)
 
     def _band(self, context: Context) -> Band:
@@ -242,6 +266,11 @@ class DiffractionMTF(
         """A picture in kelvin, which diffraction blurs as if it were radiance."""
         return kelvin_caution(magnitude, self._band(context), self.source_K)
 
+    @warning
+    def response_unused(self) -> Caution | None:
+        """A response beside one wavelength, which nothing can weight."""
+        return one_wavelength_caution(self.response, self.wavelengths == 1)
+
     @readout("mm", name="aperture_mm")
     def diameter(self, context: Context) -> float:
         """Diameter of the aperture."""
@@ -263,37 +292,29 @@ class DiffractionMTF(
         return source_temperature(self.source_K, magnitude, band, self.title)
 
     @readout()
-    def wavelengths_used(self, context: Context, magnitude: Magnitude) -> int | Step:
-        """Wavelengths between two kinks of the OTF, or over the band, or bands of the picture."""
+    def wavelengths_used(
+        self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
+    ) -> int | Step:
+        """Wavelengths between two kinks, or over the band; bands; panels of a long response."""
         bands = self._bands(magnitude)
         if bands is not None:
             return bands.count
-        return self._judged(context, magnitude, "count")
+        if self.wavelengths != "auto":
+            return self.wavelengths
+        return 1 if self._has_one_wavelength(context) else _needed(outputs, "count")
 
     @readout()
-    def estimated_error(self, context: Context, magnitude: Magnitude) -> int | Step | None:
+    def estimated_error(
+        self, context: Context, magnitude: Magnitude, outputs: OtfOutputs
+    ) -> float | Step | None:
         """What fewer wavelengths would change; of a fixed number it is not known."""
         if self.wavelengths != "auto" or self._bands(magnitude) is not None:
             return None
-        return self._judged(context, magnitude, "error")
+        return 0.0 if self._has_one_wavelength(context) else _needed(outputs, "error")
 
-    def _judged(self, context: Context, magnitude: Magnitude, wanted: str) -> int | Step:
-        band = self._band(context)
-        if self.wavelengths != "auto" or band[0] == band[1]:
-            return 1 if self.wavelengths == "auto" else self.wavelengths
-        temperature = self._temperature(magnitude, band, self.title)
-        if not isinstance(temperature, Recipe):
-            temperature = Step.of(number, value=temperature)
-        return Step.of(
-            _wavelengths_needed,
-            temperature,
-            node=self.title,
-            aperture=self.aperture_of(context),
-            band_um=band,
-            weighting=self.weighting,
-            tolerance=self._finest(),
-            wanted=wanted,
-        )
+    def _has_one_wavelength(self, context: Context) -> bool:
+        low, high = self._band(context)
+        return low == high
 
 
 def _of_context(context: Context) -> float | None:
@@ -304,17 +325,28 @@ def _of_context(context: Context) -> float | None:
     return context.focal_length_mm / context.f_number
 
 
+def _needed(outputs: OtfOutputs, wanted: str) -> Step:
+    """What the law delivered takes for its tolerance."""
+    factor = outputs.mtf.factors[0]
+    assert isinstance(factor, Planar)
+    bound = dict(factor.law.parameters)
+    temperature = bound.pop("temperature_K")
+    if not isinstance(temperature, Recipe):
+        temperature = Step.of(number, value=temperature)
+    del bound["wavelengths"]
+    return Step.of(_wavelengths_needed, temperature, node=factor.node, wanted=wanted, **bound)
+
+
 @ends_lineage
 def _wavelengths_needed(
     work: Work,
     temperature_K: float,
     *,
     aperture: Aperture,
-    band_um: Band,
-    weighting: Literal["photons", "energy", "uniform"],
     tolerance: float,
     wanted: str,
+    **spectrum: Any,
 ) -> float | int:
-    spectrum = Spectrum(*band_um, weighting, temperature_K)
-    count, error = wavelengths_needed(aperture, spectrum, tolerance)
+    lit = Spectrum(temperature_K=temperature_K, **spectrum)
+    count, error = wavelengths_needed(aperture, lit, tolerance)
     return count if wanted == "count" else error

@@ -9,17 +9,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.wires import Context, Magnitude, Phase, Pupil, Transfer
+from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
-from core.physics.optics.diffraction.band_weights import spectral_weight
+from core.physics.optics.diffraction.band_weights import Spectrum
 from core.physics.optics.polychromatic import band_wavelengths
 from core.spectrum.band_mean import over_bands
 from core.transfer.factors import Planar
-from nodes.optics.band_spectrum import number, photon_weights, source_temperature
+from nodes.optics.band_spectrum import (
+    DetectorResponse,
+    Responses,
+    number,
+    one_wavelength_caution,
+    photon_weights,
+    source_temperature,
+    weighting_responses,
+)
 from nodes.optics.pupil_factor import (
     PupilLaw,
     PupilScale,
@@ -47,11 +56,11 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     Geometric shapes are exact, for one wavelength or a band; files and wavefront errors are
     autocorrelated from their samples. `weighting`: more wavelengths than one count alike, or by the
     photons or the energy of a black body (`source_K`, else of the picture's mean radiance, else
-    sunlight's 5800 K where the band begins below 2.5 µm). A picture in bands is blurred band by
-    band, each at its own wavelength. Interpolation `none` shows the raw autocorrelation at the
-    pupil's own frequency intervals and multiplies nothing. Sizes are those of the whole pupil
-    array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is aperture/λ; the 12.8 of
-    eq. 4.21 is the array's half width over λ.
+    sunlight's 5800 K where the band begins below 2.5 µm), and by `response`, the detector's. A
+    picture in bands is blurred band by band, each at its own wavelength. Interpolation `none` shows
+    the raw autocorrelation at the pupil's own frequency intervals and multiplies nothing. Sizes are
+    those of the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is
+    aperture/λ; the 12.8 of eq. 4.21 is the array's half width over λ.
     """
 
     cut_on_um: CutOn = None
@@ -77,12 +86,14 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         Param("wavelengths count all alike, as in 1996, by photons, or by energy"),
     ] = "uniform"
     source_K: LightingSource = None
+    response: DetectorResponse = None
     apply: Apply = "multiply"
 
     panel = (
         Section("Wavelengths", ("cut_on_um", "cut_off_um", "wavelengths")),
         Section("Weights", ("weighting",)),
         Section("", ("source_K",), shown_when=("weighting", ("photons", "energy"))),
+        Section("", ("response",)),
         Section("Whole pupil array", ("size_x_cm", "size_y_cm")),
         Section("Autocorrelation", ("interpolation", "method")),
         Section("Output", ("apply",)),
@@ -97,7 +108,7 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
         phase: Phase | None = None,
     ) -> OtfOutputs:
         """Plan the OTF."""
-        scale = self._scale(context, pupil, magnitude, here.node)
+        scale = self._by_light(self._scale(context, pupil), context, magnitude, here)
         if phase is None:
             phase = Phase(None, magnitude.grid, magnitude.edges)
         label, node = self.title, here.node
@@ -119,8 +130,9 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
             law = PupilLaw(pupil, scale, self.interpolation, node)
         else:
             law = PupilLaw(pupil, scale, None, node)
-        blur = self._by_bands(blur, law, magnitude)
-        shifts = () if shift is None else (self._by_bands(shift, law, magnitude),)
+        detector = weighting_responses(self.response, here.folder, None, self.weighting)
+        blur = self._by_bands(blur, law, magnitude, detector)
+        shifts = () if shift is None else (self._by_bands(shift, law, magnitude, detector),)
         return otf_outputs(self.apply, magnitude, phase, blur=(blur,), shift=shifts, label=label)
 
     @warning
@@ -148,48 +160,62 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
             "make size_x_cm and the pupil's radius agree with f_number and focal_length_mm",
         )
 
-    def _by_bands(self, factor: Planar, law: PupilLaw, magnitude: Magnitude) -> Planar:
+    @warning
+    def response_unused(self) -> Caution | None:
+        """A response beside one wavelength, which nothing can weight."""
+        return one_wavelength_caution(self.response, self.wavelengths == 1)
+
+    def _by_bands(
+        self, factor: Planar, law: PupilLaw, magnitude: Magnitude, detector: Responses
+    ) -> Planar:
         """Each band of the picture at its own wavelength; the mean is weighted by their light."""
         bands = None if magnitude.image is None else magnitude.image.bands
         if bands is None:
             return factor
         factor = replace(factor, by_wavelength=law)
-        weights = photon_weights(bands, self.weighting)
+        weights = photon_weights(bands, self.weighting, detector)
         return over_bands(factor, bands, weights, node=factor.node)
 
-    def _scale(
-        self,
-        context: Context,
-        pupil: Pupil,
-        magnitude: Magnitude | None = None,
-        node: str = "",
-    ) -> PupilScale:
-        """Wavelengths with their weights; without a picture's spectrum they count alike."""
+    def _scale(self, context: Context, pupil: Pupil) -> PupilScale:
+        """Wavelengths over the band, which count alike."""
         cut_on, cut_off = given_band(self.cut_on_um, self.cut_off_um, context)
         wavelengths, weights = band_wavelengths(
             cut_on_um=cut_on, cut_off_um=cut_off, count=self.wavelengths
         )
         mean_um = float(sum(w * q for w, q in zip(wavelengths, weights, strict=True)))
-        places, shares = tuple(map(float, wavelengths)), tuple(map(float, weights))
-        scale = PupilScale(
+        return PupilScale(
             10 * self.size_x_cm / pupil.columns,
             10 * self.size_y_cm / pupil.rows,
-            places,
-            shares,
+            tuple(map(float, wavelengths)),
+            tuple(map(float, weights)),
             mean_um,
         )
-        if self.weighting == "uniform" or len(places) == 1 or magnitude is None:
+
+    def _by_light(
+        self, scale: PupilScale, context: Context, magnitude: Magnitude, here: NodeContext
+    ) -> PupilScale:
+        """The wavelengths weighted by the light, and by what is detected of it."""
+        if self.wavelengths == 1:
             return scale
         if magnitude.image is not None and magnitude.image.bands is not None:
             return scale  # each of them at its own wavelength
-        kelvin = source_temperature(self.source_K, magnitude, (cut_on, cut_off), node)
+        responses = weighting_responses(self.response, here.folder, magnitude, self.weighting)
+        if self.weighting == "uniform" and not responses:
+            return scale
+        band = given_band(self.cut_on_um, self.cut_off_um, context)
+        spectrum = Spectrum(*band, self.weighting, responses=responses)
+        spectrum.check()
+        places, shares = spectrum.places(self.wavelengths)
+        kelvin: float | Recipe = 1.0
+        if self.weighting != "uniform":
+            kelvin = source_temperature(self.source_K, magnitude, band, here.node)
         if not isinstance(kelvin, Recipe):
             kelvin = Step.of(number, value=kelvin)
-        by_light = Step.of(
-            _by_light, kelvin, node=node, wavelengths_um=places, weights=shares,
-            weighting=self.weighting,
+        weights = Step.of(
+            _weights_by_light, kelvin, node=here.node, spectrum=spectrum, wavelengths_um=places,
+            weights=shares,
         )  # fmt: skip
-        return replace(scale, weights=by_light)
+        return replace(scale, wavelengths_um=places, weights=weights)
 
     @readout("cyc/mrad")
     def pupil_interval_x(self, context: Context, pupil: Pupil) -> float:
@@ -237,21 +263,21 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
 
 
 @ends_lineage
-def _by_light(
+def _weights_by_light(
     work: Work,
     temperature_K: float,
     *,
+    spectrum: Spectrum,
     wavelengths_um: tuple[float, ...],
     weights: tuple[float, ...],
-    weighting: Weighting,
 ) -> tuple[float, ...]:
-    """Weights of wavelengths by the light of a black body; the sum is 1."""
-    light = spectral_weight(
-        wavelength_um=wavelengths_um,
-        weighting=weighting,
-        temperature_K=temperature_K,
-        near_um=max(wavelengths_um),
-    ) * np.array(weights)
+    """Weights of wavelengths by the light that counts; the sum is 1."""
+    lit = replace(spectrum, temperature_K=temperature_K)
+    light = lit.weight(np.array(wavelengths_um)) * np.array(weights)
+    if not light.sum() > 0.0:
+        raise DataError(
+            f"the response is 0 at each of the {len(weights)} wavelengths over the band: take more"
+        )
     shares = (light / light.sum()).tolist()
     return (*shares[:-1], 1.0 - sum(shares[:-1]))
 

@@ -3,7 +3,9 @@
 The OTF of one wavelength has kinks where outlines of the aperture touch: at the cutoff, and with an
 obscuration at three more places. At a fixed frequency they lie at certain wavelengths of the band,
 between which the OTF is smooth but for half-integer powers at their ends, so that Gauss quadrature
-between them, in a variable that takes these powers away, converges like a power.
+between them, in a variable that takes these powers away, converges like a power. A response of a
+few points has corners of its own, at fixed wavelengths: between these, too. One of many points is
+integrated exactly in narrow panels, over each of which the OTF is taken for a cubic.
 """
 
 from __future__ import annotations
@@ -11,24 +13,32 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.errors import DataError, ParameterError
+from core.physics.detector.response_curve import ResponseCurve
 from core.physics.numerics.quadrature import gauss_legendre
 from core.physics.numerics.scalar_checks import positive
 from core.physics.optics.annular_otf import annular_otf
 from core.physics.optics.diffraction.annular_defocus import MOST_DEFOCUS_WAVES, annular_defocus_otf
-from core.physics.optics.diffraction.band_weights import SpectralWeighting, spectral_weight
+from core.physics.optics.diffraction.band_weights import (
+    SpectralWeighting,
+    Spectrum,
+    panel_wavelengths,
+)
 from core.physics.optics.diffraction.radial_series import RadialSeries
 from core.physics.optics.diffraction.wavefront_factor import wavefront_factor
-from core.physics.optics.polychromatic import band_wavelengths
 
 Vector = NDArray[np.float64]
 COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
 FINEST_TOLERANCE = 1e-13
 USUAL_WITH_DEFOCUS = 1e-10  # each of its OTFs is an integral itself: a third of the time
+USUAL_WITH_MANY_BENDS = 1e-6
+MOST_PARTED = 12  # ends and corners of responses, at which series are parted
+PANELS = (64, 128, 256, 512, 1024, 2048, 4096)  # of a response with more
 _PROBES = 24  # frequencies at which the number of wavelengths is judged
 
 
@@ -90,56 +100,6 @@ class Aperture:
             raise ParameterError("defocus_waves", self.defocus_waves, allowed, unit="waves")
 
 
-@dataclass(frozen=True)
-class Spectrum:
-    """A band and how much its wavelengths count.
-
-    Parameters
-    ----------
-    cut_on_um, cut_off_um : float
-        The band; equal for one wavelength.
-    weighting : "photons", "energy" or "uniform"
-        Of a black body's light, or all alike.
-    temperature_K : float
-        Of that black body; not looked at where all count alike.
-    """
-
-    cut_on_um: float
-    cut_off_um: float
-    weighting: SpectralWeighting = "photons"
-    temperature_K: float = 300.0
-
-    def check(self) -> None:
-        """Refuse a band or a temperature that is none.
-
-        Raises
-        ------
-        ParameterError
-            For a value that is not finite, not above zero, or a band that ends before it begins.
-        """
-        if not (math.isfinite(self.cut_on_um) and self.cut_on_um > 0.0):
-            raise ParameterError(
-                "cut_on_um", self.cut_on_um, "a finite number above zero", unit="µm"
-            )
-        if not (math.isfinite(self.cut_off_um) and self.cut_off_um >= self.cut_on_um):
-            allowed = f"a finite number from cut_on_um = {self.cut_on_um:g}"
-            raise ParameterError("cut_off_um", self.cut_off_um, allowed, unit="µm")
-        if self.weighting != "uniform" and not (
-            math.isfinite(self.temperature_K) and self.temperature_K > 0.0
-        ):
-            what = "a finite number above zero"
-            raise ParameterError("temperature_K", self.temperature_K, what, unit="K")
-
-    def weight(self, wavelength_um: Vector) -> Vector:
-        """Relative weight of wavelengths."""
-        return spectral_weight(
-            wavelength_um=wavelength_um,
-            weighting=self.weighting,
-            temperature_K=self.temperature_K,
-            near_um=self.cut_off_um,
-        )
-
-
 def diffraction_otf(
     *,
     rho: ArrayLike,
@@ -148,6 +108,7 @@ def diffraction_otf(
     cut_off_um: float,
     weighting: SpectralWeighting,
     temperature_K: float,
+    responses: tuple[ResponseCurve, ...] = (),
     wavelengths: int = 0,
     tolerance: float = FINEST_TOLERANCE,
 ) -> Vector:
@@ -159,11 +120,11 @@ def diffraction_otf(
         Radial frequency, cycles/mrad.
     aperture : Aperture
         What diffracts.
-    cut_on_um, cut_off_um, weighting, temperature_K
+    cut_on_um, cut_off_um, weighting, temperature_K, responses
         As of `Spectrum`.
     wavelengths : int
-        Number of Gauss-Legendre wavelengths, 1 being the band's middle; 0 for as many as the
-        tolerance takes.
+        Number of Gauss-Legendre wavelengths over what the responses let through of the band, 1
+        being the band's middle; 0 for as many as the tolerance takes.
     tolerance : float
         Largest error with these, 1e-13 or more.
 
@@ -184,7 +145,7 @@ def diffraction_otf(
     ∫ w(λ)·OTF(λρ/D) dλ / ∫ w(λ) dλ. Source: Goodman 2005, Introduction to Fourier Optics, section
     6.4; the weights of a photon detector: Boreman 2001, Modulation Transfer Function, chapter 1.
     """
-    spectrum = Spectrum(cut_on_um, cut_off_um, weighting, temperature_K)
+    spectrum = Spectrum(cut_on_um, cut_off_um, weighting, temperature_K, responses)
     spectrum.check()
     aperture.check(cut_on_um)
     if not (math.isfinite(wavelengths) and wavelengths >= 0):
@@ -217,21 +178,27 @@ def wavelengths_needed(
     return _judged(aperture, spectrum, tolerance)
 
 
+def has_many_bends(spectrum: Spectrum) -> bool:
+    """Whether responses have more corners than series are parted at."""
+    return len(spectrum.corners_um) > MOST_PARTED
+
+
 @lru_cache(maxsize=32)
 def _judged(aperture: Aperture, spectrum: Spectrum, tolerance: float) -> tuple[int, float]:
     last = _ends(aperture, spectrum)[-1]
     probes = last * (np.arange(_PROBES) + 0.37) / _PROBES
-    before = _over_band(probes, aperture, spectrum, COUNTS[0])
+    counts = PANELS if has_many_bends(spectrum) else COUNTS
+    before = _over_band(probes, aperture, spectrum, counts[0])
     error = math.inf
-    for count in COUNTS[1:]:
+    for count in counts[1:]:
         finer = _over_band(probes, aperture, spectrum, count)
         # Convergence is geometric: what a half more of them change bounds the error of the finer.
         before, error = finer, float(np.abs(finer - before).max())
         if error <= tolerance:
             return count, max(error, 1e-15)
     raise DataError(
-        f"{COUNTS[-1]} wavelengths between kinks leave an error of {error:.2g}: give fewer waves "
-        "of defocus, or a tolerance above that"
+        f"{counts[-1]} wavelengths between kinks leave an error of {error:.2g}: give a tolerance "
+        "above that, or fewer waves of defocus"
     )
 
 
@@ -247,8 +214,9 @@ def _series(aperture: Aperture, spectrum: Spectrum, tolerance: float) -> RadialS
 
 def _ends(aperture: Aperture, spectrum: Spectrum) -> tuple[float, ...]:
     """Frequencies at which a kink enters or leaves the band."""
-    diameter, band = aperture.diameter_mm, (spectrum.cut_on_um, spectrum.cut_off_um)
-    places = sorted(kink * diameter / end for kink in aperture.kinks for end in band)
+    diameter = aperture.diameter_mm
+    corners = spectrum.ends_um if has_many_bends(spectrum) else spectrum.corners_um
+    places = sorted(kink * diameter / end for kink in aperture.kinks for end in corners)
     ends = [0.0]
     for place in places:
         if place > ends[-1] * (1.0 + 1e-12):
@@ -257,22 +225,29 @@ def _ends(aperture: Aperture, spectrum: Spectrum) -> tuple[float, ...]:
 
 
 def _over_band(rho: Vector, aperture: Aperture, spectrum: Spectrum, count: int) -> Vector:
-    """The weighted mean at frequencies above 0, by `count` wavelengths between the kinks."""
-    low, high = spectrum.cut_on_um, spectrum.cut_off_um
+    """The weighted mean at frequencies above 0, by `count` wavelengths between the kinks.
+
+    By `count` panels where the response has many corners.
+    """
+    if has_many_bends(spectrum):
+        places, weights = panel_wavelengths(spectrum, count)
+        return np.array([float(aperture.otf(np.full(1, each), places) @ weights) for each in rho])
     kinks = np.array(sorted(aperture.kinks)) * aperture.diameter_mm
-    inside = np.clip(kinks / rho[:, np.newaxis], low, high)
-    edges = np.concatenate(
-        [np.full((rho.size, 1), low), inside], axis=1
-    )  # beyond the last kink, the cutoff, there is nothing
-    total = np.zeros(rho.size)
-    for left, right in zip(edges.T[:-1], edges.T[1:], strict=True):
-        chosen = np.flatnonzero(right > left)
-        if chosen.size:
-            places, weights = _between(left[chosen], right[chosen], count)
-            otf = aperture.otf(rho[chosen, np.newaxis], places)
-            total[chosen] += np.sum(weights * spectrum.weight(places) * otf, axis=1)
-    places, weights = _between(np.array([low]), np.array([high]), count)
-    return np.asarray(total / np.sum(weights * spectrum.weight(places)))
+    at_kinks = kinks / rho[:, np.newaxis]
+    total, whole = np.zeros(rho.size), 0.0
+    for low, high in pairwise(spectrum.edges_um):
+        # Beyond the last kink, the cutoff, there is nothing.
+        inside = np.clip(at_kinks, low, high)
+        edges = np.concatenate([np.full((rho.size, 1), low), inside], axis=1)
+        for left, right in pairwise(edges.T):
+            chosen = np.flatnonzero(right > left)
+            if chosen.size:
+                places, weights = _between(left[chosen], right[chosen], count)
+                otf = aperture.otf(rho[chosen, np.newaxis], places)
+                total[chosen] += np.sum(weights * spectrum.weight(places) * otf, axis=1)
+        places, weights = _between(np.array([low]), np.array([high]), count)
+        whole += float(np.sum(weights * spectrum.weight(places)))
+    return np.asarray(total / whole)
 
 
 def _between(left: Vector, right: Vector, count: int) -> tuple[Vector, Vector]:
@@ -286,8 +261,13 @@ def _between(left: Vector, right: Vector, count: int) -> tuple[Vector, Vector]:
 
 def _fixed(spectrum: Spectrum, count: int) -> tuple[Vector, Vector]:
     """Wavelengths and weights, which sum to 1."""
-    places, weights = band_wavelengths(
-        cut_on_um=spectrum.cut_on_um, cut_off_um=spectrum.cut_off_um, count=count
-    )
+    places, weights = map(np.array, spectrum.places(count))
+    if count == 1:
+        return places, weights
     weights = weights * spectrum.weight(places)
+    if not np.sum(weights) > 0.0:
+        raise DataError(
+            f"the response is 0 at each of the {count} wavelengths over the band: take more, or as "
+            "many as the tolerance needs"
+        )
     return places, weights / np.sum(weights)

@@ -76,5 +76,6 @@ def _fit(function: Callable[[Vector], Vector], low: float, high: float, toleranc
             return np.asarray(coefficients[: max(2, int(np.count_nonzero(rest > tolerance / 8)))])
     raise DataError(
         f"the polychromatic OTF between {low:g} and {high:g} cycles/mrad takes more than "
-        f"{SIZES[-1]} terms: give fewer waves of defocus, or a number of wavelengths"
+        f"{SIZES[-1]} terms: give a larger tolerance, a number of wavelengths, or fewer waves of "
+        "defocus"
     )

@@ -8,13 +8,14 @@ import mpmath
 import numpy as np
 import pytest
 
-from core.errors import ParameterError
+from core.errors import DataError, ParameterError
+from core.physics.detector.response_curve import ResponseCurve
 from core.physics.optics.annular_otf import annular_otf
 from core.physics.optics.defocus_otf import defocus_otf
 from core.physics.optics.diffraction.annular_defocus import annular_defocus_otf
+from core.physics.optics.diffraction.band_weights import Spectrum
 from core.physics.optics.diffraction.diffraction_otf import (
     Aperture,
-    Spectrum,
     diffraction_otf,
     wavelengths_needed,
 )
@@ -107,7 +108,7 @@ def test_reference(case):
     assert float(found) == pytest.approx(float(case["expected"]["mtf"]), rel=1e-9)
 
 
-def over_band(aperture, rho, low, high, weight):
+def over_band(aperture, rho, low, high, weight, bends=()):
     """By mpmath, panel by panel between the kinks; the annulus by O'Neill's formula or chords."""
     d, e = aperture.diameter_mm, aperture.obscuration_ratio
 
@@ -125,9 +126,10 @@ def over_band(aperture, rho, low, high, weight):
         return value * (1 - (rms / mpmath.mpf("0.18")) ** 2 * (1 - 4 * (v - 0.5) ** 2))
 
     kinks = [k * d / rho for k in (0.5 - e / 2, e, 0.5 + e / 2, 1)]
-    ends = sorted({low, high, *(kink for kink in kinks if low < kink < high)})
-    top = mpmath.quad(lambda wave: weight(wave) * otf(wave), ends)
-    return float(top / mpmath.quad(weight, [low, (low + high) / 2, high]))
+    inside = [place for place in (*kinks, *bends) if low < place < high]
+    top = mpmath.quad(lambda wave: weight(wave) * otf(wave), sorted({low, high, *inside}))
+    whole = sorted({low, (low + high) / 2, high, *(b for b in bends if low < b < high)})
+    return float(top / mpmath.quad(weight, whole))
 
 
 @pytest.mark.parametrize("weighting", ["photons", "energy", "uniform"])
@@ -146,6 +148,98 @@ def test_an_annulus_over_a_band(weighting, rho):
         temperature_K=290.0,
     )  # fmt: skip
     assert float(found) == pytest.approx(over_band(aperture, rho, 3.0, 5.0, weight), abs=3e-13)
+
+
+def planck_photons(wave, kelvin=290):
+    x = mpmath.mpf("14387.768775039337") / (wave * kelvin)
+    return 1 / wave**4 / (mpmath.exp(x) - 1)
+
+
+CURVES = {
+    "file": (
+        ResponseCurve("file", points=((2.5, 0.1), (3.4, 0.5), (4.1, 0.9), (4.6, 0.2))),
+        lambda wave: mpmath.mpf(0) if wave > 4.6 else next(
+            first[1] + (mpmath.mpf(wave) - first[0]) * (last[1] - first[1]) / (last[0] - first[0])
+            for first, last in pairwise(((2.5, 0.1), (3.4, 0.5), (4.1, 0.9), (4.6, 0.2)))
+            if wave <= last[0]
+        ),
+        (3.4, 4.1, 4.6),
+    ),
+    "rectangle": (
+        ResponseCurve("rectangle", 4.0, 0.6, 0.5),
+        lambda wave: mpmath.mpf(int(abs(wave - 4) <= mpmath.mpf("0.3") + 1e-15)),
+        (3.7, 4.3),
+    ),
+    "gaussian": (
+        ResponseCurve("gaussian", 3.8, 0.5),
+        lambda wave: mpmath.mpf(2) ** (-(((wave - mpmath.mpf("3.8")) / mpmath.mpf("0.25")) ** 2)),
+        (3.4, 3.8, 4.2),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CURVES)
+@pytest.mark.parametrize("rho", [0.7, 6.0, 13.0, 22.0, 28.0])
+def test_a_source_behind_a_response(name, rho):
+    curve, value, bends = CURVES[name]
+    aperture = Aperture(100.0, 0.35)
+
+    def weight(wave):
+        return planck_photons(wave) * value(wave)
+
+    found = diffraction_otf(
+        rho=rho, aperture=aperture, cut_on_um=3.0, cut_off_um=5.0, weighting="photons",
+        temperature_K=290.0, responses=(curve,),
+    )  # fmt: skip
+    expected = over_band(aperture, rho, 3.0, 5.0, weight, bends)
+    assert float(found) == pytest.approx(expected, abs=3e-13)
+
+
+def test_two_responses_multiply():
+    filtered, detector = CURVES["rectangle"][0], CURVES["file"][0]
+
+    def weight(wave):
+        return planck_photons(wave) * CURVES["rectangle"][1](wave) * CURVES["file"][1](wave)
+
+    aperture = Aperture(100.0, 0.35)
+    found = diffraction_otf(
+        rho=np.array([5.0, 24.5]), aperture=aperture, cut_on_um=3.0, cut_off_um=5.0,
+        weighting="photons", temperature_K=290.0, responses=(filtered, detector),
+    )  # fmt: skip
+    bends = (3.7, 4.1, 4.3)
+    expected = [over_band(aperture, rho, 3.0, 5.0, weight, bends) for rho in (5.0, 24.5)]
+    assert np.abs(found - expected).max() <= 3e-13
+
+
+@pytest.mark.parametrize(("count", "tolerance"), [(60, 1e-9), (700, 1e-6), (700, 1e-8)])
+def test_a_measured_response_of_many_points(count, tolerance):
+    """By the trapezium rule over half a million wavelengths."""
+    rng = np.random.default_rng(count)
+    known = np.linspace(2.9, 5.1, count)
+    values = np.clip(0.7 + 0.1 * rng.standard_normal(count), 0.0, 1.0)
+    curve = ResponseCurve("file", points=tuple(zip(known.tolist(), values.tolist(), strict=True)))
+    aperture, rho = Aperture(100.0, 0.3), np.array([1.0, 9.0, 17.0, 25.0, 30.0])
+    found = diffraction_otf(
+        rho=rho, aperture=aperture, cut_on_um=3.0, cut_off_um=5.0, weighting="uniform",
+        temperature_K=290.0, responses=(curve,), tolerance=tolerance,
+    )  # fmt: skip
+    waves = np.linspace(3.0, 5.0, 500_001)
+    weight = np.interp(waves, known, values)
+    expected = [
+        np.trapezoid(weight * aperture.otf(np.full(1, each), waves)) / np.trapezoid(weight)
+        for each in rho
+    ]
+    assert np.abs(found - expected).max() <= 2 * tolerance
+
+
+def test_a_response_that_meets_nothing():
+    curve = ResponseCurve("rectangle", 4.0, 0.1)
+    how = {"rho": 1.0, "aperture": Aperture(100.0), "weighting": "uniform", "temperature_K": 290.0}
+    with pytest.raises(ParameterError, match=r"response = '?0 from 8 to 12 µm"):
+        diffraction_otf(cut_on_um=8.0, cut_off_um=12.0, responses=(curve,), **how)
+    spike = ResponseCurve("file", points=((3.0, 0.0), (3.01, 1.0), (3.02, 0.0), (5.0, 0.0)))
+    with pytest.raises(DataError, match="4 wavelengths"):
+        diffraction_otf(cut_on_um=3.0, cut_off_um=5.0, responses=(spike,), wavelengths=4, **how)
 
 
 @pytest.mark.parametrize("defocus", [0.4, 2.0])

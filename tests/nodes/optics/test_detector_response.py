@@ -1,0 +1,152 @@
+"""Optics whose wavelengths are weighted by the light and by what the detector counts of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.evaluation.policy import Policy
+from cube_files import C2_UM, centres, disc_otf, materials_cube, write_cube
+from node_bench import NodeBench
+from nodes.library import standard_library
+
+INTERVAL = 0.02
+SHAPE = (16, 64)
+APERTURE_MM = 100.0
+POINTS = ((3.2, 0.0), (3.6, 0.8), (4.4, 0.5), (4.5, 0.1))
+WAVES = 3.0 + 2.0 * (np.arange(200_000) + 0.5) / 200_000
+RESPONSE = np.interp(WAVES, *zip(*POINTS, strict=True), left=0.0, right=0.0)
+BODY = WAVES**-4 / np.expm1(C2_UM / WAVES / 300.0)
+KINDS = {
+    "diffraction_mtf": {"source_K": 300.0},
+    "exit_pupil_mtf": {
+        "wavelengths": 200, "weighting": "photons", "source_K": 300.0,
+        "size_x_cm": 12.8, "size_y_cm": 12.8,
+    },
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def library():
+    return standard_library()
+
+
+@pytest.fixture
+def folder(tmp_path):
+    lines = [f"{place}, {value}" for place, value in POINTS]
+    (tmp_path / "detector.csv").write_text("um,QE\n" + "\n".join(lines) + "\n", encoding="utf-8")
+    np.save(tmp_path / "flat.npy", np.ones(SHAPE))
+    return tmp_path
+
+
+def bench(library, folder, key, params, *, read=None, filtered=None):
+    read = {"path": "flat.npy", "cut_on_um": 3.0, "cut_off_um": 5.0} if read is None else read
+    fov = {
+        "fov_x_deg": float(np.degrees(INTERVAL * 1e-3 * SHAPE[1])),
+        "fov_y_deg": float(np.degrees(INTERVAL * 1e-3 * SHAPE[0])),
+    }
+    nodes = {
+        "read": ("read_image", {**fov, **read}),
+        "init": ("init_trans", {"focal_length_mm": 200.0, "f_number": 2.0}),
+        "otf": (key, {**KINDS[key], **params}),
+    }
+    links = [("init.context", "otf.context"), ("init.magnitude", "otf.magnitude")]
+    if filtered is None:
+        links.append(("read.image", "init.image"))
+    else:
+        nodes["filter"] = ("spectral_response", filtered)
+        links += [("read.image", "filter.image"), ("filter.image", "init.image")]
+    if key == "exit_pupil_mtf":
+        nodes["pupil"] = ("exit_pupil", {"size_x": 128, "size_y": 128, "radius": 50})
+        links.append(("pupil.pupil", "otf.pupil"))
+    return NodeBench(library, folder, nodes, links)
+
+
+def across(there):
+    """Frequencies across, and the MTF along them."""
+    grid = there.port("otf.mtf").grid
+    (factor,) = there.port("otf.mtf").factors
+    work = there.engine.work(Policy("double", 0.0))
+    return grid.xi(), factor.plane(work, grid.xi(), np.zeros(1))[0]
+
+
+def weighted_otf(xi, light):
+    return np.array([np.sum(light * disc_otf(one, WAVES, APERTURE_MM)) for one in xi]) / light.sum()
+
+
+@pytest.mark.parametrize("key", KINDS)
+def test_a_detectors_response_weights_the_light(library, folder, key):
+    xi, mtf = across(bench(library, folder, key, {"response": "detector.csv"}))
+    want = weighted_otf(xi, BODY * RESPONSE)
+    assert np.abs(mtf - want).max() <= (1e-9 if key == "diffraction_mtf" else 2e-5)
+    assert np.abs(want - weighted_otf(xi, BODY)).max() > 0.01
+
+
+@pytest.mark.parametrize("key", KINDS)
+def test_a_filter_that_the_picture_has_come_through_counts_too(library, folder, key):
+    filtered = {"shape": "file", "path": "detector.csv", "source_K": 300.0}
+    xi, mtf = across(bench(library, folder, key, {}, filtered=filtered))
+    assert np.array_equal(mtf, across(bench(library, folder, key, {"response": "detector.csv"}))[1])
+    both = bench(library, folder, key, {"response": "detector.csv"}, filtered=filtered)
+    want = weighted_otf(xi, BODY * RESPONSE**2)
+    assert np.abs(across(both)[1] - want).max() <= (1e-9 if key == "diffraction_mtf" else 2e-5)
+
+
+@pytest.mark.parametrize("key", KINDS)
+def test_all_alike_but_for_the_response(library, folder, key):
+    params = {"weighting": "uniform", "response": "detector.csv"}
+    filtered = {"shape": "rectangle", "width_um": 0.2, "source_K": 300.0}
+    xi, mtf = across(bench(library, folder, key, params, filtered=filtered))
+    assert np.abs(mtf - weighted_otf(xi, RESPONSE)).max() <= 2e-5
+
+
+@pytest.mark.parametrize("key", KINDS)
+def test_of_a_picture_in_bands_the_mean_is_that_of_what_is_counted(library, folder, key):
+    wavelengths, width = centres(6)
+    samples = materials_cube(SHAPE, wavelengths)
+    write_cube(folder, samples, wavelengths, width)
+    read = {"path": "cube.img", "bands": "all"}
+    xi, mtf = across(bench(library, folder, key, {"response": "detector.csv"}, read=read))
+    means = np.array([band.mean() for band in samples])
+    light = []
+    for mean, wavelength in zip(means, wavelengths, strict=True):
+        inside = np.abs(WAVES - wavelength) <= width / 2
+        light.append(mean * wavelength * RESPONSE[inside].mean())
+    otfs = np.array([disc_otf(xi, one, APERTURE_MM) for one in wavelengths])
+    want = np.array(light) @ otfs / np.sum(light)
+    assert np.abs(mtf - want).max() <= 1e-5  # of the mean response over a band by samples
+
+
+@pytest.mark.parametrize("key", KINDS)
+def test_one_wavelength_says_that_nothing_is_weighted(library, folder, key):
+    there = bench(library, folder, key, {"response": "detector.csv", "wavelengths": 1})
+    (caution,) = there.plan.warnings()
+    assert "response is not used" in str(caution)
+
+
+@pytest.mark.parametrize("key", KINDS)
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("missing.csv", None, "missing.csv"),
+        ("far.csv", "8, 1\n12, 1\n", "response above 0 somewhere in the band"),
+        ("long.csv", "3, 1\n4, 1.5\n", "line 2"),
+    ],
+)
+def test_refusals(library, folder, key, name, text, words):
+    if text is not None:
+        (folder / name).write_text(text, encoding="utf-8")
+    (error,) = bench(library, folder, key, {"response": name}).plan.errors()
+    assert error.node == "otf"
+    assert words in str(error)
+
+
+def test_the_readouts_are_of_the_weighted_band(library, folder):
+    there = bench(library, folder, "diffraction_mtf", {"response": "detector.csv"})
+    readouts = there.engine.readouts(there.plan, "otf", there.engine.work(Policy("double", 0.0)))
+    assert readouts["estimated_error"] <= 1e-13
+    many = "".join(f"{3 + 0.002 * i}, {0.5 + 0.1 * (i % 3)}\n" for i in range(1001))
+    (folder / "many.csv").write_text(many, encoding="utf-8")
+    there = bench(library, folder, "diffraction_mtf", {"response": "many.csv"})
+    readouts = there.engine.readouts(there.plan, "otf", there.engine.work(Policy("double", 0.0)))
+    assert 1e-13 < readouts["estimated_error"] <= 1e-6
