@@ -8,7 +8,7 @@ import sys
 import threading
 from pathlib import Path
 
-from app.editor.lean_imports import leave_sources_unread
+from app.editor.lean_imports import leave_sources_unread, nothing_collected
 from app.editor.qt_libraries import check_libraries
 from app.options.command_options import Options
 from app.run.shipped import find_network
@@ -48,7 +48,8 @@ def edit(options: Options, stop_requested: threading.Event) -> None:
     except ImportError as error:
         raise UsageError(f"the editor needs Qt, which cannot be loaded: {error}") from error
     leave_sources_unread()
-    from app.editor.window.start import start
+    with nothing_collected():
+        from app.editor.window.start import start
 
     start(options, stop_requested)
 

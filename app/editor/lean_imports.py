@@ -1,8 +1,13 @@
-"""Having Qt's bindings leave the sources of other modules alone."""
+"""Importing and building the window without what only costs time while nothing can be gained."""
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import sys
+from collections.abc import Iterator
+
+NEVER = 2**30
 
 
 def leave_sources_unread() -> None:
@@ -16,3 +21,20 @@ def leave_sources_unread() -> None:
     feature = sys.modules.get("shibokensupport.feature")
     if feature is not None and "_mod_uses_pyside" in vars(feature):
         vars(feature)["_mod_uses_pyside"] = lambda _module: False
+
+
+@contextlib.contextmanager
+def nothing_collected() -> Iterator[None]:
+    """Look for no garbage meanwhile, nor ever again among what was made meanwhile.
+
+    What imports and the building of a window make stays: to go through it 300 times, as Python
+    does, took 0.2 s of the 2.0 s to the first picture, and each later collection of everything goes
+    through 120,000 objects of it.
+    """
+    usual = gc.get_threshold()
+    gc.set_threshold(NEVER, NEVER, NEVER)
+    try:
+        yield
+    finally:
+        gc.freeze()
+        gc.set_threshold(*usual)

@@ -12,14 +12,15 @@ import time
 
 import PySide6.QtWidgets  # noqa: F401  # before all that imports it, as the command does
 
-from app.editor.lean_imports import leave_sources_unread
+from app.editor.lean_imports import leave_sources_unread, nothing_collected
 
 PATIENCE_S = 60.0
 
 
 def main(network: str) -> None:
     """Open the window with a network, and wait for the picture."""
-    from app.editor.measures.trial_window import PaintedPictures, live, trial_window
+    with nothing_collected():
+        from app.editor.measures.trial_window import PaintedPictures, live, trial_window
 
     with trial_window(network) as (_, window):
         shown = time.monotonic()

@@ -13,6 +13,7 @@ from PySide6.QtCore import QCoreApplication, QEvent, QEventLoop, QObject
 from PySide6.QtWidgets import QApplication, QGraphicsView
 
 from app.editor.evaluation.queries import Answer
+from app.editor.lean_imports import nothing_collected
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.window.documents.remembered_settings import Settings
 from app.editor.window.main_window import MainWindow
@@ -29,13 +30,17 @@ def trial_window(network: str = "") -> Iterator[tuple[QApplication, MainWindow]]
     app = application()
     with tempfile.TemporaryDirectory() as folder:
         settings = Settings(Path(folder) / "settings.ini")
-        window = MainWindow(
-            library=standard_library(), settings=settings, recovery=Path(folder), remembered=False
-        )
-        window.resize(*SIZE)
-        if network:
-            window.open_first(network)
-        window.show()
+        with nothing_collected():
+            window = MainWindow(
+                library=standard_library(),
+                settings=settings,
+                recovery=Path(folder),
+                remembered=False,
+            )
+            window.resize(*SIZE)
+            if network:
+                window.open_first(network)
+            window.show()
         try:
             yield app, window
         finally:

@@ -10,6 +10,7 @@ from types import TracebackType
 from PySide6.QtCore import QTimer, qInstallMessageHandler
 from PySide6.QtWidgets import QApplication
 
+from app.editor.lean_imports import nothing_collected
 from app.editor.theme import THEMES
 from app.editor.window.documents.remembered_settings import Settings, recovery_folder
 from app.editor.window.main_window import MainWindow
@@ -52,6 +53,25 @@ def start(options: Options, stop_requested: threading.Event) -> None:
         return
     _only_note(stop_requested)
     settings = Settings()
+    with nothing_collected():
+        window = _built(options, settings)
+    sys.excepthook = _Reporter(window)
+    app.commitDataRequest.connect(lambda _manager: window.autosaver.write())
+    ending = _Ending(window, stop_requested)
+    wake = QTimer()
+    wake.timeout.connect(ending)
+    wake.start(_WAKE_MS)
+    with nothing_collected():
+        window.show()
+    if settings.first and not settings.toured and not options.network:
+        QTimer.singleShot(0, window.tour.begin)
+    app.exec()
+    if ending.problem is not None:
+        stop_requested.clear()  # it was carried out: the error is the outcome
+        raise FileError(f"unsaved work is lost: {ending.problem}") from ending.problem
+
+
+def _built(options: Options, settings: Settings) -> MainWindow:
     window = MainWindow(library=standard_library(), settings=settings, recovery=recovery_folder())
     if options.look is not None:
         window.set_theme(THEMES[options.look])
@@ -59,19 +79,7 @@ def start(options: Options, stop_requested: threading.Event) -> None:
         window.resize(*options.window_size)
     if options.network:
         window.open_first(options.network)
-    sys.excepthook = _Reporter(window)
-    app.commitDataRequest.connect(lambda _manager: window.autosaver.write())
-    ending = _Ending(window, stop_requested)
-    wake = QTimer()
-    wake.timeout.connect(ending)
-    wake.start(_WAKE_MS)
-    window.show()
-    if settings.first and not settings.toured and not options.network:
-        QTimer.singleShot(0, window.tour.begin)
-    app.exec()
-    if ending.problem is not None:
-        stop_requested.clear()  # it was carried out: the error is the outcome
-        raise FileError(f"unsaved work is lost: {ending.problem}") from ending.problem
+    return window
 
 
 class _Ending:

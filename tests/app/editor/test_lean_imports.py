@@ -35,3 +35,20 @@ def test_the_canvas_imports_no_more_than_the_view_layer():
         "print(menu.LooseVersion('5.9') >= menu.LooseVersion('5.10'))\n"
     )
     assert answers_of(code) == ["True", "False"]
+
+
+def test_nothing_is_collected_while_the_window_is_made():
+    """Neither then nor later: what was made is passed over by each collection that follows."""
+    code = (
+        "import gc\n"
+        "from app.editor.lean_imports import nothing_collected\n"
+        "usual, passed = gc.get_threshold(), []\n"
+        "gc.callbacks.append(lambda phase, about: passed.append(phase))\n"
+        "with nothing_collected():\n"
+        "    made = [[] for _ in range(50 * usual[0])]\n"
+        "print(len(passed), gc.get_threshold() == usual, gc.isenabled())\n"
+        "print(gc.get_freeze_count() > len(made), any(each is made for each in gc.get_objects()))\n"
+        "made = [[] for _ in range(50 * usual[0])]\n"
+        "print(len(passed) > 0)\n"
+    )
+    assert answers_of(code) == ["0", "True", "True", "True", "False", "True"]
