@@ -1,11 +1,11 @@
-"""The explicit list of modules, in the order the library shows them."""
+"""The explicit list of our modules, in the order the library shows them, and what packages add."""
 
 from __future__ import annotations
 
 from functools import cache
 
 from core.modules.declaration import Module
-from core.modules.library_type import Library, library_of
+from core.modules.library_type import PackagedLibrary, library_of
 from nodes.analysis.camera.camera_geometry import CameraGeometry
 from nodes.analysis.camera.line_by_line import LineByLine
 from nodes.analysis.merit.figures_of_merit import FiguresOfMerit
@@ -50,6 +50,7 @@ from nodes.optics.gaussian_mtf import GaussianMTF
 from nodes.optics.mtf_file import MtfFile
 from nodes.optics.poisson_noise import PoissonNoise
 from nodes.optics.psf_file import PsfFile
+from nodes.plug_ins import installed_plug_ins
 from nodes.transform.anti_alias import AntiAlias
 from nodes.transform.back_transform import BackTransform
 from nodes.transform.combine_pixels import CombinePixels
@@ -116,6 +117,8 @@ MODULES: tuple[type[Module], ...] = (
 
 
 @cache
-def standard_library() -> Library:
-    """Every module by its key."""
-    return library_of(MODULES)
+def standard_library() -> PackagedLibrary:
+    """Every module by its key: ours, then those of installed packages."""
+    ours = library_of(MODULES)
+    plug_ins = installed_plug_ins(ours)
+    return PackagedLibrary({**ours, **library_of(plug_ins.modules)}, plug_ins.faults)

@@ -7,12 +7,15 @@ from itertools import groupby
 from textwrap import indent
 from typing import Any
 
+from app.options.terminal_streams import print_error
 from app.run.readout_tables import columns
 from core.errors import UsageError
 from core.modules.declaration import Declaration, Port, declaration
+from core.modules.library_type import package_of, where_absent
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown
 from nodes.library import standard_library
+from nodes.plug_ins import missing_modules
 
 
 def modules(*, as_json: bool, key: str = "") -> None:
@@ -25,7 +28,9 @@ def modules(*, as_json: bool, key: str = "") -> None:
     """
     library = standard_library()
     if key and key not in library:
-        hint = close(key, library) or "; imagechain modules lists them"
+        absent = where_absent(key, library)
+        hint = f": {absent}" if absent else close(key, library)
+        hint = hint or "; imagechain modules lists them"
         raise UsageError(f"there is no module {shown(key)}{hint}")
     declared = [declaration(module) for name, module in library.items() if key in ("", name)]
     if as_json:
@@ -38,6 +43,8 @@ def modules(*, as_json: bool, key: str = "") -> None:
         print(f"{group}\n{'=' * len(group)}\n")
         for entry in members:
             print(module_text(entry, whole=bool(key)), end="\n\n")
+    for line in missing_modules(library):
+        print_error(f"warning: {line}")
 
 
 def described_module(declared: Declaration) -> dict[str, Any]:
@@ -46,6 +53,7 @@ def described_module(declared: Declaration) -> dict[str, Any]:
         "key": declared.key,
         "title": declared.title,
         "group": declared.group,
+        "package": package_of(declared.key),
         "version": declared.version,
         "summary": declared.summary,
         "text": declared.text,

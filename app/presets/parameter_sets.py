@@ -122,7 +122,7 @@ def _is_set(value: Any) -> bool:
 
 
 def _file(module: str, folder: Path) -> Path:
-    if not module.isidentifier():
+    if not all(name.isidentifier() for name in module.split(".")):
         raise NetworkError(f"{shown(module)} is no module whose parameters can be kept")
     return folder / f"{module}.json"
 

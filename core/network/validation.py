@@ -7,7 +7,7 @@ from typing import Any
 
 from core.errors import ImagechainError, NetworkError, ParameterError
 from core.modules.declaration import Declaration, Port, declaration
-from core.modules.library_type import Library
+from core.modules.library_type import Library, where_absent
 from core.names import close, shown, thaw
 from core.network.expansion import expanded
 from core.network.graph import cycles
@@ -120,7 +120,8 @@ class _Survey:
             if node.id in self.declared:
                 self._parameters(node, self.declared[node.id])
             elif not keep_unknown:
-                hint = self._close(node.module, self.library)
+                absent = where_absent(node.module, self.library)
+                hint = f": {absent}" if absent else self._close(node.module, self.library)
                 hint = hint or "; the command `imagechain modules` lists those there are"
                 self._add(f"there is no module {shown(node.module)}{hint}", node.id)
 

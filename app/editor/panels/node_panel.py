@@ -24,6 +24,7 @@ from core.editing.nodes import Rename
 from core.editing.operation import ABSENT, Operation
 from core.editing.output_mark import has_picture, output_toggled
 from core.errors import ImagechainError
+from core.modules.library_type import where_absent
 from core.network.macro import SEPARATOR
 from core.network.network import MACRO, Network
 
@@ -98,7 +99,8 @@ class NodePanel(QFrame):
             self.body.trade_off_requested.connect(self.trade_off_requested)
             self.body.held.connect(self._held)
         else:
-            self.body = UnknownBody(self.module, node, theme, self)
+            why = where_absent(self.module, session.library)
+            self.body = UnknownBody(self.module, node, why, theme, self)
             for button in (self.head.auto, self.head.disable, self.head.generate, self.head.output):
                 button.setEnabled(False)
         column = QVBoxLayout(self)

@@ -14,15 +14,29 @@ from core.network.network import Network
 
 
 class UnknownBody(QWidget):
-    """The parameters as the file has them, to be read only."""
+    """The parameters as the file has them, to be read only.
 
-    def __init__(self, module: str, node: str, theme: Theme, parent: QWidget | None = None) -> None:
+    Parameters
+    ----------
+    module, node : str
+        Key of the module, and the node.
+    why : str
+        Why the library does not have it, where that is known.
+    theme : Theme
+        Colours.
+    parent : QWidget
+        The panel.
+    """
+
+    def __init__(
+        self, module: str, node: str, why: str, theme: Theme, parent: QWidget | None = None
+    ) -> None:
         super().__init__(parent)
         self.setObjectName("body")
         self._node = node
         self.note = QLabel(
-            f"There is no module {shown(module)} in this library. The node is kept as it is, with "
-            "these parameters, and is saved again; it computes nothing.",
+            f"There is no module {shown(module)} in this library{why and f': {why}'}. The node is "
+            "kept as it is, with these parameters, and is saved again; it computes nothing.",
             self,
         )
         self.note.setObjectName("unknown_module")

@@ -19,6 +19,7 @@ from app.options.command_options import Options
 from app.options.terminal_streams import print_error
 from core.errors import FileError, ImagechainError
 from nodes.library import standard_library
+from nodes.plug_ins import missing_modules
 
 _WAKE_MS = 200  # Python handles a signal only while its code runs
 
@@ -65,6 +66,8 @@ def start(options: Options, stop_requested: threading.Event) -> None:
         window.show()
     if settings.first and not settings.toured and not options.network:
         QTimer.singleShot(0, window.tour.begin)
+    for line in missing_modules(window.session.library):
+        window.session.message.emit("error", line)
     app.exec()
     if ending.problem is not None:
         stop_requested.clear()  # it was carried out: the error is the outcome

@@ -22,7 +22,7 @@ from core.editing.wiring.partners import (
 )
 from core.errors import NetworkError
 from core.modules.declaration import Declaration, declaration
-from core.modules.library_type import Library
+from core.modules.library_type import Library, local_key, where_absent
 from core.names import close, shown
 from core.network.network import Link, Network, Node
 
@@ -78,8 +78,10 @@ def new_node(
         If the library has no such module.
     """
     if module not in library:
-        raise NetworkError(f"there is no module {shown(module)}{close(module, library)}")
-    name = fresh_name(module, network.nodes)
+        absent = where_absent(module, library)
+        hint = f": {absent}" if absent else close(module, library)
+        raise NetworkError(f"there is no module {shown(module)}{hint}")
+    name = fresh_name(local_key(module), network.nodes)
     return name, Add((Placed(Node(name, module), at),))
 
 

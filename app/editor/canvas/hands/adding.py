@@ -23,6 +23,7 @@ from core.editing.operation import Operation, together
 from core.editing.wiring.fitting import Candidate, End, Side, fitting, wired_to
 from core.errors import ImagechainError
 from core.modules.declaration import declaration
+from core.modules.library_type import local_key
 from core.network.network import Link, Node
 
 
@@ -192,7 +193,7 @@ class Adding(QObject):
     def _at_port(self, candidate: Candidate, drawn_from: str, point: QPointF) -> Point:
         """Where a new node stands if its port is to be where the wire ended."""
         known = declaration(self._surface.session.library[candidate.module])
-        node = Node(candidate.module, candidate.module)
+        node = Node(local_key(candidate.module), candidate.module)
         geometry = geometry_of(face_of(node, known, ()), self._surface.content.style)
         side: Side = "input" if drawn_from == "output" else "output"
         at = point - geometry.ports[side, candidate.port]

@@ -8,6 +8,7 @@ from typing import Literal
 
 from app.editor.declared_text import says_more
 from core.modules.declaration import Declaration, Port
+from core.modules.library_type import package_of
 from core.network.network import Link, Node
 
 COLOUR = "colour"  # field of a node in the file
@@ -92,6 +93,12 @@ class NodeFace:
         return next((port for port in ports if port.name == name), None)
 
 
+def _absent(module: str) -> str:
+    package = package_of(module)
+    of_package = f"; it is of the package {package}" if package else ""
+    return f"The library has no module {module}{of_package}."
+
+
 def face_of(
     node: Node, declared: Declaration | None, links: Sequence[Link], *, output: bool = False
 ) -> NodeFace:
@@ -104,7 +111,7 @@ def face_of(
         id=node.id,
         module=declared.title if declared else node.module,
         group=declared.group if declared else "",
-        summary=declared.summary if declared else f"The library has no module {node.module}.",
+        summary=declared.summary if declared else _absent(node.module),
         inputs=inputs + _missing("input", inputs, coming),
         outputs=outputs + _missing("output", outputs, going),
         known=declared is not None,

@@ -10,7 +10,7 @@ from core.editing.document import Document
 from core.editing.stored_file import mark
 from core.errors import ParameterError
 from core.modules.declaration import declaration
-from core.modules.library_type import Library
+from core.modules.library_type import Library, where_absent
 from core.network.expansion import unfolded
 from core.network.file import parse_network, read_text
 from core.network.validation import NetworkProblems, problems
@@ -52,6 +52,8 @@ def open_network_file(path: Path, *, library: Library) -> Opened:
         names = ", ".join(unknown[:4]) + (" …" if len(unknown) > 4 else "")
         as_found = "it is" if len(unknown) == 1 else "they are"
         remarks.append(f"{_count(len(unknown), 'unknown module')} kept as {as_found}: {names}")
+        reasons = (where_absent(module, library) for module in unknown[:4])
+        remarks += dict.fromkeys(reason for reason in reasons if reason)
     if faults:
         remarks.append(f"{_count(len(faults), 'value')} not allowed: see the marked nodes")
     return Opened(document, "; ".join(remarks))

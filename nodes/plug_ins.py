@@ -1,0 +1,104 @@
+"""Modules that other installed packages bring, by their entry points.
+
+A package names them in its ``pyproject.toml``::
+
+    [project.entry-points."imagechain.modules"]
+    flare = "acme_optics.flare:Flare"
+
+An entry point is a module's class, or several of them. Their keys begin with the package's name, as
+Python writes it, and a dot: ``acme_optics.flare``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from core.modules.declaration import Module, declaration
+from core.modules.library_type import Library, PackagedLibrary, local_key, package_of
+from core.names import in_line
+
+GROUP = "imagechain.modules"
+
+
+@dataclass(frozen=True)
+class PlugIns:
+    """What installed packages bring.
+
+    Parameters
+    ----------
+    modules : tuple of type
+        Their modules, in the order of the packages' names.
+    faults : mapping
+        By package, why not all of its modules are there, in one line.
+    """
+
+    modules: tuple[type[Module], ...]
+    faults: Mapping[str, str]
+
+
+def installed_plug_ins(taken: Iterable[str] = ()) -> PlugIns:
+    """Load the modules of every installed package that has some.
+
+    Whatever is wrong with a package keeps its modules out, and nobody else's.
+
+    Parameters
+    ----------
+    taken : iterable of str
+        Keys that are not to be had any more.
+    """
+    modules: dict[str, type[Module]] = {}
+    faults: dict[str, str] = {}
+    known = set(taken)
+    for point in sorted(entry_points(group=GROUP), key=lambda one: (_package(one), one.name)):
+        package = _package(point)
+        try:
+            for module in _modules_at(point, package):
+                if module.key in known:
+                    raise TypeError(f"there are two modules {module.key}")
+                known.add(module.key)
+                modules[module.key] = module
+        except (Exception, SystemExit) as error:  # whatever code of others may raise
+            faults.setdefault(package, _line(point, error))
+    return PlugIns(tuple(modules.values()), faults)
+
+
+def missing_modules(library: Library) -> list[str]:
+    """One line for each installed package of which modules are missing."""
+    faults = library.faults if isinstance(library, PackagedLibrary) else {}
+    return [
+        in_line(f"of the package {package} modules are missing: {fault}")
+        for package, fault in faults.items()
+    ]
+
+
+def _package(point: EntryPoint) -> str:
+    """The package's name, as Python would import it."""
+    name = point.dist.name if point.dist is not None else point.module.partition(".")[0]
+    return re.sub(r"[-_.]+", "_", name).lower()
+
+
+def _modules_at(point: EntryPoint, package: str) -> tuple[type[Module], ...]:
+    loaded: Any = point.load()
+    if isinstance(loaded, Mapping):
+        loaded = loaded.values()
+    several = (loaded,) if isinstance(loaded, type) else tuple(loaded)
+    for module in several:
+        if not (isinstance(module, type) and issubclass(module, Module)):
+            raise TypeError(f"{module!r:.80} is no subclass of Module")
+        local = local_key(module.key)
+        if package_of(module.key) != package or not local.isidentifier():
+            wanted = f"{package}.{local if local.isidentifier() else 'name'}"
+            raise TypeError(f"the key of {module.__name__} is {module.key!r}: make it {wanted!r}")
+        if not (module.title and module.group):
+            raise TypeError(f"{module.__name__} has no title, or no group")
+        declaration(module)
+    return several
+
+
+def _line(point: EntryPoint, error: BaseException) -> str:
+    words = " ".join(str(error).split()) or "no reason given"
+    return f"{point.value} cannot be loaded: {type(error).__name__}: {words:.300}"

@@ -1,0 +1,1 @@
+"""Veiling glare and neutral filters."""

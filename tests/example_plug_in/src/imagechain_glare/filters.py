@@ -1,0 +1,78 @@
+"""Neutral Filter: a glass that takes the same share of every sample."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.chain.wires import Image
+from core.evaluation.recipes import Recipe, Step, pointwise
+from core.evaluation.work import Work
+from core.lineage.linear_change import Linear
+from core.lineage.step_lineage import picture_step
+from core.modules.declaration import Module, NodeContext, readout
+from core.modules.parameters import Param
+from core.noise.noise_power import NoisePower
+from nodes.shared.module_ports import ImageOutput
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Dimmed(Linear):
+    """What the filter does to levels and noise that were there before."""
+
+    transmission: float
+
+    @property
+    def gain(self) -> float:
+        """Of a uniform picture."""
+        return self.transmission
+
+    def noise(self, work: Work, power: NoisePower) -> NoisePower:
+        """Dimmed as the picture is."""
+        return power.scaled(self.transmission)
+
+
+def _dimmed(image: Recipe, *, transmission: float) -> Dimmed:
+    return Dimmed(transmission)
+
+
+@picture_step(linear=_dimmed)
+@pointwise
+def dimmed(work: Work, image: Array, *, transmission: float) -> Array:
+    """The picture times a transmission."""
+    return np.multiply(image, work.policy.dtype.type(transmission), dtype=work.policy.dtype)
+
+
+class NeutralFilter(
+    Module, key="imagechain_glare.neutral_filter", title="Neutral Filter", group="Filters"
+):
+    """Dim the picture by a filter's optical density.
+
+    L' = L·10^(−D). Source: the definition of optical density.
+    """
+
+    optical_density: Annotated[float, Param("optical density", low=0, high=10, slider=(0, 4))] = 0.3
+
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
+        """Plan the dimming."""
+        if not self.optical_density:
+            return ImageOutput(image)
+        made = Step.of(dimmed, image.recipe, node=here.node, transmission=self._transmission)
+        return ImageOutput(image.with_recipe(made))
+
+    @property
+    def _transmission(self) -> float:
+        return float(10.0**-self.optical_density)
+
+    @readout("%")
+    def transmission(self) -> float:
+        """Share of the light that is let through."""
+        return 100.0 * self._transmission
+
+
+MODULES = (NeutralFilter,)

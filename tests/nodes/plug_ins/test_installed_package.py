@@ -1,0 +1,194 @@
+"""A package with modules of its own, installed for real: command, editor and Python see them."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import shutil
+import site
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from child_process import ROOT, finished
+from command_line import run_here
+from core.network.file import load_network
+from nodes.library import standard_library
+
+EXAMPLE = ROOT / "tests" / "example_plug_in"
+SHARE, SIGMA = 0.2, 3.0
+NETWORK = {
+    "format": "imagechain-network",
+    "version": 1,
+    "nodes": {
+        "scene": {"module": "test_scene", "params": {"width": 32, "height": 24}},
+        "filter": {"module": "imagechain_glare.neutral_filter", "params": {"optical_density": 1}},
+        "init": {"module": "init_trans"},
+        "glare": {
+            "module": "imagechain_glare.glare_mtf",
+            "params": {"scattered_share": SHARE, "halo_sigma_mrad": SIGMA},
+        },
+        "back": {"module": "back_transform"},
+    },
+    "links": [
+        ["scene.image", "filter.image"],
+        ["filter.image", "init.image"],
+        ["init.context", "glare.context"],
+        ["init.magnitude", "glare.magnitude"],
+        ["glare.magnitude", "back.magnitude"],
+        ["init.phase", "back.phase"],
+    ],
+}
+WINDOW = """
+import sys
+from pathlib import Path
+from app.editor.window.main_window import MainWindow
+from app.editor.window.start import application
+from app.editor.window.documents.remembered_settings import Settings
+from nodes.library import standard_library
+app = application()
+folder = Path(sys.argv[1])
+settings = Settings(folder / 's.ini')
+window = MainWindow(library=standard_library(), settings=settings, recovery=folder)
+window.open_first(sys.argv[2])
+print(sorted(key for key in window.library_view.tree.modules if "." in key))
+print(sorted(window.session.network.nodes))
+window.close_for_good()
+"""
+
+
+@pytest.fixture(scope="module")
+def fresh(tmp_path_factory):
+    """Python of an environment of its own, in which the example is installed beside ours."""
+    folder = tmp_path_factory.mktemp("fresh")
+    venv.create(folder, with_pip=False, symlinks=True)
+    python = folder / "bin" / "python"
+    (own,) = folder.glob("lib/python*/site-packages")
+    ours = [path for path in site.getsitepackages() if Path(path).is_dir()]
+    (own / "ours.pth").write_text("".join(f"import site; site.addsitedir({p!r})\n" for p in ours))
+    source = shutil.copytree(EXAMPLE, tmp_path_factory.mktemp("source") / "glare")  # is built there
+    install = ["-m", "pip", "--python", python, "install", "-q", "--no-deps", source]
+    subprocess.run([sys.executable, *map(str, install)], check=True, timeout=600)
+    return python
+
+
+@pytest.fixture
+def network(tmp_path):
+    path = tmp_path / "glare.json"
+    path.write_text(json.dumps(NETWORK), encoding="utf-8")
+    return path
+
+
+def ran(python, *words, folder, env=()):
+    """A process that finds our packages where these tests do, and no other folder."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), **dict(env)}
+    done = finished([str(python), "-P", *map(str, words)], folder=folder, env=environment)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+def test_the_command_runs_it(fresh, network, tmp_path):
+    command = ["-m", "app.command.cli"]
+    words = ["run", network.name, "--output-dir", "out", "--precision", "double"]
+    saved = ["--save", "back.image=back.npy", "--save", "scene.image=scene.npy"]
+    ran(fresh, *command, *words, *saved, folder=tmp_path)
+    back, scene = (np.load(tmp_path / f"{name}.npy") for name in ("back", "scene"))
+    assert back.mean() == pytest.approx(0.1 * scene.mean(), rel=1e-12)
+    with (tmp_path / "out" / "mtf.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    names = list(rows[0])
+    frequency = next(name for name in names if "xi" in name or "frequency" in name)
+    column = next(name for name in names if "glare" in name)
+    for row in rows:
+        if not row[column]:
+            continue
+        halo = np.exp(-2 * (np.pi * SIGMA * float(row[frequency])) ** 2)
+        assert float(row[column]) == pytest.approx(1 - SHARE * (1 - halo), abs=1e-6)
+    shown = ran(fresh, *command, "modules", "imagechain_glare.glare_mtf", folder=tmp_path).stdout
+    assert "Glare MTF" in shown
+    assert "Harvey 1976" in shown
+
+
+def test_the_editor_offers_and_opens_it(fresh, network, tmp_path):
+    shown = ran(
+        fresh, "-c", WINDOW, tmp_path, network, folder=tmp_path,
+        env={"QT_QPA_PLATFORM": "offscreen"},
+    ).stdout.splitlines()  # fmt: skip
+    assert shown[0] == str(["imagechain_glare.glare_mtf", "imagechain_glare.neutral_filter"])
+    assert shown[1] == str(sorted(NETWORK["nodes"]))
+
+
+def test_its_battery_runs_where_it_is_installed(fresh, tmp_path):
+    script = (
+        "from nodes.battery.module_battery import check_module\n"
+        "from nodes.library import standard_library\n"
+        "for key, module in standard_library().items():\n"
+        "    if key.startswith('imagechain_glare.'):\n"
+        "        check_module(module)\n"
+        "        print(key)\n"
+    )
+    assert len(ran(fresh, "-c", script, folder=tmp_path).stdout.split()) == 2
+
+
+def test_without_the_package_a_line_names_it(network, tmp_path):
+    done = run_here("check", network, folder=tmp_path)
+    assert done.returncode == 2
+    assert "imagechain_glare, which is not installed here" in done.stderr + done.stdout
+    assert "Traceback" not in done.stderr
+    done = run_here("run", network, "--output-dir", "out", folder=tmp_path)
+    assert done.returncode == 2
+    assert not (tmp_path / "out").exists()
+
+
+def test_without_it_the_network_opens_and_is_saved_as_it_is(network, tmp_path):
+    from app.editor.window.documents.opening import open_network_file
+
+    opened = open_network_file(network, library=standard_library())
+    assert "imagechain_glare, which is not installed here" in opened.remark
+    assert set(opened.document.network.nodes) == set(NETWORK["nodes"])
+    with pytest.raises(Exception, match="not installed"):
+        load_network(network, library=standard_library())
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        ("raise ValueError('no lens data')", "ValueError: no lens data"),
+        ("import no_such_thing", "No module named 'no_such_thing'"),
+        ("MODULES = [int]", "is no subclass of Module"),
+        ("raise SystemExit(3)", "SystemExit"),
+        (
+            "from nodes.library import MODULES as ours\nMODULES = ours[:1]",
+            "'read_image': make it 'broken_lens.read_image'",
+        ),
+    ],
+)
+def test_a_broken_package_keeps_nobody_from_working(tmp_path, code, words):
+    (tmp_path / "broken_lens.py").write_text(code, encoding="utf-8")
+    about = tmp_path / "broken_lens-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: broken-lens\nVersion: 1.0\n")
+    entry = "[imagechain.modules]\nlens = broken_lens:MODULES\n"
+    (about / "entry_points.txt").write_text(entry)
+    network = {**NETWORK, "nodes": {"lens": {"module": "broken_lens.lens"}}, "links": []}
+    (tmp_path / "net.json").write_text(json.dumps(network), encoding="utf-8")
+    script = (
+        "from app.command.cli import main\n"
+        "print(main(['modules', 'gaussian_mtf']), main(['check', 'first_steps']))\n"
+        "print(main(['check', 'net.json']))\n"
+        "print(main(['modules']))\n"
+    )
+    path = os.pathsep.join([str(ROOT), str(tmp_path)])
+    done = ran(sys.executable, "-c", script, folder=tmp_path, env={"PYTHONPATH": path})
+    assert "Gaussian MTF" in done.stdout
+    assert "0 0" in done.stdout
+    both = done.stdout + done.stderr
+    assert "of the package broken_lens, which is installed, but broken_lens:MODULES" in both
+    assert "warning: of the package broken_lens modules are missing" in done.stderr
+    assert words in done.stderr
+    assert "Traceback" not in both

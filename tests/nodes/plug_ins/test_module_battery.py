@@ -1,0 +1,207 @@
+"""What a module must hold to: ours do, and one that does not is named with what is wrong."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Annotated
+
+import numpy as np
+import pytest
+
+from core.chain.wires import Context, Image, Magnitude
+from core.evaluation.recipes import Step, pointwise
+from core.lineage.step_lineage import picture_step
+from core.modules.declaration import Module, NodeContext, readout
+from core.modules.parameters import Param
+from nodes.battery.module_battery import check_module, faults_of
+from nodes.library import MODULES
+from nodes.shared.factor_helpers import radial
+from nodes.shared.module_ports import ImageOutput, MtfModule, MtfOutputs
+
+COUNTER = itertools.count()
+GAIN = Annotated[float, Param("gain", low=0, high=10)]
+
+
+@pytest.mark.parametrize(
+    ("key", "example"),
+    [
+        ("gaussian_mtf", {"sigma_x_mrad": 1, "sigma_y_mrad": 2}),
+        ("charge_eff_phase", {"efficiency": 0.999}),
+        ("poisson_noise", {"percent": 50}),
+        ("combine_pixels", {"factor_x": 3, "factor_y": 2}),
+        ("focal_plane", {"integration_time_s": 1e-5, "full_well_e": 4e6}),
+        ("noise_budget", {}),
+    ],
+)
+def test_of_ours_nothing_is_said(key, example):
+    (module,) = [one for one in MODULES if one.key == key]
+    check_module(module, examples=(example,))
+
+
+class _Image(Module):
+    def run(self, image: Image, here: NodeContext) -> ImageOutput:
+        """Plan it."""
+        made = Step.of(self.step, image.recipe, node=here.node, **self.bound())
+        return ImageOutput(image.with_recipe(made))
+
+    def bound(self):
+        return {}
+
+
+@pointwise
+def undeclared(work, image):
+    return image * 2
+
+
+@picture_step()
+@pointwise
+def forgetful(work, image):
+    return image * Forgetful.now
+
+
+@picture_step()
+@pointwise
+def infinite(work, image):
+    return image / np.zeros_like(image)
+
+
+@picture_step()
+@pointwise
+def rough(work, image):
+    return image if work.policy.dtype == np.float64 else np.round(image)
+
+
+@picture_step()
+@pointwise
+def by_part(work, image):
+    return image - image.min()
+
+
+@picture_step()
+@pointwise
+def counted(work, image, *, number):
+    return image + number
+
+
+@picture_step()
+@pointwise
+def failing(work, image):
+    raise IndexError("list index out of range")
+
+
+class Undeclared(_Image, key="a.undeclared", title="Undeclared", group="A"):
+    """A step without a lineage."""
+
+    step = staticmethod(undeclared)
+
+
+class Forgetful(_Image, key="a.forgetful", title="Forgetful", group="A"):
+    """A parameter that does not reach the recipe."""
+
+    now = 1.0
+    step = staticmethod(forgetful)
+    gain: GAIN = 1.0
+
+    def bound(self):
+        type(self).now = self.gain
+        return {}
+
+
+class Infinite(_Image, key="a.infinite", title="Infinite", group="A"):
+    """Divides by nothing."""
+
+    step = staticmethod(infinite)
+
+
+class Rough(_Image, key="a.rough", title="Rough", group="A"):
+    """Loses digits in single precision."""
+
+    step = staticmethod(rough)
+
+
+class ByPart(_Image, key="a.by_part", title="By Part", group="A"):
+    """A part alone is another picture."""
+
+    step = staticmethod(by_part)
+
+
+class Restless(_Image, key="a.restless", title="Restless", group="A"):
+    """Each plan is another one."""
+
+    step = staticmethod(counted)
+
+    def bound(self):
+        return {"number": next(COUNTER)}
+
+
+class Failing(_Image, key="a.failing", title="Failing", group="A"):
+    """Fails without a word."""
+
+    step = staticmethod(failing)
+
+
+class Silent(_Image, key="a.silent", title="Silent", group="A"):
+    step = staticmethod(forgetful)
+    gain: Annotated[float, Param("A gain.", low=0)] = 1.0
+
+    @readout()
+    def level(self):
+        return float("nan")
+
+
+class Loud(MtfModule, key="a.loud", title="Loud", group="A"):
+    """More contrast than there is."""
+
+    def run(
+        self,
+        context: Context,  # noqa: ARG002  (an input that it must have)
+        magnitude: Magnitude,
+        here: NodeContext,
+    ) -> MtfOutputs:
+        """Plan it."""
+        return self.mtf_outputs(magnitude, *radial(amplified, node=here.node))
+
+
+def amplified(*, rho):
+    return 1.5 + 0 * np.asarray(rho)
+
+
+class Untyped(Module, key="a.untyped", title="Untyped", group="A"):
+    """A parameter that says nothing of itself."""
+
+    gain: float = 1.0
+
+    def run(self, image: Image) -> ImageOutput:
+        """Plan it."""
+        return ImageOutput(image)
+
+
+@pytest.mark.parametrize(
+    ("module", "words"),
+    [
+        (Undeclared, ["undeclared does not say what becomes of a picture"]),
+        (Forgetful, ["output image keeps its key when gain = 1.37 changes it"]),
+        (Infinite, ["does not run: it: the numbers leave the range"]),
+        (Rough, ["output image in single precision is", "of the range off"]),
+        (ByPart, ["a part of it is", "of the range off the whole"]),
+        (Restless, ["another key each time"]),
+        (Failing, ["IndexError in place of an error in words: list index"]),
+        (Silent, ["no docstring", "gain: its text is a sentence", "read-out level is nan"]),
+        (Loud, ["H(0) = ", "|H| reaches 1.5"]),
+        (Untyped, ["declaration: Untyped.gain needs Annotated"]),
+    ],
+)
+def test_what_does_not_hold_is_named(module, words):
+    with np.errstate(all="ignore"):
+        faults = faults_of(module)
+    for word in words:
+        assert any(word in fault for fault in faults), (word, faults)
+    assert not any("\n" in fault for fault in faults)
+    if len(words) == 1:
+        assert len(faults) == 1 or module in (Failing, Restless), faults
+    with pytest.raises(AssertionError, match=module.__name__), np.errstate(all="ignore"):
+        check_module(module)
+
+
+def test_an_amplifier_may_say_so():
+    assert faults_of(Loud, passive=False) == []
