@@ -48,6 +48,20 @@ def pytest_configure():
     let_children_be_stopped()
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Look for no garbage while thousands of tests are collected, nor ever among them.
+
+    They stay until the end, and many tests of the window look for garbage themselves.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _own_state(tmp_path_factory):
     """What runs remember goes into a folder of the tests', also of the processes they start."""
