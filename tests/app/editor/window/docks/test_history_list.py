@@ -153,10 +153,12 @@ def test_it_stands_there_in_a_window_remembered_before_there_was_one(make_window
 
 
 def test_thousands_of_steps_are_listed_as_they_are_seen(window, hand, steps):
-    """Lines are read when they are drawn: here some dozens of 3000."""
+    """Lines are read when they are drawn: here some dozens of 3000, made while it was away."""
+    hand.key(KEY.Key_H, CTRL)
     for number in range(3000):
         window.session.document.do(set_parameter(steps, "sigma_mrad", 1e-4 * (number + 1)))
     history = window.session.document.history
+    hand.key(KEY.Key_H, CTRL)
     read = []
     line = type(history).line
     try:
