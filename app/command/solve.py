@@ -15,7 +15,7 @@ from app.run.readout_tables import warning_lines
 from app.run.shipped import find_network
 from app.solving.parameter_range import search_range
 from app.solving.solve_readout import Sample, Solution, solve
-from app.tradeoff.sweep import with_value
+from app.tradeoff.evaluated_points import with_value
 from app.tradeoff.tradeoff_figures import Figure, computed, figures_of
 from app.tradeoff.tradeoff_results import shown_value
 from core.chain.engine import Engine, Plan
@@ -71,7 +71,7 @@ def solve_readout(options: Options, cancel: threading.Event | None = None) -> No
             work.check()
             progress(f"{sought.port} {shown_value(value, parameter.param.unit)}")
             try:
-                result = computed((figure,), engine, planned(value), work, sought.node)
+                result = computed((figure,), engine, planned(value), work, {sought.node})
             except ParameterError as error:
                 reasons[value] = str(error.at(sought.node))
                 return None

@@ -18,16 +18,16 @@ from app.options.stopping import too_late
 from app.run.readout_tables import warning_lines
 from app.run.shipped import find_network
 from app.run.staging import Staging
-from app.tradeoff.sweep import Point, TradeOff, with_value
+from app.tradeoff.evaluated_points import PointEvaluator
+from app.tradeoff.sweep import Point
 from app.tradeoff.texts import csv_text, failures, json_text, table
 from app.tradeoff.tradeoff_figures import Figure, default_figures, figures_of
 from app.tradeoff.tradeoff_results import Curve, Results, changing_figures, shown_value
 from app.tradeoff.values import MOST, OPTION, Variation, variation
 from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan
-from core.errors import Cancelled, ParameterError, UsageError
+from core.errors import Cancelled, UsageError
 from core.evaluation.policy import Policy
-from core.evaluation.work import Work
 from core.modules.library_type import Library
 from core.names import close, in_line, printable, shown
 from core.network.network import Network
@@ -123,39 +123,29 @@ def _curves(
     cancel: threading.Event | None,
 ) -> tuple[Curve, ...]:
     varied, second, figures = asked
-    sweep = TradeOff(varied.node, varied.parameter.name, varied.values, figures)
+    axes = [varied] if second is None else [second, varied]
+    evaluator = PointEvaluator(
+        engine, plan, [(axis.node, axis.parameter.name) for axis in axes], figures
+    )
     seconds = (None,) if second is None else second.values
     curves: list[Curve] = []
-    with Progress(len(seconds) * len(sweep.values)) as progress:
+    with Progress(len(seconds) * len(varied.values)) as progress:
         work = engine.work(_policy(options), cancel=cancel)
-        for value in seconds:
+        for place in seconds:
             points: list[Point] = []
-            for point in _points(sweep, engine, plan, work, second, value):
-                points.append(point)
-                label = shown_value(point.value, varied.unit)
+            for value in varied.values:
+                work.check()
+                result = evaluator.at((value,) if second is None else (place, value), work)
+                points.append(Point(value, result.values, result.reasons))
+                label = shown_value(value, varied.unit)
                 # Each point counts once, also where values look alike.
-                progress(f"{len(curves) * len(sweep.values) + len(points)}: {varied.text} {label}")
-            curves.append(Curve(value, tuple(points)))
+                progress(f"{len(curves) * len(varied.values) + len(points)}: {varied.text} {label}")
+            curves.append(Curve(place, tuple(points)))
     return tuple(curves)
 
 
 def _policy(options: Options) -> Policy:
     return Policy(options.precision, options.tolerance, options.threads)
-
-
-def _points(
-    sweep: TradeOff, engine: Engine, plan: Plan, work: Work, second: Variation | None, value: Any
-) -> Any:
-    """The points of one curve; all are gaps where the second value is not allowed."""
-    if second is None:
-        return sweep.points(engine, plan, work)
-    try:
-        network = with_value(plan.network, engine, second.node, second.parameter.name, value)
-    except ParameterError as error:
-        reason = str(error.at(second.node))
-        reasons = {figure.text: reason for figure in sweep.figures}
-        return (Point(abscissa, {}, reasons) for abscissa in sweep.values)
-    return sweep.points(engine, engine.plan(network, folder=plan.folder, previous=plan), work)
 
 
 def present_value(plan: Plan, varied: Variation) -> Any:

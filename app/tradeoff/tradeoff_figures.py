@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -131,9 +131,9 @@ class FigureValues:
 
 
 def computed(
-    figures: Iterable[Figure], engine: Engine, plan: Plan, work: Work, varied: str
+    figures: Iterable[Figure], engine: Engine, plan: Plan, work: Work, varied: Collection[str]
 ) -> FigureValues:
-    """The figures of a planned network, of which `varied` is the node that a trade-off varies.
+    """The figures of a planned network, of which `varied` are the nodes whose parameters vary.
 
     Raises
     ------
@@ -171,9 +171,11 @@ def computed(
     return FigureValues(values, reasons)
 
 
-def _total(figures: Iterable[Figure], plan: Plan, work: Work, varied: str) -> dict[str, Any]:
-    """MTFs of the chain; what the varied node does not feed may be broken."""
-    for name in {varied, *_after(plan.network, varied)}:
+def _total(
+    figures: Iterable[Figure], plan: Plan, work: Work, varied: Collection[str]
+) -> dict[str, Any]:
+    """MTFs of the chain; what the varied nodes do not feed may be broken."""
+    for name in _touched(plan.network, varied):
         error = plan.nodes[name].error
         if error is not None:
             raise error
@@ -201,7 +203,13 @@ def _nyquist(chain: Chain, axis: Axis, *, of_pixels: bool) -> float | None:
     return chain.pixel_nyquist[place] if of_pixels else (grid.nyquist_x, grid.nyquist_y)[place]
 
 
-def _after(network: Network, node: str) -> set[str]:
+def _touched(network: Network, varied: Collection[str]) -> list[str]:
+    """The varied nodes and all that hangs on them, in the network's order."""
+    touched = {*varied}.union(*(nodes_after(network, name) for name in varied))
+    return [name for name in network.nodes if name in touched]
+
+
+def nodes_after(network: Network, node: str) -> set[str]:
     """The nodes that hang on that one: by wires, or by parameters that follow its own."""
     dependents = following(network, node)
     waiting = [node, *dependents]

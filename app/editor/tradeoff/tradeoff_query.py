@@ -10,7 +10,8 @@ from typing import Any, ClassVar
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.tradeoff.side_work import SideWork
 from app.run.output import ancestors
-from app.tradeoff.sweep import Point, TradeOff, parameter_of
+from app.tradeoff.evaluated_points import parameter_of
+from app.tradeoff.sweep import Point, TradeOff
 from app.tradeoff.tradeoff_figures import Figure
 from core.chain.engine import Plan
 

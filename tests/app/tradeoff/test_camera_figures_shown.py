@@ -77,7 +77,7 @@ def test_a_figure_of_a_clipped_picture_has_its_reason():
     ]  # fmt: skip
     network, engine = linked_network(nodes, links), Engine(LIBRARY)
     wanted = [figures_of(network, LIBRARY)[f"fpa.{name}"] for name in ("netd_K", "signal_e")]
-    found = computed(wanted, engine, engine.plan(network), engine.work(Policy("double")), "fpa")
+    found = computed(wanted, engine, engine.plan(network), engine.work(Policy("double")), {"fpa"})
     assert list(found.values) == ["fpa.signal_e"]
     assert found.reasons["fpa.netd_K"].startswith(
         "fpa.netd_K has no value: the mean of the picture is "
