@@ -11,7 +11,7 @@ import pytest
 from child_process import ROOT
 from qt_packages import QT
 
-LAYERS = {"core", "nodes", "app", "networks"}
+LAYERS = {"core", "nodes", "app", "networks", "imagechain"}
 STANDARD = set(sys.stdlib_module_names)
 
 # What each layer may import beside the standard library and itself.
@@ -50,6 +50,31 @@ def test_layer_imports_only_what_it_may(layer):
     assert not wrong
 
 
+def test_nothing_below_the_package_knows_it():
+    wrong = {
+        f"{path.relative_to(ROOT)}: {name}"
+        for layer in ("core", "nodes", "app")
+        for path in files(layer)
+        for name in imports(path)
+        if name.split(".")[0] == "imagechain"
+    }
+    assert files("imagechain")
+    assert not wrong
+
+
+def test_the_package_leaves_the_window_and_heavy_libraries_alone():
+    """pandas and xarray are imported where they are wanted, by name."""
+    allowed = STANDARD | {"imagechain", "app", "nodes", "core", "numpy"}
+    for_types = {"pandas.DataFrame", "xarray.DataArray"}
+    wrong = {
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in files("imagechain")
+        for name in imports(path) - for_types
+        if name.split(".")[0] not in allowed or name.startswith("app.editor")
+    }
+    assert not wrong
+
+
 def test_only_the_editor_knows_qt():
     wrong = {
         f"{path.relative_to(ROOT)}: {name}"
@@ -70,7 +95,7 @@ def test_exactly_one_file_imports_the_node_graph():
     assert len(found) == 1
 
 
-@pytest.mark.parametrize("layer", ["core", "nodes", "app"])
+@pytest.mark.parametrize("layer", ["core", "nodes", "app", "imagechain"])
 def test_of_scipy_only_fft_and_special(layer):
     wrong = {
         f"{path.relative_to(ROOT)}: {name}"

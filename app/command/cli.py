@@ -124,7 +124,7 @@ def _carry_out(words: list[str], stop: Stop) -> None:
 
         network_list()
     else:
-        from app.command.modules import modules
+        from app.command.module_list import modules
 
         modules(as_json=options.as_json, key=options.module)
 

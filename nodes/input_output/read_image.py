@@ -19,6 +19,7 @@ from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.formats import readable_formats
 from nodes.input_output.file_bands import file_bands
+from nodes.input_output.held_samples import HeldSamples, scaled_array
 from nodes.input_output.radiance_check import radiance_caution
 from nodes.input_output.sample_unit import DEFAULT_UNIT, sample_unit, spectral_unit
 from nodes.input_output.source_file import Source, count_missing, picture_source, read_step
@@ -107,28 +108,48 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
             interval_um=stated if spectral else None,
             missing=self.missing,
         )
+        band_um = stated or _band_um(info, band)
+        return ImageOutput(self._picture(info, recipe, unit.name, band_um, spectral=spectral))
+
+    def of_samples(self, held: HeldSamples, node: str) -> ImageOutput:
+        """The picture of samples in memory: that of a file which says no more of them."""
+        info = held.info
+        checked_band(self.band, 1, info.path)
+        unit = sample_unit(info, typed=self.unit, scale=self.scale, integrated=False)
+        recipe = held.step(scale=self.scale * unit.factor, node=node)
+        return ImageOutput(
+            self._picture(info, recipe, unit.name, self._stated_band(), spectral=False)
+        )
+
+    def _picture(
+        self,
+        info: PictureInfo,
+        recipe: Step,
+        unit: str,
+        band_um: tuple[float, float] | None,
+        *,
+        spectral: bool,
+    ) -> Image:
         fov_x_deg = self.fov_x_deg or info.fov_x_deg
         fov_y_deg = self.fov_y_deg or info.fov_y_deg
-        return ImageOutput(
-            Image(
-                recipe,
-                info.rows,
-                info.columns,
-                _interval("fov_x_deg", fov_x_deg, info.columns),
-                _interval("fov_y_deg", fov_y_deg, info.rows),
-                unit=unit.name,
-                band_um=stated or _band_um(info, band),
-                header=Header(
-                    fov_x_deg,
-                    fov_y_deg,
-                    info.focal_length_mm,
-                    bare_integers=np.dtype(info.dtype).kind in "bui" and not info.unit,
-                    channels=info.channels,
-                    not_applied=info.not_applied,
-                    unit_named=bool(info.unit),
-                    bands=1 if spectral else info.bands,
-                ),
-            )
+        return Image(
+            recipe,
+            info.rows,
+            info.columns,
+            _interval("fov_x_deg", fov_x_deg, info.columns),
+            _interval("fov_y_deg", fov_y_deg, info.rows),
+            unit=unit,
+            band_um=band_um,
+            header=Header(
+                fov_x_deg,
+                fov_y_deg,
+                info.focal_length_mm,
+                bare_integers=np.dtype(info.dtype).kind in "bui" and not info.unit,
+                channels=info.channels,
+                not_applied=info.not_applied,
+                unit_named=bool(info.unit),
+                bands=1 if spectral else info.bands,
+            ),
         )
 
     def _cube(self, source: Source, node: str) -> Image:
@@ -229,6 +250,8 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         """Samples of the file that are NaN or infinite."""
         read = outputs.image.recipe
         if self.missing == "refuse" or not isinstance(read, Step) or self.bands == "all":
+            return 0
+        if read.function is scaled_array:  # refuses them when it is made
             return 0
         return Step.of(count_missing, node=read.node, **dict(read.parameters))
 

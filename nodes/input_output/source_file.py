@@ -114,7 +114,7 @@ def read_scaled(
         samples = _filled(samples, missing, file)
     if scale == 1.0 and samples.dtype == work.policy.dtype:
         return samples
-    return _scaled(work, samples, scale, file)
+    return scaled_samples(work, samples, scale, str(file))
 
 
 @ends_lineage
@@ -165,7 +165,16 @@ def _filled(samples: NDArray[Any], missing: Missing, file: Path) -> NDArray[Any]
     return np.where(known, samples, samples.dtype.type(value))
 
 
-def _scaled(work: Work, samples: NDArray[Any], scale: float, file: Path) -> NDArray[np.floating]:
+def scaled_samples(
+    work: Work, samples: NDArray[Any], scale: float, name: str
+) -> NDArray[np.floating]:
+    """Samples times a factor in the evaluation's precision; `name` is what they are called.
+
+    Raises
+    ------
+    DataError
+        Samples that are not finite any more.
+    """
     scaled = np.empty(samples.shape, work.policy.dtype)
     step = max(1, _BLOCK_SAMPLES // samples.shape[1])
     with np.errstate(over="ignore"):  # reported below, with the place
@@ -173,7 +182,7 @@ def _scaled(work: Work, samples: NDArray[Any], scale: float, file: Path) -> NDAr
             work.check()
             rows = slice(start, start + step)
             scaled[rows] = samples[rows].astype(np.float64) * scale
-    check_finite(scaled, f"{file} times scale = {scale:g} in {work.policy.precision} precision")
+    check_finite(scaled, f"{name} times scale = {scale:g} in {work.policy.precision} precision")
     return scaled
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from child_process import ROOT
 
-LAYERS = ("core", "nodes", "app")
+LAYERS = ("core", "nodes", "app", "imagechain")
 ENTRY = "__main__.py"  # nothing imports it: it stands above everything, wherever it lies
 
 

@@ -69,6 +69,53 @@ def continued(
     return None
 
 
+def branched(
+    network: Network, library: Library, node: str, module: str
+) -> tuple[str, Operation] | None:
+    """A new node wired to the open end of another one, and its name; None where none fits.
+
+    An output is open where no other node carries its kind of value on: a viewer or a file that
+    takes it leaves it open. Nothing that is wired already changes.
+
+    Parameters
+    ----------
+    network, library
+        Where it is to be added.
+    node : str
+        The node to go on from.
+    module : str
+        Key of the new node's module.
+    """
+    known = declared(network, library, node)
+    if known is None or module not in library:
+        return None
+    new = declaration(library[module])
+    for output, entry in _pairs(known.outputs, new.inputs):
+        if not _is_open(network, library, node, output):
+            continue
+        try:
+            return wired_to(
+                network, library, (node, output, "output"), Candidate(module, entry), None
+            )
+        except NetworkError:
+            continue  # the next pair may do
+    return None
+
+
+def _is_open(network: Network, library: Library, node: str, output: str) -> bool:
+    known = declared(network, library, node)
+    port = known.output(output) if known is not None else None
+    kinds = set(port.types) if port is not None else set()
+    if kinds <= set(_BESIDE_THE_CHAIN):
+        return True
+    for link in network.links:
+        if (link.source, link.output) == (node, output):
+            target = declared(network, library, link.target)
+            if target is None or any(kinds & set(onward.types) for onward in target.outputs):
+                return False
+    return True
+
+
 def _pairs(outputs: tuple[Port, ...], inputs: tuple[Port, ...]) -> Iterator[tuple[str, str]]:
     """Outputs and the inputs they fit: what every module takes last, needed inputs first."""
     fitting = [

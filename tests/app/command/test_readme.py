@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 import shlex
-import sys
 import tomllib
 
 import pytest
 
 from app.options.command_options import parse
-from child_process import ROOT, finished
+from child_process import ROOT
 from command_line import run_here
 
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -45,13 +44,6 @@ def test_a_command_line(words, tmp_path):
 def test_the_benchmark_is_read_and_measured_by_other_tests():
     (words,) = [words for words in COMMANDS if words[0] == "bench"]
     assert parse(words).bench_html is not None
-
-
-def test_the_library_is_used_as_it_stands_there():
-    (program,) = [block for kind, block in BLOCKS if kind == "python"]
-    done = finished([sys.executable, "-c", program])
-    assert done.returncode == 0, done.stderr
-    assert "mtf_at_nyquist_x" in done.stdout
 
 
 def test_the_network_to_begin_with_is_sound(tmp_path):

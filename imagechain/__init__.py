@@ -1,0 +1,143 @@
+"""Imagechain: electro-optical and infrared sensors as a chain of transfer functions and noise.
+
+    import imagechain as ic
+
+    chain = ic.open("kodak_kir310")                 # a shipped network by name, or a file
+    chain.set("electronics.amplifier_snr", 40)
+    result = chain.run()
+    result.image()                                  # the picture, a numpy array
+    result.readouts, result.curves()                # figures and transfer functions
+
+or a chain of one's own:
+
+    chain = ic.Chain("Mine", seed=1)
+    chain.add(ic.scene(radiance, fov_x_deg=10, fov_y_deg=8))
+    chain.add(ic.modules.init_trans(f_number=2))
+    chain.add(ic.modules.gaussian_mtf(sigma_x_mrad=0.3, sigma_y_mrad=0.3), name="blur")
+    chain.add(ic.modules.back_transform())
+
+`ic.modules` has every module, with its parameters, their units and ranges.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from imagechain.own_packages import load_own_packages
+
+load_own_packages(Path(__file__).resolve().parent.parent)
+
+if TYPE_CHECKING:
+    from core.chain.results import CurveData, TableData
+    from core.errors import (
+        Cancelled,
+        ChangedFileError,
+        DataError,
+        FileError,
+        ImagechainError,
+        InputError,
+        NetworkError,
+        ParameterError,
+        UnconnectedError,
+        UsageError,
+    )
+    from core.modules.caution import Caution
+    from imagechain import modules
+    from imagechain.building.chain import Chain, networks, open
+    from imagechain.building.chain_node import ChainNode
+    from imagechain.parts.module_part import Expression, Part
+    from imagechain.parts.scene_array import scene
+    from imagechain.results.chain_picture import Picture
+    from imagechain.results.chain_result import Result
+    from imagechain.results.readout_table import ReadoutTable
+    from imagechain.results.stage_curves import StageCurves
+
+    expression = Expression
+    __version__: str
+
+__all__ = [
+    "Cancelled",
+    "Caution",
+    "Chain",
+    "ChainNode",
+    "ChangedFileError",
+    "CurveData",
+    "DataError",
+    "Expression",
+    "FileError",
+    "ImagechainError",
+    "InputError",
+    "NetworkError",
+    "ParameterError",
+    "Part",
+    "Picture",
+    "ReadoutTable",
+    "Result",
+    "StageCurves",
+    "TableData",
+    "UnconnectedError",
+    "UsageError",
+    "__version__",
+    "expression",
+    "modules",
+    "networks",
+    "open",
+    "scene",
+]
+
+# Where each name lies; imported when it is first used.
+_PLACES = {
+    **dict.fromkeys(
+        (
+            *("Cancelled", "ChangedFileError", "DataError", "FileError", "ImagechainError"),
+            *("InputError", "NetworkError", "ParameterError", "UnconnectedError", "UsageError"),
+        ),
+        "core.errors",
+    ),
+    "Caution": "core.modules.caution",
+    "Chain": "imagechain.building.chain",
+    "ChainNode": "imagechain.building.chain_node",
+    "CurveData": "core.chain.results",
+    "Expression": "imagechain.parts.module_part",
+    "Part": "imagechain.parts.module_part",
+    "Picture": "imagechain.results.chain_picture",
+    "ReadoutTable": "imagechain.results.readout_table",
+    "Result": "imagechain.results.chain_result",
+    "StageCurves": "imagechain.results.stage_curves",
+    "TableData": "core.chain.results",
+    "networks": "imagechain.building.chain",
+    "open": "imagechain.building.chain",
+    "scene": "imagechain.parts.scene_array",
+}
+
+
+def _version() -> str:
+    from importlib import metadata
+
+    try:
+        return metadata.version("imagechain")
+    except metadata.PackageNotFoundError:
+        return "(source tree)"
+
+
+if not TYPE_CHECKING:  # so that a name that is not there is an error of the types
+
+    def __getattr__(name: str) -> object:
+        if name == "modules":
+            return import_module("imagechain.modules")
+        if name == "expression":
+            value = import_module("imagechain.parts.module_part").Expression
+        elif name == "__version__":
+            value = _version()
+        elif name in _PLACES:
+            value = getattr(import_module(_PLACES[name]), name)
+        else:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        globals()[name] = value
+        return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

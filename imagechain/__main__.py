@@ -1,0 +1,16 @@
+"""The command ``imagechain``, also as ``python -m imagechain``."""
+
+from __future__ import annotations
+
+import sys
+
+
+def main() -> int:
+    """Run the command line; gives the exit code."""
+    from app.command.cli import main as command
+
+    return command()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

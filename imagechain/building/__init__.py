@@ -1,0 +1,1 @@
+"""Chains: opened, built and changed."""

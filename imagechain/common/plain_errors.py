@@ -1,0 +1,28 @@
+"""Errors as a user is to see them: one line, without the way they took inside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import ParamSpec, TypeVar
+
+from core.errors import ImagechainError
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def plain_errors(function: Callable[P, T]) -> Callable[P, T]:
+    """Let the errors of a public function end at it: no causes, no frames of what it calls."""
+
+    @wraps(function)
+    def plain(*words: P.args, **named: P.kwargs) -> T:
+        try:
+            return function(*words, **named)
+        except ImagechainError as error:
+            # Raised here: below, the traceback would go on into the engine.
+            raised = error.with_traceback(None)
+        raised.__cause__ = raised.__context__ = None
+        raise raised
+
+    return plain

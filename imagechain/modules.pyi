@@ -1,0 +1,2775 @@
+"""Every module as a function of its parameters.
+
+Made by ``python -m imagechain.parts.module_stub``.
+"""
+
+from collections.abc import Sequence
+from os import PathLike
+from typing import Literal
+
+from imagechain.parts.module_part import Expression, Part
+
+def read_image(
+    *,
+    path: str | PathLike[str] | None = None,
+    band: int | Expression = 0,
+    bands: Literal['one', 'all'] = 'one',
+    scale: float | Expression = 1.0,
+    unit: str = 'W/m²/sr',
+    fov_x_deg: float | Expression | None = None,
+    fov_y_deg: float | Expression | None = None,
+    cut_on_um: float | Expression | None = None,
+    cut_off_um: float | Expression | None = None,
+    missing: Literal['refuse', 'mean', 'zero'] = 'refuse',
+) -> Part:
+    """Read a picture from a file: ENVI as DIRSIG writes it, or of any format that `path` names.
+
+    Samples are the numbers the file stores times `scale`. Where an ENVI header gives wavelengths,
+    its bands are integrated from `cut_on_um` to `cut_off_um` if both are given; for every other
+    file these two give the band of the samples. Radiance comes out in W/m²/sr, one spectral
+    band in W/m²/sr/µm: where the file names its unit (W cm⁻² sr⁻¹ µm⁻¹, uW/cm^2/sr/um, …) and
+    `scale` is 1, from that one, else from `unit`. K, DN and the like stay what they are; photons
+    are not turned into watts; a unit of radiance not understood is refused. Of a colour picture
+    one channel is read, of a cube one band or plane, the first unless `band` names another. An
+    empty field of view is taken from the header. FITS pictures come with their first row at the
+    bottom. Of a cube whose header gives wavelengths, `bands` all takes every band between
+    `cut_on_um` and `cut_off_um`, each in W/m²/sr/µm (photons too, by the energy of its
+    wavelength): optics and atmosphere act on each by itself, until a detector sums them up. The
+    cube stays on disk. Samples that are no numbers, or the file's value for no data, are refused
+    unless `missing` sets what stands for them.
+
+    Parameters
+    ----------
+    path : str | PathLike[str] | None
+        picture file, relative to the network file's folder: .npy, EXR, TIFF, PNG, JPEG, JPEG 2000,
+        BMP, FITS, ENVI, HDR, plain text and others by their content: a file name or empty; default
+        empty
+    band : int | Expression
+        band or channel, counted from 0: a whole number of at least 0; default 0
+    bands : Literal['one', 'all']
+        one band, or all of a spectral cube, which go through the chain by themselves: one of one,
+        all; default 'one'
+    scale : float | Expression
+        factor on the samples: a number; default 1.0
+    unit : str
+        unit of the samples after scaling: a text; default 'W/m²/sr'
+    fov_x_deg : float | Expression | None
+        field of view across [deg]: a number from 0 below 180 or empty; default empty
+    fov_y_deg : float | Expression | None
+        field of view along [deg]: a number from 0 below 180 or empty; default empty
+    cut_on_um : float | Expression | None
+        shortest wavelength [µm]: a number of at least 0 or empty; default empty
+    cut_off_um : float | Expression | None
+        longest wavelength [µm]: a number of at least 0 or empty; default empty
+    missing : Literal['refuse', 'mean', 'zero']
+        samples that are NaN, infinite or missing: an error, or the others' mean or 0: one of
+        refuse, mean, zero; default 'refuse'
+
+    Notes
+    -----
+    Read Image, of the group Input and output.
+    Outputs: image.
+    Read-outs: missing_samples (samples).
+    """
+
+def test_scene(
+    *,
+    kind: Literal['dormitory', 'airfield', 'slanted_edge', 'four_bar', 'siemens_star', 'point', 'sine', 'two_panel', 'uniform'] = 'dormitory',
+    width: int | Expression = 512,
+    height: int | Expression = 512,
+    fov_x_deg: float | Expression | None = 30.0,
+    fov_y_deg: float | Expression | None = 30.0,
+    cut_on_um: float | Expression = 8.0,
+    cut_off_um: float | Expression = 12.0,
+    bands: int | Expression = 0,
+    emissivity: Literal['spectra', 'grey'] = 'spectra',
+    sun_elevation_deg: float | Expression = 0.0,
+    temperature_K: float | Expression = 303.15,
+    delta_K: float | Expression = 10.0,
+    angle_deg: float | Expression = 5.0,
+    frequency: float | Expression = 16.0,
+) -> Part:
+    """Draw a radiometric test scene.
+
+    Temperatures and emissivities become band radiance through Planck's law; edges are
+    area-sampled, not aliased. The dormitory is a building front with windows, warm and cool, sky
+    and ground; the airfield is seen from above, with straight roads, for Camera Geometry.
+
+    With `bands` the scene carries that many of equal width, which optics and air treat each at its
+    own wavelength, until a detector sums them up. Surfaces then have the spectra of what they are
+    made of: grass, leaves, soil, water, asphalt, concrete, brick, paint, glass, in coarse points.
+    They emit by their temperature and mirror the sky and, with `sun_elevation_deg`, sunlight: so a
+    scene of 0.4 to 2.5 µm is one by day. Targets are black in all bands. `emissivity` grey leaves
+    every surface the one number that it has without bands; the sum of all bands is then, but for
+    the Sun, the picture without.
+
+    Parameters
+    ----------
+    kind : Literal['dormitory', 'airfield', 'slanted_edge', 'four_bar', 'siemens_star', 'point', 'sine', 'two_panel', 'uniform']
+        what to draw: one of dormitory, airfield, slanted_edge, four_bar, siemens_star, point, sine,
+        two_panel, uniform; default 'dormitory'
+    width : int | Expression
+        samples across: a whole number from 1 to 65536; default 512
+    height : int | Expression
+        samples along: a whole number from 1 to 65536; default 512
+    fov_x_deg : float | Expression | None
+        field of view across [deg]: a number from 0 below 180 or empty; default 30.0
+    fov_y_deg : float | Expression | None
+        field of view along [deg]: a number from 0 below 180 or empty; default 30.0
+    cut_on_um : float | Expression
+        shortest wavelength [µm]: a number above 0; default 8.0
+    cut_off_um : float | Expression
+        longest wavelength [µm]: a number above 0; default 12.0
+    bands : int | Expression
+        bands of equal width that it carries, 0 for none: a whole number from 0 to 4096; default 0
+    emissivity : Literal['spectra', 'grey']
+        of the surfaces, in bands: their materials' spectra, or grey: one of spectra, grey; default
+        'spectra'
+    sun_elevation_deg : float | Expression
+        of the Sun, in bands; 0 for none [deg]: a number from 0 to 90; default 0.0
+    temperature_K : float | Expression
+        background temperature [K]: a number above 0; default 303.15
+    delta_K : float | Expression
+        how much warmer the target is [K]: a number; default 10.0
+    angle_deg : float | Expression
+        direction of an edge's normal or a wave [deg]: a number; default 5.0
+    frequency : float | Expression
+        cycles across the frame, or spokes of the star: a number above 0; default 16.0
+
+    Notes
+    -----
+    Test Scene, of the group Input and output.
+    Outputs: image.
+    """
+
+def write_image(
+    *,
+    path: str | PathLike[str] | None = None,
+    format: Literal['by_suffix', 'exr', 'tif', 'png', 'npy', 'envi'] = 'by_suffix',
+    dtype: Literal['automatic', 'float', 'double', 'half', 'uint8', 'uint16'] = 'automatic',
+    range_low: float | Expression | None = None,
+    range_high: float | Expression | None = None,
+) -> Part:
+    """Write the picture to a file, only when a run asks for outputs.
+
+    Integer types map `range_low` … `range_high` (empty: the picture's least and greatest sample)
+    to the type's whole range; a picture in digital numbers, DN, is not stretched where both are
+    empty: 12 bits are 0 to 4095 in the file. `automatic` is the evaluation's precision where the
+    format holds it, and 16-bit integers for PNG and for digital numbers up to 65535.
+
+    All bands of a picture that has some go into an ENVI file (`.img`, `.bsq`, or `format` envi), as
+    floats in W/m²/sr/µm, one after the other: the cube is never in memory. Into every other format
+    goes their sum, which the picture is.
+
+    Parameters
+    ----------
+    path : str | PathLike[str] | None
+        file to write, relative to the network file's folder: a file name or empty; default empty
+    format : Literal['by_suffix', 'exr', 'tif', 'png', 'npy', 'envi']
+        format of the file: one of by_suffix, exr, tif, png, npy, envi; default 'by_suffix'
+    dtype : Literal['automatic', 'float', 'double', 'half', 'uint8', 'uint16']
+        type of the stored samples: one of automatic, float, double, half, uint8, uint16; default
+        'automatic'
+    range_low : float | Expression | None
+        sample stored as 0 by integer types: a number or empty; default empty
+    range_high : float | Expression | None
+        sample stored as the largest integer: a number or empty; default empty
+
+    Notes
+    -----
+    Write Image, of the group Input and output.
+    Inputs: image.
+    """
+
+def write_matrix(
+    *,
+    path: str | PathLike[str] | None = None,
+) -> Part:
+    """Write plain numbers, a row on each line, as MathCad's READPRN reads them.
+
+    A name that ends in .csv separates them by commas and names the columns of curves; .txt and
+    .prn by blanks. Bars have their names in the first column of .csv, in the others their number
+    from 0. A transfer function is written in the order of the FFT, zero frequency
+    first. Only when a run asks for outputs.
+
+    Parameters
+    ----------
+    path : str | PathLike[str] | None
+        file to write, relative to the network file's folder: a file name or empty; default empty
+
+    Notes
+    -----
+    Write Matrix, of the group Input and output.
+    Inputs: image.
+    """
+
+def examine_image(
+    *,
+    display: Literal['linear', 'log', 'centred_spectrum'] = 'linear',
+    probe_x: int | Expression | None = None,
+    probe_y: int | Expression | None = None,
+    bins: int | Expression = 256,
+) -> Part:
+    """Report minimum, maximum, mean, standard deviation, histogram and single samples.
+
+    For radiance in a known band the apparent temperature is given too: that of the blackbody with
+    the same band radiance. Figures and probe are of the samples themselves (spectra in the order
+    of the FFT), the histogram of what is displayed; the centred spectrum of a picture is the
+    logarithm of its modulus.
+
+    Parameters
+    ----------
+    display : Literal['linear', 'log', 'centred_spectrum']
+        how the samples are shown: one of linear, log, centred_spectrum; default 'linear'
+    probe_x : int | Expression | None
+        column of the sample to report, from 0: a whole number of at least 0 or empty; default empty
+    probe_y : int | Expression | None
+        row of the sample to report, from 0: a whole number of at least 0 or empty; default empty
+    bins : int | Expression
+        bins of the histogram: a whole number from 1 to 65536; default 256
+
+    Notes
+    -----
+    Examine Image, of the group Input and output.
+    Inputs: image.
+    Outputs: table, curve.
+    Read-outs: minimum, maximum, mean, sigma.
+    """
+
+def init_trans(
+    *,
+    detector_x_um: float | Expression | None = None,
+    detector_y_um: float | Expression | None = None,
+    focal_length_mm: float | Expression | None = None,
+    f_number: float | Expression | None = None,
+    range_m: float | Expression | None = None,
+    fill_x: float | Expression | None = 1.0,
+    fill_y: float | Expression | None = 1.0,
+    fov_x_deg: float | Expression | None = None,
+    fov_y_deg: float | Expression | None = None,
+    platform: Literal['line', 'push', 'array'] = 'line',
+    velocity_m_per_s: float | Expression = 0.0,
+    scan_velocity_mrad_per_s: float | Expression = 0.0,
+    edges: Literal['reflect', 'periodic'] = 'reflect',
+) -> Part:
+    """Take the image to magnitude and phase, and give every other module the sensor's geometry.
+
+    An empty field of view, focal length or band is taken from the image's own header; what a
+    Camera before it has, from that, a fill factor of 1 too: 1 and empty are the same here. What is
+    given here counts, and what differs is warned of.
+    Source: Tantalo 1996, section 4.1.
+
+    Parameters
+    ----------
+    detector_x_um : float | Expression | None
+        detector pitch across [µm]: a number of at least 0 or empty; default empty
+    detector_y_um : float | Expression | None
+        detector pitch along [µm]: a number of at least 0 or empty; default empty
+    focal_length_mm : float | Expression | None
+        effective focal length [mm]: a number of at least 0 or empty; default empty
+    f_number : float | Expression | None
+        F number: a number of at least 0 or empty; default empty
+    range_m : float | Expression | None
+        altitude or distance [m]: a number of at least 0 or empty; default empty
+    fill_x : float | Expression | None
+        fill factor across; empty: 1: a number from 0 to 1 or empty; default 1.0
+    fill_y : float | Expression | None
+        fill factor along; empty: 1: a number from 0 to 1 or empty; default 1.0
+    fov_x_deg : float | Expression | None
+        field of view across [deg]: a number from 0 below 180 or empty; default empty
+    fov_y_deg : float | Expression | None
+        field of view along [deg]: a number from 0 below 180 or empty; default empty
+    platform : Literal['line', 'push', 'array']
+        line scanner, pushbroom line or staring array: how detectors collect: one of line, push,
+        array; default 'line'
+    velocity_m_per_s : float | Expression
+        velocity of platform or object [m/s]: a number; default 0.0
+    scan_velocity_mrad_per_s : float | Expression
+        velocity of the scan [mrad/s]: a number of at least 0; default 0.0
+    edges : Literal['reflect', 'periodic']
+        frame mirrored without end, or repeated as the plain FFT sees it: one of reflect, periodic;
+        default 'reflect'
+
+    Notes
+    -----
+    Init & Trans, of the group Transform.
+    Inputs: image.
+    Outputs: context, magnitude, phase.
+    Read-outs: interval_x_mrad (mrad), interval_y_mrad (mrad), ifov_x_mrad (mrad), ifov_y_mrad
+    (mrad), frequency_interval_x (cyc/mrad), frequency_interval_y (cyc/mrad), nyquist_x (cyc/mrad),
+    nyquist_y (cyc/mrad), pixel_nyquist_x (cyc/mrad), pixel_nyquist_y (cyc/mrad), oversampling_x
+    (samples), oversampling_y (samples).
+    """
+
+def back_transform(
+) -> Part:
+    """Make the image of a magnitude and a phase.
+
+    The two may stem from different images of one size: then |A|·exp(i·∠B) is taken, periodically.
+    Source: Tantalo 1996, section 4.1.
+
+    Notes
+    -----
+    Back Transform, of the group Transform.
+    Inputs: magnitude, phase.
+    Outputs: image.
+    """
+
+def combine_pixels(
+    *,
+    factor_x: int | Expression = 2,
+    factor_y: int | Expression = 1,
+    mode: Literal['mean', 'sum'] = 'mean',
+) -> Part:
+    """Aggregate blocks of samples to one pixel, then keep that pixel only.
+
+    Rows and columns left over at the bottom and right are dropped: 512 by 3 gives 170. Straight
+    after Back Transform, and where the factors divide the size, the spectrum is folded instead.
+    A block's mean is an average over its area: behind Detector MTF, which has averaged over the
+    pixel already, Sample Pixels keeps one sample instead. Source: Tantalo 1996, section 4.1,
+    fig. 4.6.
+
+    Parameters
+    ----------
+    factor_x : int | Expression
+        samples per pixel across: a whole number from 1 to 65536; default 2
+    factor_y : int | Expression
+        samples per pixel along: a whole number from 1 to 65536; default 1
+    mode : Literal['mean', 'sum']
+        mean (radiance) or sum (counts) of each block: one of mean, sum; default 'mean'
+
+    Notes
+    -----
+    Combine Pixels, of the group Transform.
+    Inputs: image.
+    Outputs: image.
+    """
+
+def sample_pixels(
+    *,
+    factor_x: float | Expression | None = None,
+    factor_y: float | Expression | None = None,
+    offset: float | Expression = 0.0,
+    offset_y: float | Expression | None = None,
+) -> Part:
+    """Keep one sample for each pixel, where Detector MTF has averaged over the pixel already.
+
+    Combine Pixels averages over the pixel once more: with Detector MTF before it the contrast at
+    Nyquist is 0.64 times what it should be. The samples lie in the middles of the pixels, so that
+    the picture does not move. Between samples, for ratios that are even or no whole numbers, the
+    picture is the sum of its waves: exact to rounding, mirrored or periodic at the frame's edges as
+    in Back Transform. Nothing is filtered: what lies beyond the pixels' Nyquist frequency folds
+    back, as in a camera. Pixels that do not fit the frame whole, at the right and the bottom, are
+    dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average
+    over the pixel and its sampling are two stages).
+
+    Parameters
+    ----------
+    factor_x : float | Expression | None
+        samples per pixel across; empty: the pitch of Init & Trans or Camera [samples]: a number
+        from 0.001 to 65536 or empty; default empty
+    factor_y : float | Expression | None
+        samples per pixel along; empty: the pitch of Init & Trans or Camera [samples]: a number from
+        0.001 to 65536 or empty; default empty
+    offset : float | Expression
+        how far samples lie from the pixels' middles, right and down [pixels]: a number from -1 to
+        1; default 0.0
+    offset_y : float | Expression | None
+        the same along, if it differs; empty: as across [pixels]: a number from -1 to 1 or empty;
+        default empty
+
+    Notes
+    -----
+    Sample Pixels, of the group Transform.
+    Inputs: image.
+    Outputs: image.
+    Read-outs: nyquist_x (cyc/mrad), nyquist_y (cyc/mrad).
+    """
+
+def anti_alias(
+    *,
+    kernel: Literal['box', 'gaussian', 'lanczos'] = 'box',
+    factor: int | Expression = 1,
+) -> Part:
+    """Take out what would alias if only every factor-th sample were kept; drops none itself.
+
+    For pictures that are decimated without a detector MTF, by Interpolate of order 0. `box` is the
+    mean of `factor` samples, centred (of an even number: as its transfer function interpolates);
+    `gaussian` has half contrast at the new Nyquist frequency; `lanczos` is a sinc of that cutoff
+    in a window of three lobes. The frame is mirrored at its edges. A factor of 1 passes it on.
+    Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
+
+    Parameters
+    ----------
+    kernel : Literal['box', 'gaussian', 'lanczos']
+        shape of the low-pass: one of box, gaussian, lanczos; default 'box'
+    factor : int | Expression
+        samples that become one [samples]: a whole number from 1 to 1024; default 1
+
+    Notes
+    -----
+    Anti-Aliaser, of the group Transform.
+    Inputs: image.
+    Outputs: image.
+    Read-outs: new_nyquist_x (cyc/mrad), new_nyquist_y (cyc/mrad).
+    """
+
+def interpolate(
+    *,
+    width: int | Expression | None = None,
+    height: int | Expression | None = None,
+    order: Literal[0, 1, 3] = 1,
+) -> Part:
+    """Resample the picture to another size over the same field of view.
+
+    Sample centres lie half an interval from the frame's edges, beyond which a picture from Back
+    Transform goes on as Init & Trans has it, mirrored or periodic; of any other, or if cropped
+    since, the outermost samples go on. Nothing is filtered: making a picture smaller aliases, as in
+    a frame grabber. Order 0 takes the nearest sample, of two as near the later; 1 is bilinear, 3
+    cubic convolution. Equal sizes pass the picture on.
+    Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
+
+    Parameters
+    ----------
+    width : int | Expression | None
+        samples across; empty: as before: a whole number from 1 to 65536 or empty; default empty
+    height : int | Expression | None
+        samples along; empty: as before: a whole number from 1 to 65536 or empty; default empty
+    order : Literal[0, 1, 3]
+        0 nearest, 1 bilinear, 3 cubic: one of 0, 1, 3; default 1
+
+    Notes
+    -----
+    Interpolate, of the group Transform.
+    Inputs: image.
+    Outputs: image.
+    """
+
+def to_radiance(
+    *,
+    emissivity: float | Expression = 1.0,
+    surroundings_K: float | Expression | None = None,
+    cut_on_um: float | Expression | None = None,
+    cut_off_um: float | Expression | None = None,
+) -> Part:
+    """Make radiance of a picture of temperatures, by Planck's law in the band.
+
+    ε·L(T) + (1 − ε)·L(surroundings); without surroundings nothing is reflected. The picture's unit
+    must be one of temperature (K, °C, °F, mK), as Read Image has it: counts, and what is radiance
+    already, are refused. An image of emissivities takes the place of the number. Sources: Planck's
+    and Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
+
+    Parameters
+    ----------
+    emissivity : float | Expression
+        emissivity of all samples, where no image of it comes in: a number above 0 to 1; default 1.0
+    surroundings_K : float | Expression | None
+        temperature of what surfaces reflect; empty: nothing [K]: a number from 0 to 10000 or empty;
+        default empty
+    cut_on_um : float | Expression | None
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    cut_off_um : float | Expression | None
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+
+    Notes
+    -----
+    To Radiance, of the group Transform.
+    Inputs: image, emissivity (optional).
+    Outputs: image.
+    """
+
+def to_temperature(
+    *,
+    emissivity: float | Expression = 1.0,
+    surroundings_K: float | Expression | None = None,
+    cut_on_um: float | Expression | None = None,
+    cut_off_um: float | Expression | None = None,
+) -> Part:
+    """Make temperatures, in kelvin, of a picture of band radiance.
+
+    The inverse of To Radiance: T of (L − (1 − ε)·L(surroundings))/ε by Planck's law in the band;
+    with an emissivity of 1 the apparent, or brightness, temperature. The picture's unit must be a
+    radiance of the band in watts (W/m²/sr, mW/cm²/sr, …): temperatures, counts, photons and
+    spectral radiance are refused. An image of emissivities takes the place of the number. Sources:
+    as To Radiance.
+
+    Parameters
+    ----------
+    emissivity : float | Expression
+        emissivity of all samples, where no image of it comes in: a number above 0 to 1; default 1.0
+    surroundings_K : float | Expression | None
+        temperature of what surfaces reflect; empty: nothing [K]: a number from 0 to 10000 or empty;
+        default empty
+    cut_on_um : float | Expression | None
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    cut_off_um : float | Expression | None
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+
+    Notes
+    -----
+    To Temperature, of the group Transform.
+    Inputs: image, emissivity (optional).
+    Outputs: image.
+    """
+
+def reflected_light(
+    *,
+    solar_irradiance: float | Expression | None = None,
+    path: str | PathLike[str] | None = None,
+    sun_elevation_deg: float | Expression = 45.0,
+    optical_depth: float | Expression = 0.0,
+    sky: float | Expression = 0.0,
+    cut_on_um: float | Expression | None = None,
+    cut_off_um: float | Expression | None = None,
+    bands: int | Expression = 1,
+) -> Part:
+    """Make radiance of a picture of reflectances, lit by sun and sky.
+
+    Matt and horizontal surfaces: L = ρ·(E_sun·e^(−τm)·sin h + π·L_sky)/π, integrated over the band;
+    h is the sun's elevation, τ the air's optical depth from the zenith and m the air mass. E_sun is
+    a number, a CSV by wavelength, or that of a black body of 5800 K, 1388 W/m² in all. The sky is a
+    radiance that is the same all over. The picture's unit has to be one of reflectance (1, %,
+    reflectance, albedo), as Read Image has it. A reflectance holds for all wavelengths; with
+    `bands` above 1 the radiance comes in as many bands, and a cube of reflectances in its own.
+    Atmospheric Path is the way from the surface to the camera. Sources: Lambert 1760; Kasten and
+    Young 1989 (air mass); nominal solar radius of the IAU, 2015.
+
+    Parameters
+    ----------
+    solar_irradiance : float | Expression | None
+        sun above the air, facing it; empty: 5800 K [W/m²/µm]: a number from 0 to 1e+12 or empty;
+        default empty
+    path : str | PathLike[str] | None
+        CSV of µm and W/m²/µm in place of the number, or empty: a file name or empty; default empty
+    sun_elevation_deg : float | Expression
+        sun above the horizon [deg]: a number from 0 to 90; default 45.0
+    optical_depth : float | Expression
+        of the air in the sun's way, from the zenith: a number from 0 to 1000; default 0.0
+    sky : float | Expression
+        radiance of the sky [W/m²/sr/µm]: a number from 0 to 1e+12; default 0.0
+    cut_on_um : float | Expression | None
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    cut_off_um : float | Expression | None
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    bands : int | Expression
+        bands in which the radiance comes: a whole number from 1 to 10000; default 1
+
+    Notes
+    -----
+    Reflected Light, of the group Atmosphere.
+    Inputs: image.
+    Outputs: image, table.
+    Read-outs: air_mass, irradiance (W/m²).
+    """
+
+def atmospheric_path(
+    *,
+    model: Literal['transmission', 'extinction_per_km', 'visibility_km', 'modtran'] = 'transmission',
+    transmission: float | Expression = 1.0,
+    path: str | PathLike[str] | None = None,
+    extinction_per_km: float | Expression = 0.2,
+    visibility_km: float | Expression = 23.0,
+    angstrom_q: float | Expression = 0.0,
+    range_m: float | Expression | None = None,
+    air_K: float | Expression | None = None,
+    source_K: float | Expression | None = None,
+) -> Part:
+    """Dim a picture's radiance by the air, and add the radiance of the air: τ·L + L_path.
+
+    `transmission`: a number, or a CSV of µm and transmission. `extinction_per_km`: exp(−β·R).
+    `visibility_km`: Koschmieder's β = 3.912/V at 0.55 µm, times (0.55/λ)^q. `modtran`: a tape7 of
+    MODTRAN (FREQ, TOT TRANS, PTH THRML and SOL SCAT, by name; W/cm²/sr per cm⁻¹ become W/m²/sr/µm
+    by 10⁸/λ²), or a CSV of wavelength_um, transmission, path_radiance (W/m²/sr/µm). Path radiance
+    is the file's, or (1 − τ)·L of a black body at `air_K`.
+
+    A picture of one band is multiplied by the band's mean transmission, which weights wavelengths
+    by the radiance of a black body: of the picture's mean brightness temperature, of sunlight's
+    5800 K where the band begins below 2.5 µm, or of `source_K`. A picture in bands (`bands` of Read
+    Image) has each of them multiplied by its own. Absorption and scattering dim alike here; what
+    scattering blurs is Atmosphere MTF's. Figures of Merit are those behind this path, and their
+    ranges take its transmission at each range, by Beer's law at every wavelength. Two in a row are
+    two constituents of the same air.
+
+    Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
+
+    Parameters
+    ----------
+    model : Literal['transmission', 'extinction_per_km', 'visibility_km', 'modtran']
+        what is known of the air: a transmission, an extinction, a visibility, a file: one of
+        transmission, extinction_per_km, visibility_km, modtran; default 'transmission'
+    transmission : float | Expression
+        transmission of the path: a number from 0 to 1; default 1.0
+    path : str | PathLike[str] | None
+        CSV of µm and transmission in place of the number; of modtran a tape7 or CSV: a file name or
+        empty; default empty
+    extinction_per_km : float | Expression
+        extinction: absorption and scattering [1/km]: a number from 0 to 1e+06; default 0.2
+    visibility_km : float | Expression
+        visibility, to 2 % of contrast [km]: a number above 0 to 1e+06; default 23.0
+    angstrom_q : float | Expression
+        extinction falls as the wavelength to this power: a number from -5 to 5; default 0.0
+    range_m : float | Expression | None
+        length of the path; empty: of Camera, or of Init & Trans by its context [m]: a number from 0
+        to 1e+09 or empty; default empty
+    air_K : float | Expression | None
+        temperature of the air; empty: it adds no radiance [K]: a number from 0 to 10000 or empty;
+        default empty
+    source_K : float | Expression | None
+        black body that weights one band; empty: the scene's, or sunlight [K]: a number from 0 to
+        1e+06 or empty; default empty
+
+    Notes
+    -----
+    Atmospheric Path, of the group Atmosphere.
+    Inputs: image, context (optional).
+    Outputs: image, table.
+    Read-outs: transmission, path_radiance (W/m²/sr), optical_depth.
+    """
+
+def atmosphere_mtf(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    turbulence: Literal['gaussian', 'long_exposure', 'short_exposure', 'none'] = 'gaussian',
+    fwhm_mrad: float | Expression = 0.0,
+    fried_r0_m: float | Expression | None = None,
+    wavelength_um: float | Expression | None = None,
+    r0_wavelength_um: float | Expression | None = None,
+    aperture_mm: float | Expression | None = None,
+    alpha: float | Expression = 0.5,
+    cn2: float | Expression | None = None,
+    turbidity: Literal['none', 'low', 'moderate', 'high', 'custom'] = 'none',
+    scatter_depth: float | Expression | None = None,
+    turbidity_cutoff_cyc_per_mrad: float | Expression = 0.001,
+    particle_radius_um: float | Expression | None = None,
+    view: Literal['horizontal', 'vertical', 'up'] = 'horizontal',
+    absorption_per_km: float | Expression = 0.0,
+    scattering_per_km: float | Expression = 0.0,
+    scale_height_km: float | Expression = 1.0,
+) -> Part:
+    """Blur by turbulence, and by light scattered on aerosols (turbidity).
+
+    Turbulence is a Gaussian blur of given width, or Fried's long or short exposure with r0 given
+    or from a Cn² profile. Turbidity falls to a plateau: exp(−τ(ρ/ρc)²), beyond ρc exp(−τ), with
+    τ of a level (plateaus 0.99, 0.975, 0.955), typed in, or from the scattering coefficient along
+    the path (looking down or up, of an exponential profile). Absorption dims all frequencies
+    alike: it does not blur, and belongs to Atmospheric Path. Looking up blurs more than looking
+    down, as turbulence is near the aperture. r0 goes as λ^(6/5), the cutoff of particles as 1/λ;
+    of a picture in bands each is blurred at its own wavelength.
+    Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    turbulence : Literal['gaussian', 'long_exposure', 'short_exposure', 'none']
+        form of turbulence: one of gaussian, long_exposure, short_exposure, none; default 'gaussian'
+    fwhm_mrad : float | Expression
+        full width at half maximum of the blur [mrad]: a number of at least 0; default 0.0
+    fried_r0_m : float | Expression | None
+        Fried's r0; empty: from Cn² [m]: a number of at least 0 or empty; default empty
+    wavelength_um : float | Expression | None
+        wavelength; empty: middle of the band, or of each band of a cube [µm]: a number of at least
+        0 or empty; default empty
+    r0_wavelength_um : float | Expression | None
+        wavelength at which r0 holds, often 0.5; empty: that of the blur [µm]: a number of at least
+        0 or empty; default empty
+    aperture_mm : float | Expression | None
+        aperture, for short exposure; empty: of Camera [mm]: a number of at least 0 or empty;
+        default empty
+    alpha : float | Expression
+        short exposure: 1 near field, 0.5 far field: a number from 0 to 1; default 0.5
+    cn2 : float | Expression | None
+        Cn² along a horizontal path, or at the ground [m^(-2/3)]: a number of at least 0 or empty;
+        default empty
+    turbidity : Literal['none', 'low', 'moderate', 'high', 'custom']
+        level of aerosols; custom: by τ or the coefficients below: one of none, low, moderate, high,
+        custom; default 'none'
+    scatter_depth : float | Expression | None
+        custom optical depth τ; empty: from coefficients: a number of at least 0 or empty; default
+        empty
+    turbidity_cutoff_cyc_per_mrad : float | Expression
+        cutoff, particle radius over wavelength [cyc/mrad]: a number above 0; default 0.001
+    particle_radius_um : float | Expression | None
+        radius of the particles; the cutoff is radius over wavelength; empty: as typed [µm]: a
+        number from 0 to 1e+06 or empty; default empty
+    view : Literal['horizontal', 'vertical', 'up']
+        line of sight, for coefficients and Cn²; vertical: down from a height, up: to one: one of
+        horizontal, vertical, up; default 'horizontal'
+    absorption_per_km : float | Expression
+        of no effect: absorption dims and does not blur: Atmospheric Path [1/km]: a number of at
+        least 0; default 0.0
+    scattering_per_km : float | Expression
+        scattering coefficient, for custom [1/km]: a number of at least 0; default 0.0
+    scale_height_km : float | Expression
+        scale height of the aerosol, looking down or up [km]: a number above 0; default 1.0
+
+    Notes
+    -----
+    Atmosphere MTF, of the group Atmosphere.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    r0_m (m), optical_depth, largest_change, negligible.
+    """
+
+def camera(
+    *,
+    pixels_x: int | Expression | None = None,
+    pixels_y: int | Expression | None = None,
+    pitch_um: float | Expression | None = None,
+    pitch_y_um: float | Expression | None = None,
+    fill_x: float | Expression | None = None,
+    fill_y: float | Expression | None = None,
+    focal_length_mm: float | Expression | None = None,
+    f_number: float | Expression | None = None,
+    aperture_mm: float | Expression | None = None,
+    obscuration_ratio: float | Expression = 0.0,
+    range_m: float | Expression | None = None,
+) -> Part:
+    """Enter a camera's data once: Init & Trans takes from it what it leaves empty.
+
+    The image passes unchanged and carries the data on: pitch, focal length, F-number, fill and
+    range for Init & Trans and all that follow it, aperture and obscuration for Diffraction MTF, the
+    pitch for Sample Pixels. Of focal length, F-number and aperture two give the third. An image
+    without a sampling interval gets that of the camera's field of view, pixels times pitch over
+    focal length. What disagrees is warned of, and nothing is corrected. Source: Holst 2008,
+    Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
+
+    Parameters
+    ----------
+    pixels_x : int | Expression | None
+        pixels across [pixels]: a whole number from 0 to 1e+06 or empty; default empty
+    pixels_y : int | Expression | None
+        pixels along [pixels]: a whole number from 0 to 1e+06 or empty; default empty
+    pitch_um : float | Expression | None
+        from one pixel to the next [µm]: a number of at least 0 or empty; default empty
+    pitch_y_um : float | Expression | None
+        the same along, if it differs; empty: as across [µm]: a number of at least 0 or empty;
+        default empty
+    fill_x : float | Expression | None
+        fill factor across; empty: 1: a number from 0 to 1 or empty; default empty
+    fill_y : float | Expression | None
+        fill factor along; empty: 1: a number from 0 to 1 or empty; default empty
+    focal_length_mm : float | Expression | None
+        focal length; empty: F-number times aperture [mm]: a number of at least 0 or empty; default
+        empty
+    f_number : float | Expression | None
+        F-number; empty: focal length over aperture: a number of at least 0 or empty; default empty
+    aperture_mm : float | Expression | None
+        aperture's diameter; empty: focal length over F-number [mm]: a number of at least 0 or
+        empty; default empty
+    obscuration_ratio : float | Expression
+        inner over outer diameter of the aperture: a number from 0 below 1; default 0.0
+    range_m : float | Expression | None
+        distance of the scene [m]: a number of at least 0 or empty; default empty
+
+    Notes
+    -----
+    Camera, of the group Optics.
+    Inputs: image.
+    Outputs: image, camera.
+    Read-outs: pixel_x_mrad (mrad), pixel_y_mrad (mrad), fov_x_deg (deg), fov_y_deg (deg), nyquist_x
+    (cyc/mrad), nyquist_y (cyc/mrad), f_number, aperture_mm (mm), samples_per_pixel_x (samples),
+    samples_per_pixel_y (samples), cutoff (cyc/mrad), q, gsd_x_m (m), gsd_y_m (m).
+    """
+
+def diffraction_mtf(
+    *,
+    aperture_mm: float | Expression | None = None,
+    obscuration_ratio: float | Expression | None = None,
+    cut_on_um: float | Expression | None = None,
+    cut_off_um: float | Expression | None = None,
+    weighting: Literal['photons', 'energy', 'uniform'] = 'photons',
+    source_K: float | Expression | None = None,
+    response: str | PathLike[str] | None = None,
+    wavelengths: Literal['auto', 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64] = 'auto',
+    tolerance: float | Expression = 0.0,
+    defocus_waves: float | Expression = 0.0,
+    rms_wavefront_waves: float | Expression = 0.0,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+) -> Part:
+    """Blur by diffraction at a circular or annular aperture, over the band, exactly.
+
+    Aperture and obscuration are those of Camera, else focal length over F-number of Init & Trans;
+    no pupil array is needed. Over a band the OTFs of all wavelengths are weighted: by the photons,
+    or the energy, of a black body, or uniformly as in 1996. The black body is `source_K`, else that
+    of the picture's mean radiance, else sunlight's 5800 K where the band begins below 2.5 µm.
+    `response`, and a Spectral Response that the picture has come through, weight the light besides:
+    the band is as a detector counts it that stands behind the optics. `wavelengths` auto takes as
+    many as `tolerance` needs, placed between the kinks of the OTF; a number takes so many over the
+    band, 1 its middle. With auto a picture with bands is blurred band by band, and the MTF shown is
+    their mean by the picture's own light. `defocus_waves` is W20 at the rim at the band's middle;
+    the OTF is real and may be negative. `rms_wavefront_waves`, at the band's middle too, takes
+    Shannon's factor for small errors of any shape, 1 − (W/0.18)²(1 − 4(ν − 1/2)²). Sources: Goodman
+    2005; O'Neill 1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook
+    of Optics I, chapter 35.
+
+    Parameters
+    ----------
+    aperture_mm : float | Expression | None
+        aperture's diameter; empty: of Camera, or focal length over F-number [mm]: a number of at
+        least 0 or empty; default empty
+    obscuration_ratio : float | Expression | None
+        inner over outer diameter; empty: of Camera, or none: a number from 0 below 1 or empty;
+        default empty
+    cut_on_um : float | Expression | None
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    cut_off_um : float | Expression | None
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    weighting : Literal['photons', 'energy', 'uniform']
+        wavelengths count by photons, as in a photon detector, by energy, or all alike: one of
+        photons, energy, uniform; default 'photons'
+    source_K : float | Expression | None
+        black body that lights the band; empty: the picture's mean, or sunlight [K]: a number from 0
+        to 1e+06 or empty; default empty
+    response : str | PathLike[str] | None
+        CSV of µm and the detector's response, which weights the light besides, or empty: a file
+        name or empty; default empty
+    wavelengths : Literal['auto', 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64]
+        as many as the tolerance needs, or so many over the band, 1 its middle: one of auto, 1, 2,
+        3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20, 24, 32, 48, 64; default 'auto'
+    tolerance : float | Expression
+        largest error of the OTF with auto; 0: 1e-13, with defocus 1e-10, with a response of many
+        points 1e-6: a number from 0 to 1; default 0.0
+    defocus_waves : float | Expression
+        defocus at the rim, W20 [waves]: a number from -20 to 20; default 0.0
+    rms_wavefront_waves : float | Expression
+        wavefront error of any shape, rms [waves]: a number from 0 to 0.18; default 0.0
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+
+    Notes
+    -----
+    Diffraction MTF, of the group Optics.
+    Inputs: context, magnitude, phase (optional).
+    Outputs: magnitude, phase, mtf, ptf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    aperture_mm (mm), cutoff (cyc/mrad), weighting_K (K), wavelengths_used, estimated_error.
+    """
+
+def exit_pupil(
+    *,
+    shape: Literal['clear', 'half_moon', 'cassegrain', 'hinged', 'cassegrain_slit', 'spider', 'file'] = 'clear',
+    size_x: int | Expression = 512,
+    size_y: int | Expression = 512,
+    radius: float | Expression | None = None,
+    obscuration_radius: float | Expression = 25.0,
+    slit_width: float | Expression = 20.0,
+    vanes: int | Expression = 3,
+    vane_width: float | Expression = 4.0,
+    path: str | PathLike[str] | None = None,
+    wavefront_path: str | PathLike[str] | None = None,
+    wavefront_unit: Literal['waves', 'rad', 'um', 'nm'] = 'waves',
+    map_wavelength_um: float | Expression | None = None,
+    defocus_waves: float | Expression = 0.0,
+    zernike_waves: Sequence[float] = (),
+) -> Part:
+    """Make an exit pupil: 1 transparent, 0 opaque.
+
+    Lengths are in samples and centred; their scale is set in Exit Pupil MTF. `clear` and
+    `half_moon` (x ≥ 0) ignore the obscuration; `hinged` is a disc with an opaque bar over the full
+    height, `cassegrain_slit` the same bar on an annulus, `spider` an annulus with vanes at
+    360°/n from +x. The wavefront error is in waves at the band's mean wavelength, on the disc of
+    the aperture's radius. Of a file this is the smallest circle round all samples above 1 % of the
+    largest, about the array's centre where that is at most a sample larger; a `radius` typed in is
+    centred on the array. `aperture_radius` reads out the one that was taken. A map of the wavefront
+    (picture, FITS, `.npy`, text, Zemax's listing) adds to these: NaN outside the aperture, or zeros
+    from its border on; where it is unknown the pupil is opaque. Its waves are those of its own
+    wavelength, a path in µm is the same at all. A complex `.npy` as `path` has amplitude and phase
+    in one, at its own wavelength alone. Row 0 is at the top; W enters as exp(2πiW), so that one
+    that rises to the right moves the picture to the left. Sources: Tantalo 1996, section 4.3.2;
+    Noll 1976; Mahajan 1994 (the disc of the wavefront).
+
+    Parameters
+    ----------
+    shape : Literal['clear', 'half_moon', 'cassegrain', 'hinged', 'cassegrain_slit', 'spider', 'file']
+        form of the aperture: one of clear, half_moon, cassegrain, hinged, cassegrain_slit, spider,
+        file; default 'clear'
+    size_x : int | Expression
+        samples of the pupil array across: a whole number from 2 to 8192; default 512
+    size_y : int | Expression
+        samples of the pupil array along: a whole number from 2 to 8192; default 512
+    radius : float | Expression | None
+        radius of the aperture; empty: 75, of a file the circle round it [samples]: a number of at
+        least 0 or empty; default empty
+    obscuration_radius : float | Expression
+        radius of the central obscuration [samples]: a number of at least 0; default 25.0
+    slit_width : float | Expression
+        width of the opaque bar [samples]: a number of at least 0; default 20.0
+    vanes : int | Expression
+        number of vanes: a whole number from 0 to 60; default 3
+    vane_width : float | Expression
+        width of a vane [samples]: a number of at least 0; default 4.0
+    path : str | PathLike[str] | None
+        amplitude transmission, real or complex `.npy`, for `file`; empty: of the map: a file name
+        or empty; default empty
+    wavefront_path : str | PathLike[str] | None
+        map of the wavefront error, for `file`, relative to the network file's folder: a file name
+        or empty; default empty
+    wavefront_unit : Literal['waves', 'rad', 'um', 'nm']
+        unit of the map: one of waves, rad, um, nm; default 'waves'
+    map_wavelength_um : float | Expression | None
+        wavelength of a map in waves or rad; empty: as its header has it, else the band's mean [µm]:
+        a number of at least 0 or empty; default empty
+    defocus_waves : float | Expression
+        defocus W20 at the rim [waves]: a number from -100 to 100; default 0.0
+    zernike_waves : Sequence[float]
+        Zernike coefficients from Noll's 1 (piston) on [waves rms]: a list of numbers from -100 to
+        100; default ()
+
+    Notes
+    -----
+    Exit Pupils, of the group Optics.
+    Outputs: pupil.
+    Read-outs: aperture_radius (samples).
+    """
+
+def exit_pupil_mtf(
+    *,
+    cut_on_um: float | Expression | None = None,
+    cut_off_um: float | Expression | None = None,
+    size_x_cm: float | Expression = 25.6,
+    size_y_cm: float | Expression = 25.6,
+    method: Literal['exact', 'autocorrelation'] = 'exact',
+    interpolation: Literal['none', 'linear', 'bilinear'] = 'bilinear',
+    wavelengths: int | Expression = 1,
+    weighting: Literal['uniform', 'photons', 'energy'] = 'uniform',
+    source_K: float | Expression | None = None,
+    response: str | PathLike[str] | None = None,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+) -> Part:
+    """Multiply by the incoherent OTF of an exit pupil: its normalised autocorrelation.
+
+    Geometric shapes are exact, for one wavelength or a band; files and wavefront errors are
+    autocorrelated from their samples. `weighting`: more wavelengths than one count alike, or by the
+    photons or the energy of a black body (`source_K`, else of the picture's mean radiance, else
+    sunlight's 5800 K where the band begins below 2.5 µm), and by `response`, the detector's. A
+    picture in bands is blurred band by band, each at its own wavelength. Interpolation `none` shows
+    the raw autocorrelation at the pupil's own frequency intervals and multiplies nothing. Sizes are
+    those of the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is
+    aperture/λ; the 12.8 of eq. 4.21 is the array's half width over λ.
+
+    Parameters
+    ----------
+    cut_on_um : float | Expression | None
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    cut_off_um : float | Expression | None
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    size_x_cm : float | Expression
+        width of the whole pupil array [cm]: a number above 0; default 25.6
+    size_y_cm : float | Expression
+        height of the whole pupil array [cm]: a number above 0; default 25.6
+    method : Literal['exact', 'autocorrelation']
+        closed form where there is one, or always the sampled pupil: one of exact, autocorrelation;
+        default 'exact'
+    interpolation : Literal['none', 'linear', 'bilinear']
+        from the sampled pupil's lags to the image's: one of none, linear, bilinear; default
+        'bilinear'
+    wavelengths : int | Expression
+        wavelengths over the band; 1 is the band's mean: a whole number from 1 to 256; default 1
+    weighting : Literal['uniform', 'photons', 'energy']
+        wavelengths count all alike, as in 1996, by photons, or by energy: one of uniform, photons,
+        energy; default 'uniform'
+    source_K : float | Expression | None
+        black body that lights the band; empty: the picture's mean, or sunlight [K]: a number from 0
+        to 1e+06 or empty; default empty
+    response : str | PathLike[str] | None
+        CSV of µm and the detector's response, which weights the light besides, or empty: a file
+        name or empty; default empty
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+
+    Notes
+    -----
+    Exit Pupil MTF, of the group Optics.
+    Inputs: context, magnitude, pupil, phase (optional).
+    Outputs: magnitude, phase, mtf, ptf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    pupil_interval_x (cyc/mrad), pupil_interval_y (cyc/mrad), image_interval_x (cyc/mrad),
+    image_interval_y (cyc/mrad), cutoff_x (cyc/mrad), cutoff_y (cyc/mrad), estimated_error.
+    """
+
+def gaussian_mtf(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    sigma_x_mrad: float | Expression = 0.0,
+    sigma_y_mrad: float | Expression = 0.0,
+) -> Part:
+    """Correct for blur that is not modelled elsewhere, such as aberrations (Gaussian).
+
+    exp(−2π²(σx²·xi² + σy²·eta²)). Source: Tantalo 1996, eq. 4.22.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    sigma_x_mrad : float | Expression
+        standard deviation of the blur across [mrad]: a number of at least 0; default 0.0
+    sigma_y_mrad : float | Expression
+        standard deviation of the blur along [mrad]: a number of at least 0; default 0.0
+
+    Notes
+    -----
+    Gaussian MTF, of the group Optics.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y.
+    """
+
+def mtf_file(
+    *,
+    path: str | PathLike[str] | None = None,
+    frequency_unit: Literal['file', 'cyc/mm', 'cyc/mrad', 'cyc/pixel'] = 'file',
+    direction: Literal['file', 'x', 'y', 'radial'] = 'file',
+    normalise: Literal['refuse', 'at_zero'] = 'refuse',
+    field: int | Expression = 0,
+    focal_length_mm: float | Expression | None = None,
+    detector_x_um: float | Expression | None = None,
+    detector_y_um: float | Expression | None = None,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+) -> Part:
+    """Blur by the MTF of a file: measured, of a data sheet, or of a lens design.
+
+    The file is a CSV table whose first line names its columns: frequency with its unit, as in
+    `frequency (cyc/mm)`, then `mtf`, or `mtf_x` and `mtf_y` (either may be alone), or `radial`;
+    and `phase`, or `phase_x` and `phase_y`, in rad, or `(deg)`, if known. The text of Zemax's MTF
+    against frequency is read too, its tangential curve along y. `direction` is that of a column
+    `mtf`, or takes one curve of several; radial is round the axis. Between points the curve is a
+    monotone cubic (PCHIP); a table that begins above 0 gets MTF 1 at 0; beyond the last point the
+    MTF is 0, never extrapolated. A phase is odd in frequency, and taken to go from point to point
+    the shorter way. Frequencies are at the focal plane (cyc/mm, by the focal length), in angle, or
+    by the pixel (by pitch and focal length). Without a file nothing is changed. Source: Fritsch
+    and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
+
+    Parameters
+    ----------
+    path : str | PathLike[str] | None
+        CSV table of MTF, relative to the network file's folder; empty: no blur: a file name or
+        empty; default empty
+    frequency_unit : Literal['file', 'cyc/mm', 'cyc/mrad', 'cyc/pixel']
+        unit of the frequencies; `file`: as its line of names has it: one of file, cyc/mm, cyc/mrad,
+        cyc/pixel; default 'file'
+    direction : Literal['file', 'x', 'y', 'radial']
+        axis on which the curve acts; `file`: by its column's name, radial for `mtf`: one of file,
+        x, y, radial; default 'file'
+    normalise : Literal['refuse', 'at_zero']
+        an MTF that is not 1 at 0: an error, or divided by its value there: one of refuse, at_zero;
+        default 'refuse'
+    field : int | Expression
+        field of a listing of Zemax, counted from 0 without the limit: a whole number from 0 to
+        1000; default 0
+    focal_length_mm : float | Expression | None
+        focal length, for cyc/mm and cyc/pixel; empty: of Init & Trans [mm]: a number of at least 0
+        or empty; default empty
+    detector_x_um : float | Expression | None
+        pixel pitch across, for cyc/pixel; empty: of Init & Trans [µm]: a number of at least 0 or
+        empty; default empty
+    detector_y_um : float | Expression | None
+        pixel pitch along, for cyc/pixel; empty: of Init & Trans [µm]: a number of at least 0 or
+        empty; default empty
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+
+    Notes
+    -----
+    MTF File, of the group Optics.
+    Inputs: context, magnitude, phase (optional).
+    Outputs: magnitude, phase, mtf, ptf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    end_x (cyc/mrad), end_y (cyc/mrad).
+    """
+
+def psf_file(
+    *,
+    path: str | PathLike[str] | None = None,
+    band: int | Expression | None = None,
+    sample_pitch: float | Expression | None = None,
+    sample_pitch_y: float | Expression | None = None,
+    pitch_unit: Literal['um', 'mrad'] = 'um',
+    focal_length_mm: float | Expression | None = None,
+    centroid: Literal['kept', 'removed'] = 'kept',
+    background: float | Expression = 0.0,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+) -> Part:
+    """Blur by a point spread function from a picture: measured, or of a lens design.
+
+    The picture of every point becomes that of the file: row 0 is at the top, and a tail to the
+    right in the file is one to the right in the picture. Formats are those of Read Image, `.npy`,
+    text, and the listing of Zemax, whose spacing is taken where `sample_pitch` is empty. Samples
+    are divided by their sum. With `centroid` kept the point is at the middle of the file, between
+    samples (n − 1)/2 of even sizes, and a centroid beside it shifts the picture; removed, nothing
+    is shifted. The OTF is the exact sum over the samples at the picture's own frequencies,
+    whatever their pitch, and 0 beyond the Nyquist frequency of the file. A detector's pixel is in
+    a PSF measured with it: leave Detector MTF out then. Without a file nothing is changed. Source:
+    Goodman 2005, Introduction to Fourier Optics, section 6.3.
+
+    Parameters
+    ----------
+    path : str | PathLike[str] | None
+        picture of a point, relative to the network file's folder; empty: no blur: a file name or
+        empty; default empty
+    band : int | Expression | None
+        band or channel of a file of several, counted from 0: a whole number of at least 0 or empty;
+        default empty
+    sample_pitch : float | Expression | None
+        distance of the file's samples across, in `pitch_unit`; empty: as the file has it: a number
+        of at least 0 or empty; default empty
+    sample_pitch_y : float | Expression | None
+        distance of the file's samples along; empty: as across: a number of at least 0 or empty;
+        default empty
+    pitch_unit : Literal['um', 'mrad']
+        unit of both: µm at the focal plane, or mrad: one of um, mrad; default 'um'
+    focal_length_mm : float | Expression | None
+        focal length, for µm; empty: of Init & Trans [mm]: a number of at least 0 or empty; default
+        empty
+    centroid : Literal['kept', 'removed']
+        whether a centre of gravity beside the middle of the file shifts the picture: one of kept,
+        removed; default 'kept'
+    background : float | Expression
+        subtracted from every sample, in the file's numbers: a number; default 0.0
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+
+    Notes
+    -----
+    PSF File, of the group Optics.
+    Inputs: context, magnitude, phase (optional).
+    Outputs: magnitude, phase, mtf, ptf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    centre_x_mrad (mrad), centre_y_mrad (mrad), sum_of_samples, file_nyquist_x (cyc/mrad).
+    """
+
+def poisson_noise(
+    *,
+    seed_mode: Literal['automatic', 'typed'] = 'automatic',
+    seed: int | Expression = 0,
+    width_px: float | Expression = 5.0,
+    percent: float | Expression = 1.0,
+    photons_per_unit: float | Expression | None = None,
+    mode: Literal['published', 'photon'] = 'published',
+) -> Part:
+    """Add the noise of photons that arrive one by one.
+
+    `published`: a percentage of the Gaussian-weighted local mean is the mean of a Poisson deviate,
+    which is added. `photon`: radiance becomes a number of photons, and a Poisson deviate takes its
+    place. The way of 1996 has no scale of photons: of a radiance in other units its noise is
+    another share of the picture, and it stands before the optics that would collect the light. The
+    shot noise of a detector is part of Focal Plane. Source: Tantalo 1996, section 4.3.4, after
+    Frieden 1991.
+
+    Parameters
+    ----------
+    seed_mode : Literal['automatic', 'typed']
+        seed from the network's seed and this node's name, or the one typed in: one of automatic,
+        typed; default 'automatic'
+    seed : int | Expression
+        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+    width_px : float | Expression
+        standard deviation of the local mean's weights [px]: a number of at least 0; default 5.0
+    percent : float | Expression
+        share of the local mean [%]: a number of at least 0; default 1.0
+    photons_per_unit : float | Expression | None
+        photons per unit of radiance, for `photon`: a number of at least 0 or empty; default empty
+    mode : Literal['published', 'photon']
+        add a deviate, or replace by one: one of published, photon; default 'published'
+
+    Notes
+    -----
+    Poisson Noise, of the group Optics.
+    Inputs: image.
+    Outputs: image, noise.
+    Read-outs: noise_mean (W/m²/sr), noise_sigma (W/m²/sr).
+    """
+
+def crosstrack_mtf(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    dwell_time_s: float | Expression = 0.0,
+    scan_velocity_mrad_per_s: float | Expression | None = None,
+) -> Part:
+    """Smear across by the scan within one dwell time; off until a dwell time is given.
+
+    sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects it.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    dwell_time_s : float | Expression
+        time one sample is collected [s]: a number of at least 0; default 0.0
+    scan_velocity_mrad_per_s : float | Expression | None
+        velocity of the scan; empty: of Init & Trans [mrad/s]: a number of at least 0 or empty;
+        default empty
+
+    Notes
+    -----
+    Crosstrack MTF, of the group Motion.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    blur_mrad (mrad).
+    """
+
+def alongtrack_mtf(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    velocity_m_per_s: float | Expression | None = None,
+    integration_time_s: float | Expression = 0.0,
+    range_m: float | Expression | None = None,
+) -> Part:
+    """Smear along track by the platform's forward motion while a sample is collected.
+
+    sinc(b·eta), b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28. Erratum: the
+    width 134 of eq. 4.28 is in cycles/rad.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    velocity_m_per_s : float | Expression | None
+        velocity of the platform; empty: of Init & Trans [m/s]: a number or empty; default empty
+    integration_time_s : float | Expression
+        integration time [s]: a number of at least 0; default 0.0
+    range_m : float | Expression | None
+        altitude or distance; empty: of Init & Trans [m]: a number of at least 0 or empty; default
+        empty
+
+    Notes
+    -----
+    Alongtrack MTF, of the group Motion.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    blur_y_mrad (mrad).
+    """
+
+def relative_motion_mtf(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    image_velocity_x: float | Expression = 0.0,
+    image_velocity_y: float | Expression = 0.0,
+    platform_velocity_x: float | Expression = 0.0,
+    platform_velocity_y: float | Expression = 0.0,
+    integration_time_s: float | Expression = 0.0,
+    range_m: float | Expression | None = None,
+    model: Literal['published', 'line'] = 'published',
+) -> Part:
+    """Smear by the relative velocity of platform and image while the detector integrates.
+
+    `published` is the product sinc(bx·xi)·sinc(by·eta), a rectangle (eq. 4.31); `line` the
+    straight smear sinc(bx·xi + by·eta) that a constant velocity makes. Zero relative velocity is
+    exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of eqs.
+    4.34 and 4.35 are in cycles/rad.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    image_velocity_x : float | Expression
+        velocity of the image across [m/s]: a number; default 0.0
+    image_velocity_y : float | Expression
+        velocity of the image along [m/s]: a number; default 0.0
+    platform_velocity_x : float | Expression
+        velocity of the platform across [m/s]: a number; default 0.0
+    platform_velocity_y : float | Expression
+        velocity of the platform along [m/s]: a number; default 0.0
+    integration_time_s : float | Expression
+        integration time [s]: a number of at least 0; default 0.0
+    range_m : float | Expression | None
+        distance; empty: of Init & Trans [m]: a number of at least 0 or empty; default empty
+    model : Literal['published', 'line']
+        rectangle (eq. 4.31) or straight smear: one of published, line; default 'published'
+
+    Notes
+    -----
+    Relative Motion MTF, of the group Motion.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    blur_x_mrad (mrad), blur_y_mrad (mrad).
+    """
+
+def jitter_mtf(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    sigma_mrad: float | Expression = 0.02,
+) -> Part:
+    """Blur by random line-of-sight motion within one exposure (Gaussian).
+
+    exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991: 20 to 60 µrad are
+    typical. Erratum: the thesis calls σ² the variance in µrad and gives its root in mrad.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    sigma_mrad : float | Expression
+        rms motion per axis [mrad]: a number of at least 0; default 0.02
+
+    Notes
+    -----
+    Jitter MTF, of the group Motion.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    half_contrast (cyc/mrad).
+    """
+
+def vibration_mtf(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    amplitude_x_mrad: float | Expression = 0.0,
+    amplitude_y_mrad: float | Expression = 0.0,
+    frequency_Hz: float | Expression | None = None,
+    integration_time_s: float | Expression | None = None,
+) -> Part:
+    """Blur by sinusoidal vibration of the line of sight.
+
+    Whole periods give J0(2πA·xi); what remains of a period is its integral from phase 0, weighted
+    by time. Without a frequency or an integration time, many periods are taken. The two axes are
+    independent. Source: Kopeika 1998.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    amplitude_x_mrad : float | Expression
+        amplitude across [mrad]: a number of at least 0; default 0.0
+    amplitude_y_mrad : float | Expression
+        amplitude along [mrad]: a number of at least 0; default 0.0
+    frequency_Hz : float | Expression | None
+        frequency of the vibration [Hz]: a number of at least 0 or empty; default empty
+    integration_time_s : float | Expression | None
+        integration time [s]: a number of at least 0 or empty; default empty
+
+    Notes
+    -----
+    Vibration MTF, of the group Motion.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    periods (periods).
+    """
+
+def line_of_sight(
+    *,
+    seed_mode: Literal['automatic', 'typed'] = 'automatic',
+    seed: int | Expression = 0,
+    rms_x_mrad: float | Expression = 0.0,
+    rms_y_mrad: float | Expression = 0.0,
+    corner_Hz: float | Expression = 5.0,
+    psd_path: str | PathLike[str] | None = None,
+    integration_time_s: float | Expression = 0.01,
+    frame_rate_Hz: float | Expression = 30.0,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+) -> Part:
+    """Move the line of sight at random: blur within an exposure, a shift from frame to frame.
+
+    By the power density of the angle, S = rms²·(2/π)/(corner·(1 + (f/corner)²)) or `psd_path`; both
+    axes are independent. What an exposure sees beside its mean is an MTF, mean over its time of
+    exp(−2π²·v(t)·ξ²); the mean itself, of spectrum S·sinc²(fT), shifts each frame of a sequence by
+    a phase ramp, −2π·ξ·shift. A single picture is frame 0 and is shifted too. 3-D Noise does not
+    predict what a moving scene of contrast changes in a pixel, and measures it. Sources: Papoulis
+    1991, chapter 10; Kopeika 1998, chapter 14.
+
+    Parameters
+    ----------
+    seed_mode : Literal['automatic', 'typed']
+        seed from the network's seed and this node's name, or the one typed in: one of automatic,
+        typed; default 'automatic'
+    seed : int | Expression
+        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+    rms_x_mrad : float | Expression
+        rms motion across [mrad]: a number from 0 to 1e+06; default 0.0
+    rms_y_mrad : float | Expression
+        rms motion along [mrad]: a number from 0 to 1e+06; default 0.0
+    corner_Hz : float | Expression
+        half of the power density at low frequencies is left here [Hz]: a number from 1e-06 to
+        1e+09; default 5.0
+    psd_path : str | PathLike[str] | None
+        CSV of Hz and mrad²/Hz (across, along), in place of rms and corner, or empty: a file name or
+        empty; default empty
+    integration_time_s : float | Expression
+        length of an exposure [s]: a number from 0 to 1e+06; default 0.01
+    frame_rate_Hz : float | Expression
+        frame rate [Hz]: a number from 1e-06 to 1e+09; default 30.0
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+
+    Notes
+    -----
+    Line of Sight, of the group Motion.
+    Inputs: context, magnitude, phase.
+    Outputs: magnitude, phase, mtf, ptf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    within_x_mrad (mrad), within_y_mrad (mrad), between_x_mrad (mrad), between_y_mrad (mrad),
+    shift_x_mrad (mrad), shift_y_mrad (mrad).
+    """
+
+def detector_mtf(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    detector_x_um: float | Expression | None = None,
+    detector_y_um: float | Expression | None = None,
+    focal_length_mm: float | Expression | None = None,
+    fill_x: float | Expression | None = None,
+    fill_y: float | Expression | None = None,
+) -> Part:
+    """Average over the sensitive area of a detector element.
+
+    sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), signed. Empty parameters are those of Init &
+    Trans. Source: Tantalo 1996, eqs. 4.41 to 4.50.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    detector_x_um : float | Expression | None
+        detector pitch across [µm]: a number of at least 0 or empty; default empty
+    detector_y_um : float | Expression | None
+        detector pitch along [µm]: a number of at least 0 or empty; default empty
+    focal_length_mm : float | Expression | None
+        effective focal length [mm]: a number of at least 0 or empty; default empty
+    fill_x : float | Expression | None
+        fill factor across: a number from 0 to 1 or empty; default empty
+    fill_y : float | Expression | None
+        fill factor along: a number from 0 to 1 or empty; default empty
+
+    Notes
+    -----
+    Detector MTF, of the group Detector.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    ifov_x_mrad (mrad), ifov_y_mrad (mrad), first_zero_x (cyc/mrad), first_zero_y (cyc/mrad).
+    """
+
+def charge_eff_mtf(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    detectors_per_line: int | Expression = 640,
+    efficiency: float | Expression = 0.99999,
+    model: Literal['exact', 'published', 'leading'] = 'exact',
+    nyquist: Literal['image', 'detector'] = 'image',
+) -> Part:
+    """Lose contrast across by incomplete charge transfer.
+
+    With w = 2π·xi·Δ: exact |ε/(1 − (1−ε)e^{−iw})|^N; published and leading
+    exp(−N(1−ε)(1 − cos w)). Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    detectors_per_line : int | Expression
+        number of transfers: a whole number from 0 to 1e+09; default 640
+    efficiency : float | Expression
+        share of the charge that each transfer moves on: a number from 0 to 1; default 0.99999
+    model : Literal['exact', 'published', 'leading']
+        product of all transfers, eqs. 4.57-4.58, or the leading term of the product: one of exact,
+        published, leading; default 'exact'
+    nyquist : Literal['image', 'detector']
+        charge packets are one image sample apart, or one detector pitch: one of image, detector;
+        default 'image'
+
+    Notes
+    -----
+    Charge Eff MTF, of the group Detector.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y.
+    """
+
+def charge_eff_phase(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    detectors_per_line: int | Expression = 640,
+    efficiency: float | Expression = 0.99999,
+    model: Literal['exact', 'published', 'leading'] = 'exact',
+    nyquist: Literal['image', 'detector'] = 'image',
+) -> Part:
+    """Shift phases across by incomplete charge transfer.
+
+    With w = 2π·xi·Δ and k = N(1−ε): exact, the argument of [ε/(1 − (1−ε)e^{−iw})]^N; published
+    −k(w − sin w); leading −k·sin w. Source: Tantalo 1996, eq. 4.58. Erratum: the published form
+    starts with w³, that of N transfers with −k·w.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    detectors_per_line : int | Expression
+        number of transfers: a whole number from 0 to 1e+09; default 640
+    efficiency : float | Expression
+        share of the charge that each transfer moves on: a number from 0 to 1; default 0.99999
+    model : Literal['exact', 'published', 'leading']
+        product of all transfers, eqs. 4.57-4.58, or the leading term of the product: one of exact,
+        published, leading; default 'exact'
+    nyquist : Literal['image', 'detector']
+        charge packets are one image sample apart, or one detector pitch: one of image, detector;
+        default 'image'
+
+    Notes
+    -----
+    Charge Eff Phase, of the group Detector.
+    Inputs: context, phase.
+    Outputs: phase, ptf.
+    Read-outs: ptf_at_nyquist_x (rad), ptf_at_pixel_nyquist_x (rad).
+    """
+
+def tdi_mtf(
+    *,
+    apply: Literal['multiply', 'filter_only'] = 'multiply',
+    stages: int | Expression = 64,
+    phases: int | Expression = 4,
+    velocity_mismatch_percent: float | Expression = 0.0,
+    direction: Literal['y', 'x'] = 'y',
+    detector_um: float | Expression | None = None,
+    focal_length_mm: float | Expression | None = None,
+) -> Part:
+    """Blur of time delay and integration: charge moves in steps, and not as fast as the image.
+
+    sinc((1 + m)·s·f)·sin(πNm·s·f)/(N·sin(πm·s·f)), about the exposure's middle: m the velocity of
+    the image over that of the charge less 1, s the pitch over `phases`, N = stages·phases. It takes
+    the place of Alongtrack MTF, whose smear within a stage is the step s here. `phases` of 0 stands
+    for charge that moves without steps. Empty parameters are those of Init & Trans. Source: Wong,
+    Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
+
+    Parameters
+    ----------
+    apply : Literal['multiply', 'filter_only']
+        multiply the input by the transfer function, or pass on the transfer function alone: one of
+        multiply, filter_only; default 'multiply'
+    stages : int | Expression
+        stages that add their charge: a whole number from 1 to 10000; default 64
+    phases : int | Expression
+        clock phases of a stage, steps of the charge; 0: no steps: a whole number from 0 to 100;
+        default 4
+    velocity_mismatch_percent : float | Expression
+        how much faster the image is than the charge [%]: a number from -99 to 1000; default 0.0
+    direction : Literal['y', 'x']
+        axis of the motion: along (y) or across (x): one of y, x; default 'y'
+    detector_um : float | Expression | None
+        pitch of the stages; empty: the detector's along the motion [µm]: a number of at least 0 or
+        empty; default empty
+    focal_length_mm : float | Expression | None
+        effective focal length [mm]: a number of at least 0 or empty; default empty
+
+    Notes
+    -----
+    TDI MTF, of the group Detector.
+    Inputs: context, magnitude.
+    Outputs: magnitude, mtf.
+    Read-outs: mtf_at_nyquist_x, mtf_at_nyquist_y, mtf_at_pixel_nyquist_x, mtf_at_pixel_nyquist_y,
+    step_mrad (mrad), drift_mrad (mrad).
+    """
+
+def spectral_response(
+    *,
+    shape: Literal['file', 'rectangle', 'gaussian'] = 'rectangle',
+    path: str | PathLike[str] | None = None,
+    centre_um: float | Expression | None = None,
+    width_um: float | Expression | None = None,
+    peak: float | Expression = 1.0,
+    source_K: float | Expression | None = None,
+) -> Part:
+    """Weight every wavelength by a response: of a detector's material, a filter, a window.
+
+    A picture in bands has each of them multiplied by the mean response over it, and its sum is the
+    radiance that counts. Focal Plane behind it counts what is left of the photons; its NETD is that
+    of the scene before the response, which dims light of the scene alone, not of optics and
+    housing. A picture of one band is multiplied by the mean over the band, weighted by the radiance
+    of a black body: of the picture's mean brightness temperature, of sunlight's 5800 K where the
+    band begins below 2.5 µm, or of `source_K`. `file`: a CSV of µm and response, straight between
+    its points, 0 beyond them. `gaussian`: `width_um` is its full width at half maximum. A response
+    per watt instead of per photon goes in as it is where radiance is wanted; Focal Plane has its
+    own for photons.
+
+    Parameters
+    ----------
+    shape : Literal['file', 'rectangle', 'gaussian']
+        form of the response, or a file of it: one of file, rectangle, gaussian; default 'rectangle'
+    path : str | PathLike[str] | None
+        CSV of µm and response, 0 to 1: a file name or empty; default empty
+    centre_um : float | Expression | None
+        middle of the response; empty: of the picture's band [µm]: a number from 0 to 1000 or empty;
+        default empty
+    width_um : float | Expression | None
+        width, of a Gaussian its full width at half maximum; empty: of the picture's band [µm]: a
+        number from 0 to 1000 or empty; default empty
+    peak : float | Expression
+        largest response: a number from 0 to 1; default 1.0
+    source_K : float | Expression | None
+        black body that weights one band; empty: the scene's, or sunlight [K]: a number from 0 to
+        1e+06 or empty; default empty
+
+    Notes
+    -----
+    Spectral Response, of the group Detector.
+    Inputs: image.
+    Outputs: image.
+    Read-outs: mean_of_band.
+    """
+
+def focal_plane(
+    *,
+    seed_mode: Literal['automatic', 'typed'] = 'automatic',
+    seed: int | Expression = 0,
+    integration_time_s: float | Expression = 0.001,
+    tdi_stages: int | Expression = 1,
+    frames_averaged: int | Expression = 1,
+    quantum_efficiency: float | Expression = 0.7,
+    response: str | PathLike[str] | None = None,
+    cut_on_um: float | Expression | None = None,
+    cut_off_um: float | Expression | None = None,
+    photon_weighting: Literal['scene', 'source', 'middle'] = 'scene',
+    source_K: float | Expression = 5800.0,
+    optics_transmission: float | Expression = 1.0,
+    optics_K: float | Expression | None = None,
+    cold_shield_efficiency: float | Expression = 1.0,
+    housing_K: float | Expression | None = None,
+    dark_current_e_per_s: float | Expression = 0.0,
+    rule_07: bool = False,
+    detector_K: float | Expression | None = None,
+    material_cutoff_um: float | Expression | None = None,
+    full_well_e: float | Expression | None = None,
+    nonlinearity_percent: float | Expression = 0.0,
+    read_noise_e: float | Expression = 0.0,
+    prnu_percent: float | Expression = 0.0,
+    dsnu_e: float | Expression = 0.0,
+    bad_pixel_percent: float | Expression = 0.0,
+    bits: int | Expression = 0,
+    gain_e_per_dn: float | Expression | None = None,
+    offset_dn: float | Expression = 0.0,
+    units: Literal['dn', 'electrons', 'radiance'] = 'dn',
+) -> Part:
+    """Count the picture's photons as electrons, add the camera's noise, and digitize it.
+
+    N = t·n·A·FF·QE·Ω·[τ·L_q + (1−τ)·L_q(optics)] + t·n·A·FF·QE·(π−Ω)(1−η)·L_q(housing) + dark: N
+    electrons in an exposure; t integration_time_s; n tdi_stages; A·FF the pixel's sensitive area,
+    pitch² times both fills of Init & Trans; QE quantum_efficiency, or response; Ω = π/(4F² + 1) the
+    projected solid angle of the optics at F-number F; τ optics_transmission; η
+    cold_shield_efficiency; L_q photons per s, m² and sr in the band, of the scene and, at optics_K
+    and housing_K, of black bodies; dark = t·n·dark_current_e_per_s, or Rule 07. In this order: shot
+    noise of all electrons, drawn pixel by pixel; PRNU and DSNU, which stay from frame to frame; a
+    response that bends towards the full well; read noise; the full well; gain, offset, whole
+    numbers. PRNU multiplies all electrons by 1 + p·deviate, those of the dark current too; EMVA
+    1288 has it of the response to light alone.
+
+    A radiance becomes photons by the black body of its own brightness temperature (`scene`), by
+    that of `source_K`, or by the band's middle; the table shows what each makes of the signal. Of a
+    picture in bands the photons of each are counted, by the response at its wavelength. A band that
+    begins below 2.5 µm holds no thermal scene: there `scene` is `source`. NETD, SNR and well fill
+    are those of the picture's mean; where that is clipped, there is no NETD, SNR or NEI.
+    `frames_averaged`: shot and read noise fall with the root of their number, and the average is
+    rounded once. `saturated` is 1 where the well is full or the converter beyond its last number.
+    Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288; Tennant et al.
+    2008 (Rule 07).
+
+    Parameters
+    ----------
+    seed_mode : Literal['automatic', 'typed']
+        seed from the network's seed and this node's name, or the one typed in: one of automatic,
+        typed; default 'automatic'
+    seed : int | Expression
+        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+    integration_time_s : float | Expression
+        integration time of one stage [s]: a number above 0 to 10000; default 0.001
+    tdi_stages : int | Expression
+        stages of time delay and integration that add their charge: a whole number from 1 to 10000;
+        default 1
+    frames_averaged : int | Expression
+        frames that are averaged: a whole number from 1 to 1e+06; default 1
+    quantum_efficiency : float | Expression
+        electrons per photon within the band: a number above 0 to 1; default 0.7
+    response : str | PathLike[str] | None
+        CSV of µm and quantum efficiency, in place of the number, or empty: a file name or empty;
+        default empty
+    cut_on_um : float | Expression | None
+        shortest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
+        or empty; default empty
+    cut_off_um : float | Expression | None
+        longest wavelength of the cold filter; empty: the image's band [µm]: a number of at least 0
+        or empty; default empty
+    photon_weighting : Literal['scene', 'source', 'middle']
+        photons of a radiance: as of its own temperature, of the source, of the middle: one of
+        scene, source, middle; default 'scene'
+    source_K : float | Expression
+        temperature of the source of light [K]: a number above 0 to 1e+06; default 5800.0
+    optics_transmission : float | Expression
+        transmission of the optics: a number above 0 to 1; default 1.0
+    optics_K : float | Expression | None
+        temperature of the optics; empty: no emission [K]: a number from 0 to 10000 or empty;
+        default empty
+    cold_shield_efficiency : float | Expression
+        share of the housing that the cold shield hides: a number from 0 to 1; default 1.0
+    housing_K : float | Expression | None
+        temperature of the housing past the cold shield; empty: no emission [K]: a number from 0 to
+        10000 or empty; default empty
+    dark_current_e_per_s : float | Expression
+        dark current of a pixel [e-/s]: a number from 0 to 1e+15; default 0.0
+    rule_07 : bool
+        dark current of HgCdTe by Rule 07 in place of the number: true or false; default False
+    detector_K : float | Expression | None
+        temperature of the detector, for Rule 07 [K]: a number from 0 to 1000 or empty; default
+        empty
+    material_cutoff_um : float | Expression | None
+        cutoff of the detector material, for Rule 07 [µm]: a number from 0 to 100 or empty; default
+        empty
+    full_well_e : float | Expression | None
+        electrons a pixel holds; empty: any number [e-]: a number of at least 0 or empty; default
+        empty
+    nonlinearity_percent : float | Expression
+        what is missing at the full well; growing with the square of the electrons [%]: a number
+        from 0 to 25; default 0.0
+    read_noise_e : float | Expression
+        read noise [e-]: a number from 0 to 1e+12; default 0.0
+    prnu_percent : float | Expression
+        spread of the response among pixels [%]: a number from 0 to 100; default 0.0
+    dsnu_e : float | Expression
+        spread of the dark level among pixels [e-]: a number from 0 to 1e+12; default 0.0
+    bad_pixel_percent : float | Expression
+        dead and hot pixels, some in clusters [%]: a number from 0 to 100; default 0.0
+    bits : int | Expression
+        bits of the converter, 0 for none [bit]: a whole number from 0 to 24; default 0
+    gain_e_per_dn : float | Expression | None
+        electrons of one number; empty: the full well is the last [e-/DN]: a number of at least 0 or
+        empty; default empty
+    offset_dn : float | Expression
+        number of no electrons [DN]: a number from -1.67772e+07 to 1.67772e+07; default 0.0
+    units : Literal['dn', 'electrons', 'radiance']
+        what the picture is given in; all are of the digitized picture: one of dn, electrons,
+        radiance; default 'dn'
+
+    Notes
+    -----
+    Focal Plane, of the group Detector.
+    Inputs: image, context.
+    Outputs: image, electrons, noise, saturated, table.
+    Read-outs: signal_e (e-), optics_e (e-), housing_e (e-), dark_e (e-), well_fill_percent (%),
+    shot_noise_e (e-), read_noise_e (e-), quantization_noise_e (e-), temporal_noise_e (e-),
+    fixed_pattern_e (e-), responsivity_e_per_K (e-/K), netd_K (K), snr, nei_photons_per_cm2 (1/cm²),
+    dynamic_range_dB (dB), gain_e_per_dn (e-/DN), mean_dn (DN), photon_weighting,
+    weighting_worth_percent (%), saturated_pixels.
+    """
+
+def microbolometer(
+    *,
+    seed_mode: Literal['automatic', 'typed'] = 'automatic',
+    seed: int | Expression = 0,
+    netd_mK: float | Expression = 50.0,
+    reference_f_number: float | Expression = 1.0,
+    reference_K: float | Expression = 300.0,
+    reference_integration_time_s: float | Expression | None = None,
+    f_number: float | Expression | None = None,
+    optics_transmission: float | Expression = 1.0,
+    integration_time_s: float | Expression | None = None,
+    cut_on_um: float | Expression | None = None,
+    cut_off_um: float | Expression | None = None,
+    time_constant_s: float | Expression = 0.01,
+    frame_rate_Hz: float | Expression = 30.0,
+    corner_Hz: float | Expression = 0.0,
+    longest_period_s: float | Expression = 60.0,
+    response_percent: float | Expression = 0.0,
+    offset_mK: float | Expression = 0.0,
+) -> Part:
+    """Add an uncooled detector's noise by its data sheet, and the lag of its heat capacity.
+
+    Noise as radiance of the scene is NETD·dL/dT(reference_K)·(4F² + 1)/(4F₀² + 1)/τ·√(t₀/t), with
+    the data sheet's F₀ (1), background and, where both are given, integration time t₀; a
+    bolometer's noise is its own, so that the NETD at another background goes as 1/(dL/dT). From
+    frame to frame exp(−1/(rate·time constant)) of a change is left: where frames differ, each
+    shows those before it too. With a scan velocity on Init & Trans the lag is a low-pass along the
+    lines, 1/(1 + 2πi·τ·v·ξ). 1/f noise equals the white one at `corner_Hz`. Unlike responses and
+    offsets of pixels are the same in every frame; Non-Uniformity Correction takes them out.
+    Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22.
+
+    Parameters
+    ----------
+    seed_mode : Literal['automatic', 'typed']
+        seed from the network's seed and this node's name, or the one typed in: one of automatic,
+        typed; default 'automatic'
+    seed : int | Expression
+        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+    netd_mK : float | Expression
+        NETD of the data sheet [mK]: a number from 0 to 1e+06; default 50.0
+    reference_f_number : float | Expression
+        F-number of that NETD: a number from 0.1 to 1000; default 1.0
+    reference_K : float | Expression
+        background of that NETD [K]: a number from 1 to 10000; default 300.0
+    reference_integration_time_s : float | Expression | None
+        integration time of that NETD; empty: the camera's [s]: a number from 0 to 1000 or empty;
+        default empty
+    f_number : float | Expression | None
+        F-number of the camera; empty: of Init & Trans: a number from 0.1 to 1000 or empty; default
+        empty
+    optics_transmission : float | Expression
+        transmission of the optics: a number above 0 to 1; default 1.0
+    integration_time_s : float | Expression | None
+        integration time of the camera; empty: the data sheet's [s]: a number from 0 to 1000 or
+        empty; default empty
+    cut_on_um : float | Expression | None
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    cut_off_um : float | Expression | None
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    time_constant_s : float | Expression
+        thermal time constant [s]: a number from 0 to 1000; default 0.01
+    frame_rate_Hz : float | Expression
+        frame rate [Hz]: a number from 1e-06 to 1e+09; default 30.0
+    corner_Hz : float | Expression
+        where 1/f noise equals the white; 0: none [Hz]: a number from 0 to 1e+09; default 0.0
+    longest_period_s : float | Expression
+        slowest 1/f noise: time since the last correction [s]: a number from 1e-09 to 1e+09; default
+        60.0
+    response_percent : float | Expression
+        spread of the response among pixels [%]: a number from 0 to 100; default 0.0
+    offset_mK : float | Expression
+        spread of the offset among pixels, at the data sheet's background [mK]: a number from 0 to
+        1e+09; default 0.0
+
+    Notes
+    -----
+    Microbolometer, of the group Detector.
+    Inputs: image, context.
+    Outputs: image, noise, mtf, ptf, table.
+    Read-outs: netd_K (K), white_netd_K (K), flicker_K (K), fixed_pattern_K (K), noise_radiance
+    (W/m²/sr), snr, scene_K (K), lag_percent (%).
+    """
+
+def nuc(
+    *,
+    seed_mode: Literal['automatic', 'typed'] = 'automatic',
+    seed: int | Expression = 0,
+    method: Literal['none', 'one_point', 'two_point'] = 'two_point',
+    low_K: float | Expression = 290.0,
+    high_K: float | Expression = 310.0,
+    reference_frames: int | Expression = 16,
+    drift_K: float | Expression = 0.0,
+) -> Part:
+    """Even out a camera's pixels, by what they give of uniform references at one or two heats.
+
+    It stands behind the camera's modules. What these give of a black body that fills the view, in
+    the place of what enters the first that adds noise, is averaged over `reference_frames` frames
+    of their own noise, once for all frames. `one_point`: the pattern at `low_K` is subtracted; what
+    is left grows with the distance from it as the gains differ. `two_point`: gains and offsets are
+    those of a straight line through both references; what is left is the noise of their means, and
+    what a bent response leaves. `drift_K` adds the offsets that have come since, as the rms among
+    pixels in kelvin of the scene. A pixel of less than a tenth of the mean response keeps its
+    gain. Budgets count 1/f noise, which frames of a reference have in common, as if it were new in
+    each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
+
+    Parameters
+    ----------
+    seed_mode : Literal['automatic', 'typed']
+        seed from the network's seed and this node's name, or the one typed in: one of automatic,
+        typed; default 'automatic'
+    seed : int | Expression
+        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+    method : Literal['none', 'one_point', 'two_point']
+        references: none, one or two: one of none, one_point, two_point; default 'two_point'
+    low_K : float | Expression
+        temperature of the reference, of the cooler one [K]: a number from 1 to 10000; default 290.0
+    high_K : float | Expression
+        temperature of the warmer reference [K]: a number from 1 to 10000; default 310.0
+    reference_frames : int | Expression
+        frames of a reference that are averaged: a whole number from 1 to 100000; default 16
+    drift_K : float | Expression
+        rms among pixels of the offset that has come since, as scene temperature [K]: a number from
+        0 to 10000; default 0.0
+
+    Notes
+    -----
+    Non-Uniformity Correction, of the group Detector.
+    Inputs: image.
+    Outputs: image, gain, offset, table.
+    Read-outs: pattern_low, pattern_high, response_per_kelvin, weak_pixels.
+    """
+
+def electronics_noise(
+    *,
+    seed_mode: Literal['automatic', 'typed'] = 'automatic',
+    seed: int | Expression = 0,
+    cut_on_um: float | Expression | None = None,
+    cut_off_um: float | Expression | None = None,
+    region: Literal['VIS', 'MWIR', 'LWIR'] = 'VIS',
+    material: Literal['HgCdTe', 'InSb', 'PtSi', 'Si', 'Si:Ga', 'Si:As', 'manual'] = 'HgCdTe',
+    d_star: float | Expression | None = None,
+    optics_transmission: float | Expression = 1.0,
+    filter_transmission: float | Expression = 1.0,
+    scan_mirror_rate_Hz: float | Expression | None = None,
+    time_constant_s: float | Expression | None = None,
+    bandwidth_Hz: float | Expression | None = None,
+    amplifier_snr: float | Expression | None = None,
+    snr_reference: Literal['mean', 'contrast'] = 'mean',
+    gain_percent: float | Expression = 0.0,
+    bias_percent: float | Expression = 0.0,
+    gain_model: Literal['per_pixel', 'published', 'literal'] = 'per_pixel',
+    noise_variability_percent: float | Expression = 0.0,
+    use_mtf: bool = False,
+    post_filter: Literal['none', 'lowpass', 'highpass', 'boost'] = 'none',
+    post_corner_Hz: float | Expression | None = None,
+    post_poles: int | Expression = 1,
+    post_gain: float | Expression = 2.0,
+    bits: Literal[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 32, 64] = 0,
+    range_low: float | Expression | None = None,
+    range_high: float | Expression | None = None,
+    background_K: float | Expression | None = None,
+) -> Part:
+    """Read the picture out: gain and bias, detector noise, pre-amplifier, amplifier noise, bits.
+
+    In this order: gain and bias errors of each detector; detector noise of rms NER; the
+    pre-amplifier's single pole along the scan, 1/(1 + 2πi·τ·v·xi); amplifier noise of rms
+    reference/SNR; a post filter; quantization. NEP and NER are of a detector of mean noise; NETD
+    and SNR are of all of them, √(1 + v²) times as noisy with a spread of v. Sources: Tantalo 1996,
+    sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the picture by the gain
+    error (`literal`).
+
+    Parameters
+    ----------
+    seed_mode : Literal['automatic', 'typed']
+        seed from the network's seed and this node's name, or the one typed in: one of automatic,
+        typed; default 'automatic'
+    seed : int | Expression
+        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+    cut_on_um : float | Expression | None
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    cut_off_um : float | Expression | None
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    region : Literal['VIS', 'MWIR', 'LWIR']
+        wavelength region: one of VIS, MWIR, LWIR; default 'VIS'
+    material : Literal['HgCdTe', 'InSb', 'PtSi', 'Si', 'Si:Ga', 'Si:As', 'manual']
+        detector material, for D*: one of HgCdTe, InSb, PtSi, Si, Si:Ga, Si:As, manual; default
+        'HgCdTe'
+    d_star : float | Expression | None
+        D* typed in, in place of the material's [cm √Hz/W]: a number of at least 0 or empty; default
+        empty
+    optics_transmission : float | Expression
+        transmission of the optics: a number above 0 to 1; default 1.0
+    filter_transmission : float | Expression
+        transmission of the filter: a number above 0 to 1; default 1.0
+    scan_mirror_rate_Hz : float | Expression | None
+        turns of the scan mirror; empty: scan velocity of Init & Trans [Hz]: a number of at least 0
+        or empty; default empty
+    time_constant_s : float | Expression | None
+        detector time constant; empty: the dwell time [s]: a number of at least 0 or empty; default
+        empty
+    bandwidth_Hz : float | Expression | None
+        noise bandwidth; empty: 1/(2τ) [Hz]: a number of at least 0 or empty; default empty
+    amplifier_snr : float | Expression | None
+        SNR of the amplifier; empty: no amplifier noise: a number of at least 0 or empty; default
+        empty
+    snr_reference : Literal['mean', 'contrast']
+        what the SNR refers to: mean, or max − min: one of mean, contrast; default 'mean'
+    gain_percent : float | Expression
+        spread of gain [%]: a number of at least 0; default 0.0
+    bias_percent : float | Expression
+        spread of bias, of the mean [%]: a number of at least 0; default 0.0
+    gain_model : Literal['per_pixel', 'published', 'literal']
+        gain scales each pixel, adds a share of the mean, or eq. 4.59 as printed: one of per_pixel,
+        published, literal; default 'per_pixel'
+    noise_variability_percent : float | Expression
+        spread of the noise among detectors [%]: a number of at least 0; default 0.0
+    use_mtf : bool
+        apply the pre-amplifier's MTF and PTF: true or false; default False
+    post_filter : Literal['none', 'lowpass', 'highpass', 'boost']
+        filter after the amplifier: one of none, lowpass, highpass, boost; default 'none'
+    post_corner_Hz : float | Expression | None
+        corner, or boost frequency, of the post filter [Hz]: a number of at least 0 or empty;
+        default empty
+    post_poles : int | Expression
+        poles of the post filter: a whole number from 1 to 100; default 1
+    post_gain : float | Expression
+        gain of the boost: a number from 1 to 1e+06; default 2.0
+    bits : Literal[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 32, 64]
+        bits per pixel, 0 for none [bit]: one of 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14,
+        15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 32, 64; default 0
+    range_low : float | Expression | None
+        lowest level; empty: the picture's least [W/m²/sr]: a number or empty; default empty
+    range_high : float | Expression | None
+        highest level; empty: the picture's greatest [W/m²/sr]: a number or empty; default empty
+    background_K : float | Expression | None
+        background; empty: brightness temperature of the mean [K]: a number of at least 0 or empty;
+        default empty
+
+    Notes
+    -----
+    Electronics & Noise, of the group Electronics & Noise.
+    Inputs: image, context.
+    Outputs: image, noise, detector_noise, quantization_error, mtf, ptf, table.
+    Read-outs: bandwidth_Hz (Hz), g_number (1/sr), d_star (cm √Hz/W), nep_W (W), ner (W/m²/sr),
+    netd_detector_K (K), netd_amplifier_K (K), netd_system_K (K), snr, quantization_rms (W/m²/sr),
+    background_K (K).
+    """
+
+def periodic_noise(
+    *,
+    amplitude: float | Expression = 0.0,
+    xi: float | Expression = 0.1,
+    eta: float | Expression = 0.0,
+    phase_deg: float | Expression = 0.0,
+    modulation: float | Expression = 0.0,
+    modulation_xi: float | Expression = 0.01,
+    modulation_eta: float | Expression = 0.0,
+    modulation_phase_deg: float | Expression = 0.0,
+) -> Part:
+    """Add a sinusoid, such as pick-up from a supply, optionally modulated in amplitude.
+
+    amplitude·(1 + modulation·sin(2π(ξₘx + ηₘy) + φₘ))·sin(2π(ξx + ηy) + φ) with x and y from the
+    first sample on. What lies beyond the Nyquist frequency shows as its alias, as it would.
+    An amplitude of 0 passes the picture on. Source: Tantalo 1996, chapter 3.
+
+    Parameters
+    ----------
+    amplitude : float | Expression
+        amplitude, in the unit of the picture: a number; default 0.0
+    xi : float | Expression
+        frequency across [cyc/mrad]: a number; default 0.1
+    eta : float | Expression
+        frequency along [cyc/mrad]: a number; default 0.0
+    phase_deg : float | Expression
+        phase at the first sample [deg]: a number; default 0.0
+    modulation : float | Expression
+        depth of the modulation: a number from 0 to 1; default 0.0
+    modulation_xi : float | Expression
+        frequency of the modulation across [cyc/mrad]: a number; default 0.01
+    modulation_eta : float | Expression
+        frequency of the modulation along [cyc/mrad]: a number; default 0.0
+    modulation_phase_deg : float | Expression
+        phase of the modulation at the first sample [deg]: a number; default 0.0
+
+    Notes
+    -----
+    Periodic Noise, of the group Electronics & Noise.
+    Inputs: image.
+    Outputs: image, noise.
+    """
+
+def noise_file(
+    *,
+    path: str | PathLike[str] | None = None,
+    band: int | Expression = 0,
+    scale: float | Expression = 1.0,
+) -> Part:
+    """Add the samples of a file, times `scale`, to a picture of the same size.
+
+    The file may be of every kind that Read Image reads. Its mean is added too. A scale of 0
+    passes the picture on. Source: Tantalo 1996, chapter 3.
+
+    Parameters
+    ----------
+    path : str | PathLike[str] | None
+        noise file, relative to the network file's folder: a file name or empty; default empty
+    band : int | Expression
+        band or channel, counted from 0: a whole number of at least 0; default 0
+    scale : float | Expression
+        factor that brings the noise to the picture's unit: a number; default 1.0
+
+    Notes
+    -----
+    Noise File, of the group Electronics & Noise.
+    Inputs: image.
+    Outputs: image, noise.
+    """
+
+def noise_3d_source(
+    *,
+    seed_mode: Literal['automatic', 'typed'] = 'automatic',
+    seed: int | Expression = 0,
+    sigma_tvh: float | Expression = 0.0,
+    sigma_tv: float | Expression = 0.0,
+    sigma_th: float | Expression = 0.0,
+    sigma_t: float | Expression = 0.0,
+    sigma_vh: float | Expression = 0.0,
+    sigma_v: float | Expression = 0.0,
+    sigma_h: float | Expression = 0.0,
+    corner_Hz: float | Expression = 0.0,
+    frame_rate_Hz: float | Expression = 30.0,
+    longest_period_s: float | Expression = 60.0,
+) -> Part:
+    """Add noise by its seven components: of time (t), rows (v), columns (h), or several together.
+
+    Each is normal, of its own standard deviation, in the unit of the picture. v, h and vh are the
+    same in every frame of a sequence, the others new in each. `corner_Hz` adds 1/f noise, of each
+    sample by itself, whose spectrum in time equals that of sigma_tvh there; it reaches from one
+    over `longest_period_s` to half the frame rate, and any frame is made of its number alone. It
+    counts as temporal with its whole variance. 3-D Noise, which sees some frames, measures as fixed
+    (vh) what is slower than these. Without any component the picture is passed on. Sources:
+    D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
+
+    Parameters
+    ----------
+    seed_mode : Literal['automatic', 'typed']
+        seed from the network's seed and this node's name, or the one typed in: one of automatic,
+        typed; default 'automatic'
+    seed : int | Expression
+        seed, when typed in: a whole number from 0 to 9.22337e+18; default 0
+    sigma_tvh : float | Expression
+        random from sample to sample and frame to frame: a number from 0 to 1e+15; default 0.0
+    sigma_tv : float | Expression
+        of rows, from frame to frame: a number from 0 to 1e+15; default 0.0
+    sigma_th : float | Expression
+        of columns, from frame to frame: a number from 0 to 1e+15; default 0.0
+    sigma_t : float | Expression
+        of whole frames from one to the next: a number from 0 to 1e+15; default 0.0
+    sigma_vh : float | Expression
+        fixed from sample to sample: a number from 0 to 1e+15; default 0.0
+    sigma_v : float | Expression
+        fixed from row to row: a number from 0 to 1e+15; default 0.0
+    sigma_h : float | Expression
+        fixed from column to column: a number from 0 to 1e+15; default 0.0
+    corner_Hz : float | Expression
+        where 1/f noise equals sigma_tvh; 0: none [Hz]: a number from 0 to 1e+09; default 0.0
+    frame_rate_Hz : float | Expression
+        frame rate, for 1/f noise [Hz]: a number from 1e-06 to 1e+09; default 30.0
+    longest_period_s : float | Expression
+        slowest 1/f noise: time since the last correction [s]: a number from 1e-09 to 1e+09; default
+        60.0
+
+    Notes
+    -----
+    3-D Noise Source, of the group Electronics & Noise.
+    Inputs: image.
+    Outputs: image, noise.
+    Read-outs: temporal, fixed, flicker.
+    """
+
+def mtf_slices(
+    *,
+    direction: Literal['horizontal', 'vertical', 'angle', 'both'] = 'horizontal',
+    angle_deg: float | Expression = 45.0,
+    samples: int | Expression = 257,
+    stages: bool = True,
+) -> Part:
+    """Plot the MTF of each stage and the total along a line, from zero to the band's end.
+
+    Stages are evaluated on the line itself, so that slices of a chain cost next to nothing. Of a
+    magnitude its MTFs are shown, not the picture's spectrum; of a PTF the phases and their sum. The
+    band ends at the Nyquist frequency of the image's samples; that of the detector's pixels, half a
+    cycle per pitch, is marked within it where Init & Trans or Camera has a pitch.
+    Source: Tantalo 1996, figs. 5.26 and 5.53.
+
+    Parameters
+    ----------
+    direction : Literal['horizontal', 'vertical', 'angle', 'both']
+        line of frequencies; both: horizontal and vertical: one of horizontal, vertical, angle,
+        both; default 'horizontal'
+    angle_deg : float | Expression
+        direction of the line: 0 horizontal, 90 vertical [deg]: a number from -360 to 360; default
+        45.0
+    samples : int | Expression
+        points of each curve: a whole number from 2 to 65536; default 257
+    stages : bool
+        each stage too, not the total alone: true or false; default True
+
+    Notes
+    -----
+    MTF Slices, of the group Analysis.
+    Inputs: transfer.
+    Outputs: curve.
+    Read-outs: at_nyquist_x, at_nyquist_y, at_pixel_nyquist_x, at_pixel_nyquist_y.
+    """
+
+def measured_mtf(
+    *,
+    method: Literal['slanted_edge', 'row_average'] = 'slanted_edge',
+    target: Literal['edge', 'line'] = 'edge',
+    direction: Literal['automatic', 'horizontal', 'vertical'] = 'automatic',
+    region_x: int | Expression = 0,
+    region_y: int | Expression = 0,
+    region_width: int | Expression | None = None,
+    region_height: int | Expression | None = None,
+    window: Literal['tukey', 'hamming', 'none'] = 'tukey',
+    samples: int | Expression = 129,
+    clip_left_px: int | Expression | None = None,
+    clip_right_px: int | Expression | None = None,
+    axis: Literal['cyc_per_mrad', 'cyc_per_pixel'] = 'cyc_per_mrad',
+) -> Part:
+    """Measure the MTF from an edge or a line in a picture.
+
+    `slanted_edge`: the edge's angle is found, the samples are sorted by their distance from it
+    into quarters of a sample, the derivative of their means is windowed and transformed, and the
+    responses of quarters and derivative are taken out; frequencies are along the edge's normal.
+    `row_average`: the mean of the rows is clipped at its ends, its derivative transformed, and the
+    modulus divided by its largest; the differences' own response, 0.64 at Nyquist, stays in.
+    Standard errors come from leaving out rows. `expected` is the MTF of the chain the picture
+    comes from, along the same direction and up to Nyquist: of all stages from the source on, and of
+    a test scene's samples, which are means over their area. How much the scene in a file is blurred
+    is not known, and does not count; a picture straight from a file expects nothing. What
+    `row_average` folds back from beyond Nyquist is no part of it. Source: ISO 12233:2023; Tantalo
+    1996, eqs. 5.67 to 5.70 and appendix B.
+
+    Parameters
+    ----------
+    method : Literal['slanted_edge', 'row_average']
+        ISO 12233's way for a slanted edge, or the thesis' way for an upright one: one of
+        slanted_edge, row_average; default 'slanted_edge'
+    target : Literal['edge', 'line']
+        what is in the region; a line's width counts as blur: one of edge, line; default 'edge'
+    direction : Literal['automatic', 'horizontal', 'vertical']
+        across (an upright edge), along, or whichever changes most: one of automatic, horizontal,
+        vertical; default 'automatic'
+    region_x : int | Expression
+        first column of the region [px]: a whole number of at least 0; default 0
+    region_y : int | Expression
+        first row of the region [px]: a whole number of at least 0; default 0
+    region_width : int | Expression | None
+        columns; empty: to the picture's end [px]: a whole number of at least 0 or empty; default
+        empty
+    region_height : int | Expression | None
+        rows; empty: to the picture's end [px]: a whole number of at least 0 or empty; default empty
+    window : Literal['tukey', 'hamming', 'none']
+        weight of the line spread; tukey: level over its middle half: one of tukey, hamming, none;
+        default 'tukey'
+    samples : int | Expression
+        points of the curve: a whole number from 2 to 4096; default 129
+    clip_left_px : int | Expression | None
+        first sample across that is not level; empty: found [px]: a whole number of at least 0 or
+        empty; default empty
+    clip_right_px : int | Expression | None
+        last sample across that is not level; empty: found [px]: a whole number of at least 0 or
+        empty; default empty
+    axis : Literal['cyc_per_mrad', 'cyc_per_pixel']
+        unit of the frequency; without a sampling interval always per pixel: one of cyc_per_mrad,
+        cyc_per_pixel; default 'cyc_per_mrad'
+
+    Notes
+    -----
+    Measured MTF, of the group Analysis.
+    Inputs: image.
+    Outputs: curve, spread, table.
+    Read-outs: mtf50 (cyc/mrad), mtf50_error (cyc/mrad), mtf50_per_pixel (cyc/pixel), mtf10
+    (cyc/mrad), mtf10_per_pixel (cyc/pixel), at_nyquist, at_nyquist_error, expected_mtf50
+    (cyc/mrad), expected_at_nyquist, largest_difference, edge_angle_deg (deg).
+    """
+
+def figures_of_merit(
+    *,
+    model: Literal['ratches_1976', 'flir92'] = 'flir92',
+    scanning: Literal['automatic', 'parallel_scan', 'serial_scan', 'staring'] = 'automatic',
+    cut_on_um: float | Expression | None = None,
+    cut_off_um: float | Expression | None = None,
+    background_K: float | Expression | None = None,
+    snr_threshold: float | Expression = 2.5,
+    frame_rate_Hz: float | Expression | None = 30.0,
+    eye_integration_s: float | Expression = 0.2,
+    mdtd_window: Literal['target', 'image'] = 'target',
+    eye_limit_mrad: float | Expression | None = None,
+    target_size_m: float | Expression = 2.3,
+    target_delta_K: float | Expression = 2.0,
+    extinction_per_km: float | Expression = 0.2,
+    n50_detection: float | Expression = 0.75,
+    n50_recognition: float | Expression = 3.0,
+    n50_identification: float | Expression = 6.0,
+    ttp_threshold: Literal['mrtd', 'system_contrast_threshold'] = 'mrtd',
+    v50: float | Expression = 18.8,
+    scene_contrast_K: float | Expression = 5.0,
+    display_cd_m2: float | Expression = 34.0,
+    display_deg: float | Expression = 15.0,
+    magnification: float | Expression | None = None,
+    range_max_km: float | Expression | None = None,
+) -> Part:
+    """Compute SNR, NETD, MRTD, MDTD and acquisition ranges of the sensor behind a picture.
+
+    Transfer function and noise are read off the chain that made the picture; nothing is drawn or
+    measured, and the mean that SNR and background come from is that of the picture without noise
+    and without errors of gain and bias. Connect the picture as the sensor samples it, before a
+    frame grabber interpolates it: its samples set Nyquist's frequency and the bandwidth of the
+    noise.
+
+    MRTD (four bars, 7:1): (π²/8)·SNR_th·σ/H, with the noise σ left after the eye has averaged over
+    a bar and over time. `ratches_1976` takes the temporal noise alone, and has no limit by
+    sampling; `flir92` takes fixed patterns too, which do not fall with time, and ends at Nyquist
+    where the sensor samples. Temporal noise is averaged with the spectrum it has in the picture.
+    2-D: the root of both frequencies at the same MRTD. MDTD: a square target, SNR_th·σ over the
+    mean of its blurred image.
+
+    `scanning` sets where the sensor samples: `staring` in both directions, `serial_scan` between
+    the lines that one detector scans along x, `parallel_scan` between its detectors, which lie
+    along x on platform `push` and else along y. All else that sets them apart is in the picture's
+    noise: bandwidth_Hz (one detector in place of n is n times as fast, and noisier by √n), and what
+    gain and bias do on a uniform field: on `line`, of one detector, nothing; on `push` σ_h, which
+    hides upright bars; on `array` σ_vh. 1/f noise of channels (σ_tv) is not simulated.
+
+    A picture of a band that begins below 2.5 µm is of reflected light, which has no temperature: it
+    is refused, unless `background_K` states how hot the scene glows; Image Quality takes it.
+
+    All figures in K are those at the camera, behind the air, for the background as it looks from
+    there. What is left of ΔT at a range is by Atmospheric Path, if the picture has come through
+    one: the τ(R) of each wavelength, weighted by dL/dT; else ΔT·exp(−extinction·range).
+
+    Johnson: cycles across the target up to where it reaches the 2-D MRTD, over N50. TTP: the sum of
+    √(contrast/threshold) over frequencies, the threshold being that of the eye through the MTF and
+    of the MRTD, as the root of their squares (`mrtd`), or the published CTF_eye/MTF·√(1 + α²·σ²/S²)
+    (`system_contrast_threshold`), to which published V50 belong: α = 169.6 √Hz, σ the noise in K·√s
+    that channels of vision and eyeball leave beside a sine, S the scene contrast; fixed patterns
+    count with `flir92`. Display and eye have no part in the MRTD. The defaults are a target of 2.3
+    m and 2 K, and N50 for the 2-D MRTD; a V50 of 18.8 is quoted for identifying tracked vehicles,
+    which could not be checked.
+
+    Sources: Ratches et al. 1975, ECOM-7043; Ratches 1976, Opt. Eng. 15, 525; Scott and D'Agostino
+    1992, Proc. SPIE 1689, 194 (FLIR92); Johnson 1958; Ratches, Vollmerhausen and Driggers 2001,
+    IEEE Sensors J. 1, 31 (N50); Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806; Barten
+    1990 (eye). The numbers of their equations could not be checked.
+
+    Parameters
+    ----------
+    model : Literal['ratches_1976', 'flir92']
+        temporal noise alone, or three-dimensional noise and a limit by sampling: one of
+        ratches_1976, flir92; default 'flir92'
+    scanning : Literal['automatic', 'parallel_scan', 'serial_scan', 'staring']
+        automatic: as Init & Trans's platform, line serial, push parallel, array staring: one of
+        automatic, parallel_scan, serial_scan, staring; default 'automatic'
+    cut_on_um : float | Expression | None
+        shortest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    cut_off_um : float | Expression | None
+        longest wavelength; empty: the image's band [µm]: a number of at least 0 or empty; default
+        empty
+    background_K : float | Expression | None
+        background; empty: brightness temperature of the mean [K]: a number of at least 0 or empty;
+        default empty
+    snr_threshold : float | Expression
+        SNR at which half of the observers resolve or detect: a number above 0 to 1000; default 2.5
+    frame_rate_Hz : float | Expression | None
+        frames per second; empty: a single still frame [Hz]: a number of at least 0 or empty;
+        default 30.0
+    eye_integration_s : float | Expression
+        time over which the eye averages frames [s]: a number above 0 to 10; default 0.2
+    mdtd_window : Literal['target', 'image']
+        MDTD: the eye averages over the target, or over its blurred image: one of target, image;
+        default 'target'
+    eye_limit_mrad : float | Expression | None
+        MDTD: largest angle in the scene the eye averages over; empty: no limit [mrad]: a number of
+        at least 0 or empty; default empty
+    target_size_m : float | Expression
+        size of the target: the root of its area [m]: a number above 0 to 1e+06; default 2.3
+    target_delta_K : float | Expression
+        target less background [K]: a number from -10000 to 10000; default 2.0
+    extinction_per_km : float | Expression
+        extinction of the air in the band, where no Atmospheric Path gives it [1/km]: a number from
+        0 to 1e+06; default 0.2
+    n50_detection : float | Expression
+        cycles at which half detect; 1 goes with one direction's MRTD: a number above 0 to 1000;
+        default 0.75
+    n50_recognition : float | Expression
+        cycles at which half recognize; 4 goes with one direction's MRTD: a number above 0 to 1000;
+        default 3.0
+    n50_identification : float | Expression
+        cycles at which half identify; 6.4 goes with one direction's MRTD: a number above 0 to 1000;
+        default 6.0
+    ttp_threshold : Literal['mrtd', 'system_contrast_threshold']
+        TTP: threshold of eye and MRTD, or the published one through MTF and noise: one of mrtd,
+        system_contrast_threshold; default 'mrtd'
+    v50 : float | Expression
+        TTP value at which half succeed; published ones go with system_contrast_threshold: a number
+        above 0 to 10000; default 18.8
+    scene_contrast_K : float | Expression
+        TTP: difference shown as the display's mean [K]: a number above 0 to 10000; default 5.0
+    display_cd_m2 : float | Expression
+        TTP: mean luminance of the display [cd/m²]: a number above 0 to 1e+06; default 34.0
+    display_deg : float | Expression
+        TTP: side of the display at the eye [deg]: a number above 0 to 180; default 15.0
+    magnification : float | Expression | None
+        TTP: angle on the display over that in the scene; empty: it fills the display: a number of
+        at least 0 or empty; default empty
+    range_max_km : float | Expression | None
+        end of the curve; empty: where detection is unlikely [km]: a number from 0 to 1e+06 or
+        empty; default empty
+
+    Notes
+    -----
+    Figures of Merit, of the group Analysis.
+    Inputs: context, image.
+    Outputs: mrtd, mdtd, probability, table.
+    Read-outs: snr, netd_K (K), ner (W/m²/sr), mrtd_x_K (K), mrtd_y_K (K), detection_range_km (km),
+    recognition_range_km (km), identification_range_km (km), ttp_range_km (km).
+    """
+
+def noise_budget(
+    *,
+    frequency: float | Expression = 0.5,
+    noise: Literal['all', 'temporal', 'fixed'] = 'all',
+    show: Literal['share', 'amount'] = 'share',
+) -> Part:
+    """Show how much of the noise each source makes, and how much of the blur each stage.
+
+    All is read off the chain that made the picture, and nothing is drawn: each noise is followed
+    to the picture through the filters, combined pixels and interpolation behind it. Variances of
+    independent noises add, so each source has a share of the sum; `fixed` are patterns that stay
+    from frame to frame, as all sensors of this kind have them on average. Rounding counts as noise.
+
+    Moduli of MTFs multiply, so −ln |MTF| adds; at one frequency that of a Gaussian blur is in
+    proportion to its variance. A stage that amplifies has a share below zero: how much of the
+    loss it makes up for. A stage that lets nothing through has all of it. Phases do not blur.
+
+    Parameters
+    ----------
+    frequency : float | Expression
+        frequency of the MTFs, as a share of the picture's Nyquist frequency [Nyquist]: a number
+        above 0 to 1; default 0.5
+    noise : Literal['all', 'temporal', 'fixed']
+        all noise, what changes from frame to frame, or what stays: one of all, temporal, fixed;
+        default 'all'
+    show : Literal['share', 'amount']
+        bars: share in percent, or amount: standard deviation, and −ln of the MTF: one of share,
+        amount; default 'share'
+
+    Notes
+    -----
+    Noise Budget, of the group Analysis.
+    Inputs: image.
+    Outputs: noise, blur, table.
+    Read-outs: sigma, sigma_temporal, sigma_fixed, mtf_x, mtf_y, xi (cyc/mrad), eta (cyc/mrad).
+    """
+
+def noise_3d(
+    *,
+    frames: int | Expression = 16,
+    path: str | PathLike[str] | None = None,
+) -> Part:
+    """Split noise by what it varies with: time (t), rows (v), columns (h), or several.
+
+    Predicted: every noise of the chain is followed to this picture, through the transfer functions,
+    combined pixels and interpolation behind it. Measured: frames of the picture are simulated, each
+    with temporal noise of its own and the same fixed patterns; less the noise-free picture, their
+    variance is split into the seven components by unbiased estimates. One pattern is measured, so a
+    fixed component of few rows or columns scatters about what is predicted for all sensors of this
+    kind. Noise correlated between neighbours shows in σ tv and σ th too. Rounding counts as noise.
+    A file of frames (`path`), of a camera say, is measured in place of simulated ones, one frame at
+    a time: all that stays from frame to frame is then a fixed pattern, the scene too, so give
+    frames of a uniform one. With a picture linked its prediction stands beside. Sources: D'Agostino
+    and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance
+    Components (unbiased estimates).
+
+    Parameters
+    ----------
+    frames : int | Expression
+        frames to simulate, 0: prediction alone; of a file all are measured: a whole number from 0
+        to 100000; default 16
+    path : str | PathLike[str] | None
+        file of frames to measure in place of simulated ones, or empty: .npy (frames, rows,
+        columns), TIFF of a page each, ENVI of a band each: a file name or empty; default empty
+
+    Notes
+    -----
+    3-D Noise, of the group Analysis.
+    Inputs: image (optional).
+    Outputs: curve, table.
+    Read-outs: sigma_tvh, sigma_vh, sigma_v, sigma_h, sigma_t, sigma_tv, sigma_th, temporal, fixed,
+    temporal_measured, fixed_measured.
+    """
+
+def compare_images(
+    *,
+    average: Literal['axes', 'radial'] = 'axes',
+    edges: Literal['reflect', 'periodic'] = 'reflect',
+) -> Part:
+    """Measure how far a picture is from a reference of the same size.
+
+    Root mean square, largest and mean difference, and the peak signal to noise ratio, for which
+    the peak is the reference's maximum less its minimum. The MTF ratio is the modulus of the
+    picture's spectrum over that of the reference: on both frequency axes, or as the root of the
+    ratio of powers in rings. Frequencies at which the reference has nothing but rounding are left
+    out. For a frame filtered with mirrored edges it is the MTF itself if `edges` is `reflect`.
+
+    Parameters
+    ----------
+    average : Literal['axes', 'radial']
+        MTF ratio on both frequency axes, or in rings: one of axes, radial; default 'axes'
+    edges : Literal['reflect', 'periodic']
+        frame mirrored without end, or repeated as the plain FFT sees it: one of reflect, periodic;
+        default 'reflect'
+
+    Notes
+    -----
+    Compare Images, of the group Analysis.
+    Inputs: image, reference.
+    Outputs: table, difference, curve.
+    Read-outs: rmse, max_error, psnr_dB (dB), mean_difference.
+    """
+
+def spatial_blur(
+    *,
+    truncation: Literal['half_width', 'error', 'none'] = 'half_width',
+    half_width_px: int | Expression = 16,
+    error: float | Expression = 0.001,
+) -> Part:
+    """Blur by convolution with the impulse response, in place of Back Transform.
+
+    Takes what Back Transform takes: the impulse response is the inverse transform of all the
+    collected MTFs and PTFs. Separable ones are a pass along x and one along y, others a kernel in
+    two dimensions. Whole kernels give what Back Transform gives, to rounding. A kernel cut short
+    costs at most `error_bound`: the sum of the moduli of what was cut off, as a share of the
+    scene's largest departure from its mean, which itself is kept. A transfer function that has not
+    fallen to nothing at Nyquist rings on, and its kernel cannot be short and precise.
+    Two short passes take less time than the Fourier way on small frames only: up to ±16 samples at
+    128², ±4 at 512²; plane kernels never do (`imagechain bench --only precision`, table spatial).
+
+    Source: NVSIM's way (Horger 1993) as in Tantalo 1996, section 2.1.4.
+
+    Parameters
+    ----------
+    truncation : Literal['half_width', 'error', 'none']
+        where kernels end: after `half_width_px`, as `error` allows, or with the frame: one of
+        half_width, error, none; default 'half_width'
+    half_width_px : int | Expression
+        samples kept on either side [px]: a whole number from 0 to 65536; default 16
+    error : float | Expression
+        largest error, as a share of the scene's departure from its mean: a number from 0 to 1;
+        default 0.001
+
+    Notes
+    -----
+    Spatial Blur, of the group Analysis.
+    Inputs: magnitude, phase.
+    Outputs: image, curve, table.
+    Read-outs: taps, error_bound.
+    """
+
+def line_by_line(
+    *,
+    scan: Literal['x', 'y'] = 'x',
+    look_angle_deg: float | Expression = 0.0,
+    nadir_column: float | Expression | None = None,
+    spacing: Literal['frame', 'flight', 'typed'] = 'frame',
+    line_spacing_m: float | Expression | None = None,
+    altitude_m: float | Expression | None = None,
+    method: Literal['nodes', 'direct'] = 'nodes',
+    nodes: int | Expression | None = None,
+    tolerance: float | Expression = 1e-05,
+) -> Part:
+    """Filter a line scanner's frame with the sampling it really has, beside Back Transform.
+
+    A line scanner samples in equal angles along the scan and in equal steps of ground in flight.
+    Aslant the ground is farther away, and the lines are closer in angle: interval·cos(view angle).
+    Back Transform takes one interval for the whole frame, as in 1996 (output `whole`). Here each
+    column is filtered at its own (`image`). Factors along the scan have one scale, factors in
+    flight one in each column, pupils and other planar ones both; all are angles at the sensor, as
+    in their modules, and edges and PTFs are as in Back Transform. What separates is exact. Planar
+    factors are blended from a few intervals (`nodes`), with an estimate of the error, or summed
+    for each (`direct`). A pushbroom or an array samples evenly: no difference. The ground is
+    flat, and blur by motion over it is taken as wide in angle as at nadir.
+
+    When is one interval for the whole image good enough? The Inframetrics' blur of three samples
+    on the built-in scene (network `line_by_line`) is off by at most 0.03 % of the picture's range
+    in a field of 10°, 0.5 % in 30°, 1.1 % in 45°, 2 % in 60°, 5 % in 90° and 10 % in 120°, rms
+    0.002, 0.02, 0.05, 0.1, 0.25 and 0.5 %: as 1 − cos(view angle). In the thesis' field of 30° six
+    bits hide it. Line by line takes 1.3 to 4 times as long (`imagechain bench --only precision`,
+    table scanning), `direct` some 60 times and more.
+    Source: Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
+
+    Parameters
+    ----------
+    scan : Literal['x', 'y']
+        axis of the frame along which a line is scanned: one of x, y; default 'x'
+    look_angle_deg : float | Expression
+        view angle from nadir of the frame's middle [deg]: a number above -90 below 90; default 0.0
+    nadir_column : float | Expression | None
+        sample of a scan line that looks at nadir, from 0; empty: look angle [px]: a number from
+        -65536 to 131072 or empty; default empty
+    spacing : Literal['frame', 'flight', 'typed']
+        lines at nadir as far apart as the frame's interval, as velocity and scan rate of Init &
+        Trans make it (a line each turn), or as typed: one of frame, flight, typed; default 'frame'
+    line_spacing_m : float | Expression | None
+        distance of scan lines on the ground [m]: a number of at least 0 or empty; default empty
+    altitude_m : float | Expression | None
+        altitude; empty: of Init & Trans [m]: a number of at least 0 or empty; default empty
+    method : Literal['nodes', 'direct']
+        planar factors: blended from a few intervals, or summed for each: one of nodes, direct;
+        default 'nodes'
+    nodes : int | Expression | None
+        intervals to blend; empty: by tolerance: a whole number from 0 to 32 or empty; default empty
+    tolerance : float | Expression
+        largest error of the transfer function by blending: a number from 0 to 1; default 1e-05
+
+    Notes
+    -----
+    Line by Line, of the group Analysis.
+    Inputs: context, magnitude, phase.
+    Outputs: image, whole, difference, curve, table.
+    Read-outs: rms_percent (%), max_percent (%), max_view_deg (deg), interval_nadir_mrad (mrad),
+    interval_edge_mrad (mrad), scale_nodes, error_percent (%).
+    """
+
+def camera_geometry(
+    *,
+    kind: Literal['line', 'pushbroom', 'framing'] = 'line',
+    altitude_m: float | Expression = 1000.0,
+    ground_interval_m: float | Expression | None = None,
+    ground_interval_y_m: float | Expression | None = None,
+    columns: int | Expression | None = None,
+    rows: int | Expression | None = None,
+    fov_x_deg: float | Expression | None = 20.0,
+    pitch_x_um: float | Expression | None = None,
+    pitch_y_um: float | Expression | None = None,
+    focal_length_mm: float | Expression | None = None,
+    velocity_m_per_s: float | Expression | None = None,
+    line_rate_Hz: float | Expression | None = None,
+    roll_deg: float | Expression = 0.0,
+    pitch_deg: float | Expression = 0.0,
+    yaw_deg: float | Expression = 0.0,
+    offset_x_m: float | Expression = 0.0,
+    offset_y_m: float | Expression = 0.0,
+    interpolation: Literal['area', 'bilinear', 'cubic'] = 'area',
+    strips: int | Expression = 4,
+    outside: Literal['refuse', 'fill'] = 'refuse',
+    fill_value: float | Expression = 0.0,
+) -> Part:
+    """Sample a wider scene on flat ground as a line scanner, pushbroom or framing camera does.
+
+    The scene has equal steps on the ground, its middle below the camera. A line scanner takes
+    equal angles, so that its samples grow as sec² across and sec along (panoramic distortion); a
+    pushbroom and a framing camera take equal steps in the focal plane. Lines are flown down the
+    picture, equally far apart on the ground. Each sample is the mean of the scene over its whole
+    footprint, so that nothing aliases and a uniform scene stays uniform. Blur comes after: choose
+    samples finer than the detector, and combine pixels behind the detector's MTF.
+    Footprints are exact where they lie along the scene's rows or columns, as without yaw; of a
+    framing camera with roll or pitch alone to 10⁻⁴ of the scene's range. Else they lie askew and
+    are cut into `strips`, with the error estimated.
+
+    Source: Tantalo 1996, sections 2 and 5.3, for the Salacain camera.
+
+    Parameters
+    ----------
+    kind : Literal['line', 'pushbroom', 'framing']
+        line scanner, pushbroom, or framing camera that takes all lines at once: one of line,
+        pushbroom, framing; default 'line'
+    altitude_m : float | Expression
+        height above the ground [m]: a number above 0; default 1000.0
+    ground_interval_m : float | Expression | None
+        the scene's sampling on the ground; empty: its angular interval × altitude [m]: a number of
+        at least 0 or empty; default empty
+    ground_interval_y_m : float | Expression | None
+        the scene's sampling down the picture; empty: as across [m]: a number of at least 0 or
+        empty; default empty
+    columns : int | Expression | None
+        samples across; empty: as the scene has: a whole number from 1 to 65536 or empty; default
+        empty
+    rows : int | Expression | None
+        lines along; empty: as the scene has: a whole number from 1 to 65536 or empty; default empty
+    fov_x_deg : float | Expression | None
+        field of view across; empty: columns × pitch / focal length [deg]: a number from 0 below 180
+        or empty; default 20.0
+    pitch_x_um : float | Expression | None
+        pitch of samples across [µm]: a number of at least 0 or empty; default empty
+    pitch_y_um : float | Expression | None
+        pitch of samples along; empty: as across [µm]: a number of at least 0 or empty; default
+        empty
+    focal_length_mm : float | Expression | None
+        focal length [mm]: a number of at least 0 or empty; default empty
+    velocity_m_per_s : float | Expression | None
+        flight over the ground; empty: lines join at nadir [m/s]: a number of at least 0 or empty;
+        default empty
+    line_rate_Hz : float | Expression | None
+        lines a second; empty: lines join at nadir [Hz]: a number of at least 0 or empty; default
+        empty
+    roll_deg : float | Expression
+        view turned to the right [deg]: a number from -89 to 89; default 0.0
+    pitch_deg : float | Expression
+        view turned ahead [deg]: a number from -89 to 89; default 0.0
+    yaw_deg : float | Expression
+        heading, clockwise from down the picture [deg]: a number from -180 to 180; default 0.0
+    offset_x_m : float | Expression
+        camera right of the scene's middle [m]: a number; default 0.0
+    offset_y_m : float | Expression
+        camera below the scene's middle [m]: a number; default 0.0
+    interpolation : Literal['area', 'bilinear', 'cubic']
+        between the scene's samples: level areas, straight, or parabolas: one of area, bilinear,
+        cubic; default 'area'
+    strips : int | Expression
+        strips a footprint is cut into where it lies askew: a whole number from 1 to 64; default 4
+    outside : Literal['refuse', 'fill']
+        where the camera sees past the scene: one of refuse, fill; default 'refuse'
+    fill_value : float | Expression
+        what is there, in the scene's unit: a number; default 0.0
+
+    Notes
+    -----
+    Camera Geometry, of the group Analysis.
+    Inputs: image.
+    Outputs: image, coverage, curve, table.
+    Read-outs: swath_m (m), gsd_x_m (m), gsd_y_m (m), gsd_edge_x_m (m), gsd_edge_y_m (m),
+    panoramic_factor, interval_x_mrad (mrad), interval_y_mrad (mrad), line_spacing_m (m), lines,
+    footprint_error.
+    """
+
+def image_quality(
+    *,
+    range_m: float | Expression | None = None,
+    off_nadir_deg: float | Expression = 0.0,
+    snr: float | Expression | None = None,
+    overshoot: float | Expression | None = None,
+    noise_gain: float | Expression = 1.0,
+) -> Part:
+    """Estimate the interpretability (NIIRS) of a picture by GIQE 3, 4 and 5.
+
+    Ground sample distance is the picture's interval times the range, stretched along by the view
+    off nadir. The relative edge response (how far an edge rises within a sample about it) and the
+    overshoot H (its height 1 to 3 samples beside it) follow from the chain's transfer functions,
+    the SNR from its mean signal and temporal noise: nothing is drawn or measured. All are geometric
+    means across and along. Connect the picture as the sensor samples it, before a frame grabber
+    interpolates it.
+
+    GIQE 3: 11.81 + 3.32·lg(RER/GSD) − 1.48·H − G/SNR. GIQE 4: 10.251 − a·lg GSD + b·lg RER −
+    0.656·H − 0.344·G/SNR (a = 3.32, b = 1.559; below an RER of 0.9, a = 3.16, b = 2.817). GIQE 5:
+    9.57 − 3.32·lg GSD + 3.32·(1 − e^(−1.9/SNR))·lg RER − 2·lg⁴ RER − 1.8/SNR. GSD in inches. The
+    first two are of sharpened pictures, with the noise gain G of the sharpening. Fitted to visible
+    pictures with GSD 3 to 80 inches, RER 0.2 to 1.3, H 0.9 to 1.9 and SNR 2 to 130 (version 4; the
+    limits of the others could not be checked): a warning names what lies beyond.
+
+    Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4); Harrington et al. 2015
+    (GIQE 5).
+
+    Parameters
+    ----------
+    range_m : float | Expression | None
+        range to the ground; empty: that of Init & Trans [m]: a number of at least 0 or empty;
+        default empty
+    off_nadir_deg : float | Expression
+        view off nadir along, which stretches the ground sample [deg]: a number from 0 to 89;
+        default 0.0
+    snr : float | Expression | None
+        SNR typed in; empty: mean signal over temporal noise: a number of at least 0 or empty;
+        default empty
+    overshoot : float | Expression | None
+        overshoot H typed in; empty: that of the chain: a number of at least 0 or empty; default
+        empty
+    noise_gain : float | Expression
+        noise gain G of the sharpening: a number from 0 to 1e+06; default 1.0
+
+    Notes
+    -----
+    Image Quality, of the group Analysis.
+    Inputs: context, image.
+    Outputs: edge, table.
+    Read-outs: giqe5 (NIIRS), giqe4 (NIIRS), giqe3 (NIIRS), gsd_m (m), rer, overshoot, snr.
+    """

@@ -1,0 +1,121 @@
+"""Our packages `core`, `nodes`, `app` and `networks`, whatever else has these names.
+
+They are imported by these plain names, and the folder of the user's script is the first that Python
+searches. So they are loaded from where this package itself lies, before anything else of ours. Only
+what Python brings along may be imported here.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Iterable
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+
+NAMES = ("core", "nodes", "app", "networks")
+
+
+def load_own_packages(root: Path) -> None:
+    """Load the four packages from the folder that holds this one.
+
+    Parameters
+    ----------
+    root : Path
+        That folder.
+
+    Raises
+    ------
+    ImportError
+        Where another package of one of these names has been imported already.
+
+    Warns
+    -----
+    UserWarning
+        Where a folder or file of one of these names would have come first, and is hidden now; not
+        in the command, which imports nothing of the user's, nor once more in a child process.
+    """
+    others = [name for name in NAMES if not _is_own(sys.modules.get(name), root)]
+    taken = [name for name in others if name in sys.modules]
+    if taken:
+        where = "; ".join(f"{name} from {_place(sys.modules[name])}" for name in taken)
+        raise ImportError(
+            f"imagechain cannot be imported: another package of the name of one of its own has "
+            f"been imported before ({where}); rename it, or import imagechain first",
+            name="imagechain",
+        )
+    hidden = [place for name in others for place in _in_front(name, root)]
+    for name in others:
+        _load(name, root)
+    if hidden and not _is_command_or_child():
+        what = "them" if len(hidden) > 1 else "it"
+        warnings.warn(
+            f"{', '.join(hidden)} cannot be imported beside imagechain, which has a package of "
+            f"its own of that name: rename {what}",
+            UserWarning,
+            stacklevel=3,
+        )
+
+
+def _is_command_or_child() -> bool:
+    program = sys.argv[0] if sys.argv else ""  # "-m" while Python looks for what it names
+    processes = sys.modules.get("multiprocessing.process")
+    is_child = processes is not None and processes.parent_process() is not None
+    return program == "-m" or Path(program).stem == "imagechain" or is_child
+
+
+def _is_own(module: ModuleType | None, root: Path) -> bool:
+    path = getattr(module, "__path__", None) or ()
+    return any(_same(Path(place), root / getattr(module, "__name__", "")) for place in path)
+
+
+def _load(name: str, root: Path) -> None:
+    file = root / name / "__init__.py"
+    spec = spec_from_file_location(name, file, submodule_search_locations=[str(file.parent)])
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+
+
+def _in_front(name: str, root: Path) -> Iterable[str]:
+    """What Python would have imported by that name from a folder it searches before ours."""
+    for entry in sys.path:
+        folder = Path(entry)
+        if _same(folder, root):
+            return
+        file = folder / f"{name}.py"
+        if _is_file(file) or _holds_python(folder / name):
+            yield str(file if _is_file(file) else folder / name)
+            return
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def _holds_python(folder: Path) -> bool:
+    """Whether a folder is a package, or without an ``__init__.py`` one of modules."""
+    try:
+        return any(file.suffix == ".py" for file in folder.iterdir())
+    except (OSError, ValueError):  # no folder, or none that may be read
+        return False
+
+
+def _same(one: Path, other: Path) -> bool:
+    return os.path.realpath(one) == os.path.realpath(other)
+
+
+def _place(module: ModuleType) -> str:
+    path = getattr(module, "__path__", None)
+    return str(getattr(module, "__file__", None) or next(iter(path or ()), "nowhere"))

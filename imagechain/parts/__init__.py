@@ -1,0 +1,1 @@
+"""Modules with their values, before they are in a chain."""

@@ -1,0 +1,141 @@
+"""A function for every module, with its parameters as arguments, and all that is known of them."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Callable
+from typing import Any, Literal
+
+from core.modules.declaration import Declaration, declaration
+from core.modules.parameters import Parameter, plain
+from core.names import close
+from imagechain.common.plain_errors import plain_errors
+from imagechain.parts.module_part import Expression, Part, file_values
+from nodes.library import standard_library
+
+_WIDTH = 96
+
+
+def module_names() -> list[str]:
+    """Keys of all modules."""
+    return sorted(standard_library())
+
+
+def module_function(key: str) -> Callable[..., Part]:
+    """The function of a module.
+
+    Raises
+    ------
+    AttributeError
+        If there is no such module.
+    """
+    library = standard_library()
+    if key not in library:
+        raise AttributeError(f"there is no module {key!r}{close(key, library)}")
+    module = library[key]
+    declared = declaration(module)
+    signature = _signature(declared)
+
+    def made(**values: Any) -> Part:
+        params = file_values(declared, values)
+        plain_values = {name: v for name, v in params.items() if not isinstance(v, dict)}
+        if len(plain_values) == len(params):  # combinations with expressions: when it is planned
+            module.build(plain_values).check()
+        return Part(key, params)
+
+    function: Any = plain_errors(made)
+    function.__name__ = function.__qualname__ = key
+    function.__module__ = "imagechain.modules"
+    function.__doc__ = documentation(declared)
+    function.__signature__ = signature
+    function.__annotations__ = {
+        **{p.name: p.annotation for p in signature.parameters.values()},
+        "return": Part,
+    }
+    del function.__wrapped__
+    result: Callable[..., Part] = function
+    return result
+
+
+def documentation(declared: Declaration) -> str:
+    """Docstring: what the module does, its parameters, ports and read-outs."""
+    lines = [declared.text, ""]
+    if declared.parameters:
+        lines += ["Parameters", "----------"]
+        for parameter in declared.parameters:
+            lines.append(f"{parameter.name} : {annotation_text(parameter)}")
+            lines += textwrap.wrap(
+                description(parameter), _WIDTH, initial_indent="    ", subsequent_indent="    "
+            )
+        lines.append("")
+    lines += ["Notes", "-----", f"{declared.title}, of the group {declared.group}."]
+    inputs = [f"{port.name}{'' if port.required else ' (optional)'}" for port in declared.inputs]
+    outputs = [port.name for port in declared.outputs]
+    for title, names in (("Inputs", inputs), ("Outputs", outputs)):
+        if names:
+            lines += textwrap.wrap(f"{title}: {', '.join(names)}.", _WIDTH)
+    if declared.readouts:
+        names = [f"{r.name}{f' ({r.unit})' if r.unit else ''}" for r in declared.readouts]
+        lines += textwrap.wrap(f"Read-outs: {', '.join(names)}.", _WIDTH)
+    return "\n".join(lines).strip()
+
+
+def description(parameter: Parameter) -> str:
+    """A parameter in one line: meaning, unit, what is allowed, default."""
+    text = parameter.param.text
+    unit = f" [{parameter.param.unit}]" if parameter.param.unit else ""
+    usual = "empty" if parameter.default is None else repr(default(parameter))
+    return f"{text}{unit}: {parameter.allowed()}; default {usual}"
+
+
+def default(parameter: Parameter) -> Any:
+    """The default as it is given in Python."""
+    return () if parameter.default == () else plain(parameter.default)
+
+
+def annotation(parameter: Parameter) -> Any:
+    """The type of an argument."""
+    kinds: dict[str, Any] = {
+        "number": float | Expression,
+        "integer": int | Expression,
+        "switch": bool,
+        "text": str,
+        "path": str,
+        "numbers": tuple[float, ...],
+    }
+    is_choice = parameter.kind == "choice"
+    base = Literal[parameter.choices] if is_choice else kinds[parameter.kind]
+    return base | None if parameter.empty else base
+
+
+def annotation_text(parameter: Parameter) -> str:
+    """The type of an argument as one writes it."""
+    kinds = {
+        "number": "float | Expression",
+        "integer": "int | Expression",
+        "switch": "bool",
+        "text": "str",
+        "path": "str | PathLike[str]",
+        "numbers": "Sequence[float]",
+    }
+    if parameter.kind == "choice":
+        base = f"Literal[{', '.join(map(repr, parameter.choices))}]"
+    else:
+        base = kinds[parameter.kind]
+    return f"{base} | None" if parameter.empty else base
+
+
+def _signature(declared: Declaration) -> inspect.Signature:
+    return inspect.Signature(
+        [
+            inspect.Parameter(
+                parameter.name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=default(parameter),
+                annotation=annotation(parameter),
+            )
+            for parameter in declared.parameters
+        ],
+        return_annotation=Part,
+    )

@@ -1,0 +1,123 @@
+"""A module with its values, not yet in a chain; and expressions in the place of values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from core.errors import ParameterError
+from core.modules.declaration import Declaration
+from core.modules.parameters import Parameter, plain
+from core.names import close, shown, thaw
+from core.network.linked_values import expression as raw_expression
+from nodes.input_output.held_samples import HeldSamples
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A number that follows other parameters: ``ic.expression("init.f_number * 0.05")``.
+
+    Numbers, ``NODE.PARAMETER``, ``+ - * / ^ ( )``, ``pi`` and functions such as ``sqrt`` and
+    ``min``; a number with a unit behind it (``3 um``) is converted to the parameter's own unit.
+    """
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """A module with values for some of its parameters, to be added to a chain.
+
+    Parameters
+    ----------
+    module : str
+        Key of the module.
+    params : mapping
+        Values by parameter, as a network file has them; those left out have their default.
+    samples : HeldSamples, optional
+        The scene's samples, where they come from an array.
+    name : str
+        What its node is called if nothing else is said; the module's key if empty.
+    """
+
+    module: str
+    params: Mapping[str, Any] = field(default_factory=dict)
+    samples: HeldSamples | None = field(default=None, repr=False)
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "params", MappingProxyType(dict(self.params)))
+
+
+def file_values(declared: Declaration, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Values as a network file has them, each checked against its parameter.
+
+    Raises
+    ------
+    ParameterError
+        For a parameter that there is not, or a value that is not allowed.
+    """
+    return {name: file_value(declared, name, value) for name, value in values.items()}
+
+
+def file_value(declared: Declaration, name: str, value: Any, *, node: str | None = None) -> Any:
+    """A value as a network file has it; errors as `file_values`, placed on the node."""
+    parameter = known_parameter(declared, name, value, node=node)
+    raw = simple(value)
+    numeric = parameter.kind in ("number", "integer")
+    if isinstance(raw, Expression):
+        raw = raw_expression(raw.text)
+    elif numeric and isinstance(raw, str) and raw.lstrip().startswith("="):
+        raw = raw_expression(raw.lstrip()[1:].strip())
+    if isinstance(raw, dict) and numeric:  # read, and evaluated, with the network
+        return raw
+    try:
+        return plain(parameter.coerce(raw))
+    except ParameterError as error:
+        raise (error if node is None else error.at(node)) from None
+
+
+def known_parameter(
+    declared: Declaration, name: str, value: Any, *, node: str | None = None
+) -> Parameter:
+    """The parameter of that name.
+
+    Raises
+    ------
+    ParameterError
+        If there is none: which there are.
+    """
+    parameter = declared.parameter(name)
+    if parameter is None:
+        names = [candidate.name for candidate in declared.parameters]
+        hint = close(name, names) or f": it has {', '.join(names) or 'none'}"
+        allowed = f"{declared.title} has no such parameter{hint}"
+        raise ParameterError(shown(name), value, allowed, node=node)
+    return parameter
+
+
+def simple(value: Any) -> Any:
+    """Numpy's numbers and arrays, tuples and paths as plain Python values."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, Path):
+        return value.as_posix()
+    return thaw(value)
+
+
+def shown_value(value: Any) -> str:
+    """A parameter's value in a few words."""
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return str(value)

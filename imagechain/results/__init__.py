@@ -1,0 +1,1 @@
+"""What a run delivers: pictures, read-outs and curves."""

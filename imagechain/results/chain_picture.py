@@ -1,0 +1,152 @@
+"""One picture of a result: samples with their unit, interval and band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.run.png import encode_png, grey_levels, robust_limits
+from app.run.saving import metadata_of, save_array
+from core.chain.wires import Image
+from core.errors import ParameterError
+from core.evaluation.region import Region
+from core.evaluation.work import Work
+from imagechain.common.missing_extra import needed
+from imagechain.common.notebook_html import block, png, text
+from imagechain.common.plain_errors import plain_errors
+
+if TYPE_CHECKING:
+    from xarray import DataArray
+
+_WIDEST = 640
+
+
+@dataclass(frozen=True, eq=False)
+class PictureValues:
+    """Where further values of a picture come from: its bands."""
+
+    work: Work
+    region: Region | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A picture that a chain has delivered.
+
+    Parameters
+    ----------
+    port : str
+        ``NODE.PORT``.
+    samples : ndarray
+        (rows, columns), or (frames, rows, columns); read-only.
+    """
+
+    port: str
+    _image: Image = field(repr=False)
+    samples: NDArray[Any] = field(repr=False)
+    _values: PictureValues = field(repr=False)
+
+    @property
+    def unit(self) -> str:
+        """Unit of the samples."""
+        return self._image.unit
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """That of the samples."""
+        return self.samples.shape
+
+    @property
+    def interval_mrad(self) -> tuple[float | None, float | None]:
+        """From one sample to the next across and along, mrad; None where it is not known."""
+        return self._image.interval_x_mrad, self._image.interval_y_mrad
+
+    @property
+    def band_um(self) -> tuple[float, float] | None:
+        """Cut-on and cut-off wavelength, µm; None where they are not known."""
+        return self._image.band_um
+
+    @property
+    def wavelengths_um(self) -> tuple[float, ...]:
+        """Middle wavelengths of its bands, µm; none where it is one picture of all."""
+        return () if self._image.bands is None else self._image.bands.centres_um
+
+    @plain_errors
+    def band(self, index: int) -> NDArray[Any]:
+        """Samples of one of its bands of wavelength, counted from 0; per µm where radiance is."""
+        bands = self._image.bands
+        count = 0 if bands is None else bands.count
+        if bands is None or not 0 <= index < count:
+            allowed = f"0 to {count - 1}" if count else "of a picture with bands alone"
+            raise ParameterError("band", index, allowed)
+        region = self._values.region
+        samples = self._values.work.value(bands.band(index))
+        samples = samples if region is None else region.cut(samples)
+        samples.flags.writeable = False
+        return samples.view()
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self.samples, dtype=dtype, copy=copy)
+
+    @plain_errors
+    def to_xarray(self) -> DataArray:
+        """As a `DataArray` over y and x, mrad from the middle; unit and band as attributes.
+
+        Rows run downwards, so y grows downwards.
+        """
+        xarray = needed("xarray", "pictures as DataArrays")
+        image, region = self._image, self._values.region
+        coordinates = {}
+        spans = zip(
+            ("y", "x"),
+            image.shape,
+            (image.interval_y_mrad, image.interval_x_mrad),
+            (slice(None), slice(None)) if region is None else region.slices,
+            strict=True,
+        )
+        for axis, length, interval, part in spans:
+            if interval is not None:
+                places = (np.arange(length) - (length - 1) / 2.0) * interval
+                coordinates[axis] = (axis, places[part], {"units": "mrad"})
+        attributes: dict[str, Any] = {"units": self.unit}
+        for name, interval in zip(("x", "y"), self.interval_mrad, strict=True):
+            if interval is not None:
+                attributes[f"interval_{name}_mrad"] = interval
+        if self.band_um is not None:
+            attributes["band_um"] = list(self.band_um)
+        dims = ("frame", "y", "x")[-self.samples.ndim :]
+        array: DataArray = xarray.DataArray(
+            self.samples, dims=dims, coords=coordinates, attrs=attributes, name=self.port
+        )
+        return array
+
+    @plain_errors
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Write the samples in the format of the file's suffix, with unit and field of view."""
+        target = Path(fspath(path))
+        samples = self._first("a file of one picture")
+        save_array(target, samples, metadata_of(self._image, samples.shape))
+        return target
+
+    def to_png(self) -> bytes:
+        """An 8-bit grey PNG between the picture's own limits, of the first frame."""
+        samples = self.samples[0] if self.samples.ndim == 3 else self.samples
+        return encode_png(grey_levels(*robust_limits(samples), samples))
+
+    def _first(self, what: str) -> NDArray[Any]:
+        if self.samples.ndim == 3:
+            raise ParameterError("frames", len(self.samples), f"1, for {what}")
+        return self.samples
+
+    def __repr__(self) -> str:
+        size = " × ".join(map(str, self.shape))
+        return f"<Picture {self.port}: {size} {self.samples.dtype}, {self.unit or 'no unit'}>"
+
+    def _repr_html_(self) -> str:
+        width = min(_WIDEST, self.samples.shape[-1])
+        return block(png(self.to_png(), alt=self.port, width=width), text(repr(self)[1:-1]))

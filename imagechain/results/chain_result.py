@@ -1,0 +1,381 @@
+"""What a run of a chain delivers; pictures and figures not yet computed are, when looked at."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.run.evaluation import Evaluation, TimedWork, evaluate
+from app.run.output import find_output
+from app.run.saving import check_suffix, real_array, save_value
+from core.chain.engine import Engine, Plan
+from core.chain.frame_sequence import at_frame
+from core.chain.realize import asked_for
+from core.chain.skipped import skips
+from core.chain.wires import Image
+from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Recipe
+from core.evaluation.region import Region
+from core.modules.caution import Caution
+from core.names import close, shown
+from imagechain.common.notebook_html import block, table
+from imagechain.common.plain_errors import plain_errors
+from imagechain.results.chain_picture import Picture, PictureValues
+from imagechain.results.readout_table import ReadoutTable, readout_table
+from imagechain.results.stage_curves import StageCurves, curves_along, curves_of
+from nodes.files.read import check_finite
+
+_BYTES = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([kMGT]?)(i?)B?\s*", re.IGNORECASE)
+_MOST_FRAMES = 1_000_000
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How a chain is run; as `Chain.run` takes them."""
+
+    policy: Policy
+    frames: int | None = None
+    outputs: tuple[str, ...] | None = None
+    region: tuple[slice, slice] | None = None
+    memory: int | None = None
+
+    @classmethod
+    def of(
+        cls,
+        policy: Policy,
+        frames: int | None,
+        outputs: Sequence[str] | None,
+        region: tuple[slice, slice] | None,
+        memory: int | str | None,
+    ) -> RunOptions:
+        """The options, checked.
+
+        Raises
+        ------
+        ParameterError
+            Saying what is allowed.
+        """
+        whole = isinstance(frames, int) and not isinstance(frames, bool)
+        if frames is not None and not (whole and 1 <= frames <= _MOST_FRAMES):
+            raise ParameterError("frames", frames, f"a whole number from 1 to {_MOST_FRAMES}")
+        if isinstance(outputs, str):
+            outputs = (outputs,)
+        chosen = None if outputs is None else tuple(outputs)
+        return cls(policy, frames, chosen, region, _bytes(memory))
+
+
+def _bytes(memory: int | str | None) -> int | None:
+    if isinstance(memory, str):
+        match = _BYTES.fullmatch(memory)
+        if match is not None:
+            base = 1024 if match[3] else 1000
+            return int(
+                float(match[1])
+                * base ** ("kMGT".lower().find(match[2].lower()) + 1 if match[2] else 0)
+            )
+    elif memory is None or (
+        isinstance(memory, int) and not isinstance(memory, bool) and memory >= 0
+    ):
+        return memory
+    raise ParameterError("memory", memory, 'bytes, or a text such as "2GB"')
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What a chain has delivered, with the chain as it was when it ran.
+
+    Pictures and figures that the run was not asked for are computed when they are looked at.
+    """
+
+    _engine: Engine
+    _plan: Plan
+    _options: RunOptions
+    _work: TimedWork
+    _values: dict[str, NDArray[Any]] = field(default_factory=dict)
+    _evaluations: list[Evaluation] = field(default_factory=list)
+
+    # Pictures
+
+    @property
+    def final(self) -> str | None:
+        """Port of the picture that the chain delivers; None where it cannot be known."""
+        return find_output(self._plan).port
+
+    @plain_errors
+    def image(self, port: str | None = None) -> NDArray[Any]:
+        """The samples of a picture, read-only: (rows, columns), or (frames, rows, columns).
+
+        Parameters
+        ----------
+        port : str, optional
+            ``NODE.PORT``; default the picture that the chain delivers.
+
+        Raises
+        ------
+        ImagechainError
+            If there is no such picture, or it cannot be computed.
+        """
+        return self._samples(self._port(port))
+
+    @plain_errors
+    def picture(self, port: str | None = None) -> Picture:
+        """A picture with its unit, sampling interval and band; the port as for `image`."""
+        name = self._port(port)
+        return Picture(name, self._image(name), self._samples(name), self._of(name))
+
+    @property
+    def images(self) -> Images:
+        """Samples of every picture, by ``NODE.PORT``; each is computed when it is looked at."""
+        return Images(self)
+
+    @plain_errors
+    def value(self, port: str) -> Any:
+        """What is on any port.
+
+        Of a picture its samples; of a magnitude, phase or transfer function the full array in FFT
+        order; of curves a `CurveData`, of a table a `TableData`.
+        """
+        value = self._plan.output(port)
+        if isinstance(value, Image):
+            return self._samples(port)
+        return self._engine.value(self._plan, port, self._work)
+
+    @plain_errors
+    def save(self, path: str | PathLike[str], port: str | None = None) -> Path:
+        """Write what is on a port in the format of the file's suffix, as ``run --save`` does.
+
+        Parameters
+        ----------
+        path : path
+            ``.npy``, ``.exr``, ``.tif``, ``.png`` or ``.csv``; ``.img`` of a picture with bands.
+        port : str, optional
+            ``NODE.PORT``; default the picture that the chain delivers.
+        """
+        target, name = Path(fspath(path)), port if port is not None else self._port(None)
+        value = self._plan.output(name)
+        check_suffix(name, value, target)
+        region = self._region(value) if isinstance(value, Image) else None
+        if self._options.frames is not None and isinstance(value, Image):
+            raise UsageError(f"{target}: several frames are written by the command, run --frames")
+        save_value(value, target, self._work, port=name, region=region)
+        return target
+
+    # Figures
+
+    @property
+    def readouts(self) -> ReadoutTable:
+        """Read-outs of every node: ``result.readouts["electronics"]["netd_system_K"]``."""
+        return readout_table(self._evaluation)
+
+    @plain_errors
+    def curves(self, angle_deg: float | None = None) -> StageCurves:
+        """MTF and PTF of every stage and of their product, from frequency 0 to Nyquist.
+
+        Parameters
+        ----------
+        angle_deg : float, optional
+            Along a line at this angle from ξ (0°) to η (90°); default along both axes.
+        """
+        evaluation = self._evaluation
+        if angle_deg is not None:
+            return curves_along(evaluation, float(angle_deg))
+        return curves_of(evaluation)
+
+    @property
+    def warnings(self) -> tuple[Caution, ...]:
+        """What the modules warn of, samples included."""
+        return self._evaluation.cautions
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """How long each node computed; what was there already took no time."""
+        return dict(self._work.seconds)
+
+    @property
+    def seed(self) -> int:
+        """Seed of the noise."""
+        return self._plan.network.seed
+
+    @plain_errors
+    def report(self, path: str | PathLike[str]) -> Path:
+        """Write the report of ``imagechain run --report``: ``.html`` or ``.json``."""
+        from app.options.option_values import report_path
+        from app.report import write_report
+
+        target = report_path(fspath(path))
+        evaluation = self._evaluation
+        write_report(evaluation, skips(self._plan, self._work), target)
+        return target
+
+    # Inside
+
+    @cached_property
+    def _evaluation(self) -> Evaluation:
+        return evaluated(self._engine, self._plan, self._work)
+
+    def _port(self, port: str | None) -> str:
+        if port is not None:
+            return port
+        output = find_output(self._plan)
+        if output.port is None:
+            raise NetworkError(
+                f"{output.missing}: name one, or mark its node by chain.mark_final(NODE)"
+                if output.choices
+                else output.missing
+            )
+        return output.port
+
+    def _image(self, port: str) -> Image:
+        names = image_ports(self._plan)
+        inner = self._plan.network.port_names.get(port, port)
+        if inner not in names and inner.rpartition(".")[0] in self._plan.nodes:
+            hint = close(port, names) or f": there are {', '.join(names) or 'none'}"
+            raise NetworkError(f"{shown(port)} is no picture of the chain{hint}")
+        value = self._plan.output(port)
+        assert isinstance(value, Image)
+        return value
+
+    def _samples(self, port: str) -> NDArray[Any]:
+        if port not in self._values:
+            self._values[port] = self._computed(port)
+        return self._values[port]
+
+    def _computed(self, port: str) -> NDArray[Any]:
+        image, node = self._image(port), port.rpartition(".")[0]
+        region = self._region(image)
+        try:
+            if self._options.frames is None:
+                samples = self._engine.value(self._plan, port, self._work, region)
+                check_finite(samples, port)
+                return _read_only(samples)
+            recipes = (at_frame(image.recipe, number) for number in range(self._options.frames))
+            frames = self._work.one_by_one(recipes, region, forgetting=True)
+            shape = image.shape if region is None else region.shape
+            stack = np.empty((self._options.frames, *shape), self._work.policy.dtype)
+            for number, frame in enumerate(frames):
+                stack[number] = real_array(frame, self._work)
+                check_finite(stack[number], port)
+            return _read_only(stack)
+        except ImagechainError as error:
+            raise error.at(node) from error
+
+    def _region(self, image: Image) -> Region | None:
+        """The rows and columns to compute of a picture of that size."""
+        wanted = self._options.region
+        if wanted is None:
+            return None
+        form = "two slices of rows and columns, such as numpy.s_[100:164, :64]"
+        if not (
+            isinstance(wanted, tuple)
+            and len(wanted) == 2
+            and all(isinstance(part, slice) and part.step in (None, 1) for part in wanted)
+        ):
+            raise ParameterError("region", wanted, form)
+        (top, bottom, _), (left, right, _) = (
+            part.indices(length) for part, length in zip(wanted, image.shape, strict=True)
+        )
+        if bottom <= top or right <= left:
+            raise ParameterError("region", wanted, f"{form}, not empty within {image.shape}")
+        return Region(top, left, bottom - top, right - left)
+
+    def _of(self, port: str) -> PictureValues:
+        return PictureValues(self._work, self._region(self._image(port)))
+
+    def __repr__(self) -> str:
+        name = self._plan.network.name
+        where = f"{self.final}, " if self.final else ""
+        policy = self._options.policy
+        return (
+            f"<Result {shown(name) if name else ''}: {where}{policy.precision} precision>".replace(
+                " :", ":"
+            )
+        )
+
+    def _repr_html_(self) -> str:
+        parts = []
+        if self.final is not None:
+            parts.append(self.picture()._repr_html_())
+        if self._evaluation.cautions:
+            lines = [(str(caution),) for caution in self.warnings]
+            parts.append(table(("warnings",), lines))
+        parts.append(self.readouts._repr_html_())
+        return block(*parts)
+
+
+class Images(Mapping[str, NDArray[Any]]):
+    """Samples of a result's pictures by port."""
+
+    def __init__(self, result: Result) -> None:
+        self._result = result
+
+    def __getitem__(self, port: str) -> NDArray[Any]:
+        return self._result.image(port)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(image_ports(self._result._plan))
+
+    def __len__(self) -> int:
+        return len(image_ports(self._result._plan))
+
+    def __repr__(self) -> str:
+        return f"<images: {', '.join(self)}>"
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+
+def image_ports(plan: Plan) -> tuple[str, ...]:
+    """Ports of the pictures of a plan, in order."""
+    return tuple(
+        f"{name}.{port}"
+        for name, planned in plan.nodes.items()
+        for port, value in planned.outputs.items()
+        if isinstance(value, Image)
+    )
+
+
+def run_plan(engine: Engine, plan: Plan, options: RunOptions) -> Result:
+    """Compute what the options name; without them all that a run of the command computes."""
+    if options.memory is not None:
+        engine.store.capacity_bytes = options.memory
+    work = TimedWork(options.policy, engine.store)
+    result = Result(engine, plan, options, work)
+    only = options.outputs is not None or options.region is not None
+    ports = list(options.outputs) if options.outputs is not None else _final(plan)
+    with work.hold(_recipes(plan, ports)):
+        if not only:
+            result._evaluation  # noqa: B018  (computed here, and kept)
+        for port in ports:
+            if isinstance(plan.output(port), Image):
+                result._samples(port)
+            else:
+                engine.value(plan, port, work)
+    return result
+
+
+def evaluated(engine: Engine, plan: Plan, work: TimedWork) -> Evaluation:
+    """The whole network evaluated, as by the command."""
+    return evaluate(engine, plan, work, plan.folder)
+
+
+def _final(plan: Plan) -> list[str]:
+    port = find_output(plan).port
+    return [] if port is None else [port]
+
+
+def _recipes(plan: Plan, ports: Sequence[str]) -> list[Recipe]:
+    return [recipe for port in ports for recipe in asked_for(plan.output(port))]
+
+
+def _read_only(samples: NDArray[Any]) -> NDArray[Any]:
+    samples.flags.writeable = False
+    return samples.view()

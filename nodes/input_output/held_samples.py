@@ -1,0 +1,96 @@
+"""Samples of a scene that are in memory, not in a file, and the picture that is read from them."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import DataError
+from core.evaluation.recipes import Step
+from core.evaluation.work import Work
+from core.lineage.step_lineage import source_step
+from nodes.files.common.picture_info import PictureInfo
+from nodes.files.read import check_finite
+from nodes.input_output.source_file import scaled_samples
+
+Samples = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class HeldSamples:
+    """Samples that nobody can change any more, named by their content.
+
+    Parameters
+    ----------
+    samples : ndarray
+        (rows, columns), float32 or float64, C order, read-only.
+    name : str
+        What they are called in messages.
+    """
+
+    samples: Samples
+    name: str = field(default="the array")
+
+    @classmethod
+    def of(cls, array: NDArray[Any], name: str = "the array") -> HeldSamples:
+        """A copy: float32 as it is, all other real numbers as float64.
+
+        Raises
+        ------
+        DataError
+            The array is no picture of finite real numbers.
+        """
+        if array.dtype.kind not in "buif":
+            raise DataError(f"{name} has samples of type {array.dtype}: allowed are real numbers")
+        if array.ndim != 2 or array.size == 0:
+            raise DataError(f"{name} has the shape {array.shape}: allowed is (rows, columns)")
+        single = array.dtype == np.float32
+        kept: Any = np.float32 if single else np.float64
+        samples: Samples = np.array(array, kept, order="C", copy=True)
+        check_finite(samples, name)
+        samples.flags.writeable = False
+        return cls(samples.view(), name)
+
+    @cached_property
+    def key(self) -> str:
+        """Content key: equal samples of equal type have the same."""
+        digest = hashlib.blake2b(self.samples.data, digest_size=16)
+        digest.update(repr((self.samples.shape, self.samples.dtype.str)).encode())
+        return digest.hexdigest()
+
+    @property
+    def info(self) -> PictureInfo:
+        """What a file of them would say."""
+        rows, columns = self.samples.shape
+        return PictureInfo(
+            path=Path(self.name),
+            rows=rows,
+            columns=columns,
+            bands=1,
+            unit=None,
+            wavelengths_um=None,
+            fwhm_um=None,
+            focal_length_mm=None,
+            fov_x_deg=None,
+            fov_y_deg=None,
+            dtype=self.samples.dtype.name,
+            kind="array",
+        )
+
+    def step(self, *, scale: float, node: str) -> Step:
+        """Recipe of the samples times `scale`."""
+        return Step.of(scaled_array, node=node, held=self, scale=scale)
+
+
+@source_step(area_means=False)  # as a scene in a file, it may be blurred by anything
+def scaled_array(work: Work, *, held: HeldSamples, scale: float) -> Samples:
+    """Samples in the evaluation's precision; errors as `scaled_samples`."""
+    if scale == 1.0 and held.samples.dtype == work.policy.dtype:
+        return held.samples
+    return scaled_samples(work, held.samples, scale, held.name)
