@@ -21,6 +21,7 @@ from core.editing.output_mark import SetOutput
 from core.errors import ImagechainError, NetworkError, UsageError
 from core.evaluation.policy import Policy
 from core.modules.declaration import Declaration
+from core.modules.library_type import local_key
 from core.modules.parameters import Parameter
 from core.names import close, shown
 from core.network.file import format_network, load_network
@@ -257,7 +258,7 @@ class Chain:
         before = after.name if isinstance(after, ChainNode) else after
         if before is not None:
             self._network.node(before)
-        id_ = node_name(name, part.name or part.module, self._network)
+        id_ = node_name(name, part.name or local_key(part.module), self._network)
         declared = declared_node(Node(id_, part.module), library)
         assert declared is not None
         paths = {p.name for p in declared.parameters if p.kind == "path"}

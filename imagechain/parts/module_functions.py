@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any, Literal
 
 from core.modules.declaration import Declaration, declaration
+from core.modules.library_type import local_key, package_of
 from core.modules.parameters import Parameter, plain
 from core.names import close
 from imagechain.common.plain_errors import plain_errors
@@ -18,8 +19,29 @@ _WIDTH = 96
 
 
 def module_names() -> list[str]:
-    """Keys of all modules."""
-    return sorted(standard_library())
+    """Keys of our modules, and names of the packages that bring others."""
+    return sorted({package_of(key) or key for key in standard_library()})
+
+
+def package_names() -> frozenset[str]:
+    """Installed packages that bring modules."""
+    return frozenset(filter(None, map(package_of, standard_library())))
+
+
+class PackageModules:
+    """The modules of an installed package, by their names."""
+
+    def __init__(self, package: str) -> None:
+        self._package = package
+
+    def __getattr__(self, name: str) -> Callable[..., Part]:
+        function = module_function(f"{self._package}.{name}")
+        vars(self)[name] = function
+        return function
+
+    def __dir__(self) -> list[str]:
+        names = (key for key in standard_library() if package_of(key) == self._package)
+        return sorted(map(local_key, names))
 
 
 def module_function(key: str) -> Callable[..., Part]:
@@ -45,7 +67,7 @@ def module_function(key: str) -> Callable[..., Part]:
         return Part(key, params)
 
     function: Any = plain_errors(made)
-    function.__name__ = function.__qualname__ = key
+    function.__name__ = function.__qualname__ = local_key(key)
     function.__module__ = "imagechain.modules"
     function.__doc__ = documentation(declared)
     function.__signature__ = signature

@@ -125,8 +125,15 @@ def test_the_editor_offers_and_opens_it(fresh, network, tmp_path):
 
 def test_its_battery_runs_where_it_is_installed(fresh, tmp_path):
     script = (
-        "from nodes.battery.module_battery import check_module\n"
+        "from imagechain.battery import check_module\n"
+        "import imagechain as ic\n"
         "from nodes.library import standard_library\n"
+        "part = ic.modules.imagechain_glare.glare_mtf(scattered_share=0.1)\n"
+        "chain = ic.Chain('Glare')\n"
+        "scene = ic.modules.test_scene(width=16, height=12)\n"
+        "for module in (scene, ic.modules.init_trans(), part, ic.modules.back_transform()):\n"
+        "    chain.add(module)\n"
+        "assert chain.run().image().shape == (12, 16)\n"
         "for key, module in standard_library().items():\n"
         "    if key.startswith('imagechain_glare.'):\n"
         "        check_module(module)\n"

@@ -8,15 +8,21 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.chain.wires import Image
-from core.evaluation.recipes import Recipe, Step, pointwise
-from core.evaluation.work import Work
-from core.lineage.linear_change import Linear
-from core.lineage.step_lineage import picture_step
-from core.modules.declaration import Module, NodeContext, readout
-from core.modules.parameters import Param
-from core.noise.noise_power import NoisePower
-from nodes.shared.module_ports import ImageOutput
+from imagechain.plug_in import (
+    Image,
+    ImageOutput,
+    Linear,
+    Module,
+    NodeContext,
+    NoisePower,
+    Param,
+    Recipe,
+    Step,
+    Work,
+    picture_step,
+    pointwise,
+    readout,
+)
 
 Array = NDArray[Any]
 

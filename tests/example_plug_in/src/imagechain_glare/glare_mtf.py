@@ -7,12 +7,17 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.chain.wires import Context, Magnitude
-from core.errors import ParameterError
-from core.modules.declaration import NodeContext, readout
-from core.modules.parameters import Param
-from nodes.shared.factor_helpers import radial
-from nodes.shared.module_ports import MtfModule, MtfOutputs
+from imagechain.plug_in import (
+    Context,
+    Magnitude,
+    MtfModule,
+    MtfOutputs,
+    NodeContext,
+    Param,
+    ParameterError,
+    radial,
+    readout,
+)
 
 
 def glare_mtf(

@@ -1,0 +1,67 @@
+"""What a module of one's own is written with.
+
+    from imagechain.plug_in import Context, Magnitude, MtfModule, MtfOutputs, NodeContext, Param
+
+The names here stay where they are; those of the layers below may move.
+"""
+
+from core.chain.wires import Context, Image, Magnitude, Phase, Pupil, Transfer
+from core.errors import DataError, FileError, ParameterError
+from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.work import Work
+from core.lineage.linear_change import Linear
+from core.lineage.step_lineage import picture_step, source_step
+from core.modules.caution import Caution
+from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.panel_sections import Section
+from core.modules.parameters import Param
+from core.noise.noise_power import NoisePower
+from core.transfer.factors import Law, Planar, Separable
+from nodes.shared.factor_helpers import radial, separable
+from nodes.shared.module_ports import (
+    Apply,
+    ImageOutput,
+    MtfModule,
+    MtfOutputs,
+    PtfModule,
+    PtfOutputs,
+)
+
+__all__ = [
+    "Apply",
+    "Caution",
+    "Context",
+    "DataError",
+    "FileError",
+    "Image",
+    "ImageOutput",
+    "Law",
+    "Linear",
+    "Magnitude",
+    "Module",
+    "MtfModule",
+    "MtfOutputs",
+    "NodeContext",
+    "NoisePower",
+    "Param",
+    "ParameterError",
+    "Phase",
+    "Planar",
+    "PtfModule",
+    "PtfOutputs",
+    "Pupil",
+    "Recipe",
+    "Section",
+    "Separable",
+    "Step",
+    "Transfer",
+    "Work",
+    "ends_lineage",
+    "picture_step",
+    "pointwise",
+    "radial",
+    "readout",
+    "separable",
+    "source_step",
+    "warning",
+]
