@@ -119,6 +119,11 @@ def _carry_out(words: list[str], stop: Stop) -> None:
 
         _stop_if(stop)
         bench(options)
+    elif options.command == "handbook":
+        from app.command.handbook_command import handbook
+
+        _stop_if(stop)
+        handbook(options, stop)
     elif options.command == "networks":
         from app.command.networks import network_list
 

@@ -57,6 +57,10 @@ def described_module(declared: Declaration) -> dict[str, Any]:
         "version": declared.version,
         "summary": declared.summary,
         "text": declared.text,
+        "formulas": [
+            {"tex": formula.tex, "where": formula.where, "when": formula.when}
+            for formula in declared.formulas
+        ],
         "sink": declared.sink,
         "inputs": [
             {"name": port.name, "types": list(port.types), "required": port.required}

@@ -13,6 +13,7 @@ from typing import Any, Literal, NoReturn, cast
 from app.options.command_words import (
     bench_words,
     edit_words,
+    handbook_words,
     network_words,
     photon_transfer_words,
     place_words,
@@ -60,7 +61,7 @@ class Options:
 
     command: Literal[
         "edit", "run", "check", "tradeoff", "solve", "photon-transfer", "modules", "networks",
-        "bench",
+        "bench", "handbook",
     ]  # fmt: skip
     network: str = ""
     settings: tuple[Assignment, ...] = ()
@@ -84,6 +85,9 @@ class Options:
     threads: int = 0
     as_json: bool = False
     module: str = ""
+    word: str = ""
+    html_folder: Path | None = None
+    only_path: bool = False
     bench_json: Path | None = None
     bench_html: Path | None = None
     bench_markdown: Path | None = None
@@ -135,11 +139,8 @@ def parse(argv: list[str]) -> Options:
         After printing the help or version.
     """
     arguments = _arguments(argv)
-    if arguments.command == "networks":
-        return Options("networks")
-    if arguments.command in ("modules", "photon-transfer"):
-        of_files = arguments.command == "photon-transfer"
-        return _photon_transfer(arguments) if of_files else _modules(arguments)
+    if arguments.command in _SIMPLE:
+        return _SIMPLE[arguments.command](arguments)
     if arguments.command == "bench":
         return Options(
             "bench",
@@ -208,6 +209,15 @@ def _modules(arguments: argparse.Namespace) -> Options:
     return Options("modules", as_json=arguments.json, module=arguments.key or "")
 
 
+def _handbook(arguments: argparse.Namespace) -> Options:
+    folder = file_path("--html", arguments.html)
+    if folder is not None and arguments.path:
+        raise UsageError("--html DIR and --path exclude each other: --html prints its path")
+    return Options(
+        "handbook", word=arguments.word or "", html_folder=folder, only_path=arguments.path
+    )
+
+
 def _photon_transfer(arguments: argparse.Namespace) -> Options:
     flats = (file_path("photon-transfer", text) for text in arguments.flats)
     return Options(
@@ -217,6 +227,16 @@ def _photon_transfer(arguments: argparse.Namespace) -> Options:
         offset_dn=finite_number("--offset-dn", arguments.offset_dn),
         outputs=tuple(transfer_path(text) for text in arguments.output),
     )
+
+
+_SIMPLE: Mapping[str, Callable[[argparse.Namespace], Options]] = MappingProxyType(
+    {
+        "networks": lambda _: Options("networks"),
+        "modules": _modules,
+        "photon-transfer": _photon_transfer,
+        "handbook": _handbook,
+    }
+)
 
 
 def _places(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -299,6 +319,7 @@ _COMMANDS: Mapping[str, tuple[str, Callable[[argparse.ArgumentParser], object]]]
         "networks": ("list the shipped networks", lambda _: None),
         "modules": ("list the library", _modules_words),
         "bench": ("time against error", bench_words),
+        "handbook": ("open the handbook, at any page", handbook_words),
     }
 )
 

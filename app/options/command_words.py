@@ -95,6 +95,19 @@ def edit_words(parser: argparse.ArgumentParser) -> None:
     add("--look", action=Once, choices=("dark", "light"), help="colours (default: as last time)")
 
 
+def handbook_words(parser: argparse.ArgumentParser) -> None:
+    """``imagechain handbook``."""
+    add: Any = parser.add_argument
+    add("word", metavar="WORD", nargs="?", help="a module, a page, or a word that a page has")
+    add(
+        "--html",
+        action=Once,
+        metavar="DIR",
+        help="write the pages to a new folder, or over a handbook, and open nothing",
+    )
+    add("--path", action="store_true", help="print where the page is, and open nothing")
+
+
 def run_words(parser: argparse.ArgumentParser) -> None:
     """``imagechain run``."""
     network_words(parser)

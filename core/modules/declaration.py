@@ -10,7 +10,8 @@
 Parameters are the annotated fields, input ports the arguments of `run`, output ports the fields of
 the named tuple it returns, read-outs the methods marked with `readout`, warnings those marked with
 `warning`. The class attribute `panel` groups the parameters where they are many, `illustration`
-names the picture on top of the panel where it is not the curve of an `mtf` or `ptf` output.
+names the picture on top of the panel where it is not the curve of an `mtf` or `ptf` output,
+`formulas` are those of the module's page in the handbook.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ from typing import (
 
 from core.evaluation.recipes import Recipe
 from core.modules.caution import Caution
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section, complete
 from core.modules.parameters import Kind, Param, Parameter, coerce_all
 
@@ -104,6 +106,8 @@ class Declaration:
     sink: bool
     panel: tuple[Section, ...]
     illustration: str
+    formulas: tuple[Formula, ...] = ()
+    without_formula: str = ""
 
     def parameter(self, name: str) -> Parameter | None:
         """The parameter of that name."""
@@ -159,7 +163,8 @@ class Module:
     had in old files, `renamed` the old names of parameters and ports. A module that `draws_noise`
     does so from its node's name. One that `counts_bands` sums a picture's bands up as a detector
     does; others get their sum with a warning, or pass them on. Parameters that no section of
-    `panel` names stand below them without a title.
+    `panel` names stand below them without a title. A module without `formulas` states in
+    `without_formula` why there is none.
     """
 
     key: ClassVar[str] = ""
@@ -173,6 +178,8 @@ class Module:
     counts_bands: ClassVar[bool] = False
     panel: ClassVar[tuple[Section, ...]] = ()
     illustration: ClassVar[str] = ""
+    formulas: ClassVar[tuple[Formula, ...]] = ()
+    without_formula: ClassVar[str] = ""
     run: ClassVar[Callable[..., Any]]
 
     def __init_subclass__(
@@ -245,6 +252,8 @@ def _derive(module: Any) -> Declaration:
         sink=module.sink,
         panel=panel,
         illustration=module.illustration,
+        formulas=module.formulas,
+        without_formula=module.without_formula,
     )
 
 

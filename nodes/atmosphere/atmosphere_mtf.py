@@ -14,6 +14,7 @@ from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.atmosphere.air_path import VISIBLE_UM
@@ -51,6 +52,33 @@ class AtmosphereMTF(MtfModule, key="atmosphere_mtf", title="Atmosphere MTF", gro
     of a picture in bands each is blurred at its own wavelength.
     Sources: Tantalo 1996, section 4.2; Fried 1966; Sadot and Kopeika 1992.
     """
+
+    formulas = (
+        Formula(
+            r"H=e^{-2\pi^2\sigma^2\rho^2},\quad\sigma=\frac{\mathrm{FWHM}}{2\sqrt{2\ln 2}}",
+            where="ρ² = ξ² + η², cycles/mrad",
+            when="turbulence gaussian",
+        ),
+        Formula(
+            r"H=\exp\left[-3.44\left(\frac{\lambda\rho}{r_0}\right)^{5/3}\left(1-\alpha\left("
+            r"\frac{\lambda\rho}{D}\right)^{1/3}\right)\right]",
+            where="λρ: in mm; r₀: Fried's diameter; D: aperture; α: 0 for a long exposure; the "
+            "last bracket never below 0",
+            when="turbulence long_exposure, short_exposure",
+        ),
+        Formula(
+            r"r_0=\left(0.423\,k^2\int C_n^2(z)\,w(z)\,dz\right)^{-3/5}",
+            where="k = 2π/λ; w: 1 for a plane wave, (z/L)^(5/3) from the target for a spherical "
+            "one",
+            when="r₀ from a Cn² profile",
+        ),
+        Formula(
+            r"H=\exp\left[-\tau\,\min\left(1,\;\rho/\rho_c\right)^2\right]",
+            where="τ: optical depth of the scattering; ρ_c: radius of the particles over the "
+            "wavelength",
+            when="turbidity",
+        ),
+    )
 
     turbulence: Annotated[
         Literal["gaussian", "long_exposure", "short_exposure", "none"], Param("form of turbulence")

@@ -10,6 +10,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.atmosphere.air_path import (
@@ -55,6 +56,23 @@ class AtmosphericPath(Module, key="atmospheric_path", title="Atmospheric Path", 
 
     Sources: Bouguer 1729; Koschmieder 1924; Ångström 1929; Berk et al. 2011 (MODTRAN).
     """
+
+    formulas = (
+        Formula(
+            r"L'=\tau\,L+L_{path}",
+            where="τ: transmission; L_path: radiance of the air, W/m²/sr",
+        ),
+        Formula(
+            r"\tau=e^{-\beta R},\quad L_{path}=(1-\tau)\,L_B(T_{air})",
+            where="β: extinction, 1/km; R: range, km; T_air: air_K, without which nothing is added",
+            when="models other than tables",
+        ),
+        Formula(
+            r"\beta=\frac{3.912}{V}\left(\frac{0.55}{\lambda}\right)^q",
+            where="V: visibility, km; λ in µm; q: angstrom_q",
+            when="visibility_km",
+        ),
+    )
 
     model: Annotated[
         Literal["transmission", "extinction_per_km", "visibility_km", "modtran"],

@@ -14,6 +14,7 @@ from core.errors import DataError, ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.atmosphere.sun_and_sky import Sunlight
@@ -47,6 +48,19 @@ class ReflectedLight(Module, key="reflected_light", title="Reflected Light", gro
     Atmospheric Path is the way from the surface to the camera. Sources: Lambert 1760; Kasten and
     Young 1989 (air mass); nominal solar radius of the IAU, 2015.
     """
+
+    formulas = (
+        Formula(
+            r"L=\frac{\rho}{\pi}\left(E_\odot\,e^{-\tau m}\,\sin h+\pi L_{sky}\right)",
+            where="ρ: reflectance; E☉: the Sun's irradiance in the band above the air, W/m²; τ: "
+            "optical depth from the zenith; m: air mass; h: elevation of the Sun; L_sky: "
+            "radiance of the sky, W/m²/sr",
+        ),
+        Formula(
+            r"m=\frac{1}{\sin h+0.50572\,(h+6.07995)^{-1.6364}}",
+            where="h in degrees where it stands in the power (Kasten and Young)",
+        ),
+    )
 
     solar_irradiance: Annotated[
         float | None,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import NodeContext
+from core.modules.formula import Formula
 from core.physics.detector.charge_transfer import charge_transfer_mtf
 from nodes.detector.charge_transfer_base import ChargeTransfer
 from nodes.shared.factor_helpers import separable
@@ -18,6 +19,20 @@ class ChargeEffMTF(
     With w = 2π·xi·Δ: exact |ε/(1 − (1−ε)e^{−iw})|^N; published and leading
     exp(−N(1−ε)(1 − cos w)). Source: Tantalo 1996, eq. 4.57, after LeBlanc and Contini 1990.
     """
+
+    formulas = (
+        Formula(
+            r"H=\left|\frac{\varepsilon}{1-(1-\varepsilon)\,e^{-iw}}\right|^N,\quad w=2\pi\,\xi"
+            r"\,\Delta",
+            where="ε: efficiency of a transfer; N: transfers; Δ: interval of the image, or of "
+            "the detectors",
+            when="exact",
+        ),
+        Formula(
+            r"H=e^{-N(1-\varepsilon)(1-\cos w)}",
+            when="published, leading",
+        ),
+    )
 
     def run(self, context: Context, magnitude: Magnitude, here: NodeContext) -> MtfOutputs:
         """Plan the loss."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from core.chain.wires import Context, Phase
 from core.modules.declaration import NodeContext
+from core.modules.formula import Formula
 from core.physics.detector.charge_transfer import charge_transfer_ptf
 from nodes.detector.charge_transfer_base import ChargeTransfer
 from nodes.shared.factor_helpers import separable
@@ -19,6 +20,24 @@ class ChargeEffPhase(
     −k(w − sin w); leading −k·sin w. Source: Tantalo 1996, eq. 4.58. Erratum: the published form
     starts with w³, that of N transfers with −k·w.
     """
+
+    formulas = (
+        Formula(
+            r"\theta=-N\,\arctan\frac{(1-\varepsilon)\,\sin w}{1-(1-\varepsilon)\,\cos w},\quad "
+            r"w=2\pi\,\xi\,\Delta",
+            where="ε: efficiency of a transfer; N: transfers; Δ: interval of the image, or of "
+            "the detectors",
+            when="exact",
+        ),
+        Formula(
+            r"\theta=-N(1-\varepsilon)(w-\sin w)",
+            when="published",
+        ),
+        Formula(
+            r"\theta=-N(1-\varepsilon)\,\sin w",
+            when="leading",
+        ),
+    )
 
     def run(self, context: Context, phase: Phase, here: NodeContext) -> PtfOutputs:
         """Plan the shift."""

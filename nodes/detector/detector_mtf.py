@@ -7,6 +7,7 @@ from typing import Annotated
 from core.chain.wires import Context, Magnitude
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.detector.detector_aperture import aperture_mtf, first_zero_cyc_per_mrad
@@ -23,6 +24,14 @@ class DetectorMTF(MtfModule, key="detector_mtf", title="Detector MTF", group="De
     sinc(IFOVx·fill_x·xi)·sinc(IFOVy·fill_y·eta), signed. Empty parameters are those of Init &
     Trans. Source: Tantalo 1996, eqs. 4.41 to 4.50.
     """
+
+    formulas = (
+        Formula(
+            r"H(\xi,\eta)=\mathrm{sinc}\left(\frac{p_x\varphi_x}{f}\,\xi\right)\mathrm{sinc}"
+            r"\left(\frac{p_y\varphi_y}{f}\,\eta\right)",
+            where="p: pitch, µm; φ: fill; f: focal length, mm; negative lobes are kept",
+        ),
+    )
 
     detector_x_um: Annotated[
         float | None, Param("detector pitch across", unit="µm", low=0, slider=(1, 1000))

@@ -10,6 +10,7 @@ from core.chain.wires import Context, Image, Table
 from core.evaluation.recipes import Recipe, Step
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
 from core.physics.electrons.spectral_photons import QuantumEfficiency
 from nodes.detector import focal_plane_steps as steps
@@ -77,6 +78,35 @@ class FocalPlane(FocalPlanePanel, key="focal_plane", title="Focal Plane", group=
     Sources: Dereniak and Boreman 1996; Janesick 2007, Photon Transfer; EMVA 1288; Tennant et al.
     2008 (Rule 07).
     """
+
+    formulas = (
+        Formula(
+            r"N_s=t\,n\,A\varphi\,\mathrm{QE}\;\Omega\left[\tau L_q+(1-\tau)L_q(T_{opt})\right]",
+            where="electrons of scene and optics; t: integration_time_s; n: tdi_stages; Aφ: "
+            "sensitive area of the pixel; L_q: photons per s, m² and sr in the band; τ: "
+            "optics_transmission",
+        ),
+        Formula(
+            r"N=N_s+t\,n\,A\varphi\,\mathrm{QE}\,(\pi-\Omega)(1-\eta)\,L_q(T_{hou})+t\,n\,i",
+            where="those of the housing past the cold shield, of efficiency η, and the dark "
+            "current i",
+        ),
+        Formula(
+            r"\Omega=\frac{\pi}{4F^2+1}",
+            where="projected solid angle of the optics at F-number F, sr",
+        ),
+        Formula(
+            r"\sigma_t=\sqrt{N+\sigma_{read}^2+K^2/12},\quad\sigma_f=\sqrt{(pN)^2+\sigma_{"
+            r"dsnu}^2}",
+            where="temporal noise of an exposure, and the fixed pattern, electrons; K: "
+            "electrons of a digital number; p: PRNU",
+        ),
+        Formula(
+            r"\mathrm{NETD}=\frac{\sigma_t}{\partial N/\partial T},\quad\mathrm{DN}=\mathrm{"
+            r"round}\left(\frac{N}{K}+o\right)",
+            where="o: offset_dn; clipped to 0 … 2^bits − 1",
+        ),
+    )
 
     counts_bands = True
 

@@ -10,6 +10,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.frame_number import FrameNumber
@@ -53,6 +54,25 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     offsets of pixels are the same in every frame; Non-Uniformity Correction takes them out.
     Sources: Kruse 2001, chapters 3 and 4; Rogalski 2011, chapters 4 and 22.
     """
+
+    formulas = (
+        Formula(
+            r"\sigma_L=\mathrm{NETD}\;\frac{\partial L}{\partial T}\;\frac{4F^2+1}{4F_0^2+1}\;"
+            r"\frac{1}{\tau}\sqrt{\frac{t_0}{t}}",
+            where="NETD: of the data sheet, at F₀, its background and integration time t₀; F, "
+            "τ, t: of this camera",
+        ),
+        Formula(
+            r"s_k=(1-q)\,q^k,\quad q=e^{-1/(r\,\tau_{th})}",
+            where="s_k: share of the frame k frames ago; r: frame rate; τ_th: thermal time "
+            "constant",
+        ),
+        Formula(
+            r"H(\xi)=\frac{1}{1+2\pi i\,\tau_{th}\,v\,\xi}",
+            where="v: scan velocity, mrad/s",
+            when="a scan",
+        ),
+    )
 
     netd_mK: Annotated[
         float, Param("NETD of the data sheet", unit="mK", low=0, high=1e6, slider=(0, 200))

@@ -18,6 +18,7 @@ from core.lineage.step_lineage import picture_step
 from core.lineage.step_noise import AtStep, Noise
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.noise_power import NoisePower
@@ -58,6 +59,20 @@ class Nuc(SeededModule, key="nuc", title="Non-Uniformity Correction", group="Det
     gain. Budgets count 1/f noise, which frames of a reference have in common, as if it were new in
     each. Sources: Perry and Dereniak 1993; Schulz and Caldwell 1995; Holst 2008.
     """
+
+    formulas = (
+        Formula(
+            r"L'_i=L_i+\overline{R}_1-R_{1,i}",
+            where="R₁: the pixels' answers to the reference at low_K; the bar is their mean",
+            when="one_point",
+        ),
+        Formula(
+            r"L'_i=g_i\,L_i+\overline{R}_1-g_i\,R_{1,i},\quad g_i=\frac{\overline{R}_2-"
+            r"\overline{R}_1}{R_{2,i}-R_{1,i}}",
+            where="R₂: those at high_K",
+            when="two_point",
+        ),
+    )
 
     method: Annotated[
         Literal["none", "one_point", "two_point"], Param("references: none, one or two")

@@ -17,6 +17,7 @@ from core.lineage.linear_change import LevelChange, Linear
 from core.lineage.step_lineage import picture_step
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.noise_power import NoisePower
@@ -48,6 +49,21 @@ class SpectralResponse(
     per watt instead of per photon goes in as it is where radiance is wanted; Focal Plane has its
     own for photons.
     """
+
+    formulas = (
+        Formula(
+            r"L'_b=L_b\,\overline{R}_b,\quad\overline{R}_b=\frac{1}{\Delta\lambda_b}\int_b R("
+            r"\lambda)\,d\lambda",
+            where="R: the response; b: a band",
+            when="a picture in bands",
+        ),
+        Formula(
+            r"L'=L\;\frac{\int R\,L_B(\lambda,T)\,d\lambda}{\int L_B(\lambda,T)\,d\lambda}",
+            where="L_B: a black body of the picture's mean brightness temperature, of sunlight, "
+            "or of source_K",
+            when="a picture of one band",
+        ),
+    )
 
     shape: Annotated[
         Literal["file", "rectangle", "gaussian"], Param("form of the response, or a file of it")

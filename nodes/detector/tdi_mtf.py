@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from core.chain.wires import Context, Magnitude
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.detector.tdi_motion import smear_mrad, tdi_mtf
@@ -26,6 +27,15 @@ class TdiMTF(MtfModule, key="tdi_mtf", title="TDI MTF", group="Detector"):
     for charge that moves without steps. Empty parameters are those of Init & Trans. Source: Wong,
     Yao and Schlig 1992, IBM J. Res. Develop. 36; Holst and Lomheim 2007, chapter 10.
     """
+
+    formulas = (
+        Formula(
+            r"H(f)=\mathrm{sinc}\left[(1+m)\,s\,f\right]\;\frac{\sin(\pi N m s f)}{N\,\sin(\pi "
+            r"m s f)}",
+            where="m: velocity of the image over that of the charge, less 1; s: pitch over "
+            "phases, mrad; N: stages times phases",
+        ),
+    )
 
     stages: Annotated[
         int, Param("stages that add their charge", low=1, high=10000, slider=(1, 128))

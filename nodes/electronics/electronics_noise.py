@@ -9,6 +9,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Offer, Section
 from core.modules.parameters import Param
 from core.physics.electronics.filters import (
@@ -73,6 +74,36 @@ class ElectronicsNoise(
     sections 4.6, 4.7, 4.9 and 4.10. Erratum: eq. 4.59 as printed scales the picture by the gain
     error (`literal`).
     """
+
+    formulas = (
+        Formula(
+            r"\mathrm{NEP}=\frac{\sqrt{A\,\Delta f}}{D^*},\quad\mathrm{NER}=\frac{\mathrm{NEP}"
+            r"\;G_\#}{A},\quad G_\#=\frac{1+4F^2}{\pi\,\tau_o\,\tau_f}",
+            where="A: sensitive area of the detector; Δf: bandwidth; D*: detectivity over the "
+            "band; τ: transmissions of optics and filter",
+        ),
+        Formula(
+            r"\Delta f=\frac{1}{2\,\tau},\quad\mathrm{NETD}=\frac{\sqrt{\mathrm{NER}^2+"
+            r"\sigma_a^2}}{\partial L/\partial T},\quad\sigma_a=\frac{\mathrm{reference}}{"
+            r"\mathrm{SNR}}",
+            where="τ: time constant, by default the dwell time; σ_a: the amplifier's noise",
+        ),
+        Formula(
+            r"L'=L\,(1+g\,n_1)+b\,n_2\,\overline{L}",
+            where="g, b: gain_percent and bias_percent over 100; n: a normal deviate of each "
+            "detector",
+            when="gain_model per_pixel",
+        ),
+        Formula(
+            r"H(\xi)=\frac{1}{1+2\pi i\,\tau\,v\,\xi}",
+            where="v: scan velocity, mrad/s",
+            when="use_mtf",
+        ),
+        Formula(
+            r"q=\frac{L_{high}-L_{low}}{2^b-1}",
+            where="step of the quantizer of b bits, both ends included",
+        ),
+    )
 
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None

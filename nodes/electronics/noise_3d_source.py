@@ -18,6 +18,7 @@ from core.lineage.step_lineage import picture_step
 from core.lineage.step_noise import AtStep, Noise
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.frame_number import FrameNumber
@@ -58,6 +59,19 @@ class Noise3DSource(
     (vh) what is slower than these. Without any component the picture is passed on. Sources:
     D'Agostino and Webb 1991; for 1/f, Shinozuka and Deodatis 1991 (spectral representation).
     """
+
+    formulas = (
+        Formula(
+            r"L'=L+n_t+n_v+n_h+n_{tv}+n_{th}+n_{vh}+n_{tvh}+n_{1/f}",
+            where="each normal, of its own standard deviation: one for every frame (t), row (v) "
+            "and column (h) that stands in its name",
+        ),
+        Formula(
+            r"S(f)=\frac{2\,\sigma_{tvh}^2}{f_R}\;\frac{f_k}{f}",
+            where="density of the 1/f noise of a sample; it equals that of σ_tvh at f_k = "
+            "corner_Hz; f_R: frame rate",
+        ),
+    )
 
     sigma_tvh: Annotated[
         float,

@@ -15,6 +15,7 @@ from core.evaluation.work import Work
 from core.lineage.step_lineage import picture_step
 from core.lineage.step_noise import AtStep, Noise
 from core.modules.declaration import Module, NodeContext
+from core.modules.formula import Formula
 from core.modules.parameters import Param
 from nodes.electronics.periodic_noise import NoiseOutputs
 from nodes.files.common.paths import checked_band
@@ -29,6 +30,13 @@ class NoiseFile(Module, key="noise_file", title="Noise File", group="Electronics
     The file may be of every kind that Read Image reads. Its mean is added too. A scale of 0
     passes the picture on. Source: Tantalo 1996, chapter 3.
     """
+
+    formulas = (
+        Formula(
+            r"L'=L+s\,n",
+            where="n: samples of the file; s: scale",
+        ),
+    )
 
     path: Annotated[Path | None, Param("noise file, relative to the network file's folder")] = None
     band: Annotated[int, Param("band or channel, counted from 0", low=0)] = 0

@@ -15,6 +15,7 @@ from core.evaluation.work import Work
 from core.lineage.step_lineage import picture_step
 from core.lineage.step_noise import AtStep, Noise
 from core.modules.declaration import Module, NodeContext
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.electronics.periodic_wave import periodic_pattern
@@ -40,6 +41,15 @@ class PeriodicNoise(
     first sample on. What lies beyond the Nyquist frequency shows as its alias, as it would.
     An amplitude of 0 passes the picture on. Source: Tantalo 1996, chapter 3.
     """
+
+    formulas = (
+        Formula(
+            r"n=A\left[1+m\,\sin\left(2\pi(\xi_mx+\eta_my)+\phi_m\right)\right]\sin\left(2\pi("
+            r"\xi x+\eta y)+\phi\right)",
+            where="A: amplitude; m: modulation; x, y: mrad from the first sample; added to the "
+            "picture",
+        ),
+    )
 
     amplitude: Annotated[float, Param("amplitude, in the unit of the picture", slider=(0, 10))] = (
         0.0

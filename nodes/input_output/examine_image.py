@@ -19,6 +19,7 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
@@ -49,6 +50,19 @@ class ExamineImage(
     of the FFT), the histogram of what is displayed; the centred spectrum of a picture is the
     logarithm of its modulus.
     """
+
+    formulas = (
+        Formula(
+            r"\mu=\frac{1}{N}\sum_i L_i,\quad\sigma^2=\frac{1}{N}\sum_i(L_i-\mu)^2",
+            where="L_i: the N samples",
+        ),
+        Formula(
+            r"\int_{\lambda_1}^{\lambda_2}L_\lambda(T)\,d\lambda=L",
+            where="T: apparent temperature, that of a black body with the same radiance in the "
+            "band",
+            when="radiance in a known band",
+        ),
+    )
 
     renamed = MappingProxyType({"magnitude": "image", "phase": "image", "transfer": "image"})
 

@@ -12,6 +12,7 @@ from core.errors import ParameterError
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
@@ -44,6 +45,21 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
     cube stays on disk. Samples that are no numbers, or the file's value for no data, are refused
     unless `missing` sets what stands for them.
     """
+
+    formulas = (
+        Formula(
+            r"L=\sum_b s\,c_b\,S_b\,\Delta\lambda_b",
+            where="S_b: the numbers that the file stores for band b; s: `scale`; c_b: what "
+            "turns the file's unit into W/m²/sr/µm; Δλ_b: the part of the band between "
+            "cut_on_um and cut_off_um, µm",
+            when="a header with wavelengths, bands summed up",
+        ),
+        Formula(
+            r"L=s\,c\,S",
+            where="c: what turns the unit into W/m²/sr; 1 for kelvin, digital numbers and the like",
+            when="any other file",
+        ),
+    )
 
     path: Annotated[
         Path | None,

@@ -13,6 +13,7 @@ from core.evaluation.recipes import Step
 from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
 from core.modules.declaration import Module, NodeContext
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
@@ -43,6 +44,22 @@ class TestScene(Module, key="test_scene", title="Test Scene", group="Input and o
     every surface the one number that it has without bands; the sum of all bands is then, but for
     the Sun, the picture without.
     """
+
+    formulas = (
+        Formula(
+            r"L=\varepsilon\int_{\lambda_1}^{\lambda_2}\frac{2hc^2}{\lambda^5}\;\frac{d\lambda}{"
+            r"e^{hc/(\lambda kT)}-1}",
+            where="L: radiance of a sample, W/m²/sr; ε, T: emissivity and temperature of its "
+            "surface, K; λ₁, λ₂: cut_on_um and cut_off_um; h, c, k: constants of nature",
+            when="emitted light",
+        ),
+        Formula(
+            r"L=\overline{\rho}\;\frac{\Omega_\odot}{\pi}\,L_B(5800\,\mathrm{K})\,\sin h",
+            where="ρ: reflectance; Ω☉/π: the square of the Sun's radius over its distance; L_B: "
+            "radiance of a black body in the band; h: sun_elevation_deg",
+            when="sunlight, where bands are drawn",
+        ),
+    )
 
     __test__ = False  # not a test class, whatever its name says
 

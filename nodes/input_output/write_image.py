@@ -16,6 +16,7 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.files.common.digital_numbers import DIGITAL_NUMBER, integer_type
@@ -52,6 +53,15 @@ class WriteImage(
     floats in W/m²/sr/µm, one after the other: the cube is never in memory. Into every other format
     goes their sum, which the picture is.
     """
+
+    formulas = (
+        Formula(
+            r"n=\mathrm{round}\left(\frac{L-L_{low}}{L_{high}-L_{low}}\;(2^b-1)\right)",
+            where="n: the number in the file, from 0 to 2^b − 1; b: bits of the type; L_low, "
+            "L_high: range_low and range_high; what lies beyond is the end's",
+            when="types of whole numbers, but for digital numbers as they are",
+        ),
+    )
 
     path: Annotated[Path | None, Param("file to write, relative to the network file's folder")] = (
         None

@@ -39,6 +39,8 @@ class WriteMatrix(
     first. Only when a run asks for outputs.
     """
 
+    without_formula = "It writes numbers as they are."
+
     renamed = MappingProxyType({"curve": "image", "transfer": "image"})
 
     path: Annotated[Path | None, Param("file to write, relative to the network file's folder")] = (

@@ -7,6 +7,7 @@ from typing import Annotated
 from core.chain.wires import Context, Magnitude
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.parameters import Param
 from core.physics.motion.platform_motion import blur_mrad, motion_mtf
 from nodes.shared.context_defaults import given
@@ -21,6 +22,13 @@ class AlongtrackMTF(MtfModule, key="alongtrack_mtf", title="Alongtrack MTF", gro
     sinc(b·eta), b = velocity·time/range. Source: Tantalo 1996, eqs. 4.24 to 4.28. Erratum: the
     width 134 of eq. 4.28 is in cycles/rad.
     """
+
+    formulas = (
+        Formula(
+            r"H(\eta)=\mathrm{sinc}(b\,\eta),\quad b=\frac{1000\,v\,t}{R}",
+            where="b: blur, mrad; v: velocity, m/s; t: integration time, s; R: range, m",
+        ),
+    )
 
     velocity_m_per_s: Annotated[
         float | None, Param("velocity of the platform; empty: of Init & Trans", unit="m/s")

@@ -7,6 +7,7 @@ from typing import Annotated
 from core.chain.wires import Context, Magnitude
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.parameters import Param
 from core.physics.motion.platform_motion import motion_mtf, scan_blur_mrad
 from nodes.shared.factor_helpers import separable
@@ -19,6 +20,13 @@ class CrosstrackMTF(MtfModule, key="crosstrack_mtf", title="Crosstrack MTF", gro
 
     sinc(v·t·xi). Source: Tantalo 1996, section 4.4.1, which neglects it.
     """
+
+    formulas = (
+        Formula(
+            r"H(\xi)=\mathrm{sinc}(v\,t\,\xi)",
+            where="v: scan velocity, mrad/s; t: dwell time, s; sinc(x) = sin(πx)/(πx)",
+        ),
+    )
 
     dwell_time_s: Annotated[float, Param("time one sample is collected", unit="s", low=0)] = 0.0
     scan_velocity_mrad_per_s: Annotated[

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import NodeContext, readout
+from core.modules.formula import Formula
 from core.modules.parameters import Param
 from core.physics.optics.gaussian import gaussian_mtf
 from nodes.shared.factor_helpers import separable
@@ -19,6 +20,13 @@ class JitterMTF(MtfModule, key="jitter_mtf", title="Jitter MTF", group="Motion")
     exp(−2π²σ²(xi² + eta²)). Source: Tantalo 1996, eq. 4.36, after Pinsky 1991: 20 to 60 µrad are
     typical. Erratum: the thesis calls σ² the variance in µrad and gives its root in mrad.
     """
+
+    formulas = (
+        Formula(
+            r"H(\xi,\eta)=e^{-2\pi^2\sigma^2(\xi^2+\eta^2)}",
+            where="σ: rms motion of an axis within an exposure, mrad",
+        ),
+    )
 
     sigma_mrad: Annotated[
         float, Param("rms motion per axis", unit="mrad", low=0, slider=(0, 1))

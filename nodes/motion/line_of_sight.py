@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from core.chain.wires import Context, Magnitude, Phase, Transfer
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.frame_number import FrameNumber
@@ -57,6 +58,27 @@ class LineOfSight(
     predict what a moving scene of contrast changes in a pixel, and measures it. Sources: Papoulis
     1991, chapter 10; Kopeika 1998, chapter 14.
     """
+
+    formulas = (
+        Formula(
+            r"S(f)=\frac{2\,\sigma^2}{\pi f_c\left[1+(f/f_c)^2\right]}",
+            where="σ: rms of the angle, mrad; f_c: corner_Hz",
+            when="without psd_path",
+        ),
+        Formula(
+            r"H(\xi)=\frac{1}{T}\int_{-T/2}^{T/2}e^{-2\pi^2v(t)\,\xi^2}\,dt",
+            where="T: exposure, s; within one exposure",
+        ),
+        Formula(
+            r"v(t)=\int S(f)\left[1+\mathrm{sinc}^2(fT)-2\,\mathrm{sinc}(fT)\cos(2\pi ft)"
+            r"\right]df",
+            where="variance about the exposure's mean at time t from its middle",
+        ),
+        Formula(
+            r"\theta(\xi)=-2\pi\,\xi\,s_n,\quad s_n\sim S(f)\,\mathrm{sinc}^2(fT)",
+            where="s_n: shift of frame n, mrad",
+        ),
+    )
 
     rms_x_mrad: Annotated[
         float, Param("rms motion across", unit="mrad", low=0, high=1e6, slider=(0, 1))

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from core.chain.wires import Context, Magnitude
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.motion.platform_motion import blur_mrad, line_motion_mtf, motion_mtf
@@ -27,6 +28,19 @@ class RelativeMotionMTF(
     exactly 1. Source: Tantalo 1996, eqs. 4.29 to 4.35. Erratum: the widths 160 and 201 of eqs.
     4.34 and 4.35 are in cycles/rad.
     """
+
+    formulas = (
+        Formula(
+            r"H=\mathrm{sinc}(b_x\xi)\,\mathrm{sinc}(b_y\eta)",
+            where="b: 1000·(velocity of the platform − of the image)·time/range, mrad",
+            when="published",
+        ),
+        Formula(
+            r"H=\mathrm{sinc}(b_x\xi+b_y\eta)",
+            where="the straight smear of a constant velocity",
+            when="line",
+        ),
+    )
 
     image_velocity_x: Annotated[float, Param("velocity of the image across", unit="m/s")] = 0.0
     image_velocity_y: Annotated[float, Param("velocity of the image along", unit="m/s")] = 0.0

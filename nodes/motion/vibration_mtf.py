@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import NodeContext, readout
+from core.modules.formula import Formula
 from core.modules.parameters import Param
 from core.physics.motion.vibration import vibration_mtf
 from nodes.shared.factor_helpers import separable
@@ -19,6 +20,19 @@ class VibrationMTF(MtfModule, key="vibration_mtf", title="Vibration MTF", group=
     by time. Without a frequency or an integration time, many periods are taken. The two axes are
     independent. Source: Kopeika 1998.
     """
+
+    formulas = (
+        Formula(
+            r"H(\xi)=J_0(2\pi A\,\xi)",
+            where="A: amplitude, mrad",
+            when="whole periods, or many",
+        ),
+        Formula(
+            r"H(\xi)=\left|\frac{1}{t}\int_0^t e^{-2\pi iA\,\xi\,\sin(2\pi fs)}\,ds\right|",
+            where="f: frequency, Hz; t: integration time, s",
+            when="a part of a period left over",
+        ),
+    )
 
     amplitude_x_mrad: Annotated[
         float, Param("amplitude across", unit="mrad", low=0, slider=(0, 1))

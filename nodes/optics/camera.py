@@ -12,6 +12,7 @@ from core.chain.wires import Image, Table
 from core.evaluation.recipes import Recipe, Step
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.optics.camera_figures import camera_figures
@@ -43,6 +44,17 @@ class Camera(Module, key="camera", title="Camera", group="Optics"):
     focal length. What disagrees is warned of, and nothing is corrected. Source: Holst 2008,
     Electro-Optical Imaging System Performance, chapters 2 and 10 (pixel angle, f-number, GSD).
     """
+
+    formulas = (
+        Formula(
+            r"F=\frac{f}{D},\quad\mathrm{IFOV}=\frac{p}{f},\quad\mathrm{FOV}=\frac{Np}{f}",
+            where="f: focal length, D: aperture, mm; p: pitch, µm; N: pixels; angles in mrad",
+        ),
+        Formula(
+            r"\mathrm{GSD}=\frac{p}{f}\,R",
+            where="R: range",
+        ),
+    )
 
     pixels_x: Annotated[
         int | None, Param("pixels across", unit="pixels", low=0, high=10**6, slider=(64, 4096))

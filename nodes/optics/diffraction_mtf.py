@@ -11,6 +11,7 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.diffraction.band_weights import Spectrum
@@ -71,6 +72,31 @@ class DiffractionMTF(
     2005; O'Neill 1956 (annulus, with its erratum); Hopkins 1955 (defocus); Shannon 1994, Handbook
     of Optics I, chapter 35.
     """
+
+    formulas = (
+        Formula(
+            r"H(\rho)=\sum_j w_j\,H_0(\nu_j),\quad\nu_j=\frac{\lambda_j\,\rho}{D}",
+            where="ρ: cycles/mrad; D: aperture, mm; λ_j, w_j: wavelengths (µm) that stand for "
+            "the band, and their weights by the light that counts",
+        ),
+        Formula(
+            r"H_0(\nu)=\frac{2}{\pi}\left(\arccos\nu-\nu\sqrt{1-\nu^2}\right)",
+            where="0 from ν = 1 on; of a ring the same overlap of the aperture with itself, "
+            "moved by ν",
+            when="clear aperture in focus",
+        ),
+        Formula(
+            r"H_0(\nu)=\frac{4}{\pi}\int_0^{\arccos\nu}\sin^2 t\,\cos\left[8\pi W_{20}\,\nu\,("
+            r"\cos t-\nu)\right]dt",
+            where="W₂₀: defocus_waves at the rim, at the wavelength",
+            when="out of focus",
+        ),
+        Formula(
+            r"H_W=1-\left(\frac{W}{0.18}\right)^2\left[1-4\left(\nu-\frac{1}{2}\right)^2\right]",
+            where="W: rms_wavefront_waves; a factor",
+            when="small errors of any shape",
+        ),
+    )
 
     aperture_mm: Annotated[
         float | None,

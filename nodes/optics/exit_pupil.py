@@ -14,6 +14,7 @@ from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.enclosing_circle import support_circle
@@ -61,6 +62,14 @@ class ExitPupil(Module, key="exit_pupil", title="Exit Pupils", group="Optics"):
     that rises to the right moves the picture to the left. Sources: Tantalo 1996, section 4.3.2;
     Noll 1976; Mahajan 1994 (the disc of the wavefront).
     """
+
+    formulas = (
+        Formula(
+            r"P=t\,e^{2\pi iW},\quad W=W_{20}\,r^2+\sum_j a_j\,Z_j(r,\theta)",
+            where="t: amplitude, 0 to 1; W: wavefront error in waves; W₂₀: defocus_waves; a_j: "
+            "zernike_waves, rms, in Noll's order; r: from 0 to 1 at the rim",
+        ),
+    )
 
     shape: Annotated[
         Literal["clear", "half_moon", "cassegrain", "hinged", "cassegrain_slit", "spider", "file"],

@@ -14,6 +14,7 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.diffraction.band_weights import Spectrum
@@ -62,6 +63,19 @@ class ExitPupilMTF(NyquistReadouts, key="exit_pupil_mtf", title="Exit Pupil MTF"
     those of the whole pupil array. Source: Tantalo 1996, eqs. 4.10 to 4.21. Erratum: the cutoff is
     aperture/λ; the 12.8 of eq. 4.21 is the array's half width over λ.
     """
+
+    formulas = (
+        Formula(
+            r"\mathrm{OTF}(\xi,\eta)=\frac{\iint P(x,y)\,P^*(x-\lambda\xi,\,y-\lambda\eta)\,dx"
+            r"\,dy}{\iint|P(x,y)|^2\,dx\,dy}",
+            where="P: the pupil; λ: wavelength; µm times cycles/mrad is mm",
+        ),
+        Formula(
+            r"\mathrm{OTF}=\sum_j w_j\,\mathrm{OTF}(\lambda_j),\quad f_c=\frac{D}{\lambda}",
+            where="w_j: weights of several wavelengths; f_c: the cutoff; D: the aperture's "
+            "diameter",
+        ),
+    )
 
     cut_on_um: CutOn = None
     cut_off_um: CutOff = None

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from core.chain.wires import Context, Magnitude
 from core.modules.declaration import NodeContext
+from core.modules.formula import Formula
 from core.modules.parameters import Param
 from core.physics.optics.gaussian import gaussian_mtf
 from nodes.shared.factor_helpers import separable
@@ -17,6 +18,13 @@ class GaussianMTF(MtfModule, key="gaussian_mtf", title="Gaussian MTF", group="Op
 
     exp(−2π²(σx²·xi² + σy²·eta²)). Source: Tantalo 1996, eq. 4.22.
     """
+
+    formulas = (
+        Formula(
+            r"H(\xi,\eta)=\exp\left[-2\pi^2(\sigma_x^2\,\xi^2+\sigma_y^2\,\eta^2)\right]",
+            where="σ: standard deviation of the blur spot, mrad; ξ, η: cycles/mrad",
+        ),
+    )
 
     sigma_x_mrad: Annotated[
         float, Param("standard deviation of the blur across", unit="mrad", low=0, slider=(0, 5))

@@ -14,6 +14,7 @@ from core.chain.wires import Context, Magnitude, Phase
 from core.errors import DataError, ParameterError
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.measured.tabulated_mtf import (
@@ -52,6 +53,14 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     by the pixel (by pitch and focal length). Without a file nothing is changed. Source: Fritsch
     and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
     """
+
+    formulas = (
+        Formula(
+            r"H(\xi)=M(\nu),\quad\xi=\frac{\nu f}{1000}=\frac{u\,f}{p}",
+            where="M: the file's curve, PCHIP between its points; ν: cycles/mm at the focal "
+            "plane; u: cycles a pixel; f: focal length, mm; p: pitch, µm; ξ: cycles/mrad",
+        ),
+    )
 
     path: Annotated[
         Path | None,

@@ -16,6 +16,7 @@ from core.lineage.step_lineage import picture_step
 from core.lineage.step_noise import AtStep, Noise
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.photon_events import displaced_events, events_are_few
@@ -45,6 +46,19 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
     shot noise of a detector is part of Focal Plane. Source: Tantalo 1996, section 4.3.4, after
     Frieden 1991.
     """
+
+    formulas = (
+        Formula(
+            r"L'=L+n,\quad n\sim\mathrm{Poisson}\left(\frac{q}{100}\,\overline{L}\right)",
+            where="q: percent; L̄: Gaussian-weighted mean of the samples round about, width_px wide",
+            when="published",
+        ),
+        Formula(
+            r"L'=\frac{n}{\kappa},\quad n\sim\mathrm{Poisson}(\kappa L)",
+            where="κ: photons_per_unit",
+            when="photon",
+        ),
+    )
 
     width_px: Annotated[
         float,

@@ -11,6 +11,7 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.optics.measured.psf_otf import (
@@ -46,6 +47,15 @@ class PsfFile(NyquistReadouts, key="psf_file", title="PSF File", group="Optics")
     a PSF measured with it: leave Detector MTF out then. Without a file nothing is changed. Source:
     Goodman 2005, Introduction to Fourier Optics, section 6.3.
     """
+
+    formulas = (
+        Formula(
+            r"H(\xi,\eta)=\frac{\sum_{j,k}p_{jk}\,e^{-2\pi i(\xi x_k+\eta y_j)}}{\sum_{j,k}p_{"
+            r"jk}}",
+            where="p: samples of the file, less the background; x, y: their places, mrad, from "
+            "the middle or the centroid",
+        ),
+    )
 
     path: Annotated[
         Path | None,

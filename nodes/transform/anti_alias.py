@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from core.chain.back_transformed import back_transform
 from core.chain.wires import Image, Magnitude, Phase
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.formula import Formula
 from core.modules.parameters import Param
 from core.physics.optics.gaussian import gaussian_mtf
 from core.transfer.grid import Grid
@@ -32,6 +33,25 @@ class AntiAlias(Module, key="anti_alias", title="Anti-Aliaser", group="Transform
     in a window of three lobes. The frame is mirrored at its edges. A factor of 1 passes it on.
     Sources: Tantalo 1996, section 4.1; Duchon 1979 (Lanczos).
     """
+
+    formulas = (
+        Formula(
+            r"H(f)=\frac{\sin(\pi nf)}{n\,\sin(\pi f)}",
+            where="f: cycles a sample; n: factor",
+            when="box, n odd",
+        ),
+        Formula(
+            r"H(f)=2^{-(2nf)^2}",
+            where="one half at the new Nyquist frequency, 1/(2n)",
+            when="gaussian",
+        ),
+        Formula(
+            r"h(x)\propto\mathrm{sinc}\left(\frac{x}{n}\right)\mathrm{sinc}\left(\frac{x}{3n}"
+            r"\right),\quad|x|<3n",
+            where="h: weight of the sample at distance x",
+            when="lanczos",
+        ),
+    )
 
     kernel: Annotated[Kernel, Param("shape of the low-pass")] = "box"
     factor: Annotated[

@@ -5,6 +5,7 @@ from __future__ import annotations
 from core.chain.back_transformed import back_transform
 from core.chain.wires import Magnitude, Phase
 from core.modules.declaration import Module, NodeContext
+from core.modules.formula import Formula
 from nodes.shared.module_ports import ImageOutput
 
 
@@ -14,6 +15,14 @@ class BackTransform(Module, key="back_transform", title="Back Transform", group=
     The two may stem from different images of one size: then |A|·exp(i·∠B) is taken, periodically.
     Source: Tantalo 1996, section 4.1.
     """
+
+    formulas = (
+        Formula(
+            r"L'=\mathcal{F}^{-1}\left\{A\,e^{i\phi}\prod_k M_k\,e^{i\theta_k}\right\}",
+            where="A, φ: magnitude and phase of the image; M_k, θ_k: MTF and PTF of every stage "
+            "that was passed",
+        ),
+    )
 
     def run(self, magnitude: Magnitude, phase: Phase, here: NodeContext) -> ImageOutput:
         """Plan the inverse transform."""

@@ -8,6 +8,7 @@ from core.chain.back_transformed import BinMode, combine_pixels
 from core.chain.wires import Image
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, warning
+from core.modules.formula import Formula
 from core.modules.parameters import Param
 from core.physics.sampling.interpolation import block_mean_mtf
 from nodes.shared.module_ports import ImageOutput
@@ -26,6 +27,18 @@ class CombinePixels(Module, key="combine_pixels", title="Combine Pixels", group=
     pixel already, Sample Pixels keeps one sample instead. Source: Tantalo 1996, section 4.1,
     fig. 4.6.
     """
+
+    formulas = (
+        Formula(
+            r"L'_{j,k}=\frac{1}{nm}\sum_{a=0}^{m-1}\sum_{b=0}^{n-1}L_{jm+a,\,kn+b}",
+            where="n, m: factor_x and factor_y; without 1/(nm) for `sum`",
+        ),
+        Formula(
+            r"H(\xi)=\frac{\sin(\pi n\xi\Delta)}{n\,\sin(\pi\xi\Delta)}",
+            where="the same on the spectrum, Δ the interval of the samples, before what lies "
+            "beyond the new Nyquist frequency folds back",
+        ),
+    )
 
     factor_x: Annotated[
         int, Param("samples per pixel across", low=1, high=65536, slider=(1, 8))

@@ -11,6 +11,7 @@ from core.chain.wires import Context, Image, Magnitude, Phase, Platform
 from core.errors import ParameterError
 from core.modules.caution import Caution
 from core.modules.declaration import Module, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import ifov_mrad, interval_mrad, oversampling
@@ -34,6 +35,23 @@ class InitTrans(Module, key="init_trans", title="Init & Trans", group="Transform
     given here counts, and what differs is warned of.
     Source: Tantalo 1996, section 4.1.
     """
+
+    formulas = (
+        Formula(
+            r"\Delta=\frac{\mathrm{FOV}}{N},\quad f_N=\frac{1}{2\Delta},\quad\delta f=\frac{1}{"
+            r"N\Delta}",
+            where="Δ: sampling interval, mrad; FOV: field of view; N: samples across, or along; "
+            "f_N: Nyquist frequency; δf: frequency interval, cycles/mrad",
+        ),
+        Formula(
+            r"\mathrm{IFOV}=\frac{p\,\varphi}{f},\quad\mathrm{oversampling}=\frac{p}{f\,\Delta}",
+            where="p: detector_x_um or detector_y_um; φ: fill; f: focal_length_mm; µm/mm is mrad",
+        ),
+        Formula(
+            r"\mathcal{F}(\xi,\eta)=\sum_{x,y}L(x,y)\,e^{-2\pi i(\xi x+\eta y)}",
+            where="magnitude and phase are modulus and argument of the transform",
+        ),
+    )
 
     detector_x_um: Annotated[
         float | None, Param("detector pitch across", unit="µm", low=0, slider=(1, 1000))

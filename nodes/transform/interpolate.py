@@ -15,6 +15,7 @@ from core.evaluation.work import Work
 from core.lineage.linear_change import Axis, Linear, PlaceDependent
 from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, NodeContext
+from core.modules.formula import Formula
 from core.modules.parameters import Param
 from core.noise.noise_power import NoisePower, Operator
 from core.physics.sampling.interpolation import (
@@ -44,6 +45,23 @@ class Interpolate(Module, key="interpolate", title="Interpolate", group="Transfo
     cubic convolution. Equal sizes pass the picture on.
     Sources: Tantalo 1996, sections 5.1 and 5.2 (bilinear); Keys 1981 (cubic, a = −1/2).
     """
+
+    formulas = (
+        Formula(
+            r"L'(x)=\sum_j L_j\,w(x-j),\quad w(d)=1-|d|",
+            where="x: place of a new sample, in old ones, half a sample from the edge at first; "
+            "the same along",
+            when="order 1, |d| < 1",
+        ),
+        Formula(
+            r"w(d)=\frac{3}{2}|d|^3-\frac{5}{2}|d|^2+1",
+            when="order 3, |d| ≤ 1",
+        ),
+        Formula(
+            r"w(d)=-\frac{1}{2}|d|^3+\frac{5}{2}|d|^2-4|d|+2",
+            when="order 3, 1 < |d| < 2",
+        ),
+    )
 
     width: Annotated[
         int | None, Param("samples across; empty: as before", low=1, high=65536, slider=(16, 2048))

@@ -9,6 +9,7 @@ from core.chain.wires import Image
 from core.errors import ParameterError
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.shared.module_ports import ImageOutput
@@ -30,6 +31,15 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
     dropped. Source: Park, Schowengerdt and Kaczynski 1984, Applied Optics 23, 2572 (the average
     over the pixel and its sampling are two stages).
     """
+
+    formulas = (
+        Formula(
+            r"L'_k=\frac{1}{N}\sum_{\xi}\mathcal{F}(\xi)\,e^{2\pi i\xi x_k},\quad x_k=\left(k+"
+            r"\frac{1}{2}\right)r-\frac{1}{2}",
+            where="x_k: middle of pixel k, in samples from the first one's middle (an offset "
+            "comes on top); r: samples of a pixel, any ratio",
+        ),
+    )
 
     factor_x: Annotated[
         float | None,

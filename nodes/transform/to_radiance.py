@@ -6,6 +6,7 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext
+from core.modules.formula import Formula
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import is_radiance, is_temperature
 from nodes.transform.radiometry_base import Radiometry
@@ -20,6 +21,19 @@ class ToRadiance(Radiometry, key="to_radiance", title="To Radiance", group="Tran
     already, are refused. An image of emissivities takes the place of the number. Sources: Planck's
     and Kirchhoff's laws; Holst 2000, Common Sense Approach to Thermal Imaging.
     """
+
+    formulas = (
+        Formula(
+            r"L=\varepsilon\,L_B(T)+(1-\varepsilon)\,L_B(T_s)",
+            where="ε: emissivity; T: temperature of the picture, K; T_s: temperature of the "
+            "surroundings",
+        ),
+        Formula(
+            r"L_B(T)=\int_{\lambda_1}^{\lambda_2}\frac{2hc^2}{\lambda^5}\;\frac{d\lambda}{e^{"
+            r"hc/(\lambda kT)}-1}",
+            where="λ₁, λ₂: the band",
+        ),
+    )
 
     def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
         """Plan the conversion."""

@@ -6,6 +6,7 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.modules.declaration import NodeContext
+from core.modules.formula import Formula
 from core.physics.radiometry.radiance_units import radiance_unit
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import is_temperature
@@ -22,6 +23,14 @@ class ToTemperature(Radiometry, key="to_temperature", title="To Temperature", gr
     spectral radiance are refused. An image of emissivities takes the place of the number. Sources:
     as To Radiance.
     """
+
+    formulas = (
+        Formula(
+            r"T=L_B^{-1}\left(\frac{L-(1-\varepsilon)\,L_B(T_s)}{\varepsilon}\right)",
+            where="L: radiance of the picture, W/m²/sr; ε: emissivity; T_s: temperature of the "
+            "surroundings; L_B: Planck's law in the band",
+        ),
+    )
 
     def run(self, image: Image, here: NodeContext, emissivity: Image | None = None) -> ImageOutput:
         """Plan the conversion."""

@@ -59,7 +59,7 @@ def curves_png(curves: list[Named]) -> bytes:
         for axis in axes.ravel()[len(curves) :]:
             axis.set_visible(False)
         for axis, (port, data) in zip(axes.ravel(), curves, strict=False):
-            (_draw_bars if data.bars else _draw_curves)(axis, data)
+            draw_on(axis, data)
             axis.set_title(f"{data.title}\n", pad=2)
             axis.annotate(
                 port,
@@ -79,6 +79,11 @@ def curves_png(curves: list[Named]) -> bytes:
                     fontsize=7.5,
                 )
     return out.getvalue()
+
+
+def draw_on(axis: Any, data: CurveData) -> None:
+    """Draw curves or bars on axes."""
+    (_draw_bars if data.bars else _draw_curves)(axis, data)
 
 
 def _height(data: CurveData) -> float:

@@ -8,6 +8,7 @@ from core.chain.wires import Curve, Header, Image, Table
 from core.errors import DataError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import NodeContext, readout
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.measurement.sample_sums import Between
@@ -56,6 +57,19 @@ class CameraGeometry(
 
     Source: Tantalo 1996, sections 2 and 5.3, for the Salacain camera.
     """
+
+    formulas = (
+        Formula(
+            r"x=h\,\tan\theta,\quad\frac{dx}{d\theta}=\frac{h}{\cos^2\theta},\quad\frac{dy}{d"
+            r"\phi}=\frac{h}{\cos\theta}",
+            where="h: altitude; θ: view angle across; the samples of a line scanner grow so "
+            "across and along",
+        ),
+        Formula(
+            r"L'_{jk}=\frac{1}{|A_{jk}|}\iint_{A_{jk}}L\,dx\,dy",
+            where="A: footprint of a sample on the ground",
+        ),
+    )
 
     interpolation: Annotated[
         Between,

@@ -12,6 +12,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.filtering.mixed_sampling import MOST_NODES, Method
 from core.filtering.scan_chain import ScanChain
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.motion.line_scanner import line_intervals_mrad, view_angles_rad
@@ -59,6 +60,19 @@ class LineByLine(Module, key="line_by_line", title="Line by Line", group="Analys
     table scanning), `direct` some 60 times and more.
     Source: Tantalo 1996, section 2 and fig. 2.3, which leaves the comparison to later work.
     """
+
+    formulas = (
+        Formula(
+            r"\Delta_y(\theta)=\Delta_y(0)\,\cos\theta",
+            where="Δ_y: angle between neighbouring lines; θ: view angle of the column",
+        ),
+        Formula(
+            r"L'(x,y)=\mathcal{F}^{-1}\left\{H\left(\xi,\;\frac{k}{N\,\Delta_y(\theta_x)}"
+            r"\right)\mathcal{F}\{L\}\right\}(x,y)",
+            where="every column is filtered at its own interval; k: index of the frequency, N: "
+            "lines",
+        ),
+    )
 
     scan: Annotated[Scan, Param("axis of the frame along which a line is scanned")] = "x"
     look_angle_deg: Annotated[

@@ -11,6 +11,7 @@ from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.acquisition.eye import frames_integrated
@@ -102,6 +103,31 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
     IEEE Sensors J. 1, 31 (N50); Vollmerhausen, Jacobs and Driggers 2004, Opt. Eng. 43, 2806; Barten
     1990 (eye). The numbers of their equations could not be checked.
     """
+
+    formulas = (
+        Formula(
+            r"\mathrm{MRTD}(f)=\frac{\pi^2}{8}\;\frac{\mathrm{SNR}_{th}\,\sigma_p(f)}{H(f)}",
+            where="σ_p: noise in K that is left after the eye has averaged over a bar (1/(2f) "
+            "by 7/(2f)) and over time; H: MTF of the chain",
+        ),
+        Formula(
+            r"\mathrm{MDTD}(W)=\frac{\mathrm{SNR}_{th}\,\sigma_p(w)}{\overline{I}(W,w)}",
+            where="W: side of the square target; Ī: share of its difference that is left in a "
+            "window of side w",
+        ),
+        Formula(
+            r"P=\frac{r^E}{1+r^E},\quad r=\frac{N}{N_{50}},\quad E=2.7+0.7\,r",
+            where="N: cycles across the target",
+            when="Johnson",
+        ),
+        Formula(
+            r"V=\frac{\sqrt{A}}{R}\int\sqrt{\frac{C}{C_{th}(f)}}\;df,\quad r=\frac{V}{V_{50}},"
+            r"\quad E=1.51+0.24\,r",
+            where="A: area of the target; R: range; C: its contrast; C_th: threshold of sensor "
+            "and eye",
+            when="TTP",
+        ),
+    )
 
     model: Annotated[
         Model, Param("temporal noise alone, or three-dimensional noise and a limit by sampling")

@@ -9,6 +9,7 @@ from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.electrons.photon_conversion import SHORTEST_THERMAL_UM
@@ -58,6 +59,32 @@ class ImageQuality(Module, key="image_quality", title="Image Quality", group="An
     Sources: Leachtenauer et al. 1997, Appl. Opt. 36, 8322 (GIQE 3 and 4); Harrington et al. 2015
     (GIQE 5).
     """
+
+    formulas = (
+        Formula(
+            r"\mathrm{NIIRS}=11.81+3.32\,\lg\frac{\mathrm{RER}}{\mathrm{GSD}}-1.48\,H-\frac{G}{"
+            r"\mathrm{SNR}}",
+            where="GSD: inches; RER: relative edge response; H: overshoot; G: noise gain of the "
+            "sharpening",
+            when="GIQE 3",
+        ),
+        Formula(
+            r"\mathrm{NIIRS}=10.251-a\,\lg\mathrm{GSD}+b\,\lg\mathrm{RER}-0.656\,H-\frac{0.344"
+            r"\,G}{\mathrm{SNR}}",
+            where="a = 3.32, b = 1.559; below an RER of 0.9 a = 3.16, b = 2.817",
+            when="GIQE 4",
+        ),
+        Formula(
+            r"\mathrm{NIIRS}=9.57-3.32\,\lg\mathrm{GSD}+3.32\left(1-e^{-1.9/\mathrm{SNR}}"
+            r"\right)\lg\mathrm{RER}-2\,\lg^4\mathrm{RER}-\frac{1.8}{\mathrm{SNR}}",
+            when="GIQE 5",
+        ),
+        Formula(
+            r"E(d)=\frac{1}{2}+\frac{1}{\pi}\int_0^\infty\frac{H(\xi)\,\sin(2\pi\xi d)}{\xi}\,d"
+            r"\xi",
+            where="edge response at distance d; RER = E(½) − E(−½) in samples",
+        ),
+    )
 
     range_m: Annotated[
         float | None,

@@ -16,6 +16,7 @@ from core.evaluation.work import Work
 from core.filtering.mirrored import mirrored_spectrum
 from core.filtering.periodic import periodic_spectrum
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.formula import Formula
 from core.modules.parameters import Param
 from core.transfer.grid import Edges, Grid
 from nodes.analysis.mtf.spectrum_ratio import axes_ratio, radial_ratio
@@ -42,6 +43,18 @@ class CompareImages(Module, key="compare_images", title="Compare Images", group=
     ratio of powers in rings. Frequencies at which the reference has nothing but rounding are left
     out. For a frame filtered with mirrored edges it is the MTF itself if `edges` is `reflect`.
     """
+
+    formulas = (
+        Formula(
+            r"\mathrm{RMSE}=\sqrt{\frac{1}{N}\sum_i(a_i-b_i)^2},\quad\mathrm{PSNR}=20\,\lg\frac{"
+            r"\max b-\min b}{\mathrm{RMSE}}",
+            where="a: the picture; b: the reference",
+        ),
+        Formula(
+            r"R(f)=\frac{|\mathcal{F}(a)|}{|\mathcal{F}(b)|}",
+            where="MTF ratio; in rings the root of the ratio of powers",
+        ),
+    )
 
     average: Annotated[
         Literal["axes", "radial"], Param("MTF ratio on both frequency axes, or in rings")

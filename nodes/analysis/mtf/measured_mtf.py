@@ -8,6 +8,7 @@ from core.chain.wires import Curve, Image, Table
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.measurement.edge_line import Target
@@ -54,6 +55,22 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     `row_average` folds back from beyond Nyquist is no part of it. Source: ISO 12233:2023; Tantalo
     1996, eqs. 5.67 to 5.70 and appendix B.
     """
+
+    formulas = (
+        Formula(
+            r"\mathrm{MTF}(f)=\frac{1}{\mathrm{sinc}(f/4)\,\mathrm{sinc}(f/2)}\;\left|\frac{"
+            r"\sum_j w_j\,\ell_j\,e^{-2\pi ifx_j}}{\sum_j w_j\,\ell_j}\right|",
+            where="ℓ: line spread, the central difference of the edge in quarters of a sample; "
+            "w: window; f: cycles a sample along the edge's normal; the sincs are the "
+            "responses of quarters and difference",
+            when="slanted_edge",
+        ),
+        Formula(
+            r"\mathrm{MTF}(f)=\frac{|D(f)|}{\max|D|}",
+            where="D: transform of the difference of neighbours in the mean row",
+            when="row_average",
+        ),
+    )
 
     method: Annotated[
         Literal["slanted_edge", "row_average"],

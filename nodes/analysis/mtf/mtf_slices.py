@@ -12,6 +12,7 @@ from core.chain.wires import Curve, Magnitude, Transfer
 from core.evaluation.recipes import Recipe, Step, ends_lineage
 from core.evaluation.work import Work
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.transfer.factors import Part
@@ -45,6 +46,13 @@ class MtfSlices(Module, key="mtf_slices", title="MTF Slices", group="Analysis"):
     cycle per pitch, is marked within it where Init & Trans or Camera has a pitch.
     Source: Tantalo 1996, figs. 5.26 and 5.53.
     """
+
+    formulas = (
+        Formula(
+            r"M(f)=\prod_k M_k(f\cos\alpha,\,f\sin\alpha)",
+            where="M_k: MTF of a stage; α: angle of the line",
+        ),
+    )
 
     direction: Annotated[
         Literal["horizontal", "vertical", "angle", "both"],

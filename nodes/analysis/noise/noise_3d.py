@@ -10,6 +10,7 @@ from core.chain.wires import Curve, Image, Table
 from core.errors import ParameterError
 from core.evaluation.recipes import Recipe, Step
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.analysis.lineage import NoiseOf, noise_free
@@ -49,6 +50,18 @@ class Noise3D(Module, key="noise_3d", title="3-D Noise", group="Analysis"):
     and Webb 1991; Scott and D'Agostino 1992 (FLIR92); Searle, Casella and McCulloch 1992, Variance
     Components (unbiased estimates).
     """
+
+    formulas = (
+        Formula(
+            r"N=N_t+N_v+N_h+N_{tv}+N_{th}+N_{vh}+N_{tvh}",
+            where="independent fields that vary with time (t), row (v), column (h), or several",
+        ),
+        Formula(
+            r"\sigma^2=\sigma_t^2+\sigma_v^2+\sigma_h^2+\sigma_{tv}^2+\sigma_{th}^2+\sigma_{"
+            r"vh}^2+\sigma_{tvh}^2",
+            where="estimates are those of the analysis of variance, without bias",
+        ),
+    )
 
     frames: Annotated[
         int,

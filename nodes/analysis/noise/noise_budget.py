@@ -7,6 +7,7 @@ from typing import Annotated, NamedTuple
 from core.chain.wires import Curve, Image, Table
 from core.evaluation.recipes import Step
 from core.modules.declaration import Module, NodeContext
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.analysis.lineage import NoiseOf, transfer_of
@@ -35,6 +36,17 @@ class NoiseBudget(Module, key="noise_budget", title="Noise Budget", group="Analy
     proportion to its variance. A stage that amplifies has a share below zero: how much of the
     loss it makes up for. A stage that lets nothing through has all of it. Phases do not blur.
     """
+
+    formulas = (
+        Formula(
+            r"\mathrm{share}_k=\frac{\sigma_k^2}{\sum_j\sigma_j^2}",
+            where="σ_k: standard deviation of a source's noise in the picture, behind all filters",
+        ),
+        Formula(
+            r"\mathrm{share}_k(f)=\frac{-\ln|M_k(f)|}{-\sum_j\ln|M_j(f)|}",
+            where="M_k: MTF of a stage",
+        ),
+    )
 
     frequency: Annotated[
         float,

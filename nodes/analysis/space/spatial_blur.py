@@ -16,6 +16,7 @@ from core.evaluation.work import Work
 from core.lineage.linear_change import Filtering
 from core.lineage.step_lineage import picture_step
 from core.modules.declaration import Module, NodeContext, readout
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.transfer.grid import Edges, Grid
@@ -56,6 +57,18 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
 
     Source: NVSIM's way (Horger 1993) as in Tantalo 1996, section 2.1.4.
     """
+
+    formulas = (
+        Formula(
+            r"L'(x,y)=\sum_{u,v}h(u,v)\,L(x-u,\,y-v),\quad h=\mathcal{F}^{-1}\left\{\prod_k M_k"
+            r"\,e^{i\theta_k}\right\}",
+            where="h: impulse response of all stages",
+        ),
+        Formula(
+            r"|\Delta L|\leq\sum_{cut}|h|\;\max|L-\overline{L}|",
+            where="what a kernel cut short costs at most: `error_bound`",
+        ),
+    )
 
     truncation: Annotated[
         Truncation,

@@ -1,0 +1,41 @@
+"""What the handbook holds, in its order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+PAGES = Path(__file__).with_name("pages")
+
+
+@dataclass(frozen=True)
+class Part:
+    """Pages under one title, by the names of their files."""
+
+    title: str
+    pages: tuple[str, ...]
+
+
+PARTS = (
+    Part("Begin", ("index", "getting_started")),
+    Part(
+        "Tutorials",
+        ("infrared_camera", "satellite", "dirsig_scene", "lens_and_mtf"),
+    ),
+    Part(
+        "Guides",
+        (
+            "editor",
+            "commands",
+            "own_pictures",
+            "network_files",
+            "judging",
+            "cameras",
+        ),
+    ),
+    Part("Reference", ("reference", "shipped_networks", "speed_and_accuracy", "extending")),
+)
+REFERENCE = "reference"
+"""The page that lists the modules."""
+MODULES = "modules"
+"""Folder of the modules' pages."""

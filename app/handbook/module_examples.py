@@ -1,0 +1,200 @@
+"""The small network in which a module is shown at work: a few nodes before it, and its settings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import networks
+from core.modules.declaration import Declaration
+from core.modules.library_type import Library
+from core.network.network import Link, Network, Node
+
+Nodes = Mapping[str, tuple[str, Mapping[str, Any]]]
+IT = "it"
+"""Name of the node that is shown."""
+SHIPPED = Path(networks.__path__[0])
+
+SCENE = {
+    "width": 192, "height": 144, "fov_x_deg": 1.2, "fov_y_deg": 0.9,
+    "cut_on_um": 3.7, "cut_off_um": 4.8,
+}  # fmt: skip
+SENSOR = {
+    "detector_x_um": 30, "detector_y_um": 30, "focal_length_mm": 100, "f_number": 4,
+    "range_m": 1000, "scan_velocity_mrad_per_s": 5000,
+}  # fmt: skip
+DAY = {"cut_on_um": 0.5, "cut_off_um": 0.7, "bands": 2, "sun_elevation_deg": 45}
+
+# What stands before the module; only nodes that its links need are part of its network.
+BEFORE: Nodes = MappingProxyType(
+    {
+        "scene": ("test_scene", SCENE),
+        "init": ("init_trans", SENSOR),
+        "pupil": ("exit_pupil", {"shape": "cassegrain", "size_x": 128, "size_y": 128,
+                                 "radius": 50, "obscuration_radius": 20}),
+        "blur": ("gaussian_mtf", {"sigma_x_mrad": 0.1, "sigma_y_mrad": 0.1}),
+        "detector": ("detector_mtf", {}),
+        "back": ("back_transform", {}),
+        "sensor": ("electronics_noise", {"region": "MWIR", "material": "InSb",
+                                         "amplifier_snr": 150, "gain_percent": 1, "bits": 8}),
+        "edge": ("test_scene", {**SCENE, "kind": "slanted_edge", "width": 96, "height": 96}),
+        "kelvin": ("to_temperature", {}),
+        "unlike": ("focal_plane", {"integration_time_s": 1e-3, "full_well_e": 4e6,
+                                   "prnu_percent": 3, "dsnu_e": 30000, "read_noise_e": 100,
+                                   "units": "radiance"}),
+        "day": ("test_scene", {**SCENE, **DAY}),
+        "ground": ("test_scene", {**SCENE, "kind": "airfield"}),
+        "reflectance": ("read_image", {"path": "pictures/thumbnail_kodak_kir310.png",
+                                       "unit": "%", "scale": 0.3, "fov_x_deg": 1.2,
+                                       "fov_y_deg": 0.9, "cut_on_um": 0.5, "cut_off_um": 0.7}),
+        "counted": ("focal_plane", {"integration_time_s": 2e-3, "full_well_e": 4e6,
+                                    "read_noise_e": 30}),
+    }
+)  # fmt: skip
+LINKS = (
+    ("scene.image", "init.image"), ("init.context", "blur.context"),
+    ("init.magnitude", "blur.magnitude"), ("init.context", "detector.context"),
+    ("blur.magnitude", "detector.magnitude"), ("detector.magnitude", "back.magnitude"),
+    ("init.phase", "back.phase"), ("back.image", "sensor.image"),
+    ("init.context", "sensor.context"),
+    ("scene.image", "kelvin.image"), ("scene.image", "unlike.image"),
+    ("init.context", "unlike.context"), ("day.image", "counted.image"),
+    ("init.context", "counted.context"),
+)  # fmt: skip
+SOURCES: Mapping[str, str] = MappingProxyType(
+    {
+        "image": "scene.image", "context": "init.context", "magnitude": "init.magnitude",
+        "phase": "init.phase", "pupil": "pupil.pupil", "transfer": "detector.magnitude",
+    }
+)  # fmt: skip
+OWN_SOURCES: Mapping[tuple[str, str], str | None] = MappingProxyType(
+    {
+        ("measured_mtf", "image"): "edge.image",
+        ("to_radiance", "image"): "kelvin.image",
+        ("reflected_light", "image"): "reflectance.image",
+        ("to_radiance", "emissivity"): None,
+        ("to_temperature", "emissivity"): None,
+        ("compare_images", "image"): "back.image",
+        ("compare_images", "reference"): "scene.image",
+        ("noise_budget", "image"): "sensor.image",
+        ("noise_3d", "image"): "sensor.image",
+        ("figures_of_merit", "image"): "sensor.image",
+        ("image_quality", "image"): "counted.image",
+        ("back_transform", "magnitude"): "detector.magnitude",
+        ("sample_pixels", "image"): "back.image",
+        ("nuc", "image"): "unlike.image",
+        ("camera_geometry", "image"): "ground.image",
+        ("spatial_blur", "magnitude"): "blur.magnitude",
+        ("line_by_line", "magnitude"): "blur.magnitude",
+        ("mtf_slices", "transfer"): "detector.magnitude",
+    }
+)
+
+PARAMS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "read_image": {"path": "cubes/scene.img"},
+        "test_scene": SCENE,
+        "init_trans": SENSOR,
+        "combine_pixels": {"factor_x": 3, "factor_y": 3},
+        "sample_pixels": {"factor_x": 3, "factor_y": 3},
+        "anti_alias": {"factor": 4},
+        "interpolate": {"width": 48, "height": 36},
+        "atmospheric_path": {"model": "visibility_km", "visibility_km": 3, "air_K": 288},
+        "atmosphere_mtf": {"turbulence": "long_exposure", "fried_r0_m": 0.02,
+                           "turbidity": "high", "turbidity_cutoff_cyc_per_mrad": 1},
+        "camera": {"pixels_x": 140, "pixels_y": 105, "pitch_um": 15, "focal_length_mm": 100,
+                   "f_number": 4, "range_m": 1000},
+        "diffraction_mtf": {"obscuration_ratio": 0.3, "defocus_waves": 0.3},
+        "exit_pupil": {"shape": "spider", "size_x": 128, "size_y": 128, "radius": 50,
+                       "obscuration_radius": 18, "vanes": 4, "vane_width": 4,
+                       "defocus_waves": 0.5},
+        "exit_pupil_mtf": {"size_x_cm": 3.2, "size_y_cm": 3.2, "wavelengths": 3},
+        "gaussian_mtf": {"sigma_x_mrad": 0.15, "sigma_y_mrad": 0.08},
+        "mtf_file": {"path": "lenses/measured_lens_mtf.csv"},
+        "psf_file": {"path": "lenses/measured_lens_psf.png", "sample_pitch": 8},
+        "poisson_noise": {"mode": "photon", "photons_per_unit": 3000},
+        "crosstrack_mtf": {"dwell_time_s": 1e-4},
+        "alongtrack_mtf": {"velocity_m_per_s": 100, "integration_time_s": 5e-3},
+        "relative_motion_mtf": {"platform_velocity_x": 100, "platform_velocity_y": 60,
+                                "integration_time_s": 5e-3, "model": "line"},
+        "jitter_mtf": {"sigma_mrad": 0.12},
+        "vibration_mtf": {"amplitude_x_mrad": 0.2, "amplitude_y_mrad": 0.1},
+        "line_of_sight": {"rms_x_mrad": 0.3, "rms_y_mrad": 0.15, "corner_Hz": 50,
+                          "integration_time_s": 0.01},
+        "charge_eff_mtf": {"efficiency": 0.9985},
+        "charge_eff_phase": {"efficiency": 0.9985},
+        "tdi_mtf": {"stages": 32, "phases": 4, "velocity_mismatch_percent": 3},
+        "spectral_response": {"shape": "gaussian", "peak": 0.8},
+        "focal_plane": {"integration_time_s": 1e-3, "full_well_e": 4e6, "read_noise_e": 2000,
+                        "prnu_percent": 1, "dsnu_e": 8000, "bad_pixel_percent": 0.2, "bits": 12},
+        "microbolometer": {"netd_mK": 900, "response_percent": 2, "offset_mK": 900},
+        "electronics_noise": {"region": "MWIR", "material": "InSb", "amplifier_snr": 60,
+                              "gain_percent": 2, "bias_percent": 1, "use_mtf": True, "bits": 6},
+        "periodic_noise": {"amplitude": 0.15, "xi": 0.7, "eta": 0.2},
+        "noise_3d_source": {"sigma_tvh": 0.03, "sigma_h": 0.05, "sigma_v": 0.03},
+        "measured_mtf": {"region_width": 80},
+        "figures_of_merit": {"frame_rate_Hz": 25},
+        "image_quality": {"range_m": 5000},
+        "noise_3d": {"frames": 4},
+        "noise_budget": {"frequency": 1.0},
+        "line_by_line": {"look_angle_deg": 30},
+        "spatial_blur": {},
+        "camera_geometry": {"ground_interval_m": 6, "fov_x_deg": 50, "columns": 160, "rows": 120},
+    }
+)  # fmt: skip
+NO_EXAMPLE: Mapping[str, str] = MappingProxyType(
+    {
+        "write_image": "It writes a file, and draws nothing.",
+        "write_matrix": "It writes a file, and draws nothing.",
+        "noise_file": "It adds a file of yours, of the same size as the picture.",
+    }
+)
+
+
+def example_network(declared: Declaration, library: Library) -> Network:
+    """The network with the module as its node `it`, and with what its links need."""
+    nodes = {**BEFORE, IT: (declared.key, PARAMS.get(declared.key, {}))}
+    links = list(LINKS)
+    for port in declared.inputs:
+        source = OWN_SOURCES.get((declared.key, port.name), SOURCES.get(port.types[0]))
+        if source is not None:
+            links.append((source, f"{IT}.{port.name}"))
+    if declared.output("magnitude") or declared.output("phase"):
+        nodes["seen"] = ("back_transform", {})
+        for name in ("magnitude", "phase"):
+            made = declared.output(name) is not None and declared.key != "init_trans"
+            links.append((f"{IT if made else 'init'}.{name}", f"seen.{name}"))
+    needed = _needed(links, "seen" if "seen" in nodes else IT)
+    return Network(
+        name=declared.title,
+        seed=1996,
+        nodes={
+            name: Node(name, key, {k: v for k, v in params.items() if _known(library, key, k)})
+            for name, (key, params) in nodes.items()
+            if name in needed
+        },
+        links=tuple(Link.between(*link) for link in links if _node(link[1]) in needed),
+    )
+
+
+def _known(library: Library, key: str, name: str) -> bool:
+    from core.modules.declaration import declaration
+
+    return declaration(library[key]).parameter(name) is not None
+
+
+def _needed(links: list[tuple[str, str]], last: str) -> set[str]:
+    needed, waiting = {last, IT}, [last, IT]
+    while waiting:
+        name = waiting.pop()
+        for source, target in links:
+            if _node(target) == name and _node(source) not in needed:
+                needed.add(_node(source))
+                waiting.append(_node(source))
+    return needed
+
+
+def _node(port: str) -> str:
+    return port.partition(".")[0]

@@ -1,0 +1,231 @@
+"""The handbook's pages: whole, linked, with every module's formulas, from any folder."""
+
+from __future__ import annotations
+
+import json
+import re
+from html.parser import HTMLParser
+from urllib.parse import unquote, urlsplit
+
+import pytest
+
+from app.handbook.contents import PAGES, PARTS
+from app.handbook.formula_drawing import FormulaError, formula_svg
+from app.handbook.kept_handbook import MARK, cache_folder, content_mark, kept_handbook
+from app.handbook.markdown_text import blocks_of, rendered
+from app.handbook.module_page import parted, with_symbols
+from app.handbook.page_finding import find_page
+from command_line import run_here
+from core.modules.declaration import declaration
+from core.modules.formula import Formula
+from nodes.library import standard_library
+
+LIBRARY = standard_library()
+
+
+class Links(HTMLParser):
+    """What a page links to, and what in it can be linked to."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.targets, self.anchors, self.open, self.headings = [], [], [], 0
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        given = dict(attributes)
+        self.targets += [given[name] for name in ("href", "src") if given.get(name)]
+        self.anchors += [given["id"]] if given.get("id") else []
+        self.headings += tag == "h1"
+        if tag not in ("meta", "link", "img", "input", "br", "path", "use", "line", "hr"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if self.open and self.open[-1] == tag:
+            self.open.pop()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """The whole handbook, written once by the command."""
+    place = tmp_path_factory.mktemp("written")
+    done = run_here("handbook", "--html", "book", folder=place)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.strip() == str(place / "book" / "index.html")
+    assert [path.name for path in place.iterdir()] == ["book"]
+    return place / "book"
+
+
+@pytest.fixture(scope="module")
+def pages(folder):
+    return {
+        path.relative_to(folder).as_posix(): Links(path.read_text(encoding="utf-8"))
+        for path in sorted(folder.rglob("*.html"))
+    }
+
+
+def test_every_page_and_module_has_a_page(folder, pages):
+    listed = [name for part in PARTS for name in part.pages]
+    assert {path.stem for path in PAGES.glob("*.md")} == set(listed)
+    assert set(pages) == {
+        *(f"{name}.html" for name in listed),
+        *(f"modules/{key}.html" for key in LIBRARY),
+    }
+    facts = json.loads((folder / MARK).read_text(encoding="utf-8"))
+    files = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    assert {*facts["files"], MARK} == files
+
+
+def test_pages_are_whole(pages):
+    for name, page in pages.items():
+        assert page.headings == 1, name
+        assert not page.open, (name, page.open)
+        twice = {anchor for anchor in page.anchors if page.anchors.count(anchor) > 1}
+        assert not twice, name
+
+
+def test_links_lead_somewhere(folder, pages):
+    """Those within the handbook to a file, and to an anchor in it; those outside are written so."""
+    for name, page in pages.items():
+        here = folder / name
+        for target in page.targets:
+            parts = urlsplit(target)
+            if parts.scheme == "data":
+                continue
+            if parts.scheme:
+                assert parts.scheme == "https", (name, target)
+                assert re.fullmatch(r"[\w.-]+\.\w+", parts.netloc), (name, target)
+                continue
+            file = (here.parent / unquote(parts.path)).resolve() if parts.path else here
+            assert file.is_file(), (name, target)
+            if parts.fragment and file.suffix == ".html":
+                there = pages[file.relative_to(folder.resolve()).as_posix()].anchors
+                assert unquote(parts.fragment) in there, (name, target)
+
+
+def test_pages_need_nothing_from_outside(folder):
+    for path in folder.rglob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        loaded = re.findall(r'<(?:script|link|img|iframe)\b[^>]*(?:src|href)="(https?:[^"]*)', text)
+        assert not loaded, path
+    assert "http" not in (folder / "handbook.css").read_text(encoding="utf-8")
+
+
+def test_the_search_knows_every_page(folder, pages):
+    text = (folder / "words.js").read_text(encoding="utf-8")
+    rows = json.loads(text.removeprefix("const WORDS = ").rstrip(";\n"))
+    assert {row[0] for row in rows} == set(pages)
+    assert all(title and lead and words for _, title, lead, words in rows)
+
+
+@pytest.mark.parametrize("key", LIBRARY)
+def test_a_module_has_formulas_or_states_why_not(key):
+    declared = declaration(LIBRARY[key])
+    assert bool(declared.formulas) != bool(declared.without_formula)
+    for formula in declared.formulas:
+        assert isinstance(formula, Formula)
+        drawing = formula_svg(formula.tex)
+        assert drawing.startswith("<svg")
+        assert "NaN" not in drawing
+
+
+def test_every_module_is_shown_at_work(folder):
+    """By a drawing, but for those that draw nothing."""
+    for key in LIBRARY:
+        text = (folder / "modules" / f"{key}.html").read_text(encoding="utf-8")
+        example = text.partition('id="example"')[2].partition("<h2")[0]
+        shown = "<figure" in example
+        assert shown is (key not in {"write_image", "write_matrix", "noise_file"}), key
+        assert "It was not run" not in example, key
+
+
+def test_a_formula_that_cannot_be_typeset_is_named():
+    with pytest.raises(FormulaError, match=r"the formula '\\\\frac\{' cannot be typeset"):
+        formula_svg(r"\frac{")
+
+
+def test_a_text_is_parted_into_what_it_does_its_sources_and_its_errata():
+    text = (
+        "Blur.\n\nA sinc. Source: Goodman 2005. Erratum: the 12.8\nis wrong.\n\nSources: A 1; B 2."
+    )
+    assert parted(text) == (
+        ["Blur.", "A sinc."],
+        ["Goodman 2005.", "A 1.", "B 2."],
+        ["The 12.8 is wrong."],
+    )
+
+
+def test_symbols_have_indices_and_parameters_are_code():
+    shown = with_symbols("x_k: place; air_K", {"air_K"})
+    assert shown == "x<sub>k</sub>: place; <code>air_K</code>"
+
+
+def test_a_page_of_markdown():
+    text = (
+        "# A page\n\nWhat it is *about*.\n\n## One & two\n\n*Gaussian MTF* <b>\n\n"
+        "```math\nx^2\n```\n\n```json mine.json\n{}\n```\n\n| a |\n|---|\n| 1 |\n"
+    )
+    page = rendered(text, {"Gaussian MTF": "modules/gaussian_mtf.html"}, lambda _: "")
+    assert (page.title, page.lead) == ("A page", "What it is *about*.")
+    assert [(h.level, h.anchor) for h in page.headings] == [(2, "one-two")]
+    assert '<a href="modules/gaussian_mtf.html">Gaussian MTF</a> &lt;b&gt;' in page.body
+    assert '<svg class="formula"' in page.body
+    assert '<div class="wide">\n<table>' in page.body
+    assert [(b.kind, b.name, b.text) for b in blocks_of(text)][1] == ("json", "mine.json", "{}\n")
+
+
+def test_a_word_finds_its_page():
+    def found(word):
+        return find_page(word, LIBRARY)[0]
+
+    assert found("gaussian_mtf") == "modules/gaussian_mtf.html"
+    assert found("Non-Uniformity Correction") == "modules/nuc.html"
+    assert found("focal plane") == "modules/focal_plane.html"
+    assert found("line of") == "modules/line_of_sight.html"
+    assert found("koschmieder") == "modules/atmospheric_path.html"
+    assert found("xyzzy") is None
+    assert found(" ") is None
+
+
+def test_the_cache_is_the_users():
+    given = {"XDG_CACHE_HOME": "/c", "HOME": "/h"}
+    assert str(cache_folder(given, "linux")) == "/c/imagechain"
+    assert str(cache_folder({"HOME": "/h"}, "linux")) == "/h/.cache/imagechain"
+    assert str(cache_folder({"XDG_CACHE_HOME": "c", "HOME": "/h"}, "linux")).startswith("/h")
+    assert cache_folder({}, "linux") is None
+
+
+def test_pages_are_made_once(folder, tmp_path, monkeypatch):
+    """And anew where a module has come or changed."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    made = []
+    few = {key: LIBRARY[key] for key in ("gaussian_mtf", "jitter_mtf")}
+    monkeypatch.setattr(
+        "app.handbook.kept_handbook.handbook_files",
+        lambda library, progress: made.append(len(library)) or iter([("index.html", "x")]),
+    )
+    first = kept_handbook(few)
+    assert kept_handbook(few) == first
+    assert kept_handbook(LIBRARY) != first
+    assert made == [2, len(LIBRARY)]
+    assert content_mark(few) == first.name.removeprefix("handbook-")
+    assert sorted(path.name for path in first.iterdir()) == [MARK, "index.html"]
+
+
+def test_what_cannot_be_written_is_one_line(tmp_path, monkeypatch):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.tex").write_text("all of it")
+    done = run_here("handbook", "--html", "mine", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (
+        2,
+        "imagechain: cannot write the handbook to mine: it holds something else; "
+        "name a new folder\n",
+    )
+    done = run_here("handbook", "--html", "no/where", folder=tmp_path)
+    assert done.returncode == 2
+    assert "there is no folder" in done.stderr
+    done = run_here("handbook", "gausian_mtf", "--path", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (
+        2,
+        "imagechain: the handbook has no page on gausian_mtf; did you mean gaussian_mtf?\n",
+    )
+    assert [path.name for path in tmp_path.rglob("*")] == ["mine", "thesis.tex"]
