@@ -201,7 +201,7 @@ def test_pages_are_made_once(folder, tmp_path, monkeypatch):
     few = {key: LIBRARY[key] for key in ("gaussian_mtf", "jitter_mtf")}
     monkeypatch.setattr(
         "app.handbook.kept_handbook.handbook_files",
-        lambda library, progress: made.append(len(library)) or iter([("index.html", "x")]),
+        lambda library, _: made.append(len(library)) or iter([("index.html", "x")]),
     )
     first = kept_handbook(few)
     assert kept_handbook(few) == first
