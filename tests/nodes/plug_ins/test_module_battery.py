@@ -29,7 +29,6 @@ GAIN = Annotated[float, Param("gain", low=0, high=10)]
         ("charge_eff_phase", {"efficiency": 0.999}),
         ("poisson_noise", {"percent": 50}),
         ("combine_pixels", {"factor_x": 3, "factor_y": 2}),
-        ("focal_plane", {"integration_time_s": 1e-5, "full_well_e": 4e6}),
         ("noise_budget", {}),
     ],
 )
