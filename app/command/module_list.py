@@ -43,7 +43,7 @@ def modules(*, as_json: bool, key: str = "") -> None:
         print(f"{group}\n{'=' * len(group)}\n")
         for entry in members:
             print(module_text(entry, whole=bool(key)), end="\n\n")
-    for line in missing_modules(library):
+    for line in missing_modules(library) if not key else ():
         print_error(f"warning: {line}")
 
 
