@@ -6,6 +6,7 @@ They are sent from a thread: while a drag goes on, Qt runs a loop of its own and
 import subprocess
 import threading
 import time
+from functools import partial
 
 from PySide6.QtCore import QCoreApplication, QEventLoop, QPoint
 
@@ -52,14 +53,10 @@ class Hands:
         self._run([["key", "--delay", "12", *names]])
 
     def _run(self, commands):
-        def work():
-            for words in commands:
-                if words[0] == "sleep":
-                    time.sleep(float(words[1]))
-                else:
-                    subprocess.run(["xdotool", *map(str, words)], check=True, timeout=PATIENCE_S)
-
-        thread = threading.Thread(target=work)
+        # One program does them one after the other: to start it takes longer than a movement.
+        words = [str(word) for command in commands for word in command]
+        call = partial(subprocess.run, ["xdotool", *words], check=True, timeout=PATIENCE_S)
+        thread = threading.Thread(target=call)
         thread.start()
         while thread.is_alive():
             process_events(0.004)
