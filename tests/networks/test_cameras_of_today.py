@@ -5,6 +5,7 @@ import math
 import re
 import subprocess
 import sys
+from functools import cache
 
 import mpmath
 import pytest
@@ -100,14 +101,26 @@ def _is_number(word):
     return True
 
 
-def test_a_pixel_of_the_satellite_is_averaged_once(tmp_path):
+@pytest.fixture(scope="module")
+def reported(tmp_path_factory):
+    """The report of a camera's run, as a page and as facts; each camera runs once."""
+
+    @cache
+    def run(name):
+        folder = tmp_path_factory.mktemp(name)
+        files = [folder / "report.html", folder / "report.json"]
+        words = [f"--report={file}" for file in files]
+        code, _, err = command("run", name, *words, f"--output-dir={folder / 'out'}")
+        assert code == 0, err
+        page, facts = (file.read_text(encoding="utf-8") for file in files)
+        return page, json.loads(facts)
+
+    return run
+
+
+def test_a_pixel_of_the_satellite_is_averaged_once(reported):
     """At the pixels' Nyquist frequency the detector's contrast is sin(π/2)/(π/2), once."""
-    report = tmp_path / "report.json"
-    code, _, _ = command(
-        "run", "satellite_tdi", "--report", str(report), "--output-dir", str(tmp_path / "out")
-    )
-    assert code == 0
-    facts = json.loads(report.read_text())
+    _, facts = reported("satellite_tdi")
     sheet = facts["data_sheet"]
     mtf = {row["label"]: row["x"] for row in sheet["mtf"]["rows"]}
     assert sheet["mtf"]["nyquist_x"] == pytest.approx(625.0)
@@ -127,17 +140,12 @@ def test_a_pixel_of_the_satellite_is_averaged_once(tmp_path):
     assert (band["values"], band["unit"]) == (BANDS_UM["satellite_tdi"], "µm")
     assert not facts["nodes"]["camera"]["neutral"]  # the sampling comes from it
     assert "identity" not in [fact["kind"] for fact in facts["skipped"].get("camera", [])]
-    assert not any(
-        "counted twice" in row["message"] for row in json.loads(report.read_text())["warnings"]
-    )
+    assert not any("counted twice" in row["message"] for row in facts["warnings"])
 
 
 @pytest.mark.parametrize("name", ["mwir_camera", "microbolometer", "satellite_tdi", "dirsig_cube"])
-def test_the_report_reads_as_a_data_sheet(name, tmp_path):
-    report = tmp_path / "report.html"
-    code, _, _ = command("run", name, "--report", str(report), "--output-dir", str(tmp_path / "o"))
-    assert code == 0
-    page = report.read_text()
+def test_the_report_reads_as_a_data_sheet(name, reported):
+    page, _ = reported(name)
     for words in ("Data sheet", "IFOV", "Ground sample distance", "Nyquist frequency"):
         assert words in page
     assert ">at Nyquist<" not in page  # the pixels', or the finer one of the stages' samples?
