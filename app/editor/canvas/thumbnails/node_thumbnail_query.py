@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from app.editor.evaluation.queries import Passing, Query
 from app.editor.panels.illustrations.queries.shrinking import shrunk
 from app.editor.panels.illustrations.queries.transfer_query import TransferQuery
-from app.editor.viewers.pixels.grey_levels import grey_levels
+from app.editor.viewers.pixels.grey_levels import between_ends, grey_levels
 from core.chain.engine import Plan
 from core.chain.wires import Image, Pupil
 from core.errors import ImagechainError
+from core.evaluation.recipes import number_bits
 
 MOST_SAMPLES = 192  # across or along a thumbnail
 LARGEST_COMPUTED = 1 << 20  # samples; a larger picture is taken only where it is there already
@@ -109,16 +110,18 @@ def _small_picture(passing: Passing, image: Image) -> SmallPicture | None:
         return None
     samples = np.asarray(work.value(image.recipe))
     x, y = image.interval_x_mrad or 1.0, image.interval_y_mrad or 1.0
-    return _shown(samples, image.columns * x, image.rows * y)
+    return _shown(samples, image.columns * x, image.rows * y, number_bits(image.recipe))
 
 
-def _shown(samples: NDArray[Any], width: float, height: float) -> SmallPicture | None:
+def _shown(
+    samples: NDArray[Any], width: float, height: float, bits: int | None = None
+) -> SmallPicture | None:
     small = shrunk(samples, MOST_SAMPLES)
     finite = small[np.isfinite(small)]
     if not finite.size:
         return None
     low, high = (float(value) for value in np.quantile(finite, [_DARKEST, _BRIGHTEST]))
-    return SmallPicture(grey_levels(small, low, high), width, height)
+    return SmallPicture(grey_levels(small, *between_ends(low, high, bits)), width, height)
 
 
 def _small_curve(passing: Passing, node: str, port: str) -> SmallCurve | None:

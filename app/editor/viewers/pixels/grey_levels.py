@@ -78,6 +78,24 @@ def grey_levels(samples: Array, low: float, high: float, *, for_each: ForEach = 
     return _steps(samples, low, high, 255, 0.5, for_each)
 
 
+def between_ends(low: float, high: float, bits: int | None) -> Range:
+    """Levels of a picture of whole numbers: all of their range where each sample is at one end.
+
+    A saturated picture is white so, and one of zeros black.
+
+    Parameters
+    ----------
+    low, high : float
+        Levels by the samples alone.
+    bits : int or None
+        Samples are whole numbers from 0 to 2^bits − 1; None where they have no known ends.
+    """
+    if bits is None or low != high:
+        return low, high
+    top = 2.0**bits - 1.0
+    return (0.0, top) if low in (0.0, top) else (low, high)
+
+
 def spread_of(samples: Array, *, for_each: ForEach = in_turn) -> Spread:
     """Extremes and histogram of a picture, shape (rows, columns), real and finite."""
     low, high = extremes(samples, for_each=for_each)

@@ -10,7 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.editor.viewers.pixels import picture_steps as steps
-from app.editor.viewers.pixels.grey_levels import BINS, Range, Spread, grey_levels
+from app.editor.viewers.pixels.grey_levels import (
+    BINS,
+    Range,
+    Spread,
+    between_ends,
+    grey_levels,
+)
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 
@@ -35,6 +41,8 @@ class Layer:
         Of the mapped samples and of their spread.
     signed : bool
         Whether automatic levels put 0 in the middle.
+    bits : int or None
+        Of a converter whose numbers the mapped samples are; None where they are something else.
     """
 
     shown: NDArray[Any]
@@ -43,6 +51,7 @@ class Layer:
     recipe: Recipe
     spread_recipe: Recipe
     signed: bool = False
+    bits: int | None = None
 
     def range_of(self, work: Work, levels: LevelChoice) -> Range:
         """What becomes black and white."""
@@ -54,7 +63,7 @@ class Layer:
         if self.signed:
             high = max(abs(low), abs(high))
             low = -high
-        return low, high
+        return between_ends(low, high, self.bits)
 
     def grey(self, work: Work, levels: Range) -> NDArray[np.uint8]:
         """The mapped samples from black to white."""

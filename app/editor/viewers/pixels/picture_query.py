@@ -35,7 +35,7 @@ from core.chain.engine import Plan
 from core.chain.wires import Image, Pupil, Transfer
 from core.errors import DataError, ImagechainError
 from core.evaluation.float_guard import watched
-from core.evaluation.recipes import Recipe, Step
+from core.evaluation.recipes import Recipe, Step, number_bits
 from core.evaluation.work import Work
 from core.spectrum.band_stack import BandStack
 
@@ -290,7 +290,8 @@ class PictureQuery(Query):
         samples = work.value(mapped)
         step = Step.of(steps.spread, mapped, name=source.port)
         signed = source.signed and not log
-        return Layer(work.value(recipe), samples, work.value(step), mapped, step, signed)
+        bits = number_bits(mapped)
+        return Layer(work.value(recipe), samples, work.value(step), mapped, step, signed, bits)
 
 
 @dataclass(frozen=True)

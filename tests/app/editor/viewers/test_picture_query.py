@@ -5,10 +5,15 @@ import json
 import numpy as np
 import pytest
 
+from app.editor.canvas.thumbnails.node_thumbnail_query import NodeThumbnailQuery
+from app.editor.evaluation.queries import Passing
 from app.editor.viewers.pixels.grey_levels import grey_levels
 from app.editor.viewers.pixels.picture_query import PictureQuery
+from core.chain.engine import Engine
 from core.errors import ImagechainError
+from core.evaluation.policy import Policy
 from core.network.file import parse_network
+from nodes.library import standard_library
 from picture_bench import PictureBench
 
 
@@ -169,3 +174,40 @@ def test_the_key_tells_whether_the_picture_would_change(bench):
 def test_a_want_is_a_picture_of_a_pass_that_previews_may_answer():
     assert (PictureQuery.urgency, PictureQuery.from_preview) == (0, True)
     assert hash(PictureQuery("a.image")) == hash(PictureQuery("a.image"))
+
+
+@pytest.mark.parametrize(
+    ("params", "grey"),
+    [
+        ({"offset_dn": 300.0}, 255),  # every number is the last of eight bits
+        ({"offset_dn": -300.0}, 0),
+        ({"offset_dn": 100.0}, 128),
+        ({"offset_dn": 255.0, "bits": 0, "gain_e_per_dn": 1e30}, 128),  # no converter: no ends
+    ],
+)
+def test_pictures_clipped_throughout_are_white_or_black(params, grey):
+    document = {
+        "format": "imagechain-network",
+        "version": 1,
+        "nodes": {
+            "scene": {
+                "module": "test_scene",
+                "params": {"width": 16, "height": 16, "cut_on_um": 3.0, "cut_off_um": 5.0,
+                           "fov_x_deg": 1.0, "fov_y_deg": 1.0},
+            },
+            "init": {"module": "init_trans", "params": {
+                "focal_length_mm": 100.0, "f_number": 2.0,
+                "detector_x_um": 20.0, "detector_y_um": 20.0}},
+            "fpa": {"module": "focal_plane", "params": {
+                "units": "dn", "bits": 8, "gain_e_per_dn": 1e9, **params}},
+        },
+        "links": [["scene.image", "init.image"], ["scene.image", "fpa.image"],
+                  ["init.context", "fpa.context"]],
+    }  # fmt: skip
+    library = standard_library()
+    engine = Engine(library)
+    plan = engine.plan(parse_network(json.dumps(document), library=library))
+    passing = Passing(engine, plan, engine.work(Policy()), 1)
+    for levels in ("extremes", "percentiles"):
+        assert (PictureQuery("fpa.image", levels=levels).answer(passing).grey == grey).all()
+    assert (NodeThumbnailQuery("fpa").answer(passing).grey == grey).all()
