@@ -28,7 +28,8 @@ class Header:
     `bare_integers`: the file stores integers and names no unit of them. `unit_named`: it names one.
     `channels`: names of a colour picture's channels, of which the image is one; empty for a picture
     of one channel. `bands`: of the file, of which the image is one; 1 where it is made of several.
-    `not_applied`: fields that would change the samples, which are as stored.
+    `not_applied`: fields that would change the samples, which are as stored. `wavelengths_assumed`:
+    it gives wavelengths without their unit, which are taken as µm.
     """
 
     fov_x_deg: float | None = None
@@ -39,6 +40,7 @@ class Header:
     not_applied: tuple[str, ...] = ()
     unit_named: bool = False
     bands: int = 1
+    wavelengths_assumed: bool = False
 
 
 def _bound(factors: Iterable[Factor]) -> tuple[Recipe, ...]:

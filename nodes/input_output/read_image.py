@@ -165,6 +165,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
                 not_applied=info.not_applied,
                 unit_named=bool(info.unit),
                 bands=1 if spectral else info.bands,
+                wavelengths_assumed=info.wavelengths_assumed,
             ),
         )
 
@@ -197,6 +198,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
                 bare_integers=np.dtype(info.dtype).kind in "bui" and not info.unit,
                 not_applied=info.not_applied,
                 unit_named=bool(info.unit),
+                wavelengths_assumed=info.wavelengths_assumed,
             ),
             bands=stack,
         )
@@ -221,6 +223,16 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         return Caution(
             f"the header has {' and '.join(fields)}, and the samples are read as they are stored",
             "give the gain as scale, and the unit that it makes; an offset needs a converted file",
+        )
+
+    @warning
+    def wavelengths_without_unit(self, outputs: ImageOutput) -> Caution | None:
+        """Wavelengths of a header that does not say that they are in µm."""
+        if not outputs.image.header.wavelengths_assumed:
+            return None
+        return Caution(
+            "the header gives wavelengths and no unit of them: they are read as µm",
+            "add a line to the header: wavelength units = Micrometers, or what they are in",
         )
 
     @warning

@@ -44,6 +44,8 @@ class PictureInfo:
         Fields of the header that would change the samples, which are delivered as stored.
     shares_um
         Share of every band in the sum of all, µm, where that is not what its width makes it.
+    wavelengths_assumed
+        The file names no unit of its wavelengths, which are taken as µm.
     """
 
     path: Path
@@ -61,6 +63,7 @@ class PictureInfo:
     channels: tuple[str, ...] = ()
     not_applied: tuple[str, ...] = ()
     shares_um: tuple[float, ...] | None = None
+    wavelengths_assumed: bool = False
 
 
 def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:

@@ -49,6 +49,7 @@ _SCALING = (
     ("data offset values", 0.0),
     ("reflectance scale factor", 1.0),
 )
+_LONGEST_ASSUMED_UM = 100.0  # beyond thermal infrared: numbers above, with no unit, are no µm
 _WAVENUMBERS = ("wavenumber", "wavenumbers", "cm-1", "1/cm", "cm^-1")
 
 
@@ -64,7 +65,7 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
     ------
     FileError
         See `nodes.files.headers.envi_header.read_layout`; also a wavelength or fwhm list that is
-        not one positive number for each band.
+        not one positive number for each band, or wavelengths without a unit that cannot be µm.
     """
     return info_of(read_layout(path))
 
@@ -93,6 +94,7 @@ def info_of(layout: EnviLayout) -> PictureInfo:
         dtype=layout.dtype.newbyteorder("=").name,
         kind="envi",
         not_applied=_not_applied(layout),
+        wavelengths_assumed=wavelengths_um is not None and not _wavelength_unit(layout),
     )
     refuse_oversized(info)
     return info
@@ -158,7 +160,15 @@ def _wavelengths(
     """Centres and widths in µm; None where absent or in a unit that is no length."""
     centres = _numbers(layout, "wavelength")
     widths = _numbers(layout, "fwhm")
-    unit = str(layout.fields.get("wavelength units", "micrometers")).strip().lower()
+    unit = _wavelength_unit(layout)
+    if not unit:
+        if centres is not None and max(centres) > _LONGEST_ASSUMED_UM:
+            raise FileError(
+                f"{layout.header}: wavelength reaches {max(centres):g} and the header has no "
+                f"wavelength units; allowed without: µm up to {_LONGEST_ASSUMED_UM:g}; add a line "
+                "such as wavelength units = Nanometers"
+            )
+        return centres, widths
     if unit in _WAVENUMBERS:
         return _from_wavenumbers(centres, widths)
     factor = _TO_UM.get(unit)
@@ -168,6 +178,11 @@ def _wavelengths(
         None if centres is None else tuple(value * factor for value in centres),
         None if widths is None else tuple(value * factor for value in widths),
     )
+
+
+def _wavelength_unit(layout: EnviLayout) -> str:
+    """The header's wavelength units; empty where it names none."""
+    return str(layout.fields.get("wavelength units", "")).strip().lower()
 
 
 def _from_wavenumbers(

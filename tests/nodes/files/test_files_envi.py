@@ -272,6 +272,18 @@ def test_angle_in_mrad(tmp_path):
     assert info.fov_y_deg is None
 
 
+@pytest.mark.parametrize("units", [{}, {"wavelength_units": ""}])
+def test_wavelengths_without_their_unit(tmp_path, units):
+    info = envi.read_info(write(tmp_path, wavelength="{8, 9, 14.5}", **units))
+    assert info.wavelengths_um == (8, 9, 14.5)
+    assert info.wavelengths_assumed
+    nanometres = write(tmp_path, wavelength="{99, 450, 550}", **units)
+    with pytest.raises(FileError, match=r"reaches 550 and .* no wavelength units.*Nanometers"):
+        envi.read_info(nanometres)
+    named = envi.read_info(write(tmp_path, wavelength="{8, 9, 14.5}", wavelength_units="um"))
+    assert not named.wavelengths_assumed
+
+
 def test_wavenumbers(tmp_path):
     changed = {"wavelength": "{1250, 1000, 2000}", "wavelength_units": "Wavenumber"}
     info = envi.read_info(write(tmp_path, **changed))

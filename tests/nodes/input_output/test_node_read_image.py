@@ -106,6 +106,18 @@ def test_envi_band_and_integration(tmp_path):
     assert reading(tmp_path, path="x.img", band=1).port("in.image").key != before
 
 
+@pytest.mark.parametrize("bands", ["one", "all"])
+def test_wavelengths_without_unit_are_warned_of(tmp_path, bands):
+    fields = {"wavelength": "{8, 9, 10}", "fwhm": "{1, 1, 1}", "data_units": "W/m^2/sr/um"}
+    said = []
+    for extra in ({}, {"wavelength_units": "um"}):
+        envi(tmp_path, np.ones((3, 4, 5)), **fields, **extra)
+        bench = reading(tmp_path, path="x.img", bands=bands)
+        said.append([str(caution) for caution in bench.engine.warnings(bench.plan, bench.work)])
+    assert any("no unit of them: they are read as µm" in line for line in said[0])
+    assert not any("µm" in line for line in said[1])
+
+
 def test_stated_band_of_a_plain_picture(tmp_path):
     np.save(tmp_path / "a.npy", picture())
     bench = reading(tmp_path, path="a.npy", cut_on_um=8.0, cut_off_um=12.0)
