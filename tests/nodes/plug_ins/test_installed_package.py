@@ -10,7 +10,6 @@ import site
 import subprocess
 import sys
 import venv
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -74,8 +73,6 @@ def fresh(tmp_path_factory):
     (own / "ours.pth").write_text("".join(f"import site; site.addsitedir({p!r})\n" for p in ours))
     source = shutil.copytree(EXAMPLE, tmp_path_factory.mktemp("source") / "glare")  # is built there
     install = ["-m", "pip", "--python", python, "install", "-q", "--no-deps", source]
-    if find_spec("setuptools"):  # else it is fetched, which takes longer
-        install.insert(-1, "--no-build-isolation")
     subprocess.run([sys.executable, *map(str, install)], check=True, timeout=600)
     return python
 
