@@ -30,7 +30,7 @@ _BESIDE = 3  # room that a line edit keeps at both ends, and for the cursor
 
 @dataclass(frozen=True)
 class ReadoutsQuery(Query):
-    """What are the read-outs of that node? Answered by their texts and units in order."""
+    """What are the read-outs of that node? Answered in order, with why one has no value."""
 
     node: str
     urgency: ClassVar[int] = 1
@@ -48,12 +48,21 @@ class ReadoutsQuery(Query):
         )
         return keys, repr(planned.module), planned.node.disabled
 
-    def answer(self, passing: Passing) -> tuple[tuple[str, str, str], ...]:
-        """Name, text and unit of each."""
-        readouts = passing.engine.readouts(passing.plan, self.node, passing.work)
-        planned = passing.plan.node(self.node)
+    def answer(self, passing: Passing) -> tuple[tuple[str, str, str, str], ...]:
+        """Name, text and unit of each, and the reason where it has no value, if one is known."""
+        engine, plan, work = passing.engine, passing.plan, passing.work
+        readouts = engine.readouts(plan, self.node, work)
+        planned = plan.node(self.node)
         units = {one.name: planned.unit(one) for one in planned.declaration.readouts}
-        return tuple((name, shown_figure(value), units[name]) for name, value in readouts.items())
+        return tuple(
+            (
+                name,
+                shown_figure(value),
+                units[name],
+                engine.why_none(plan, self.node, work, name) if value is None else "",
+            )
+            for name, value in readouts.items()
+        )
 
 
 class ReadoutValue(QLineEdit):
@@ -143,6 +152,7 @@ class ReadoutsView(QWidget):
         self._evaluator = evaluator
         self.values: dict[str, ReadoutValue] = {}
         self.units: dict[str, QLabel] = {}
+        self._meanings: dict[str, str] = {}
         self._quiet: list[QLabel] = []
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 2, 0, 2)
@@ -157,6 +167,7 @@ class ReadoutsView(QWidget):
             unit = QLabel(readout.unit, self)
             for label in (name, unit):
                 label.setTextFormat(Qt.TextFormat.PlainText)
+            self._meanings[readout.name] = readout.meaning
             for column, widget in enumerate((name, value, unit)):
                 widget.setToolTip(tip(readout.meaning))
                 grid.addWidget(widget, row, column)
@@ -216,12 +227,19 @@ class ReadoutsView(QWidget):
     def _answered(self, answer: Any) -> None:
         if not isinstance(answer, Answer) or answer.owner != self._owner:
             return
-        texts, units = {}, {}
+        texts, units, reasons = {}, {}, {}
         if answer.error is None:
-            texts = {name: text for name, text, _ in answer.value}
-            units = {name: unit for name, _, unit in answer.value}
+            texts = {name: text for name, text, _, _ in answer.value}
+            units = {name: unit for name, _, unit, _ in answer.value}
+            reasons = {name: reason for name, _, _, reason in answer.value}
+        else:
+            reasons = dict.fromkeys(self.values, str(answer.error))
         for name, value in self.values.items():
             value.show_text(texts.get(name, NONE))
+            reason = reasons.get(name, "")
+            meaning = self._meanings[name]
+            value.setToolTip(tip(f"{reason}\n{meaning}" if reason else meaning))
+            value.setAccessibleDescription(reason)
             unit = units.get(name, "")
             if name in units and unit != self.units[name].text():
                 self.units[name].setText(unit)  # of the picture that comes in
