@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from core.editing.fields import set_network_field
-from core.editing.layout.boxes import Box, Sizes, boxes_of
+from core.editing.layout.boxes import Box, Point, Sizes, boxes_of
 from core.editing.layout.reach import is_in_reach
 from core.editing.operation import ABSENT, Operation
 from core.errors import NetworkError
@@ -135,6 +135,47 @@ def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
         for name, box in _boxes(network, network.nodes, sizes).items()
         if ground.x <= box[0] and ground.y <= box[1] and box[2] <= right and box[3] <= bottom
     )
+
+
+def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Operation | None:
+    """Let backdrops keep the nodes that lie on them where some are pushed to the right.
+
+    One whose nodes all go the same way goes with them; any other grows to the right.
+
+    Parameters
+    ----------
+    network : Network
+        Before the nodes are moved.
+    places : mapping
+        Where nodes are pushed to.
+    sizes : mapping
+        Width and height of the nodes.
+
+    Returns
+    -------
+    Operation or None
+        None where no backdrop has to change.
+    """
+    entries, changed = _entries(network), False
+    for index, (place, ground) in enumerate(_indexed(network)):
+        names = nodes_on(network, index, sizes)
+        ways = {
+            name: places[name][0] - network.layout[name][0] if name in places else 0.0
+            for name in names
+        }
+        if not any(ways.values()):
+            continue
+        if len(set(ways.values())) == 1:
+            kept = replace(ground, x=ground.x + ways[names[0]])
+        else:
+            rights = {name: box[2] for name, box in _boxes(network, names, sizes).items()}
+            margin = min(MARGIN, ground.x + ground.width - max(rights.values()))
+            right = max(rights[name] + way for name, way in ways.items()) + margin
+            kept = replace(ground, width=max(ground.width, right - ground.x))
+        if kept != ground:
+            entries[place] = _entry(entries[place], kept)
+            changed = True
+    return set_network_field(FIELD, entries, "Move backdrops") if changed else None
 
 
 def _boxes(network: Network, names: Iterable[str], sizes: Sizes) -> dict[str, Box]:

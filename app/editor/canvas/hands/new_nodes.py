@@ -5,6 +5,7 @@ from __future__ import annotations
 from app.editor.canvas.hands.surface import Surface
 from app.editor.canvas.items.faces import face_of
 from app.editor.canvas.items.geometry import geometry_of
+from core.editing.drawing.backdrops import following
 from core.editing.layout.boxes import Point
 from core.editing.layout.room import GAP_X, free_places, made_way
 from core.editing.links import reached_from
@@ -58,7 +59,11 @@ def with_way_made(
     behind = reached_from(network, {name}) - {name}
     places = made_way(network, sizes, name, network.layout[name], behind)
     whole = {node: (float(round(x)), float(round(y))) for node, (x, y) in places.items()}
-    return together((operation, Move(dict(whole))), operation.text) if whole else operation
+    if not whole:
+        return operation
+    grounds = following(network, whole, sizes)  # else what is pushed leaves its backdrop
+    parts = (operation, Move(dict(whole)), *(() if grounds is None else (grounds,)))
+    return together(parts, operation.text)
 
 
 def _placed(

@@ -14,6 +14,7 @@ from core.editing.drawing.backdrops import (
     around,
     backdrops_of,
     change,
+    following,
     nodes_on,
     remove,
 )
@@ -146,3 +147,36 @@ def test_they_survive_saving_and_undo(network, library, tmp_path):
     document.undo()
     document.undo()
     assert document.network == network
+
+
+def _row(**layout):
+    nodes = {name: Node(name, "jitter_mtf") for name in layout}
+    made = Network(nodes=nodes, layout={name: (x, 0.0) for name, x in layout.items()})
+    sizes = dict.fromkeys(layout, (100.0, 60.0))
+    return around(made, ["a", "b"], sizes, "Optics").apply(made), sizes
+
+
+def test_a_backdrop_goes_with_its_nodes_when_all_are_pushed_alike():
+    network, sizes = _row(a=0.0, b=140.0, far=400.0)
+    (before,) = backdrops_of(network)
+    pushed = following(network, {"a": (60.0, 0.0), "b": (200.0, 0.0)}, sizes)
+    assert pushed is not None
+    assert backdrops_of(pushed.apply(network)) == (replace(before, x=before.x + 60.0),)
+
+
+def test_a_backdrop_grows_by_what_its_last_node_is_pushed():
+    network, sizes = _row(a=0.0, b=140.0, far=400.0)
+    (before,) = backdrops_of(network)
+    places = {"b": (225.0, 0.0), "far": (480.0, 0.0)}
+    pushed = following(network, places, sizes)
+    assert pushed is not None
+    grown = pushed.apply(network)
+    assert backdrops_of(grown) == (replace(before, width=before.width + 85.0),)
+    moved = replace(grown, layout={**grown.layout, **places})
+    assert set(nodes_on(moved, 0, sizes)) == {"a", "b"}
+    assert pushed.inverse(network).apply(grown) == network
+
+
+def test_a_backdrop_stays_where_what_lies_on_it_stays():
+    network, sizes = _row(a=0.0, b=140.0, far=400.0)
+    assert following(network, {"far": (480.0, 0.0)}, sizes) is None
