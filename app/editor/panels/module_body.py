@@ -71,6 +71,7 @@ class ModuleBody(QWidget):
         self.sections.held.connect(self.held)
         for field in self.sections.fields:
             field.link_fault = self._link_fault
+            field.node_name = node
         self._valued: Node | None = None
         self._column.addWidget(self.sections)
         self.readouts = ReadoutsView(declaration, node, evaluator, session, theme, self)

@@ -73,6 +73,7 @@ class Field(QWidget):
         self.theme = theme
         self.value: Any = parameter.default
         self.stored = False
+        self.node_name = ""  # for titles of dialogs; empty where no node stands behind the field
         self.link: FieldLink | None = None
         self.link_fault: Callable[[str, object], LinkError | None] = lambda _name, _raw: None
         self._later = AfterRelease(self)

@@ -66,7 +66,7 @@ class PathField(TypedField):
         """Open a dialog to choose a file; returns at once."""
         for other in self.findChildren(QFileDialog, "field.dialog"):
             other.reject()
-        dialog = QFileDialog(self, self.parameter.param.text.partition(":")[0].capitalize())
+        dialog = QFileDialog(self, self._dialog_title())
         dialog.setObjectName("field.dialog")
         dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
@@ -83,6 +83,11 @@ class PathField(TypedField):
         dialog.fileSelected.connect(self._chosen)
         dialog.show()  # what is modal would keep the window from closing
         dialog.activateWindow()
+
+    def _dialog_title(self) -> str:
+        """What is opened or written, and for which node: a few words, as others title dialogs."""
+        verb = "Write file" if self._writes else "Open file"
+        return ": ".join([verb, " · ".join(filter(None, (self.node_name, self.title)))])
 
     def _chosen(self, name: str) -> None:
         if name:

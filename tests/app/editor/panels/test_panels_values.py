@@ -269,6 +269,8 @@ def choose(qtbot, field, path):
     QTest.mouseClick(field.browse, LEFT)
     dialog = field.findChild(QFileDialog)
     qtbot.waitUntil(dialog.isVisible)
+    verb = "Open" if dialog.acceptMode() == QFileDialog.AcceptMode.AcceptOpen else "Write"
+    assert dialog.windowTitle() == f"{verb} file: node · {field.title}"
     line = dialog.findChild(QLineEdit, "fileNameEdit")
     line.setText(str(path))
     QTest.keyClick(line, Qt.Key.Key_Return)
