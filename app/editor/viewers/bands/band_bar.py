@@ -57,7 +57,7 @@ class BandBar(QWidget):
         self.slider.setObjectName(f"{owner}.band")
         self.slider.setAccessibleName("Band")
         self.slider.setToolTip("Band (Page Up and Page Down on the picture)")
-        self.one = WavelengthSpin(f"{owner}.wavelength", "Wavelength of the band", self)
+        self.one = WavelengthSpin(f"{owner}.wavelength", "Wavelength of the band (µm or nm)", self)
         self.colours = tuple(
             WavelengthSpin(f"{owner}.{name}", f"Wavelength shown as {name}", self)
             for name in CHANNELS

@@ -10,10 +10,11 @@ from PySide6.QtWidgets import QSpinBox, QWidget
 
 _FEWEST, _MOST = 2, 5  # decimals
 UNIT = "µm"
+_UNITS = {UNIT: 1.0, "μm": 1.0, "um": 1.0, "nm": 1e-3}  # micro sign, Greek mu
 
 
 class WavelengthSpin(QSpinBox):
-    """Its value is the place of a band; what is typed, a wavelength in µm, gives the nearest.
+    """Its value is the place of a band; what is typed, a wavelength in µm or nm, gives the nearest.
 
     Parameters
     ----------
@@ -69,8 +70,15 @@ def decimals_of(centres_um: tuple[float, ...]) -> int:
 
 
 def _number(text: str) -> float | None:
+    """A wavelength in µm, typed in it or in a unit that stands behind it."""
+    bare = text.replace(",", ".").strip()
+    factor = 1.0
+    for unit, in_um in _UNITS.items():
+        if bare.endswith(unit):
+            bare, factor = bare.removesuffix(unit), in_um
+            break
     try:
-        value = float(text.replace(UNIT, "").replace(",", ".").strip())
+        value = float(bare) * factor
     except ValueError:
         return None
     return value if math.isfinite(value) else None

@@ -106,6 +106,13 @@ def test_one_band_by_slider_wavelength_and_keys(viewer, bench, qtbot, cube):
     assert bar.one.text() == f"{wavelengths[place]:.2f} µm"
     assert bar.about.text() == f"0.167 µm wide, {place + 1} of {BANDS}"
     assert viewer.picture.samples == pytest.approx(samples[place], rel=1e-6)
+    for typed in ("3900 nm", "3400nm"):
+        bar.one.selectAll()
+        qtbot.keyClicks(bar.one, typed)
+        qtbot.keyClick(bar.one, Qt.Key.Key_Return)
+        bench.settle()
+        wanted = float(typed.rstrip("nm ")) / 1000
+        assert bar.slider.value() == int(np.argmin(np.abs(wavelengths - wanted)))
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_PageUp)
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_PageUp)
     qtbot.keyClick(viewer.canvas, Qt.Key.Key_PageDown)
