@@ -103,6 +103,8 @@ class ImageViewer(Viewer):
     def add_compare_actions(self, actions: Sequence[QAction]) -> None:
         """Offer these actions of the window under Compare, and let their keys work here."""
         self.canvas.addActions(actions)
+        if not actions:  # a viewer made before the window's actions: no heading over nothing
+            return
         self.bar.compare.menu.addSection("With a snapshot")
         self.bar.compare.menu.addActions(actions)
 

@@ -258,3 +258,5 @@ def test_the_actions_stand_in_menus_with_their_keys(person):
     for viewer in person.window.viewers.images.values():
         offered = [action.text() for action in viewer.bar.compare.menu.actions()]
         assert offered[-3:] == ["&Keep Snapshot", "&Flip A and B", "&Wipe A and B"]
+        sections = [a.text() for a in viewer.bar.compare.menu.actions() if a.isSeparator()]
+        assert sections.count("With a snapshot") == 1
