@@ -140,7 +140,8 @@ def nodes_on(network: Network, index: int, sizes: Sizes) -> tuple[str, ...]:
 def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Operation | None:
     """Let backdrops keep the nodes that lie on them where some are pushed to the right.
 
-    One whose nodes all go the same way goes with them; any other grows to the right.
+    One whose nodes all go the same way goes with them. Any other grows: it reaches
+    from its first node to its last.
 
     Parameters
     ----------
@@ -168,10 +169,15 @@ def following(network: Network, places: Mapping[str, Point], sizes: Sizes) -> Op
         if len(set(ways.values())) == 1:
             kept = replace(ground, x=ground.x + ways[names[0]])
         else:
-            rights = {name: box[2] for name, box in _boxes(network, names, sizes).items()}
+            boxes = _boxes(network, names, sizes)
+            rights = {name: box[2] for name, box in boxes.items()}
+            lefts = {name: box[0] for name, box in boxes.items()}
+            # Its left edge follows its first node: it would lie over the backdrop before it.
+            x = ground.x + min(lefts[n] + way for n, way in ways.items()) - min(lefts.values())
             margin = min(MARGIN, ground.x + ground.width - max(rights.values()))
             right = max(rights[name] + way for name, way in ways.items()) + margin
-            kept = replace(ground, width=max(ground.width, right - ground.x))
+            right = max(right, ground.x + ground.width)
+            kept = replace(ground, x=x, width=right - x)
         if kept != ground:
             entries[place] = _entry(entries[place], kept)
             changed = True

@@ -180,3 +180,12 @@ def test_a_backdrop_grows_by_what_its_last_node_is_pushed():
 def test_a_backdrop_stays_where_what_lies_on_it_stays():
     network, sizes = _row(a=0.0, b=140.0, far=400.0)
     assert following(network, {"far": (480.0, 0.0)}, sizes) is None
+
+
+def test_a_growing_backdrop_begins_where_its_first_node_is_pushed_to():
+    network, sizes = _row(a=0.0, b=140.0, far=400.0)
+    (before,) = backdrops_of(network)
+    pushed = following(network, {"a": (30.0, 0.0), "b": (225.0, 0.0)}, sizes)
+    assert pushed is not None
+    (after,) = backdrops_of(pushed.apply(network))
+    assert after == replace(before, x=before.x + 30.0, width=before.width + 55.0)
