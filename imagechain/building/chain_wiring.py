@@ -52,6 +52,8 @@ def added(
     if not wired or not network.nodes or (after is None and not taken.inputs):
         return Add((Placed(node),)).apply(network)
     found = _found(network, library, node, order, after)
+    if found is None and not taken.inputs:  # it begins something of its own
+        return Add((Placed(node),)).apply(network)
     if found is None:
         kinds = " or ".join(dict.fromkeys(kind for port in taken.inputs for kind in port.types))
         where = f"{shown(after)} gives" if after is not None else "the chain's nodes give"

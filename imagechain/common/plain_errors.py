@@ -23,6 +23,8 @@ def plain_errors(function: Callable[P, T]) -> Callable[P, T]:
             # Raised here: below, the traceback would go on into the engine.
             raised = error.with_traceback(None)
         raised.__cause__ = raised.__context__ = None
+        if more := getattr(raised, "more", 0):
+            raised.add_note(f"(and {more} more: chain.check() lists them)")
         raise raised
 
     return plain

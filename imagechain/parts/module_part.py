@@ -53,6 +53,9 @@ class Part:
     def __post_init__(self) -> None:
         object.__setattr__(self, "params", MappingProxyType(dict(self.params)))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Part, (self.module, dict(self.params), self.samples, self.name)
+
 
 def file_values(declared: Declaration, values: Mapping[str, Any]) -> dict[str, Any]:
     """Values as a network file has them, each checked against its parameter.

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from os import PathLike, fspath
 from pathlib import Path
@@ -21,87 +19,36 @@ from core.chain.frame_sequence import at_frame
 from core.chain.realize import asked_for
 from core.chain.skipped import skips
 from core.chain.wires import Image
-from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
-from core.evaluation.policy import Policy
+from core.errors import ImagechainError, NetworkError, UsageError
 from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
+from core.memory import store_bytes
 from core.modules.caution import Caution
 from core.names import close, shown
 from imagechain.common.notebook_html import block, table
 from imagechain.common.plain_errors import plain_errors
 from imagechain.results.chain_picture import Picture, PictureValues
 from imagechain.results.readout_table import ReadoutTable, readout_table
+from imagechain.results.run_options import Origin, RunOptions
 from imagechain.results.stage_curves import StageCurves, curves_along, curves_of
 from nodes.files.read import check_finite
 
-_BYTES = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([kMGT]?)(i?)B?\s*", re.IGNORECASE)
-_MOST_FRAMES = 1_000_000
 
-
-@dataclass(frozen=True)
-class RunOptions:
-    """How a chain is run; as `Chain.run` takes them."""
-
-    policy: Policy
-    frames: int | None = None
-    outputs: tuple[str, ...] | None = None
-    region: tuple[slice, slice] | None = None
-    memory: int | None = None
-
-    @classmethod
-    def of(
-        cls,
-        policy: Policy,
-        frames: int | None,
-        outputs: Sequence[str] | None,
-        region: tuple[slice, slice] | None,
-        memory: int | str | None,
-    ) -> RunOptions:
-        """The options, checked.
-
-        Raises
-        ------
-        ParameterError
-            Saying what is allowed.
-        """
-        whole = isinstance(frames, int) and not isinstance(frames, bool)
-        if frames is not None and not (whole and 1 <= frames <= _MOST_FRAMES):
-            raise ParameterError("frames", frames, f"a whole number from 1 to {_MOST_FRAMES}")
-        if isinstance(outputs, str):
-            outputs = (outputs,)
-        chosen = None if outputs is None else tuple(outputs)
-        return cls(policy, frames, chosen, region, _bytes(memory))
-
-
-def _bytes(memory: int | str | None) -> int | None:
-    if isinstance(memory, str):
-        match = _BYTES.fullmatch(memory)
-        if match is not None:
-            base = 1024 if match[3] else 1000
-            return int(
-                float(match[1])
-                * base ** ("kMGT".lower().find(match[2].lower()) + 1 if match[2] else 0)
-            )
-    elif memory is None or (
-        isinstance(memory, int) and not isinstance(memory, bool) and memory >= 0
-    ):
-        return memory
-    raise ParameterError("memory", memory, 'bytes, or a text such as "2GB"')
-
-
-@dataclass(frozen=True, eq=False)
 class Result:
     """What a chain has delivered, with the chain as it was when it ran.
 
     Pictures and figures that the run was not asked for are computed when they are looked at.
     """
 
-    _engine: Engine
-    _plan: Plan
-    _options: RunOptions
-    _work: TimedWork
-    _values: dict[str, NDArray[Any]] = field(default_factory=dict)
-    _evaluations: list[Evaluation] = field(default_factory=list)
+    def __init__(
+        self, engine: Engine, plan: Plan, options: RunOptions, work: TimedWork, origin: Origin
+    ) -> None:
+        self._engine = engine
+        self._plan = plan
+        self._options = options
+        self._work = work
+        self._origin = origin
+        self._values: dict[str, NDArray[Any]] = {}
 
     # Pictures
 
@@ -172,6 +119,7 @@ class Result:
     # Figures
 
     @property
+    @plain_errors
     def readouts(self) -> ReadoutTable:
         """Read-outs of every node: ``result.readouts["electronics"]["netd_system_K"]``."""
         return readout_table(self._evaluation)
@@ -191,6 +139,7 @@ class Result:
         return curves_of(evaluation)
 
     @property
+    @plain_errors
     def warnings(self) -> tuple[Caution, ...]:
         """What the modules warn of, samples included."""
         return self._evaluation.cautions
@@ -216,11 +165,26 @@ class Result:
         write_report(evaluation, skips(self._plan, self._work), target)
         return target
 
+    @plain_errors
+    def write_files(self, *, allow: Iterable[str | PathLike[str]] = ()) -> list[Path]:
+        """Write the files that the chain's own nodes name, all of them or none; gives them.
+
+        Parameters
+        ----------
+        allow : iterable of path
+            Further folders that a network which came in a file may write to, and over any file;
+            else it may in its own folder, and over what it has written itself. What was named
+            in Python is written in any case.
+        """
+        from imagechain.results.file_writing import write_files
+
+        return write_files(self._evaluation, self._origin, allow)
+
     # Inside
 
     @cached_property
     def _evaluation(self) -> Evaluation:
-        return evaluated(self._engine, self._plan, self._work)
+        return evaluate(self._engine, self._plan, self._work, self._plan.folder)
 
     def _port(self, port: str | None) -> str:
         if port is not None:
@@ -269,36 +233,15 @@ class Result:
             raise error.at(node) from error
 
     def _region(self, image: Image) -> Region | None:
-        """The rows and columns to compute of a picture of that size."""
-        wanted = self._options.region
-        if wanted is None:
-            return None
-        form = "two slices of rows and columns, such as numpy.s_[100:164, :64]"
-        if not (
-            isinstance(wanted, tuple)
-            and len(wanted) == 2
-            and all(isinstance(part, slice) and part.step in (None, 1) for part in wanted)
-        ):
-            raise ParameterError("region", wanted, form)
-        (top, bottom, _), (left, right, _) = (
-            part.indices(length) for part, length in zip(wanted, image.shape, strict=True)
-        )
-        if bottom <= top or right <= left:
-            raise ParameterError("region", wanted, f"{form}, not empty within {image.shape}")
-        return Region(top, left, bottom - top, right - left)
+        return self._options.region_of(image.shape)
 
     def _of(self, port: str) -> PictureValues:
         return PictureValues(self._work, self._region(self._image(port)))
 
     def __repr__(self) -> str:
-        name = self._plan.network.name
-        where = f"{self.final}, " if self.final else ""
-        policy = self._options.policy
-        return (
-            f"<Result {shown(name) if name else ''}: {where}{policy.precision} precision>".replace(
-                " :", ":"
-            )
-        )
+        parts = [shown(self._plan.network.name) if self._plan.network.name else "", self.final]
+        words = ", ".join([*filter(None, parts), f"{self._work.policy.precision} precision"])
+        return f"<Result: {words}>"
 
     def _repr_html_(self) -> str:
         parts = []
@@ -343,28 +286,18 @@ def image_ports(plan: Plan) -> tuple[str, ...]:
     )
 
 
-def run_plan(engine: Engine, plan: Plan, options: RunOptions) -> Result:
+def run_plan(engine: Engine, plan: Plan, options: RunOptions, origin: Origin) -> Result:
     """Compute what the options name; without them all that a run of the command computes."""
-    if options.memory is not None:
-        engine.store.capacity_bytes = options.memory
+    engine.store.capacity_bytes = store_bytes() if options.memory is None else options.memory
     work = TimedWork(options.policy, engine.store)
-    result = Result(engine, plan, options, work)
-    only = options.outputs is not None or options.region is not None
+    result = Result(engine, plan, options, work, origin)
     ports = list(options.outputs) if options.outputs is not None else _final(plan)
     with work.hold(_recipes(plan, ports)):
-        if not only:
+        if options.outputs is None and options.region is None:
             result._evaluation  # noqa: B018  (computed here, and kept)
         for port in ports:
-            if isinstance(plan.output(port), Image):
-                result._samples(port)
-            else:
-                engine.value(plan, port, work)
+            result.value(port)
     return result
-
-
-def evaluated(engine: Engine, plan: Plan, work: TimedWork) -> Evaluation:
-    """The whole network evaluated, as by the command."""
-    return evaluate(engine, plan, work, plan.folder)
 
 
 def _final(plan: Plan) -> list[str]:

@@ -57,6 +57,9 @@ class HeldSamples:
         samples.flags.writeable = False
         return cls(samples.view(), name)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return HeldSamples.of, (self.samples, self.name)  # read-only again
+
     @cached_property
     def key(self) -> str:
         """Content key: equal samples of equal type have the same."""

@@ -1,0 +1,255 @@
+"""The state of a chain, which never changes: its network, arrays and folder; and its plans."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from os import PathLike, fspath
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from app.permission.shares import check_shares
+from core.chain.engine import Engine, Plan, PlannedNode
+from core.editing.fields import set_parameter
+from core.editing.macros.inside import Inside
+from core.editing.nodes import Remove, Rename
+from core.editing.operation import ABSENT, Operation
+from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
+from core.modules.declaration import Declaration
+from core.modules.library_type import Library, local_key, where_absent
+from core.modules.parameters import Parameter
+from core.names import close, shown
+from core.network.linked_values import resolved, with_values
+from core.network.macro import declared_node, opened, path_of, step_inside
+from core.network.network import Network, Node
+from core.network.validation import check_network, plain_network
+from imagechain.building.chain_wiring import added, node_name
+from imagechain.parts.module_part import Part, file_value
+from nodes.input_output.held_samples import HeldSamples
+from nodes.input_output.read_image import ReadImage
+
+
+@dataclass(frozen=True)
+class ChainState:
+    """A chain at one moment.
+
+    Parameters
+    ----------
+    network : Network
+        The document.
+    folder : Path
+        What its file names are relative to.
+    file : Path, optional
+        The network file it was read from or last saved to.
+    samples : mapping
+        Scenes from arrays, by node.
+    order : tuple of str
+        The nodes as they were added, the last one last.
+    given : frozenset of (str, str)
+        Nodes and parameters whose file names were given in Python, not by a network file.
+    """
+
+    network: Network
+    folder: Path
+    file: Path | None = None
+    samples: Mapping[str, HeldSamples] = field(default_factory=dict)
+    order: tuple[str, ...] = ()
+    given: frozenset[tuple[str, str]] = frozenset()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "samples", MappingProxyType(dict(self.samples)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        fields = (self.network, self.folder, self.file, dict(self.samples), self.order, self.given)
+        return ChainState, fields
+
+    def node(self, name: str) -> Node:
+        """The node as the network has it; also one inside of a macro, ``MACRO/NODE``."""
+        network, step = self.network, step_inside(self.network, name)
+        while step is not None:
+            macro, name = step
+            network = opened(network.nodes[macro])
+            step = step_inside(network, name)
+        return network.node(name)
+
+    def declared(self, name: str, library: Library) -> Declaration:
+        """What a node's module declares.
+
+        Raises
+        ------
+        NetworkError
+            If there is no such node, or its module is not in the library.
+        """
+        node = self.node(name)
+        declared = declared_node(node, library)
+        if declared is None:
+            hint = close(node.module, library)
+            raise NetworkError(f"there is no module {shown(node.module)}{hint}", node=name)
+        return declared
+
+    def value(self, name: str, parameter: Parameter, library: Library) -> Any:
+        """The value of a node's parameter as it enters a run; None of one that has none."""
+        given = resolved(self.network, library=library).value(name, parameter.name)
+        if given is None:
+            given = self.node(name).params.get(parameter.name)
+        if given is None or isinstance(given, Mapping):
+            return parameter.default if given is None else None
+        try:
+            return parameter.coerce(list(given) if isinstance(given, tuple) else given)
+        except ParameterError:  # the check of the chain reports it
+            return given
+
+    def with_values(self, values: Mapping[str, Any], library: Library) -> ChainState:
+        """With parameters set, by ``NODE.PARAMETER``; ABSENT leaves one at its default.
+
+        Raises
+        ------
+        ImagechainError
+            If there is no such parameter, or it does not take the value.
+        """
+        state = self
+        for place, value in values.items():
+            node, _, name = place.rpartition(".")
+            if not node:
+                raise UsageError(f"{shown(place)} names no parameter: write NODE.PARAMETER")
+            state = state._with_value(node, name, value, library)
+        return state
+
+    def _with_value(self, node: str, name: str, value: Any, library: Library) -> ChainState:
+        declared = self.declared(node, library)
+        known = declared.parameter(name)
+        samples, given = dict(self.samples), self.given
+        if known is not None and known.kind == "path":
+            value = self._own_path(value)
+            given |= {(node, name)}
+            if name == "path":
+                samples.pop(node, None)
+        raw = file_value(declared, name, None if value is ABSENT else value, node=node)
+        operation = set_parameter(
+            path_of(self.network, node)[-1], name, ABSENT if value is ABSENT else raw
+        )
+        return replace(self._done(node, operation), samples=samples, given=given)
+
+    def _done(self, node: str, operation: Operation) -> ChainState:
+        """With an operation on a node carried out where the node lies."""
+        for macro in reversed(path_of(self.network, node)[:-1]):
+            operation = Inside(macro, operation)
+        return self.done(operation)
+
+    def done(self, operation: Operation) -> ChainState:
+        """With an operation on the network carried out."""
+        return replace(self, network=operation.apply(self.network))
+
+    def with_part(
+        self, part: Part, library: Library, *, name: str | None, after: str | None, wired: bool
+    ) -> tuple[str, ChainState]:
+        """With a node more, and its name; as `Chain.add`."""
+        if part.module not in library:
+            absent = where_absent(part.module, library)
+            hint = f": {absent}" if absent else close(part.module, library)
+            raise NetworkError(f"there is no module {shown(part.module)}{hint}")
+        if after is not None:
+            self.network.node(after)
+        wanted = name if name is not None else part.name
+        id_ = node_name(name, wanted or local_key(part.module), self.network)
+        declared = declared_node(Node(id_, part.module), library)
+        assert declared is not None
+        paths = {parameter.name for parameter in declared.parameters if parameter.kind == "path"}
+        params = {
+            key: fspath(self._own_path(value)) if key in paths and value is not None else value
+            for key, value in part.params.items()
+        }
+        node = Node(id_, part.module, params)
+        network = added(self.network, library, node, order=self.order, after=after, wired=wired)
+        samples = dict(self.samples)
+        if part.samples is not None:
+            samples[id_] = part.samples
+        return id_, replace(
+            self,
+            network=network,
+            order=(*self.order, id_),
+            samples=samples,
+            given=self.given | {(id_, path) for path in paths},
+        )
+
+    def without(self, name: str) -> ChainState:
+        """Without a node, and its wires."""
+        return replace(
+            self.done(Remove((name,))),
+            order=tuple(one for one in self.order if one != name),
+            samples={node: held for node, held in self.samples.items() if node != name},
+            given=frozenset(one for one in self.given if one[0] != name),
+        )
+
+    def renamed(self, old: str, new: str) -> ChainState:
+        """With a node called by another name, wherever it is mentioned."""
+
+        def name_of(name: str) -> str:
+            return new if name == old else name
+
+        return replace(
+            self.done(Rename(old, new)),
+            order=tuple(map(name_of, self.order)),
+            samples={name_of(node): held for node, held in self.samples.items()},
+            given=frozenset((name_of(node), parameter) for node, parameter in self.given),
+        )
+
+    def _own_path(self, value: Any) -> Any:
+        """A file name given here, relative to the current folder, as the chain has it."""
+        if not isinstance(value, str | PathLike) or not fspath(value):
+            return value
+        path = Path(fspath(value))
+        if path.is_absolute() or Path.cwd() == self.folder:
+            return path
+        return Path.cwd() / path
+
+    def plain(self, library: Library, seed: int | None = None) -> Network:
+        """The network that is computed, its macros written out, checked.
+
+        Raises
+        ------
+        ImagechainError
+            The faults of the network.
+        """
+        if not self.network.nodes:
+            raise NetworkError("the chain has no nodes: add some")
+        network = plain_network(self.network, library=library)
+        if seed is not None:
+            network = network.with_seed(seed)
+        places = [self.folder if self.file is None else self.file]
+        check_shares(network, library, given=self.given, places=places)
+        check_network(network, library=library)
+        return network
+
+    def plan(self, engine: Engine, seed: int | None = None) -> Plan:
+        """The network planned; errors as `plain`, those of nodes stay on them."""
+        network = self.plain(engine.library, seed)
+        held = self._held(network, engine.library)
+        return engine.plan(network, folder=self.folder, held=held)
+
+    def _held(self, network: Network, library: Library) -> dict[str, PlannedNode]:
+        """The scenes that come from arrays, planned."""
+        if not self.samples:
+            return {}
+        valued = with_values(network, library=library).network
+        planned = {}
+        for name, samples in self.samples.items():
+            node = valued.nodes[name]
+            if node.disabled:
+                continue
+            try:
+                module = ReadImage.build(node.params)
+                assert isinstance(module, ReadImage)
+                output = module.of_samples(samples, name)
+                planned[name] = PlannedNode(node, module, {}, output._asdict(), output)
+            except ImagechainError as error:
+                planned[name] = PlannedNode(node, error=error.at(name))
+        return planned
+
+
+def opened_state(network: Network, file: Path) -> ChainState:
+    """The state of a chain that has been read from a file."""
+    path = Path(os.path.abspath(file))  # noqa: PTH100  (links stay)
+    return ChainState(network, path.parent, path, order=tuple(network.nodes))

@@ -1,0 +1,105 @@
+"""How a chain is run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.run.sequence import MOST_FRAMES
+from core.errors import ParameterError
+from core.evaluation.policy import Policy
+from core.evaluation.region import Region
+
+_BYTES = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([kMGT]?)(i?)B?\s*", re.IGNORECASE)
+_POWERS = ("", "k", "m", "g", "t")
+_REGION = "two slices of rows and columns, such as numpy.s_[100:164, :64]"
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where a chain comes from, and so what it may write.
+
+    Parameters
+    ----------
+    file : Path or None
+        The network file; None of a chain that is in no file.
+    given : frozenset of str
+        Nodes whose files were named in Python.
+    """
+
+    file: Path | None
+    given: frozenset[str]
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How a chain is run; as `Chain.run` takes them."""
+
+    policy: Policy
+    frames: int | None = None
+    outputs: tuple[str, ...] | None = None
+    region: tuple[slice, slice] | None = None
+    memory: int | None = None
+
+    @classmethod
+    def of(
+        cls,
+        policy: Policy,
+        frames: int | None,
+        outputs: Sequence[str] | None,
+        region: tuple[slice, slice] | None,
+        memory: int | str | None,
+    ) -> RunOptions:
+        """The options, checked.
+
+        Raises
+        ------
+        ParameterError
+            Saying what is allowed.
+        """
+        if frames is not None and not (_is_whole(frames) and 1 <= frames <= MOST_FRAMES):
+            raise ParameterError("frames", frames, f"a whole number from 1 to {MOST_FRAMES}")
+        chosen = (outputs,) if isinstance(outputs, str) else outputs
+        if region is not None and not (
+            isinstance(region, tuple)
+            and len(region) == 2
+            and all(isinstance(part, slice) and part.step in (None, 1) for part in region)
+        ):
+            raise ParameterError("region", region, _REGION)
+        ports = None if chosen is None else tuple(chosen)
+        return cls(policy, frames, ports, region, _bytes(memory))
+
+    def region_of(self, shape: tuple[int, int]) -> Region | None:
+        """The rows and columns to compute of a picture of that shape; None for all of it.
+
+        Raises
+        ------
+        ParameterError
+            If there are none.
+        """
+        if self.region is None:
+            return None
+        (top, bottom, _), (left, right, _) = (
+            part.indices(length) for part, length in zip(self.region, shape, strict=True)
+        )
+        if bottom <= top or right <= left:
+            allowed = f"{_REGION}, not empty within {shape[0]} rows and {shape[1]} columns"
+            raise ParameterError("region", self.region, allowed)
+        return Region(top, left, bottom - top, right - left)
+
+
+def _bytes(memory: int | str | None) -> int | None:
+    """Bytes from a number or a text: ``2GB`` is 2·10⁹, ``2GiB`` 2³¹."""
+    match = _BYTES.fullmatch(memory) if isinstance(memory, str) else None
+    if match is not None:
+        base = 1024 if match[3] else 1000
+        return int(float(match[1]) * base ** _POWERS.index(match[2].lower()))
+    if memory is None or (isinstance(memory, int) and _is_whole(memory) and memory >= 0):
+        return memory
+    raise ParameterError("memory", memory, 'bytes, or a text such as "2GB"')
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
