@@ -61,8 +61,7 @@ def load_own_packages(root: Path) -> None:
 
 def _is_command_or_child() -> bool:
     program = sys.argv[0] if sys.argv else ""  # "-m" while Python looks for what it names
-    processes = sys.modules.get("multiprocessing.process")
-    is_child = processes is not None and processes.parent_process() is not None
+    is_child = any("multiprocessing" in word for word in sys.orig_argv[1:])
     return program == "-m" or Path(program).stem == "imagechain" or is_child
 
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from app.run.output import find_output
 from app.run.shipped import find_network, shipped_networks
-from core.chain.engine import Engine
+from core.chain.engine import Engine, Plan
 from core.editing.links import Rewire, refusal
 from core.editing.operation import ABSENT
 from core.editing.output_mark import SetOutput
@@ -59,11 +59,12 @@ class Chain:
         network = Network(name=name, seed=seed, description=description)
         self._engine = Engine(standard_library())
         self._state = ChainState(network, Path.cwd())
+        self._planned: Plan | None = None
 
     @classmethod
     def _of(cls, state: ChainState, engine: Engine) -> Chain:
         chain = object.__new__(cls)
-        chain._engine, chain._state = engine, state
+        chain._engine, chain._state, chain._planned = engine, state, None
         return chain
 
     # What it is
@@ -184,7 +185,9 @@ class Chain:
 
     def copy(self) -> Chain:
         """Another chain that is like this one."""
-        return Chain._of(self._state, self._engine)
+        chain = Chain._of(self._state, self._engine)
+        chain._planned = self._planned
+        return chain
 
     __copy__ = copy
 
@@ -323,7 +326,7 @@ class Chain:
             Policy(precision, tolerance, threads), frames, outputs, region, memory
         )
         state = self._state
-        plan = state.plan(self._engine, seed)
+        plan = self._planned = state.plan(self._engine, seed, self._planned)
         errors = plan.errors()
         if errors:
             raise NetworkProblems(errors)

@@ -17,6 +17,7 @@ from core.editing.macros.inside import Inside
 from core.editing.nodes import Remove, Rename
 from core.editing.operation import ABSENT, Operation
 from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
+from core.evaluation.recipes import Step
 from core.modules.declaration import Declaration
 from core.modules.library_type import Library, local_key, where_absent
 from core.modules.parameters import Parameter
@@ -223,13 +224,18 @@ class ChainState:
         check_network(network, library=library)
         return network
 
-    def plan(self, engine: Engine, seed: int | None = None) -> Plan:
-        """The network planned; errors as `plain`, those of nodes stay on them."""
-        network = self.plain(engine.library, seed)
-        held = self._held(network, engine.library)
-        return engine.plan(network, folder=self.folder, held=held)
+    def plan(self, engine: Engine, seed: int | None = None, previous: Plan | None = None) -> Plan:
+        """The network planned; errors as `plain`, those of nodes stay on them.
 
-    def _held(self, network: Network, library: Library) -> dict[str, PlannedNode]:
+        From a `previous` plan, what has not changed since is taken over.
+        """
+        network = self.plain(engine.library, seed)
+        held = self._held(network, engine.library, {} if previous is None else previous.nodes)
+        return engine.plan(network, folder=self.folder, held=held, previous=previous)
+
+    def _held(
+        self, network: Network, library: Library, known: Mapping[str, PlannedNode]
+    ) -> dict[str, PlannedNode]:
         """The scenes that come from arrays, planned."""
         if not self.samples:
             return {}
@@ -239,6 +245,10 @@ class ChainState:
             node = valued.nodes[name]
             if node.disabled:
                 continue
+            earlier = known.get(name)
+            if earlier is not None and earlier.node is node and _is_of(earlier, samples):
+                planned[name] = earlier
+                continue
             try:
                 module = ReadImage.build(node.params)
                 assert isinstance(module, ReadImage)
@@ -247,6 +257,12 @@ class ChainState:
             except ImagechainError as error:
                 planned[name] = PlannedNode(node, error=error.at(name))
         return planned
+
+
+def _is_of(planned: PlannedNode, samples: HeldSamples) -> bool:
+    """Whether a planned scene is that of an array."""
+    recipe = getattr(planned.outputs.get("image"), "recipe", None)
+    return isinstance(recipe, Step) and dict(recipe.parameters).get("held") is samples
 
 
 def opened_state(network: Network, file: Path) -> ChainState:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 
 import numpy as np
 
+from app.run.own_process import command, environment
 from child_process import ROOT, finished
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -48,6 +50,14 @@ def test_the_ten_lines_beside_the_users_own_core(tmp_path):
     picture, saved = np.load(folder / "picture.npy"), np.load(folder / "saved.npy")
     assert picture.dtype == saved.dtype == np.float32
     assert picture.tobytes() == saved.tobytes()
+
+
+def test_a_child_process_of_ours_beside_them(tmp_path):
+    strangers(tmp_path)
+    env = environment({**os.environ, "PYTHONPATH": str(tmp_path)})
+    done = finished(command("app.command.cli", "networks"), folder=tmp_path, env=env)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "kodak_kir310" in done.stdout
 
 
 def test_another_core_imported_before_is_refused(tmp_path):
