@@ -5,9 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from core.atomic import atomic_file, write_text
 from core.editing.fields import set_parameter
 from core.editing.moved_folder import rebased
 from core.editing.operation import ABSENT
@@ -16,6 +19,9 @@ from core.modules.library_type import Library
 from core.network.file import format_network, parse_network, save_network
 from core.network.network import Network
 from nodes.files.arrays import mapped_npy, write_npy
+from nodes.files.frames.envi_frames import envi_header_text
+from nodes.files.frames.frame_series import FrameSeries
+from nodes.files.frames.frame_writing import header_beside_frames
 from nodes.input_output.held_samples import HeldSamples
 
 _PLAIN = re.compile(r"[^\w.-]+")
@@ -48,7 +54,10 @@ def saved(
         this network's.
     """
     own = _arrays_of(target, library)
-    names = {node: f"{target.stem}_{_PLAIN.sub('_', node)}.npy" for node in samples}
+    names = {
+        node: f"{target.stem}_{_PLAIN.sub('_', node)}{'.npy' if _is_plain(held) else '.img'}"
+        for node, held in samples.items()
+    }
     for node, name in names.items():
         network = set_parameter(node, "path", ABSENT).apply(network)
         _refuse_anothers(target.parent / name, samples[node], own)
@@ -60,7 +69,7 @@ def saved(
     text = format_network(network, library=library)
     parse_network(text, library=library, name_of_source=str(target))
     for node, name in names.items():
-        write_npy(target.parent / name, samples[node].samples)
+        _write(target.parent / name, samples[node])
     save_network(network, target, library=library)
     return network
 
@@ -78,14 +87,40 @@ def _arrays_of(target: Path, library: Library) -> set[str]:
 def _refuse_anothers(file: Path, held: HeldSamples, own: set[str]) -> None:
     if not file.exists() or file.name in own:
         return
-    same = False
     try:
-        stored = mapped_npy(file)
-        same = stored.dtype == held.samples.dtype and np.array_equal(stored, held.samples)
+        same = _is_plain(held) and _equal(mapped_npy(file), held.samples)
     except FileError:
-        pass
+        same = False
     if not same:
         raise FileError(
             f"{file} is there already and holds something else: save under another name, or "
             "remove it"
         )
+
+
+def _equal(stored: NDArray[Any], samples: NDArray[Any]) -> bool:
+    return stored.dtype == samples.dtype and np.array_equal(stored, samples)
+
+
+def _is_plain(held: HeldSamples) -> bool:
+    return held.wavelengths_um is None
+
+
+def _write(file: Path, held: HeldSamples) -> None:
+    """Write samples: a picture as ``.npy``, a cube as ENVI has it, with its header beside it."""
+    if _is_plain(held):
+        write_npy(file, held.samples)
+        return
+    assert held.wavelengths_um is not None
+    fields: dict[str, str | tuple[float, ...]] = {
+        "wavelength_units": "Micrometers",
+        "wavelength": held.wavelengths_um,
+    }
+    if held.widths_um is not None:
+        fields["fwhm"] = held.widths_um
+    dtype = held.samples.dtype.newbyteorder("<")
+    bands, rows, columns = held.samples.shape
+    series = FrameSeries(bands, rows, columns, dtype, fields, "bands")
+    with atomic_file(file) as temporary, temporary.open("wb") as opened:
+        opened.write(np.ascontiguousarray(held.samples, dtype).data)
+    write_text(header_beside_frames(file), envi_header_text(series))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,9 @@ from nodes.input_output.read_image import ReadImage
 
 _MRAD = {"mrad": 1.0, "rad": 1e3, "urad": 1e-3, "µrad": 1e-3, "deg": math.pi / 0.18}
 _MRAD |= {"degree": _MRAD["deg"], "degrees": _MRAD["deg"], "radian": 1e3, "radians": 1e3}
+_UM = {"um": 1.0, "µm": 1.0, "micrometer": 1.0, "micrometers": 1.0, "nm": 1e-3, "m": 1e6}
+_UM |= {"nanometer": 1e-3, "nanometers": 1e-3, "micron": 1.0, "microns": 1.0}
+_SPECTRAL = ("wavelength", "wavelengths", "wavelength_um", "band", "bands")
 _EVEN = 1e-6  # of the interval, by which coordinates may lie off the grid
 
 
@@ -27,6 +31,8 @@ def scene(
     fov_y_deg: float | None = None,
     unit: str | None = None,
     band_um: tuple[float, float] | None = None,
+    wavelengths_um: Sequence[float] | None = None,
+    widths_um: Sequence[float] | None = None,
     scale: float = 1.0,
 ) -> Part:
     """A scene from an array, to be added to a chain; it is copied, and no file is written.
@@ -34,16 +40,21 @@ def scene(
     Parameters
     ----------
     samples : array_like or xarray.DataArray
-        (rows, columns), the first row on top; finite real numbers. Of a `DataArray` with the
-        dimensions y and x, in any order, the unit is its attribute ``units``, the field of view
-        follows from its coordinates where these have an angle's ``units``, or from its attributes
-        ``interval_x_mrad`` and ``interval_y_mrad``, and the band is its attribute ``band_um``.
+        (rows, columns), the first row on top, or (bands, rows, columns); finite real numbers. Of a
+        `DataArray` the dimensions are y and x, and wavelength where it has bands, in any order;
+        its unit is the attribute ``units``, its field of view follows from coordinates with an
+        angle's ``units``, or from the attributes ``interval_x_mrad`` and ``interval_y_mrad``, its
+        band is the attribute ``band_um``.
     fov_x_deg, fov_y_deg : float, optional
         Field of view across and along, degrees.
     unit : str, optional
-        Unit of the samples times `scale`: W/m²/sr if not given, ``K``, ``DN``, …
+        Unit of the samples times `scale`: W/m²/sr if not given (of bands, per µm), ``K``, …
     band_um : (float, float), optional
-        Cut-on and cut-off wavelength, µm.
+        Cut-on and cut-off wavelength, µm; of bands, those outside do not count.
+    wavelengths_um : sequence of float, optional
+        Middle of every band, µm.
+    widths_um : sequence of float, optional
+        Width of every band, µm; if not given, they reach half-way to their neighbours.
     scale : float
         Factor on the samples.
 
@@ -55,40 +66,75 @@ def scene(
     stated: dict[str, Any] = {}
     if hasattr(samples, "dims") and hasattr(samples, "coords"):
         samples, stated = _of_xarray(samples)
-    given = {"fov_x_deg": fov_x_deg, "fov_y_deg": fov_y_deg, "unit": unit}
+    given: dict[str, Any] = {"fov_x_deg": fov_x_deg, "fov_y_deg": fov_y_deg, "unit": unit}
     if band_um is not None:
         given["cut_on_um"], given["cut_off_um"] = simple(band_um)
+    if wavelengths_um is not None:
+        stated["wavelengths_um"] = wavelengths_um
+    centres = _numbers(stated.pop("wavelengths_um", None))
     values = stated | {name: value for name, value in given.items() if value is not None}
     if scale != 1.0:
         values["scale"] = scale
+    if centres is not None:
+        values["bands"] = "all"
     array = samples if isinstance(samples, np.ndarray) else np.asarray(samples)
-    held = HeldSamples.of(array)
+    held = HeldSamples.of(array, "the array", centres, _numbers(widths_um))
     params = file_values(declaration(ReadImage), values)
-    module = ReadImage.build({k: v for k, v in params.items() if not isinstance(v, dict)})
+    plain = {name: value for name, value in params.items() if not isinstance(value, dict)}
+    module = ReadImage.build(plain)
+    assert isinstance(module, ReadImage)
     module.check()
+    if len(plain) == len(params):
+        module.of_samples(held, "scene")  # what it cannot be is refused here already
     return Part("read_image", params, held, "scene")
+
+
+def _numbers(values: Any) -> tuple[float, ...] | None:
+    if values is None:
+        return None
+    return tuple(map(float, np.atleast_1d(np.asarray(values, np.float64))))
 
 
 def _of_xarray(array: Any) -> tuple[Any, dict[str, Any]]:
     """Samples of a `DataArray`, and what it says of them."""
     dims = tuple(map(str, array.dims))
-    if len(dims) == 2 and dims == ("x", "y"):
-        array = array.transpose("y", "x")
-    if len(dims) != 2:
-        raise DataError(f"the DataArray has the dimensions {', '.join(dims)}: allowed are y and x")
+    spectral = [dim for dim in dims if dim in _SPECTRAL] if len(dims) == 3 else []
+    across = [dim for dim in dims if dim not in spectral]
+    if len(across) != 2 or len(spectral) > 1:
+        words = f"the DataArray has the dimensions {', '.join(dims) or 'none'}"
+        raise DataError(f"{words}: allowed are wavelength, y and x")
+    if across == ["x", "y"]:
+        across = ["y", "x"]
+    array = array.transpose(*spectral, *across)
     attributes = array.attrs
     values: dict[str, Any] = {}
     if "units" in attributes:
         values["unit"] = str(attributes["units"])
-    if "band_um" in attributes:
+    if "band_um" in attributes and not spectral:
         values["cut_on_um"], values["cut_off_um"] = map(float, attributes["band_um"])
-    for axis, dim, length in zip("yx", array.dims, array.shape, strict=True):
+    for axis, dim, length in zip("yx", across, array.shape[-2:], strict=True):
         interval = attributes.get(f"interval_{axis}_mrad")
         if interval is None and dim in array.coords:
-            interval = _interval(array.coords[dim], str(dim))
+            interval = _interval(array.coords[dim], dim)
         if interval is not None:
             values[f"fov_{axis}_deg"] = float(interval) * length / 1000.0 / (math.pi / 180.0)
+    for dim in spectral:
+        values["wavelengths_um"] = _wavelengths(array, dim)
     return array.to_numpy(), values
+
+
+def _wavelengths(array: Any, dim: str) -> Any:
+    """Wavelengths of the bands, µm: of the dimension's coordinate, or of another along it."""
+    for name in dict.fromkeys((dim, *_SPECTRAL)):
+        if name in array.coords and tuple(array.coords[name].dims) == (dim,):
+            coordinate = array.coords[name]
+            unit = str(coordinate.attrs.get("units", "um" if name == "wavelength_um" else ""))
+            if unit in _UM:
+                return np.asarray(coordinate.to_numpy(), np.float64) * _UM[unit]
+    raise DataError(
+        f"the DataArray's {dim} has no wavelengths: give them as a coordinate with the units µm "
+        "or nm, or as wavelengths_um"
+    )
 
 
 def _interval(coordinate: Any, name: str) -> float | None:

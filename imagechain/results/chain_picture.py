@@ -90,14 +90,24 @@ class Picture:
         samples.flags.writeable = False
         return samples.view()
 
+    @plain_errors
+    def cube(self) -> NDArray[Any]:
+        """All its bands of wavelength, (bands, rows, columns), as `band` gives each."""
+        return np.stack([self.band(index) for index in range(max(1, len(self.wavelengths_um)))])
+
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         return np.array(self.samples, dtype=dtype, copy=copy)
 
     @plain_errors
-    def to_xarray(self) -> DataArray:
+    def to_xarray(self, *, bands: bool = False) -> DataArray:
         """As a `DataArray` over y and x, mrad from the middle; unit and band as attributes.
 
         Rows run downwards, so y grows downwards.
+
+        Parameters
+        ----------
+        bands : bool
+            All bands of wavelength, over wavelength (µm), y and x, instead of their sum.
         """
         xarray = needed("xarray", "pictures as DataArrays")
         image, region = self._image, self._values.region
@@ -113,15 +123,23 @@ class Picture:
             if interval is not None:
                 places = (np.arange(length) - (length - 1) / 2.0) * interval
                 coordinates[axis] = (axis, places[part], {"units": "mrad"})
-        attributes: dict[str, Any] = {"units": self.unit}
+        samples, unit = (self.cube(), self._band_unit) if bands else (self.samples, self.unit)
+        attributes: dict[str, Any] = {"units": unit}
         for name, interval in zip(("x", "y"), self.interval_mrad, strict=True):
             if interval is not None:
                 attributes[f"interval_{name}_mrad"] = interval
         if self.band_um is not None:
             attributes["band_um"] = list(self.band_um)
-        dims = ("frame", "y", "x")[-self.samples.ndim :]
+        if bands:
+            units = {"units": "µm"}
+            coordinates["wavelength"] = ("wavelength", np.array(self.wavelengths_um), units)
+        first = "wavelength" if bands else "frame"
         array: DataArray = xarray.DataArray(
-            self.samples, dims=dims, coords=coordinates, attrs=attributes, name=self.port
+            samples,
+            dims=(first, "y", "x")[-samples.ndim :],
+            coords=coordinates,
+            attrs=attributes,
+            name=self.port,
         )
         return array
 
@@ -132,6 +150,12 @@ class Picture:
         samples = self._first("a file of one picture")
         save_array(target, samples, metadata_of(self._image, samples.shape))
         return target
+
+    @property
+    def _band_unit(self) -> str:
+        """Unit of one band."""
+        density = self._image.bands is not None and self._image.bands.density
+        return f"{self.unit}/µm" if density else self.unit
 
     def to_png(self) -> bytes:
         """An 8-bit grey PNG between the picture's own limits, of the first frame."""

@@ -103,6 +103,26 @@ class FileBands(BandStack):
         return Step.of(_spectrum, node=self.node, factors=self.factors, **where, **source)
 
 
+@dataclass(frozen=True)
+class ChosenBands:
+    """The bands of a cube that count, by wavelength.
+
+    Parameters
+    ----------
+    places : tuple of int
+        Index in the cube of every band.
+    centres_um, widths_um : tuple of float
+        Wavelength of every band, and its share of the spectrum.
+    factors : tuple of float
+        What its samples are multiplied by.
+    """
+
+    places: tuple[int, ...]
+    centres_um: Row
+    widths_um: Row
+    factors: Row
+
+
 def file_bands(
     source: Source,
     *,
@@ -118,6 +138,50 @@ def file_bands(
     ----------
     source : Source
         The file.
+    missing : "refuse", "mean" or "zero"
+        What stands for samples that are not finite.
+    node : str
+        Node an error belongs to.
+
+    Others, and errors, as `chosen_bands`; or the file is no ENVI file.
+    """
+    info = source.info
+    if info.kind != "envi":
+        raise FileError(_no_wavelengths(info))
+    chosen = chosen_bands(info, unit=unit, scale=scale, interval_um=interval_um)
+    return FileBands(
+        chosen.centres_um,
+        chosen.widths_um,
+        source.file,
+        source.stamps,
+        chosen.places,
+        chosen.factors,
+        missing,
+        node,
+        density=unit is not None,
+    )
+
+
+def _no_wavelengths(info: PictureInfo) -> str:
+    return (
+        f"{info.path}: gives no wavelengths of its bands, as an ENVI header does: "
+        "read one of them with bands = one"
+    )
+
+
+def chosen_bands(
+    info: PictureInfo,
+    *,
+    unit: RadianceUnit | None,
+    scale: float,
+    interval_um: tuple[float, float] | None,
+) -> ChosenBands:
+    """The bands of a cube that count, and the factors that make W/m²/sr/µm of its radiance.
+
+    Parameters
+    ----------
+    info : PictureInfo
+        What is known of the cube.
     unit : RadianceUnit or None
         Of the samples times `scale`; None where they are no radiance.
     scale : float
@@ -125,24 +189,16 @@ def file_bands(
     interval_um : (float, float) or None
         Wavelengths that count; None for all. A band at an end counts by its part within, about the
         middle of that part.
-    missing : "refuse", "mean" or "zero"
-        What stands for samples that are not finite.
-    node : str
-        Node an error belongs to.
 
     Raises
     ------
     FileError
-        The file is no ENVI file with a wavelength for every band.
+        There is not a wavelength for every band.
     ParameterError
         No band lies in the interval.
     """
-    info = source.info
-    if info.kind != "envi" or info.wavelengths_um is None:
-        raise FileError(
-            f"{info.path}: gives no wavelengths of its bands, as an ENVI header does: "
-            "read one of them with bands = one"
-        )
+    if info.wavelengths_um is None:
+        raise FileError(_no_wavelengths(info))
     low, high = interval_um or (0.0, _WIDEST_UM)
     first, last = band_ends_um(info)
     _check_ends(info, first, last)
@@ -157,16 +213,11 @@ def file_bands(
         scale * (1.0 if unit is None else _per_um(unit, centre, last[place] - first[place]))
         for place, centre in zip(places, centres, strict=True)
     ]
-    return FileBands(
+    return ChosenBands(
+        tuple(places),
         tuple(centres),
         tuple(float(widths[place]) for place in places),
-        source.file,
-        source.stamps,
-        tuple(places),
         tuple(map(float, factors)),
-        missing,
-        node,
-        density=unit is not None,
     )
 
 

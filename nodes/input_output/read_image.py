@@ -16,10 +16,12 @@ from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.physics.sampling.detector_sampling import interval_mrad
+from core.spectrum.band_stack import BandStack
 from nodes.files.common.paths import checked_band
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.formats import readable_formats
 from nodes.input_output.file_bands import file_bands
+from nodes.input_output.held_bands import HeldBands
 from nodes.input_output.held_samples import HeldSamples, scaled_array
 from nodes.input_output.radiance_check import radiance_caution
 from nodes.input_output.sample_unit import DEFAULT_UNIT, sample_unit, spectral_unit
@@ -128,14 +130,29 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         return ImageOutput(self._picture(info, recipe, unit.name, band_um, spectral=spectral))
 
     def of_samples(self, held: HeldSamples, node: str) -> ImageOutput:
-        """The picture of samples in memory: that of a file which says no more of them."""
+        """The picture of samples in memory: that of a file which says no more of them.
+
+        Raises
+        ------
+        ParameterError
+            `bands` does not go with the samples.
+        """
         info = held.info
+        cube = info.wavelengths_um is not None
+        if cube != (self.bands == "all"):
+            allowed = "all, of an array with bands" if cube else "one, of an array without bands"
+            raise ParameterError("bands", self.bands, allowed)
+        if cube:
+            unit = spectral_unit(info, typed=self.unit, scale=self.scale)
+            stack = HeldBands.of(
+                held, unit=unit, scale=self.scale, interval_um=self._stated_band(), node=node
+            )
+            return ImageOutput(self._in_bands(info, stack))
         checked_band(self.band, 1, info.path)
-        unit = sample_unit(info, typed=self.unit, scale=self.scale, integrated=False)
-        recipe = held.step(scale=self.scale * unit.factor, node=node)
-        return ImageOutput(
-            self._picture(info, recipe, unit.name, self._stated_band(), spectral=False)
-        )
+        single = sample_unit(info, typed=self.unit, scale=self.scale, integrated=False)
+        recipe = held.step(scale=self.scale * single.factor, node=node)
+        band_um = self._stated_band()
+        return ImageOutput(self._picture(info, recipe, single.name, band_um, spectral=False))
 
     def _picture(
         self,
@@ -181,6 +198,9 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
             missing=self.missing,
             node=node,
         )
+        return self._in_bands(info, stack)
+
+    def _in_bands(self, info: PictureInfo, stack: BandStack) -> Image:
         fov_x_deg = self.fov_x_deg or info.fov_x_deg
         fov_y_deg = self.fov_y_deg or info.fov_y_deg
         return Image(
@@ -189,7 +209,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
             info.columns,
             _interval("fov_x_deg", fov_x_deg, info.columns),
             _interval("fov_y_deg", fov_y_deg, info.rows),
-            unit=DEFAULT_UNIT if unit is not None else info.unit or self.unit,
+            unit=DEFAULT_UNIT if stack.density else info.unit or self.unit,
             band_um=stack.band_um,
             header=Header(
                 fov_x_deg,

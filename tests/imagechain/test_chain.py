@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -257,6 +258,36 @@ def test_macros_expressions_and_bands_pass_through():
     truth = blurred.with_({"blur.sigma_x_mrad": 0.1, "blur.sigma_y_mrad": 0.3}).run()
     assert blurred.run().image().tobytes() == truth.image().tobytes()
     assert pickle.loads(pickle.dumps(blurred)).run().image().tobytes() == truth.image().tobytes()
+
+
+def test_a_cube_from_an_array_is_that_of_a_file(tmp_path, monkeypatch):
+    xarray = pytest.importorskip("xarray")
+    monkeypatch.chdir(tmp_path)
+    cube = np.random.default_rng(2).random((5, 8, 9))
+    waves = np.array([3.1, 3.4, 3.9, 4.2, 4.8])
+    chain = ic.Chain(seed=1)
+    part = ic.scene(cube, wavelengths_um=waves, fov_x_deg=1, fov_y_deg=1, band_um=(3.3, 4.9))
+    chain.add(part)
+    picture = chain.run(precision="double").picture()
+    # Trapezoids about each band; the second is cut at 3.3 µm, the last at 4.9 µm.
+    edges = np.array([3.3, 3.65, 4.05, 4.5, 4.9])
+    truth = np.tensordot(np.diff(edges), cube[1:], 1)
+    np.testing.assert_allclose(picture.samples, truth, rtol=1e-12)
+    assert picture.wavelengths_um[1:3] == (3.9, 4.2)
+    np.testing.assert_allclose(picture.cube(), cube[1:], rtol=1e-15)
+    chain.save("cube.json")
+    read = ic.open("cube.json").run(precision="double")
+    assert read.image().tobytes() == picture.samples.tobytes()
+    assert ic.open("cube.json").get("scene.path") == Path("cube_scene.img")
+    array = picture.to_xarray(bands=True)
+    assert (array.dims, array.attrs["units"]) == (("wavelength", "y", "x"), "W/m²/sr/µm")
+    again = ic.scene(array.transpose("x", "y", "wavelength"))
+    np.testing.assert_array_equal(again.samples.samples, picture.cube())
+    assert again.samples.wavelengths_um == picture.wavelengths_um
+    with pytest.raises(ic.DataError, match="wavelengths_um has 4 numbers for 5 bands"):
+        ic.scene(cube, wavelengths_um=waves[1:])
+    with pytest.raises(ic.DataError, match="has no wavelengths"):
+        ic.scene(xarray.DataArray(cube, dims=("band", "y", "x")))
 
 
 def test_runs_from_several_threads_at_once():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,44 @@ from core.threads import ForEach, in_turn
 from nodes.files.headers.envi_header import EnviLayout
 
 Array = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class CubeInMemory:
+    """Samples (bands, rows, columns) that are read as those of a file are."""
+
+    samples: Array
+    interleave: str = "bsq"
+    missing: np.generic | None = None
+
+    @property
+    def bands(self) -> int:
+        """Number of bands."""
+        return int(self.samples.shape[0])
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return int(self.samples.shape[1])
+
+    @property
+    def columns(self) -> int:
+        """Number of columns."""
+        return int(self.samples.shape[2])
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Type of the samples."""
+        return self.samples.dtype
+
+
+Layout = EnviLayout | CubeInMemory
 _BLOCK_BYTES = 1 << 21  # of samples as the file has them, so that they stay in a core's cache
 _PIECE = 1 << 13  # samples of one matrix product: a larger one would start threads of its own
 
 
 def weighted_sums(
-    layout: EnviLayout,
+    layout: Layout,
     weights: NDArray[np.float64],
     *,
     dtype: np.dtype[Any],
@@ -29,8 +62,8 @@ def weighted_sums(
 
     Parameters
     ----------
-    layout : EnviLayout
-        Of the file.
+    layout : EnviLayout or CubeInMemory
+        The cube.
     weights : ndarray, (sums, bands)
         Bands whose weights are all 0 are not read where they lie by themselves.
     dtype : dtype
@@ -91,7 +124,7 @@ def _multiply(stored: Array, bands: slice, factors: Array, sums: Array, order: s
 
 
 def band_totals(
-    layout: EnviLayout, *, for_each: ForEach = in_turn
+    layout: Layout, *, for_each: ForEach = in_turn
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Sum of every band's finite samples, and their number."""
     blocks = list(row_blocks(layout, layout.bands))
@@ -110,7 +143,7 @@ def band_totals(
     return totals.sum(axis=0), counts.sum(axis=0)
 
 
-def mean_spectrum(layout: EnviLayout, rows: slice, columns: slice) -> NDArray[np.float64]:
+def mean_spectrum(layout: Layout, rows: slice, columns: slice) -> NDArray[np.float64]:
     """Mean of all bands over some samples, (bands,); NaN where one is missing."""
     every = np.arange(layout.bands)
     block = sample_block(layout, rows, every, np.dtype(np.float64))
@@ -118,7 +151,7 @@ def mean_spectrum(layout: EnviLayout, rows: slice, columns: slice) -> NDArray[np
     return np.asarray(samples.mean(axis=(1, 2)))
 
 
-def row_blocks(layout: EnviLayout, bands: int) -> Iterator[slice]:
+def row_blocks(layout: Layout, bands: int) -> Iterator[slice]:
     """Rows that are read at a time where so many bands count."""
     read = bands if layout.interleave == "bsq" else layout.bands
     of_row = layout.columns * read * layout.dtype.itemsize
@@ -127,7 +160,7 @@ def row_blocks(layout: EnviLayout, bands: int) -> Iterator[slice]:
         yield slice(start, min(start + step, layout.rows))
 
 
-def sample_block(layout: EnviLayout, rows: slice, bands: Array, dtype: np.dtype[Any]) -> Array:
+def sample_block(layout: Layout, rows: slice, bands: Array, dtype: np.dtype[Any]) -> Array:
     """Samples of some rows, (bands, rows·columns), NaN where they are missing.
 
     They are read, not mapped: a mapped file that another program cuts short ends the process.
@@ -146,8 +179,10 @@ def sample_block(layout: EnviLayout, rows: slice, bands: Array, dtype: np.dtype[
     return samples
 
 
-def _stored_rows(layout: EnviLayout, rows: slice, bands: Array) -> Array:
+def _stored_rows(layout: Layout, rows: slice, bands: Array) -> Array:
     """Samples of some rows in the file's order; of its bands only these where they lie apart."""
+    if isinstance(layout, CubeInMemory):
+        return layout.samples[bands, rows]
     count = rows.stop - rows.start
     columns, every = layout.columns, layout.bands
     try:
