@@ -22,7 +22,7 @@ from nodes.files.common.picture_info import PictureInfo
 from nodes.files.formats import readable_formats
 from nodes.input_output.file_bands import file_bands
 from nodes.input_output.held_bands import HeldBands
-from nodes.input_output.held_samples import HeldSamples, scaled_array
+from nodes.input_output.held_samples import HeldSamples
 from nodes.input_output.radiance_check import radiance_caution
 from nodes.input_output.sample_unit import DEFAULT_UNIT, sample_unit, spectral_unit
 from nodes.input_output.source_file import Source, count_missing, picture_source, read_step
@@ -299,9 +299,10 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         read = outputs.image.recipe
         if self.missing == "refuse" or not isinstance(read, Step) or self.bands == "all":
             return 0
-        if read.function is scaled_array:  # refuses them when it is made
+        parameters = dict(read.parameters)
+        if "missing" not in parameters:  # samples in memory: an array with any is refused
             return 0
-        return Step.of(count_missing, node=read.node, **dict(read.parameters))
+        return Step.of(count_missing, node=read.node, **parameters)
 
     def _stated_band(self) -> tuple[float, float] | None:
         if self.cut_on_um is None or self.cut_off_um is None:
