@@ -27,7 +27,16 @@ from app.run.responses import mtf_csv
 from app.run.saving import check_suffix, cube_of, is_cube, save_value
 from app.run.sequence import MOST_FRAMES, format_for_frames, save_frames, series_of
 from app.run.shipped import Place, find_network
-from app.run.staging import Staging, check_folder
+from app.run.staging import Staging, check_folder, existing_folder
+from app.run.way_of_running import (
+    WayOfRunning,
+    blocks_of,
+    check_streamed,
+    is_streamed,
+    reduced,
+    way_in_words,
+    way_of_running,
+)
 from core.atomic import write_bytes, write_text
 from core.chain.engine import Engine, Plan
 from core.chain.realize import realize
@@ -77,16 +86,18 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
     library = standard_library()
     place = find_network(options.network)
     network = open_network(place, options, library)
+    policy = policy_of(options)
+    plan = planned(Engine(library, Store(0)), network, place.folder)
+    way = way_of_running(plan, policy, options.memory_bytes)
     # All that a run needs is known and held; reports may need more, and again.
-    engine = Engine(library, None if options.reports else Store(KEPT_BYTES))
-    plan = planned(engine, network, place.folder)
+    engine = Engine(library, way.store(None if options.reports else Store(KEPT_BYTES)))
     folder = options.output_dir or Path(f"{place.name}-output")
     check_folder(folder)
     rules = write_rules(options, place, folder)
     with Staging(folder, [place.path, *input_files(plan, place.folder)]) as staging:
         with Progress(len(plan.nodes)) as progress:
-            work = TimedWork(policy_of(options), engine.store, progress, cancel)
-            stage = Stage(folder, staging, rules)
+            work = TimedWork(policy, engine.store, progress, cancel)
+            stage = Stage(folder, staging, rules, way=way)
             evaluation, skipped = stage.prepare(engine, plan, work, options, start=start)
         work.check()
         too_late(cancel)
@@ -112,6 +123,8 @@ class Stage:
         Called with the number of frames written, after each.
     look : callable, optional
         Called with the evaluation while its pictures are held.
+    way : WayOfRunning, optional
+        In memory or in blocks, as it was chosen.
     """
 
     folder: Path
@@ -119,6 +132,7 @@ class Stage:
     rules: WriteRules
     done: Callable[[int], None] | None = None
     look: Callable[[Evaluation], object] | None = None
+    way: WayOfRunning | None = None
 
     def prepare(
         self, engine: Engine, plan: Plan, work: TimedWork, options: Options, *, start: float
@@ -131,13 +145,21 @@ class Stage:
             The first fault.
         """
         staging, place = self.staging, plan.folder
-        writers = _claim(plan, options, staging)
+        way = self.way or WayOfRunning(None, None)
+        writers = _claim(plan, options, staging, way)
         _claim_guarded(own_files(plan, self.folder), sink_targets(plan, place), self.rules, staging)
         work.check()
         ports = [port for _, port, _ in writers]
-        with work.hold(needed_later(plan, ports, report=bool(options.reports))):
+        how: dict[str, Any] = {"ports": ports, "report": bool(options.reports)}
+        scratch = options.scratch or existing_folder(self.folder)
+        with (
+            blocks_of(way, engine, plan, work.policy, scratch=scratch, **how) as work.blocks,
+            work.hold(needed_later(plan, **how)),
+        ):
             evaluation = evaluate(engine, plan, work, place)
             evaluation.seconds["total"] = time.perf_counter() - start
+            if self.way is not None:
+                evaluation.way.update(way.facts(work.blocks))
             _write(evaluation, writers, self, options.frames)
             if self.look is not None:
                 self.look(evaluation)
@@ -202,7 +224,9 @@ def input_files(plan: Plan, folder: Path) -> list[Path]:
     return files
 
 
-def _claim(plan: Plan, options: Options, staging: Staging) -> list[tuple[Path, str, Region | None]]:
+def _claim(
+    plan: Plan, options: Options, staging: Staging, way: WayOfRunning
+) -> list[tuple[Path, str, Region | None]]:
     """Reserve early what will be written; gives the ``--save`` files, each with port and region."""
     saves, files = [], []
     if options.frames is not None and not 1 <= options.frames <= MOST_FRAMES:
@@ -210,8 +234,10 @@ def _claim(plan: Plan, options: Options, staging: Staging) -> list[tuple[Path, s
     for save in options.saves:
         path, value = Path(save.text), _port_value(plan, save.node, save.name)
         region = _region(save, value)
-        if options.frames is not None and isinstance(value, Image):
-            files.append((path, *_frames(save.port, value, path, options, region)))
+        on_disk = way.on_disk(value, policy_of(options))
+        frames = _number_of_frames(value, path, options.frames, on_disk=on_disk)
+        if frames is not None:
+            files.append((path, *_frames(save.port, value, path, options, frames, region)))
         elif is_cube(value, path):
             files.append((path, *_bands(value, path, options, region)))
         else:
@@ -222,16 +248,27 @@ def _claim(plan: Plan, options: Options, staging: Staging) -> list[tuple[Path, s
         if kind.beside is not None:
             staging.claim(header_beside_frames(path))
     refuse_without_room(files)
+    for path, port, _ in saves:
+        value = plan.output(port)
+        if way.on_disk(value, policy_of(options)):
+            check_streamed(port, value, path, options.frames)
     for path in options.reports:
         staging.claim(path)
     return saves
 
 
 def _frames(
-    port: str, image: Image, path: Path, options: Options, region: Region | None
+    port: str, image: Image, path: Path, options: Options, frames: int, region: Region | None
 ) -> tuple[FrameFormat, FrameSeries]:
     kind, policy = format_for_frames(port, path), policy_of(options)
-    return kind, series_of(image, kind, policy, frames=options.frames or 1, region=region)
+    return kind, series_of(image, kind, policy, frames=frames, region=region)
+
+
+def _number_of_frames(value: Any, path: Path, frames: int | None, *, on_disk: bool) -> int | None:
+    """Frames that a port is written as; None where it is written in another way."""
+    if not isinstance(value, Image):
+        return None
+    return 1 if frames is None and is_streamed(value, path, on_disk=on_disk) else frames
 
 
 def _bands(
@@ -323,6 +360,8 @@ def _write_beside(
     """Write the header of frames or bands that have one in a file of its own."""
     path, port, region = save
     image = evaluation.plan.output(port)
+    on_disk = _is_on_disk(image, evaluation.work)
+    frames = _number_of_frames(image, path, frames, on_disk=on_disk)
     if frames is None and is_cube(image, path):
         cube = cube_of(image, evaluation.work.policy, region)
         staging.write(header_beside_frames(path), cube.write_header)
@@ -362,6 +401,7 @@ def _save(
 ) -> None:
     value = evaluation.plan.output(port)
     (frames, done), work = counted, evaluation.work
+    frames = _number_of_frames(value, path, frames, on_disk=_is_on_disk(value, work))
     try:
         if frames is not None and isinstance(value, Image):
             save_frames(value, path, work, port=port, frames=frames, region=region, done=done)
@@ -369,6 +409,10 @@ def _save(
             save_value(value, path, work, port=port, region=region)
     except ImagechainError as error:
         raise error.at(port.rpartition(".")[0]) from error
+
+
+def _is_on_disk(value: Any, work: TimedWork) -> bool:
+    return work.blocks is not None and isinstance(value, Image) and value.key in work.blocks.shapes
 
 
 def sink_files(evaluation: Evaluation) -> list[tuple[str, Path, Callable[[Path], None]]]:
@@ -395,6 +439,7 @@ def sink_files(evaluation: Evaluation) -> list[tuple[str, Path, Callable[[Path],
 def _final_png(evaluation: Evaluation, port: str, path: Path) -> None:
     samples = realize(evaluation.plan.output(port), evaluation.work)
     check_finite(samples, port)
+    samples = reduced(samples, evaluation.work)
     write_bytes(path, encode_png(grey_levels(*robust_limits(samples), samples)))
 
 
@@ -427,6 +472,8 @@ def _print(
         print(in_line(f"no {FINAL}: {how_to_choose(output) or output.missing}"))
     if evaluation.chain.missing and evaluation.chain.grid is not None:
         print(in_line(f"no total in {MTF}: {evaluation.chain.missing}"))
+    if evaluation.way.get("way") == "in blocks" or options.memory_bytes is not None:
+        print(in_line(way_in_words(evaluation.way)))
     others = [
         *(save.text for save in options.saves),
         *map(str, options.reports),

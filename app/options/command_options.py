@@ -30,6 +30,7 @@ from app.options.option_values import (
     output_path,
     report_path,
     save_target,
+    size_in_bytes,
     tolerance,
     transfer_path,
     whole_number,
@@ -71,6 +72,8 @@ class Options:
     allowed: tuple[Path, ...] = ()
     reports: tuple[Path, ...] = ()
     frames: int | None = None
+    memory_bytes: int | None = None
+    scratch: Path | None = None
     vary: tuple[str, ...] = ()
     figures: tuple[str, ...] = ()
     outputs: tuple[Path, ...] = ()
@@ -200,6 +203,8 @@ def parse(argv: list[str]) -> Options:
         saves=tuple(save_target(text) for text in arguments.save),
         reports=tuple(report_path(text) for text in arguments.report),
         frames=whole_number("--frames", arguments.frames),
+        memory_bytes=size_in_bytes("--memory", arguments.memory),
+        scratch=file_path("--scratch", arguments.scratch),
         **_places(arguments),
         **common,
     )

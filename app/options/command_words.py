@@ -132,6 +132,20 @@ def run_words(parser: argparse.ArgumentParser) -> None:
     )
     place_words(parser)
     add(
+        "--memory",
+        action=Once,
+        metavar="SIZE",
+        help="what pictures may take, such as 2GB or 500MB (default: half of what the process may "
+        "use); a network that would take more runs in blocks, its pictures on disk, with the same "
+        "results",
+    )
+    add(
+        "--scratch",
+        action=Once,
+        metavar="DIR",
+        help="where pictures lie that memory is not to hold (default: beside the output)",
+    )
+    add(
         "--report",
         action="append",
         default=[],

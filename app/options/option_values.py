@@ -21,6 +21,8 @@ TRANSFERS = (CSV, JSON)
 OUTPUTS = (CSV, JSON, PNG, HTML)
 _LONGEST_NUMBER = 20
 _BOUNDS = re.compile(r"([0-9]{0,18}):([0-9]{0,18}),([0-9]{0,18}):([0-9]{0,18})", re.ASCII)
+_SIZE = re.compile(r"([0-9]{1,18}(?:\.[0-9]{1,18})?) ?([kKmMgGtT]?[bB])", re.ASCII)
+_UNITS = {"b": 1.0, "kb": 1e3, "mb": 1e6, "gb": 1e9, "tb": 1e12}
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
 
 
@@ -163,6 +165,23 @@ def tolerance(text: str | None) -> float | None:
 
 def _or(words: tuple[str, ...]) -> str:
     return ", ".join(words[:-1]) + " or " + words[-1]
+
+
+def size_in_bytes(option: str, text: str | None) -> int | None:
+    """An amount of memory, None if not given.
+
+    Raises
+    ------
+    UsageError
+        If it is none, or less than 1 kB.
+    """
+    if text is None:
+        return None
+    size = _SIZE.fullmatch(text.strip())
+    bytes_of = 0.0 if size is None else float(size[1]) * _UNITS[size[2].lower()]
+    if not 1e3 <= bytes_of <= 1e18:
+        raise UsageError(f"{option} {text!r:.80}: give a size such as 2GB or 500MB, 1kB or more")
+    return int(bytes_of)
 
 
 def window_size(option: str, text: str | None) -> tuple[int, int] | None:

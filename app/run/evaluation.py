@@ -24,6 +24,7 @@ from core.evaluation.work import Work
 from core.modules.caution import Caution, PendingCheck
 from core.network.network import Network
 from core.network.validation import NetworkProblems
+from core.scratch.block_run import BlockRun
 from nodes.files.read import check_finite
 
 Readouts = dict[str, dict[str, Any]]
@@ -38,8 +39,9 @@ class TimedWork(Work):
         store: Store,
         progress: Callable[[str | None], None] | None = None,
         cancel: threading.Event | None = None,
+        blocks: BlockRun | None = None,
     ) -> None:
-        super().__init__(policy, store, cancel, progress)
+        super().__init__(policy, store, cancel, progress, blocks=blocks)
         self.seconds: dict[str, float] = {}
         self._lock = threading.Lock()
         self._local = threading.local()
@@ -72,6 +74,8 @@ class Evaluation:
     cautions: tuple[Caution, ...]
     folder: Path
     seconds: dict[str, float] = field(default_factory=dict)
+    way: dict[str, Any] = field(default_factory=dict)
+    """In memory or in blocks, and why; empty where nothing was chosen."""
 
     @property
     def network(self) -> Network:
@@ -106,31 +110,19 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
     """
     start = time.perf_counter()
     chain = find_chain(plan)
-    sources = {port: asked_for(plan.output(port)) for port in source_images(plan)}
-    outputs = {
-        port: asked_for(plan.nodes[port[0]].outputs.get(port[1]))
-        for port in plan.network.unlinked_outputs(engine.library)
-    }
-    figures = {
-        name: _recipes(engine.planned_readouts(plan, name))
-        for name, node in plan.nodes.items()
-        if not node.node.disabled and node.declaration.readouts
-    }
-    final = asked_for(plan.output(chain.final)) if chain.final is not None else ()
-    checks = [check.recipe for check in plan.checks() if isinstance(check, PendingCheck)]
-    groups = [*sources.values(), *outputs.values(), *figures.values(), final, checks]
-    with work.hold([recipe for group in groups for recipe in group]) as held:
-        for port, recipes in sources.items():
+    read = _Read.of(engine, plan, chain.final)
+    with work.hold(read.recipes) as held:
+        for port, recipes in read.sources.items():
             _check_source(plan, port, work)
             held.release(recipes)
         checked = time.perf_counter()
         cautions = tuple(engine.warnings(plan, work))
-        held.release(checks)
-        for (name, output), recipes in outputs.items():
+        held.release(read.checks)
+        for (name, output), recipes in read.outputs.items():
             _evaluate_output(plan, name, output, work)
             held.release(recipes)
         readouts = {}
-        for name, recipes in figures.items():
+        for name, recipes in read.figures.items():
             readouts[name] = engine.readouts(plan, name, work)
             held.release(recipes)
         chain_responses = responses(chain, work)
@@ -140,6 +132,47 @@ def evaluate(engine: Engine, plan: Plan, work: TimedWork, folder: Path) -> Evalu
     return Evaluation(
         plan, engine, work, chain, chain_responses, readouts, cautions, folder, seconds
     )
+
+
+@dataclass(frozen=True)
+class _Read:
+    """The recipes whose values an evaluation reads, by what they are read for."""
+
+    sources: dict[str, tuple[Recipe, ...]]
+    outputs: dict[tuple[str, str], tuple[Recipe, ...]]
+    figures: dict[str, tuple[Recipe, ...]]
+    final: tuple[Recipe, ...]
+    checks: tuple[Recipe, ...]
+
+    @classmethod
+    def of(cls, engine: Engine, plan: Plan, final: str | None) -> _Read:
+        """Of a network that delivers the picture of a port, if any."""
+        return cls(
+            {port: asked_for(plan.output(port)) for port in source_images(plan)},
+            {
+                port: asked_for(plan.nodes[port[0]].outputs.get(port[1]))
+                for port in plan.network.unlinked_outputs(engine.library)
+            },
+            {
+                name: _recipes(engine.planned_readouts(plan, name))
+                for name, node in plan.nodes.items()
+                if not node.node.disabled and node.declaration.readouts
+            },
+            asked_for(plan.output(final)) if final is not None else (),
+            tuple(check.recipe for check in plan.checks() if isinstance(check, PendingCheck)),
+        )
+
+    @property
+    def recipes(self) -> list[Recipe]:
+        """All of them."""
+        by_port = (self.sources, self.outputs, self.figures)
+        groups = [group for groups in by_port for group in groups.values()]
+        return [recipe for group in (*groups, self.final, self.checks) for recipe in group]
+
+
+def read_by_evaluation(engine: Engine, plan: Plan) -> list[Recipe]:
+    """All whose values `evaluate` reads."""
+    return _Read.of(engine, plan, find_output(plan).port).recipes
 
 
 def needed_later(plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recipe]:

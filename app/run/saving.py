@@ -49,12 +49,11 @@ def check_suffix(port: str, value: Any, path: Path) -> None:
     elif isinstance(value, Curve):
         allowed = _CURVES
     if ENVI_FRAMES.matches(path):
-        if isinstance(value, Image) and value.bands is not None:
+        if isinstance(value, Image):
             return
         words = " ".join(ENVI_FRAMES.suffixes)
         raise UsageError(
-            f"--save {port}={path}: bands and frames alone are written as {words}, and no bands "
-            "are on this port: give --frames"
+            f"--save {port}={path}: pictures and their bands alone are written as {words}"
         )
     if not any(file_format.matches(path) for file_format in allowed):
         words = " ".join(suffixes(*allowed))

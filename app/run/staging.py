@@ -231,6 +231,11 @@ class Staging:
                 sweep(folder)
 
 
+def existing_folder(folder: Path) -> Path:
+    """A folder, or the nearest one above it that exists; links followed."""
+    return _existing(real_target(folder))
+
+
 def check_folder(folder: Path) -> None:
     """Refuse an output folder that is none, or that cannot be made or written to.
 

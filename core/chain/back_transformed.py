@@ -211,6 +211,17 @@ class Delivered(Recipe):
         """Half of the inverse transform serves a region as well."""
         return self.sampled is None or self.sampled.folds
 
+    @property
+    def by_rows(self) -> bool:
+        """Half of the inverse transform is the whole picture's: blocks would repeat it."""
+        return False
+
+    @property
+    def in_blocks(self) -> bool:
+        """A frame of one source, filtered as one picture, by passes over rows and columns."""
+        single = self.weights is None or not self.filtered_sum.factors
+        return self.one_source and single and (self.sampled is None or self.sampled.folds)
+
     def share(self, region: Region, shape: tuple[int, int]) -> float:
         """All of the first half; of the second the columns if mirrored, else the rows."""
         part = region.columns / shape[1] if self.mirrored else region.rows / shape[0]

@@ -80,6 +80,16 @@ class Recipe(ABC):
         """Whether a region of the picture can be made without the rest."""
         return False
 
+    @property
+    def by_rows(self) -> bool:
+        """Whether a block of rows takes no more than its share of the whole picture's work."""
+        return self.in_parts
+
+    @property
+    def in_blocks(self) -> bool:
+        """Whether pictures of any size go in and out: it holds blocks of those on disk alone."""
+        return self.by_rows
+
     def compute_part(self, work: Evaluation, region: Region) -> Any:
         """Make a region, bit-identical to the whole; by default cut from it."""
         return region.cut(work.value(self))
@@ -156,6 +166,12 @@ class Step(Recipe):
         """Whether the function is marked so, by `in_parts` or `pointwise`."""
         return hasattr(self.function, "part")
 
+    @property
+    def in_blocks(self) -> bool:
+        """Whether its parts are made by themselves, or the function is marked by `in_blocks`."""
+        able: Callable[..., bool] | None = getattr(self.function, "in_blocks", None)
+        return super().in_blocks if able is None else able(**dict(self.parameters))
+
     def compute_part(self, work: Evaluation, region: Region) -> Any:
         """Call the function's part, which takes what it needs of the inputs."""
         make: Callable[..., Any] = self.function.part  # type: ignore[attr-defined]
@@ -205,6 +221,24 @@ def pointwise(function: F) -> F:
         return function(work, *work.parts(inputs, region), **parameters)
 
     return in_parts(part)(function)
+
+
+def in_blocks(able: Callable[..., bool] = lambda **_: True) -> Callable[[F], F]:
+    """Mark a step's function that takes and makes pictures that lie on disk, as `Work.empty` does.
+
+    Of those it holds blocks alone: they may be larger than memory.
+
+    Parameters
+    ----------
+    able : callable, optional
+        Called with the step's parameters: whether it does so with them.
+    """
+
+    def mark(function: F) -> F:
+        function.in_blocks = able  # type: ignore[attr-defined]
+        return function
+
+    return mark
 
 
 def whole_numbers(function: F) -> F:

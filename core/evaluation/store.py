@@ -13,10 +13,13 @@ from typing import Any
 import numpy as np
 
 from core.memory import store_bytes
+from core.scratch.scratch_disk import is_on_disk
 
 
 def size_in_bytes(value: object) -> int:
-    """Bytes a value keeps alive, nearly: arrays count, and containers of arrays."""
+    """Bytes of memory a value keeps alive, nearly: arrays count, and containers of arrays."""
+    if is_on_disk(value):
+        return 64
     if isinstance(value, np.ndarray):
         return int(value.nbytes)
     if isinstance(value, tuple | list):
@@ -182,8 +185,11 @@ class Store:
             self._make_room()
 
     def _keep(self, key: str, value: Any, size: int) -> None:
-        """Take in a value that is not pinned; one too large leaves the others alone."""
-        if size <= self.capacity_bytes:
+        """Take in a value that is not pinned; one too large leaves the others alone.
+
+        Nor does one on disk stay: there it would never be too much.
+        """
+        if size <= self.capacity_bytes and not is_on_disk(value):
             self._values[key] = (value, size)
             self._bytes += size
             self._make_room()

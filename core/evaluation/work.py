@@ -19,6 +19,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.evaluation.store import Store
+from core.scratch.block_run import BlockRun
 from core.threads import Workers
 
 Progress = Callable[[str | None], None]
@@ -41,6 +42,8 @@ class Work:
         Called with a node's id whenever one of its recipes is about to be computed.
     workers : Workers, optional
         Threads to work in; may be shared like the store.
+    blocks : BlockRun, optional
+        Which pictures lie on disk, and where; without it all of them are in memory.
     """
 
     def __init__(
@@ -50,8 +53,10 @@ class Work:
         cancel: threading.Event | None = None,
         progress: Progress | None = None,
         workers: Workers | None = None,
+        blocks: BlockRun | None = None,
     ) -> None:
         self.policy = policy
+        self.blocks = blocks
         self._workers = workers if workers is not None else Workers()
         self.store = store
         self.log = EvaluationLog()
@@ -148,6 +153,31 @@ class Work:
         by_index = {index: self.part(recipes[index], region) for index in order}
         return [by_index[index] for index in range(len(recipes))]
 
+    def empty(self, shape: tuple[int, ...], dtype: Any = None) -> Any:
+        """An array to be filled in, of the policy's type if none is given.
+
+        It lies on disk where the run is in blocks and memory is not to hold it.
+        """
+        dtype = self.policy.dtype if dtype is None else dtype
+        if self.blocks is not None and self.blocks.disk.wants(shape, dtype):
+            return self.blocks.disk.empty(shape, dtype)
+        return np.empty(shape, dtype)
+
+    def strips(self, shape: tuple[int, int], dtype: Any = None) -> Any:
+        """The same for what is written by rows and read by columns: a `StripArray` on disk."""
+        dtype = self.policy.dtype if dtype is None else dtype
+        if self.blocks is not None and self.blocks.disk.wants(shape, dtype):
+            return self.blocks.disk.strips(shape, dtype)
+        return np.empty(shape, dtype)
+
+    def row_slabs(self, picture: Any) -> list[slice]:
+        """Blocks of rows to go through a picture: all of it at once where it is in memory."""
+        rows = len(picture)
+        if self.blocks is None or not self.blocks.disk.wants(picture.shape, picture.dtype):
+            return [slice(0, rows)]
+        step = self.blocks.disk.slab_rows(picture.shape[1], picture.dtype.itemsize)
+        return [slice(top, min(top + step, rows)) for top in range(0, rows, step)]
+
     def check(self) -> None:
         """Raise `Cancelled` if the caller has requested a stop."""
         if self._cancel is not None and self._cancel.is_set():
@@ -174,14 +204,14 @@ class Work:
 
     def _make_first(self, recipe: Recipe) -> None:
         """Make all that the recipe is made of and that is not there, the furthest first."""
-        path = [(recipe, iter(recipe.first(self)))]
+        path = [(recipe, iter(self._first(recipe)))]
         try:
             while path:
                 current, coming = path[-1]
                 fresh = next((one for one in coming if not self.has(one)), None)
                 if fresh is not None:
                     self._claims.begin(fresh)
-                    path.append((fresh, iter(fresh.first(self))))
+                    path.append((fresh, iter(self._first(fresh))))
                     continue
                 if len(path) > 1:
                     self.log.requested[current.key] = current
@@ -196,6 +226,48 @@ class Work:
         finally:
             for current, _ in path[1:]:
                 self._claims.settle(current)
+
+    def _first(self, recipe: Recipe) -> tuple[Recipe, ...]:
+        """What has to be there before; of a picture in slabs, what these are not made of by rows.
+
+        The pictures between are then never whole.
+        """
+        if self.blocks is None or self.blocks.slabs_of(recipe) is None:
+            return recipe.first(self)
+        needed: dict[str, Recipe] = {}
+        waiting, passed = [recipe], {recipe.key}
+        while waiting:
+            for one in waiting.pop().inputs:
+                if one.key in passed:
+                    continue
+                passed.add(one.key)
+                if one.by_rows and not self.has(one):
+                    waiting.append(one)
+                else:
+                    needed[one.key] = one
+        return tuple(needed.values())
+
+    def _in_slabs(self, recipe: Recipe, shape: tuple[int, int]) -> Any:
+        """A picture on disk, made by blocks of rows."""
+        assert self.blocks is not None
+        step = self.blocks.disk.slab_rows(shape[1], 8)
+        nested = self._nested
+        outside = getattr(nested, "parts", 0), getattr(nested, "pinned", [])
+        made: Any = None
+        for top in range(0, shape[0], step):
+            self.check()
+            region = Region(top, 0, min(step, shape[0] - top), shape[1])
+            nested.parts, nested.pinned = 1, []
+            try:
+                slab = recipe.compute_part(self, region)
+            finally:
+                for key in nested.pinned:  # what the slab is made of goes with it
+                    self.store.unpin(key)
+                nested.parts, nested.pinned = outside
+            if made is None:
+                made = self.blocks.disk.empty(shape, slab.dtype)
+            made[region.top : region.bottom] = slab
+        return made
 
     @contextmanager
     def _part_held(self, recipe: Recipe, region: Region, depth: int) -> Iterator[str]:
@@ -226,6 +298,9 @@ class Work:
             with watched(recipe.node):
                 if region is not None:
                     return recipe.compute_part(self, region)
+                shape = None if self.blocks is None else self.blocks.slabs_of(recipe)
+                if shape is not None:
+                    return self._in_slabs(recipe, shape)
                 return recipe.compute(self)
         except ImagechainError as error:
             if recipe.node is None:

@@ -15,6 +15,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from core.evaluation.work import Work
+from core.scratch.strip_array import StripArray
 
 Array = NDArray[Any]
 Kind = Literal["dct", "idct", "dst", "idst"]
@@ -49,17 +50,26 @@ def transform_rows(work: Work, values: Array, kind: Kind) -> None:
     work.for_each(one, row_blocks(values.shape))
 
 
-def transform_columns(work: Work, values: Array, kind: Kind, width: int | None = None) -> None:
+def transform_columns(
+    work: Work, values: Array | StripArray, kind: Kind, width: int | None = None
+) -> None:
     """Transform every column, or the first `width`, in place; see `transform_rows`."""
-    rows, columns = values.shape
-    columns = columns if width is None else width
-    step = max(LEAST_COLUMNS, min(BLOCK_SAMPLES // rows, -(-columns // LEAST_BLOCKS)))
 
-    def one(start: int) -> None:
-        block = values[:, start : min(start + step, columns)]
+    def one(block: Array) -> None:
         block[...] = transform_block(np.ascontiguousarray(block), kind, axis=0)
 
-    work.for_each(one, range(0, columns, step))
+    if isinstance(values, StripArray):
+        for _, strip in values:
+            work.for_each(one, column_blocks(strip))
+        return
+    work.for_each(one, column_blocks(values if width is None else values[:, :width]))
+
+
+def column_blocks(values: Array) -> list[Array]:
+    """Views of blocks of columns, of a size to be copied together."""
+    rows, columns = values.shape
+    step = max(LEAST_COLUMNS, min(BLOCK_SAMPLES // rows, -(-columns // LEAST_BLOCKS)))
+    return [values[:, start : min(start + step, columns)] for start in range(0, columns, step)]
 
 
 def row_blocks(shape: tuple[int, ...]) -> list[slice]:

@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
 from core.filtering.cosine_transforms import (
+    column_blocks,
     row_blocks,
     transform_block,
     transform_columns,
     transform_rows,
 )
 from core.physics.optics.gaussian import gaussian_mtf
+from core.scratch.strip_array import StripArray
 
 Array = NDArray[Any]
 
@@ -44,9 +46,13 @@ def local_mean(work: Work, image: Array, *, sigma_px: float) -> Array:
     """
     dtype = work.policy.dtype
     if sigma_px == 0:
-        return image.astype(dtype)
+        same: Array = work.empty(image.shape)
+        same[...] = image
+        return same
     mean = float(np.mean(image))
     along, across = (_response(size, sigma_px, dtype) for size in image.shape)
+    if work.blocks is not None and work.blocks.disk.wants(image.shape, dtype):
+        return _from_disk(work, image, mean, along, across)
     values = np.empty(image.shape, dtype)
 
     def spread(rows: slice) -> None:
@@ -65,6 +71,37 @@ def local_mean(work: Work, image: Array, *, sigma_px: float) -> Array:
     require_finite(values)
     values += dtype.type(mean)
     return values
+
+
+def _from_disk(work: Work, image: Array, mean: float, along: Array, across: Array) -> Array:
+    """The same, the columns that hold something on disk."""
+    dtype, width = work.policy.dtype, len(across)
+    lines = work.strips((image.shape[0], width))
+    made: Array = work.empty(image.shape)
+
+    def spread(rows: slice) -> None:
+        part = transform_block(np.subtract(image[rows], mean, dtype=dtype), "dct", axis=1)
+        lines[rows] = part[:, :width] * across
+
+    def blur(block: Array) -> None:
+        values = transform_block(np.ascontiguousarray(block), "dct", axis=0)
+        values[: len(along)] *= along[:, np.newaxis]
+        values[len(along) :] = 0
+        block[...] = transform_block(values, "idct", axis=0)
+
+    def gather(rows: slice) -> None:
+        part = np.zeros((len(image[rows]), image.shape[1]), dtype)
+        part[:, :width] = lines[rows]
+        part = transform_block(part, "idct", axis=1)
+        require_finite(part)
+        part += dtype.type(mean)
+        made[rows] = part
+
+    work.for_each(spread, row_blocks(image.shape))
+    for strip in lines.strips if isinstance(lines, StripArray) else [lines]:
+        work.for_each(blur, column_blocks(strip))
+    work.for_each(gather, row_blocks(image.shape))
+    return made
 
 
 def _response(size: int, sigma_px: float, dtype: np.dtype[Any]) -> Array:

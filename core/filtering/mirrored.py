@@ -24,8 +24,15 @@ from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
-from core.filtering.cosine_transforms import Kind, row_blocks, transform_block, transform_columns
+from core.filtering.cosine_transforms import (
+    Kind,
+    column_blocks,
+    row_blocks,
+    transform_block,
+    transform_columns,
+)
 from core.filtering.mirrored_fold import ColumnFold, alias_rows, mean_kernel
+from core.scratch.strip_array import StripArray
 from core.transfer.grid import Grid
 from core.transfer.planar_blocks import Planes
 from core.transfer.product import Product
@@ -38,7 +45,7 @@ BLOCK_SAMPLES = 1 << 18
 
 @dataclass(frozen=True)
 class MeanFree:
-    """A spectrum without its mean, and the mean."""
+    """A spectrum without its mean, and the mean; on disk its values are a `StripArray`."""
 
     values: Array
     mean: float
@@ -51,10 +58,11 @@ def mirrored_spectrum(work: Work, image: Array) -> MeanFree:
     Whatever the mean's own rounding leaves over stays in the spectrum.
     """
     mean = float(np.mean(image))
-    values = np.empty(image.shape, work.policy.dtype)
+    values = work.strips(image.shape)
 
     def one(rows: slice) -> None:
-        part = np.subtract(image[rows], mean, out=values[rows], dtype=values.dtype)
+        place = values[rows] if isinstance(values, np.ndarray) else None
+        part = np.subtract(image[rows], mean, out=place, dtype=values.dtype)
         values[rows] = transform_block(part, "dct", axis=1)
 
     work.for_each(one, row_blocks(image.shape))
@@ -99,9 +107,16 @@ def mirrored_filter(
     terms = MirroredTerms(work, product, grid, factor_x, factor_y, average)
     whole = Region(0, 0, *terms.shape)
     rows, columns = (region or whole).slices
+    added = spectrum.mean * terms.at_zero()
     total: Array | None = None
     for odd_y in terms.odd_y:
         part = _lines(work, spectrum.values, terms, odd_y, columns)
+        if isinstance(part, StripArray):
+            last = odd_y == terms.odd_y[-1]
+            total = _from_strips(work, part, odd_y, rows, total, added if last else None)
+            if last:
+                return total
+            continue
         transform_columns(work, part, _inverse(odd_y))
         part = part[rows]
         total = part if total is None else np.add(total, part, out=total)
@@ -109,8 +124,38 @@ def mirrored_filter(
     if len(total) != terms.shape[0]:
         total = total.copy()  # lets go of the other rows
     require_finite(total)
-    total += np.asarray(spectrum.mean * terms.at_zero(), total.dtype)
+    total += np.asarray(added, total.dtype)
     return total
+
+
+def _from_strips(
+    work: Work,
+    lines: StripArray,
+    odd_y: bool,
+    rows: slice,
+    total: Array | None,
+    added: float | None,
+) -> Array:
+    """The last transform of lines on disk, and the sum with other terms and the mean."""
+    made = total if total is not None else work.empty((rows.stop - rows.start, lines.shape[1]))
+    for place, strip in lines:
+        target = made[:, place]
+
+        def one(both: tuple[Array, Array]) -> None:
+            block, out = both
+            part = transform_block(np.ascontiguousarray(block), _inverse(odd_y), axis=0)[rows]
+            part = part if total is None else np.add(out, part, out=part)
+            if added is not None:
+                require_finite(part)
+                part += np.asarray(added, part.dtype)
+            out[...] = part
+
+        blocks, left = [], 0
+        for block in column_blocks(strip):
+            blocks.append((block, target[:, left : left + block.shape[1]]))
+            left += block.shape[1]
+        work.for_each(one, blocks)
+    return made
 
 
 class MirroredTerms:
@@ -208,13 +253,17 @@ def _part(response: Array, odd: bool) -> Array:
     return np.imag(response) if odd else np.real(response)
 
 
-def _lines(work: Work, spectrum: Array, terms: MirroredTerms, odd_y: bool, columns: slice) -> Array:
+def _lines(
+    work: Work, spectrum: Array, terms: MirroredTerms, odd_y: bool, columns: slice
+) -> Array | StripArray:
     """Multiply, fold and transform back along x, all in one pass over blocks of output rows.
 
     Of each row those columns are kept.
     """
     rows_out = terms.shape[0]
-    lines = np.empty((rows_out, columns.stop - columns.start), spectrum.dtype)
+    lines: Array | StripArray = work.strips(
+        (rows_out, columns.stop - columns.start), spectrum.dtype
+    )
     height = max(1, BLOCK_SAMPLES // (spectrum.shape[1] * terms.factor_y))
 
     def one(start: int) -> None:

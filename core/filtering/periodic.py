@@ -6,6 +6,7 @@ and −Nyquist, for a separable factor the real part of its axis.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,10 @@ from core.evaluation.float_guard import require_finite
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.region import Region
 from core.evaluation.work import Work
+from core.filtering.cosine_transforms import column_blocks, row_blocks
 from core.filtering.fft_backend import backend, fourier
 from core.filtering.mirrored import BLOCK_SAMPLES, MeanFree
+from core.scratch.strip_array import StripArray
 from core.transfer.grid import Grid
 from core.transfer.planar_blocks import Planes
 from core.transfer.product import Product
@@ -28,6 +31,10 @@ Array = NDArray[Any]
 def periodic_spectrum(work: Work, image: Array) -> MeanFree:
     """Half spectrum (rows, columns // 2 + 1) of the frame less its mean."""
     mean = float(np.mean(image))
+    lines = _strips_of_lines(work, image, mean)
+    if lines is not None:
+        _each_column(work, lines, lambda block: fourier().fft(block, axis=0, overwrite_x=True))
+        return MeanFree(lines, mean)
     values = np.subtract(image, mean, dtype=work.policy.dtype)
     return MeanFree(fourier().rfft2(values, overwrite_x=True, workers=work.policy.workers), mean)
 
@@ -76,13 +83,66 @@ def periodic_filter(
     rows, columns = grid.rows // factor_y, grid.columns // factor_x
     response = PeriodicResponse(work, product, grid, factor_x, factor_y, average)
     direct, turned = _fold(work, spectrum.values, response, factor_x, factor_y)
+    flip = -np.arange(rows) % rows
+    if isinstance(direct, StripArray):
+        if isinstance(turned, StripArray):
+            for target, source in zip(direct.strips, turned.strips, strict=True):
+                np.add(target, source[flip].conj(), out=target)
+        added = spectrum.mean * product.at_zero(work)
+        return _image_of_strips(work, direct, (rows, columns), region, added)
     if turned is not None:
         # An alias beyond Nyquist is the conjugate of the mirrored frequency's value.
-        flip = -np.arange(rows) % rows
         direct += turned[flip].conj()
     image = _inverse(work, direct, (rows, columns), region)
     require_finite(image)
     image += np.asarray(spectrum.mean * product.at_zero(work), image.dtype)
+    return image
+
+
+def _strips_of_lines(work: Work, image: Array, mean: float) -> Any:
+    """The transforms of all rows, on disk; None where they are to be in memory."""
+    kind = np.result_type(work.policy.dtype, np.complex64)
+    half = (image.shape[0], image.shape[1] // 2 + 1)
+    if work.blocks is None or not work.blocks.disk.wants(half, kind):
+        return None
+    lines = work.blocks.disk.strips(half, kind)
+
+    def one(rows: slice) -> None:
+        values = np.subtract(image[rows], mean, dtype=work.policy.dtype)
+        lines[rows] = fourier().rfft(values, axis=1, overwrite_x=True)
+
+    work.for_each(one, row_blocks(image.shape))
+    return lines
+
+
+def _each_column(work: Work, lines: StripArray, transform: Callable[[Array], Array]) -> None:
+    """Transform all columns on disk, in place."""
+
+    def one(block: Array) -> None:
+        block[...] = transform(np.ascontiguousarray(block))
+
+    for _, strip in lines:
+        work.for_each(one, column_blocks(strip))
+
+
+def _image_of_strips(
+    work: Work, lines: StripArray, shape: tuple[int, int], region: Region | None, added: float
+) -> Array:
+    """As `_inverse` and the mean, of a half spectrum on disk, which is overwritten."""
+    how: dict[str, Any] = {"norm": "forward", "overwrite_x": True}
+    _each_column(work, lines, lambda block: fourier().ifft(block, axis=0, **how))
+    rows, columns = (region or Region(0, 0, *shape)).slices
+    image: Array = work.empty((rows.stop - rows.start, columns.stop - columns.start))
+    scale = image.dtype.type(np.longdouble(1) / (shape[0] * shape[1]))
+
+    def one(block: slice) -> None:
+        wanted = slice(rows.start + block.start, min(rows.start + block.stop, rows.stop))
+        part = fourier().irfft(lines[wanted], n=shape[1], axis=1, **how)[:, columns] * scale
+        require_finite(part)
+        part += np.asarray(added, part.dtype)
+        image[block] = part
+
+    work.for_each(one, row_blocks(image.shape))
     return image
 
 
@@ -106,14 +166,20 @@ def _inverse(
 
 
 def _fold(
-    work: Work, spectrum: Array, response: PeriodicResponse, factor_x: int, factor_y: int
-) -> tuple[Array, Array | None]:
+    work: Work,
+    spectrum: Array,
+    response: PeriodicResponse,
+    factor_x: int,
+    factor_y: int,
+) -> tuple[Array | StripArray, Array | StripArray | None]:
     """Multiply and fold: the aliases up to Nyquist, and those beyond it, still unturned."""
     grid = response.grid
     rows, columns = grid.rows // factor_y, grid.columns // factor_x
     width = columns // 2 + 1
-    direct = np.empty((rows, width), spectrum.dtype)
-    turned = np.empty((rows, width), spectrum.dtype) if factor_x > 1 else None
+    direct: Array | StripArray = work.strips((rows, width), spectrum.dtype)
+    turned: Array | StripArray | None = None
+    if factor_x > 1:
+        turned = work.strips((rows, width), spectrum.dtype)
     height = max(1, BLOCK_SAMPLES // (spectrum.shape[1] * factor_y))
 
     def one(start: int) -> None:

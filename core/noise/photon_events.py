@@ -11,6 +11,7 @@ Source: Kingman 1993, Poisson Processes, section 5.1 (displacement theorem); Lew
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -51,6 +52,7 @@ def displaced_events(
     share: float,
     sigma_px: float,
     for_each: ForEach = in_turn,
+    empty: Callable[[tuple[int, ...], np.dtype[Any]], Array] = np.empty,
 ) -> Array:
     """Poisson deviates whose means are `share` of the picture's Gaussian-weighted local mean.
 
@@ -67,6 +69,8 @@ def displaced_events(
         `LARGEST_SIGMA_PX`.
     for_each : callable
         Calls a function on every block: `Work.for_each`.
+    empty : callable
+        Makes the array to be filled in: `Work.empty`.
 
     Returns
     -------
@@ -88,7 +92,8 @@ def displaced_events(
         places_by_block[block] = rows * picture.shape[1] + columns
 
     for_each(one, range(-(-flat.size // BLOCK)))
-    counts = np.zeros(flat.size, picture.dtype)
+    counts = empty((flat.size,), picture.dtype)
+    counts.fill(0)
     for places in places_by_block.values():
         np.add.at(counts, places, picture.dtype.type(1))
     return counts.reshape(picture.shape)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.chain.results import TableData, TableRow
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.lineage.linear_change import LevelChange, Linear
 from core.lineage.step_lineage import picture_step
@@ -25,6 +25,7 @@ Row = tuple[float, ...]
 _LISTED = 21  # wavelengths in the table
 
 
+@in_blocks()
 @ends_lineage
 def scene_temperature(work: Work, samples: Array, *, factor: float, band_um: Band) -> float:
     """Brightness temperature of a picture's mean; `factor` makes W/m²/sr of its samples."""
@@ -83,6 +84,7 @@ class ThroughAir(Linear):
         return power.scaled(work.value(self.over).transmission)
 
 
+@in_blocks()
 @ends_lineage
 def mean_radiance(work: Work, samples: Array) -> float:
     """Mean of the picture before the path."""

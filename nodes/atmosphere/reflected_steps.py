@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.chain.results import TableData, TableRow
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.lineage.linear_change import Linear
@@ -96,16 +96,19 @@ class GreyBands(BandStack):
         return Step.of(_means_there, self.image, node=self.node, white=self.white, region=region)
 
 
+@in_blocks()
 @ends_lineage
 def _means(work: Work, image: Array, *, white: Row) -> Array:
     return np.asarray(float(np.mean(image, dtype=np.float64)) * np.array(white))
 
 
+@in_blocks()
 @ends_lineage
 def _means_there(work: Work, image: Array, *, white: Row, region: Region) -> Array:
     return np.asarray(float(np.mean(region.cut(image), dtype=np.float64)) * np.array(white))
 
 
+@in_blocks()
 @ends_lineage
 def bright_caution(work: Work, image: Array, *, share: float) -> Caution | None:
     """Reflectances above 1; `share` is what one unit of the samples is of 1."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.chain.results import TableData, TableRow
 from core.errors import DataError
-from core.evaluation.recipes import ends_lineage
+from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.lineage.linear_change import LevelChange
 from core.modules.caution import Caution
@@ -121,6 +121,7 @@ class PictureRange:
     high: float
 
 
+@in_blocks()
 @ends_lineage
 def picture_range(work: Work, image: Array) -> PictureRange:
     """Mean (in double) and extremes."""

@@ -14,6 +14,7 @@ from core.evaluation.recipes import (
     Recipe,
     Step,
     ends_lineage,
+    in_blocks,
     in_parts,
     pointwise,
     whole_numbers,
@@ -428,6 +429,7 @@ def saturated_pixels(
     return marked.astype(electrons.dtype)
 
 
+@in_blocks()
 @ends_lineage
 def count_of(work: Work, marked: Array) -> int:
     """How many samples are marked."""

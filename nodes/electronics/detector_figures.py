@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.chain.results import TableData, TableRow
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import ends_lineage
+from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.physics.detector.detectivity import band_d_star, cold_shield_half_angle_deg
 from core.physics.noise.noise_equivalent import (
@@ -54,6 +54,7 @@ class Statistics:
     high: float
 
 
+@in_blocks()
 @ends_lineage
 def statistics(work: Work, image: Array) -> Statistics:
     """Mean (in double) and extremes."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.chain.results import TableData, TableRow
 from core.chain.wires import Image, Platform
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, in_parts, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.filtering.line_filter import filter_lines
@@ -142,6 +142,7 @@ def in_double(work: Work, pattern: Array) -> Array:
     return pattern.astype(np.float64)
 
 
+@in_blocks()
 @ends_lineage
 def value_range(
     work: Work, picture: Array, *, low: float | None, high: float | None
@@ -187,6 +188,7 @@ def quantized(work: Work, picture: Array, limits: tuple[float, float], *, bits: 
     return quantize(picture, bits=bits, low=low, high=high, for_each=work.for_each)
 
 
+@in_blocks()
 @ends_lineage
 def with_quantization(work: Work, table: TableData, final: Array, before: Array) -> TableData:
     """The figures with the rms error of the quantizer."""

@@ -16,7 +16,13 @@ from core.atomic import atomic_file, write_text
 from core.errors import DataError, FileError, ParameterError
 from nodes.files.common.file_format import CSV
 from nodes.files.common.paths import checked_band, first_bytes, readable_file
-from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples, delivered_dtype
+from nodes.files.common.picture_info import (
+    Empty,
+    MetadataValue,
+    PictureInfo,
+    Samples,
+    delivered_dtype,
+)
 from nodes.files.common.size_limits import refuse_oversized, refuse_oversized_text
 
 # numpy evaluates the header as a Python literal, and lets pass whatever that raises.
@@ -32,6 +38,7 @@ _HEADER_FAULTS = (
     tokenize.TokenError,
 )
 _NPY_MAGIC = b"\x93NUMPY"
+_BLOCK_SAMPLES = 1 << 26  # read at a time
 
 
 def is_npy(path: Path) -> bool:
@@ -46,7 +53,7 @@ def read_npy_info(path: str | os.PathLike[str]) -> PictureInfo:
     return _info(file, mapped.shape, mapped.dtype, "npy")
 
 
-def read_npy(path: str | os.PathLike[str], band: int = 0) -> Samples:
+def read_npy(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
     """Read one band of a ``.npy`` file by way of a memory map.
 
     Parameters
@@ -55,6 +62,8 @@ def read_npy(path: str | os.PathLike[str], band: int = 0) -> Samples:
         A file of a real array (rows, columns) or (rows, columns, bands).
     band
         Counted from 0.
+    empty
+        Makes the array to be filled in, perhaps on disk.
 
     Returns
     -------
@@ -72,8 +81,13 @@ def read_npy(path: str | os.PathLike[str], band: int = 0) -> Samples:
     mapped = mapped_npy(file)
     info = _info(file, mapped.shape, mapped.dtype, "npy")
     band = checked_band(band, info.bands, file)
-    samples = mapped if mapped.ndim == 2 else mapped[:, :, band]
-    return np.array(samples, dtype=delivered_dtype(mapped.dtype), order="C")
+    read = empty(mapped.shape[:2], delivered_dtype(mapped.dtype))
+    step = max(1, _BLOCK_SAMPLES // max(1, mapped[:1].size))
+    for top in range(0, len(mapped), step):
+        # Mapped anew each time: what has been read does not stay in the process's memory.
+        samples = mapped_npy(file)[top : top + step]
+        read[top : top + step] = samples if samples.ndim == 2 else samples[:, :, band]
+    return read
 
 
 def write_npy(path: str | os.PathLike[str], array: ArrayLike) -> None:
@@ -138,8 +152,13 @@ def read_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     return _parsed(_text(file), file)
 
 
-def read_matrix_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
-    """Read a text matrix, which is one band; errors as `read_matrix`, or there is no such band."""
+def read_matrix_band(
+    path: str | os.PathLike[str],
+    band: int = 0,
+    *,
+    empty: Empty = np.empty,
+) -> Samples:
+    """Read a text matrix, which is one band, whole; errors as `read_matrix`, or no such band."""
     matrix = read_matrix(path)
     checked_band(band, 1, Path(os.fspath(path)))
     return matrix

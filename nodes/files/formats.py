@@ -30,7 +30,8 @@ class PictureFormat(Format):
     read_info
         Describes a file without reading its samples.
     read_band
-        Reads one band, counted from 0, as the numbers that the file stores.
+        Reads one band, counted from 0, as the numbers that the file stores, into an array that
+        `empty` makes.
     write
         Writes samples (rows, columns, channels), which are of one of `dtypes` already, with the
         metadata that the format can hold; None where the format is only read.
@@ -44,7 +45,7 @@ class PictureFormat(Format):
     """
 
     read_info: Callable[[Path], PictureInfo]
-    read_band: Callable[[Path, int], Samples]
+    read_band: Callable[..., Samples]
     write: Callable[[Path, NDArray[Any], Mapping[str, MetadataValue]], None] | None = None
     dtypes: tuple[str, ...] = ()
     recognizes: Callable[[Path], bool] | None = None

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from core.errors import FileError
 from nodes.files.common.paths import checked_band, first_bytes, readable_file
-from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.common.picture_info import Empty, PictureInfo, Samples, delivered_dtype
 from nodes.files.common.quiet import quiet_stderr
 from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
 from nodes.files.damage import png_bit_depth, refuse_damaged
@@ -62,7 +62,7 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
         return _info(file, picture)
 
 
-def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
+def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
     """Read one channel.
 
     Parameters
@@ -71,6 +71,8 @@ def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
         A picture file.
     band
         Channel, counted from 0 in the order red, green, blue, alpha, others.
+    empty
+        Makes the array to be filled in, perhaps on disk.
 
     Returns
     -------
@@ -90,12 +92,12 @@ def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
         info = _info(file, picture)
         band = checked_band(band, info.bands, file)
         if info.kind == "tiff" and (_is_misread(picture, file) or is_deflated(file)):
-            plain = read_plain_tiff(info, band)
+            plain = read_plain_tiff(info, band, empty=empty)
             if plain is not None:
                 return plain
             check_deflate(file)
         values = _values(file, picture, info)
-        samples = np.full((info.rows, info.columns), np.nan, delivered_dtype(np.dtype(info.dtype)))
+        samples = empty((info.rows, info.columns), delivered_dtype(np.dtype(info.dtype)))
         for rows, stored in _strips(file, picture, band):
             samples[rows] = values(stored)
     return samples

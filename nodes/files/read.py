@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.errors import DataError
 from nodes.files.common.paths import readable_file
-from nodes.files.common.picture_info import PictureInfo, Samples
+from nodes.files.common.picture_info import Empty, PictureInfo, Samples
 from nodes.files.formats import format_of
 
 _BLOCK_SAMPLES = 1 << 20
@@ -31,7 +31,7 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
     return format_of(file).read_info(file)
 
 
-def read_pixels(path: str | os.PathLike[str], band: int = 0) -> Samples:
+def read_pixels(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
     """Read one band of a picture file of any supported kind.
 
     Parameters
@@ -40,6 +40,8 @@ def read_pixels(path: str | os.PathLike[str], band: int = 0) -> Samples:
         See `read_info`.
     band
         Band or channel, counted from 0.
+    empty
+        Makes the array to be filled in, perhaps on disk.
 
     Returns
     -------
@@ -54,7 +56,7 @@ def read_pixels(path: str | os.PathLike[str], band: int = 0) -> Samples:
         As `read_info`, or there is no such band.
     """
     file = readable_file(path)
-    return format_of(file).read_band(file, band)
+    return format_of(file).read_band(file, band, empty=empty)
 
 
 def check_finite(array: NDArray[Any], name: str, *, advice: str = "") -> None:

@@ -15,7 +15,7 @@ from core.chain.realize import asked_for, realize, spectrum
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Magnitude, Phase, Table, Transfer
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
@@ -162,6 +162,7 @@ def realized(work: Work, *known: Any, value: Any) -> Array:
     return np.abs(samples) if np.iscomplexobj(samples) else samples
 
 
+@in_blocks()
 @ends_lineage
 def figures(
     work: Work,
@@ -211,6 +212,7 @@ def apparent_temperature(radiance: float, band_um: Band) -> float | None:
     return float(kelvin)
 
 
+@in_blocks(lambda display, **_: display == "linear")
 @ends_lineage
 def displayed_histogram(
     work: Work, samples: Array, *, display: Display, bins: int, label: str, is_image: bool

@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from core.evaluation.recipes import ends_lineage
+from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.physics.radiometry.scene_limits import (
@@ -20,6 +20,7 @@ from nodes.input_output.sample_statistics import Statistics, statistics
 _REMEDY = "give the samples' unit, such as K or DN, or the scale that makes W/m²/sr of them"
 
 
+@in_blocks()
 @ends_lineage
 def radiance_caution(
     work: Work,

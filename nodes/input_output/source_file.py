@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError, FileError, ParameterError
-from core.evaluation.recipes import Step, ends_lineage
+from core.evaluation.recipes import Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
 from core.modules.declaration import NodeContext
 from nodes.files.common.paths import readable_file
-from nodes.files.common.picture_info import PictureInfo
+from nodes.files.common.picture_info import Empty, PictureInfo
 from nodes.files.headers.envi_bands import integrate_bands
 from nodes.files.headers.envi_header import header_beside
 from nodes.files.read import check_finite, read_info, read_pixels
@@ -87,6 +87,7 @@ def read_step(
     )
 
 
+@in_blocks()
 @source_step(area_means=False)  # a scene in a file may be blurred by anything
 def read_scaled(
     work: Work,
@@ -107,16 +108,17 @@ def read_scaled(
     DataError
         Samples that are not finite, or not any more after scaling.
     """
-    samples = _stored(file, stamps, band, interval_um)
+    samples = _stored(file, stamps, band, interval_um, work.empty)
     if missing == "refuse":
         check_finite(samples, str(file), advice=_ADVICE)
     else:
-        samples = _filled(samples, missing, file)
+        samples = _filled(work, samples, missing, file)
     if scale == 1.0 and samples.dtype == work.policy.dtype:
         return samples
     return scaled_samples(work, samples, scale, str(file))
 
 
+@in_blocks()
 @ends_lineage
 def count_missing(
     work: Work,
@@ -128,18 +130,23 @@ def count_missing(
     **_: Any,
 ) -> int:
     """How many samples are not finite; takes the parameters of `read_scaled`."""
-    samples = _stored(file, stamps, band, interval_um)
-    return int(samples.size - np.count_nonzero(np.isfinite(samples)))
+    samples = _stored(file, stamps, band, interval_um, work.empty)
+    finite = (np.count_nonzero(np.isfinite(samples[rows])) for rows in work.row_slabs(samples))
+    return int(samples.size - sum(finite))
 
 
 def _stored(
-    file: Path, stamps: tuple[Stamp, ...], band: int, interval_um: tuple[float, float] | None
+    file: Path,
+    stamps: tuple[Stamp, ...],
+    band: int,
+    interval_um: tuple[float, float] | None,
+    empty: Empty,
 ) -> NDArray[Any]:
     check_unchanged(file, stamps)
     if interval_um is None:
-        samples = read_pixels(file, band)
+        samples = read_pixels(file, band, empty=empty)
     else:
-        samples = integrate_bands(file, *interval_um)
+        samples = integrate_bands(file, *interval_um, empty=empty)
     check_unchanged(file, stamps)  # rows of before and after a change are no picture
     return samples
 
@@ -155,14 +162,21 @@ def stamps_of(*files: Path | None) -> tuple[Stamp, ...]:
     return tuple(_stamp(one) for one in files if one is not None)
 
 
-def _filled(samples: NDArray[Any], missing: Missing, file: Path) -> NDArray[Any]:
-    known = np.isfinite(samples)
-    if known.all():
+def _filled(work: Work, samples: NDArray[Any], missing: Missing, file: Path) -> NDArray[Any]:
+    slabs = work.row_slabs(samples)
+    number = sum(int(np.count_nonzero(np.isfinite(samples[rows]))) for rows in slabs)
+    if number == samples.size:
         return samples
-    if not known.any():
+    if not number:
         raise DataError(f"{file}: none of its {samples.size} samples is finite")
-    value = float(np.mean(samples[known], dtype=np.float64)) if missing == "mean" else 0.0
-    return np.where(known, samples, samples.dtype.type(value))
+    value = 0.0
+    if missing == "mean":
+        finite = (samples[rows][np.isfinite(samples[rows])] for rows in slabs)
+        sums = [(np.mean(one, dtype=np.float64), one.size) for one in finite if one.size]
+        value = sum(mean * (size / number) for mean, size in sums)
+    for rows in slabs:
+        samples[rows][~np.isfinite(samples[rows])] = value
+    return samples
 
 
 def scaled_samples(
@@ -175,7 +189,7 @@ def scaled_samples(
     DataError
         Samples that are not finite any more.
     """
-    scaled = np.empty(samples.shape, work.policy.dtype)
+    scaled: NDArray[Any] = work.empty(samples.shape)
     step = max(1, _BLOCK_SAMPLES // samples.shape[1])
     with np.errstate(over="ignore"):  # reported below, with the place
         for start in range(0, samples.shape[0], step):

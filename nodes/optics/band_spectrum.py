@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Magnitude
 from core.errors import DataError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.modules.caution import Caution
 from core.modules.parameters import Param
@@ -85,6 +85,7 @@ def source_temperature(
     return Step.of(mean_brightness, image.recipe, node=node, cut_on_um=low, cut_off_um=high)
 
 
+@in_blocks()
 @ends_lineage
 def mean_kelvin(work: Work, samples: NDArray[Any]) -> float:
     """Mean of a picture in kelvin."""

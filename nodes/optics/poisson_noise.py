@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.filtering.local_mean import local_mean
 from core.lineage.step_lineage import picture_step
@@ -142,6 +142,7 @@ class PoissonNoise(SeededModule, key="poisson_noise", title="Poisson Noise", gro
         return Step.of(_moment, Step.of(_moments, outputs.noise.recipe), which="sigma")
 
 
+@in_blocks()
 @ends_lineage
 def published_noise(
     work: Work, image: Array, *, sigma_px: float, percent: float, stream: Stream
@@ -150,10 +151,16 @@ def published_noise(
     share = percent / 100.0
     if events_are_few(image, share=share, sigma_px=sigma_px):
         return displaced_events(
-            image, stream, share=share, sigma_px=sigma_px, for_each=work.for_each
+            image,
+            stream,
+            share=share,
+            sigma_px=sigma_px,
+            for_each=work.for_each,
+            empty=work.empty,
         )
     # One array serves as local mean, means and counts in turn.
-    means = published_means(local_mean(work, image, sigma_px=sigma_px), percent=percent)
+    local = local_mean(work, image, sigma_px=sigma_px)
+    means = published_means(local, percent=percent, out=local)
     return poisson_field(means, stream, for_each=work.for_each, in_place=True)
 
 
@@ -163,12 +170,14 @@ def _photons_counted(
     return [at.white("photons", at.work.value(image) / photons_per_unit)]
 
 
+@in_blocks()
 @picture_step(noise=_photons_counted, looks_at=("image",))
 def photon_counts(work: Work, image: Array, *, photons_per_unit: float, stream: Stream) -> Array:
     """The picture made of numbers of photons."""
-    means = photon_means(image, photons_per_unit=photons_per_unit)
-    counts = poisson_field(means, stream, for_each=work.for_each)
-    return radiance_of_photons(counts, photons_per_unit=photons_per_unit)
+    means = work.empty(image.shape, image.dtype)
+    photon_means(image, photons_per_unit=photons_per_unit, out=means)
+    counts = poisson_field(means, stream, for_each=work.for_each, in_place=True)
+    return radiance_of_photons(counts, photons_per_unit=photons_per_unit, out=counts)
 
 
 def _photons_added(at: AtStep, image: Recipe, noise: Recipe) -> list[Noise]:
@@ -209,6 +218,7 @@ def _difference(work: Work, noisy: Array, image: Array) -> Array:
     return np.asarray(noisy - image)
 
 
+@in_blocks()
 @ends_lineage
 def _moments(work: Work, noise: Array) -> Statistics:
     return statistics(noise, for_each=work.for_each)
@@ -220,6 +230,9 @@ def _moment(work: Work, moments: Statistics, *, which: str) -> float:
     return moment
 
 
+@in_blocks()
 @ends_lineage
 def _nothing(work: Work, *, rows: int, columns: int) -> Array:
-    return np.zeros((rows, columns), work.policy.dtype)
+    nothing: Array = work.empty((rows, columns))
+    nothing.fill(0.0)
+    return nothing

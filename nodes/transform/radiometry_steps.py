@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.lineage.linear_change import LevelChange, Linear
 from core.lineage.step_lineage import picture_step
@@ -55,6 +55,7 @@ class AboutMean(Linear):
         return power.scaled(work.value(self.change).gain)
 
 
+@in_blocks()
 @ends_lineage
 def mean_sample(work: Work, samples: Array) -> float:
     """Mean of a picture."""

@@ -14,7 +14,7 @@ Floats = TypeVar("Floats", NDArray[np.float32], NDArray[np.float64])
 _ROUNDING = 1e-5  # of the largest value: what a Fourier blur in single precision can undershoot
 
 
-def published_means(local_mean: Floats, *, percent: float) -> Floats:
+def published_means(local_mean: Floats, *, percent: float, out: Floats | None = None) -> Floats:
     """Mean of the Poisson deviate that is added to each sample: a percentage of the local mean.
 
     Parameters
@@ -23,6 +23,8 @@ def published_means(local_mean: Floats, *, percent: float) -> Floats:
         Gaussian-weighted local mean of the picture, (rows, columns), in the picture's unit.
     percent
         0 or above; 1 means 0.01.
+    out
+        Where to put the means, if not in a new array.
 
     Returns
     -------
@@ -40,10 +42,11 @@ def published_means(local_mean: Floats, *, percent: float) -> Floats:
     """
     if not 0.0 <= percent < float("inf"):
         raise ParameterError("percent", percent, "must be 0 or above and finite", unit="%")
-    return _without_undershoot(local_mean * local_mean.dtype.type(percent / 100.0))
+    share = local_mean.dtype.type(percent / 100.0)
+    return _without_undershoot(np.multiply(local_mean, share, out=out))
 
 
-def photon_means(radiance: Floats, *, photons_per_unit: float) -> Floats:
+def photon_means(radiance: Floats, *, photons_per_unit: float, out: Floats | None = None) -> Floats:
     """Mean photon count of each sample: radiance times the photons one unit of it stands for.
 
     Parameters
@@ -52,6 +55,8 @@ def photon_means(radiance: Floats, *, photons_per_unit: float) -> Floats:
         Picture, (rows, columns), 0 or above.
     photons_per_unit
         Photons per sample for 1 W m⁻² sr⁻¹, above 0.
+    out
+        Where to put the means, if not in a new array.
 
     Returns
     -------
@@ -65,13 +70,16 @@ def photon_means(radiance: Floats, *, photons_per_unit: float) -> Floats:
         For radiance below 0 beyond rounding.
     """
     _require_photons(photons_per_unit)
-    return _without_undershoot(radiance * radiance.dtype.type(photons_per_unit))
+    unit = radiance.dtype.type(photons_per_unit)
+    return _without_undershoot(np.multiply(radiance, unit, out=out))
 
 
-def radiance_of_photons(counts: Floats, *, photons_per_unit: float) -> Floats:
+def radiance_of_photons(
+    counts: Floats, *, photons_per_unit: float, out: Floats | None = None
+) -> Floats:
     """Picture that photon counts stand for: the way back from `photon_means`."""
     _require_photons(photons_per_unit)
-    return counts / counts.dtype.type(photons_per_unit)
+    return np.divide(counts, counts.dtype.type(photons_per_unit), out=out)
 
 
 def _require_photons(photons_per_unit: float) -> None:

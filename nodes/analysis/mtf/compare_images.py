@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from core.chain.results import TableData, TableRow
 from core.chain.wires import Curve, Image, Table
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, pointwise
 from core.evaluation.work import Work
 from core.filtering.mirrored import mirrored_spectrum
 from core.filtering.periodic import periodic_spectrum
@@ -121,6 +121,7 @@ def subtracted(work: Work, image: Array, reference: Array) -> Array:
     return np.subtract(image, reference, dtype=work.policy.dtype)
 
 
+@in_blocks()
 @ends_lineage
 def compared(work: Work, image: Array, reference: Array, *, unit: str) -> TableData:
     """Figures of the difference, in double precision."""

@@ -26,6 +26,7 @@ from nodes.files.frames.tiff_frames import tiff_head, tiff_page
 from nodes.files.headers.envi_header import HEADER_SUFFIX
 
 Array = NDArray[Any]
+_BLOCK_SAMPLES = 1 << 24  # written at a time
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,10 @@ def write_frames(
             file.write(kind.head(series))
             for number, frame in enumerate(frames):
                 file.write(kind.page(series, number))
-                file.write(np.ascontiguousarray(frame, series.dtype).data)
+                step = max(1, _BLOCK_SAMPLES // max(1, frame.shape[1]))
+                for top in range(0, len(frame), step):
+                    rows = frame[top : top + step]
+                    file.write(np.ascontiguousarray(rows, series.dtype).data)
                 if done is not None:
                     done(number + 1)
             file.flush()

@@ -16,7 +16,7 @@ import numpy as np
 
 from core.errors import FileError
 from nodes.files.common.paths import checked_band
-from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.common.picture_info import Empty, PictureInfo, Samples, delivered_dtype
 from nodes.files.common.size_limits import refuse_oversized
 from nodes.files.common.table_cells import number_of
 from nodes.files.headers.envi_cube import row_blocks, sample_block
@@ -100,7 +100,7 @@ def info_of(layout: EnviLayout) -> PictureInfo:
     return info
 
 
-def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
+def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
     """Read one band, in native byte order and C order.
 
     Parameters
@@ -109,6 +109,8 @@ def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
         The data file or its header.
     band
         Counted from 0.
+    empty
+        Makes the array to be filled in, perhaps on disk.
 
     Returns
     -------
@@ -124,12 +126,12 @@ def read_band(path: str | os.PathLike[str], band: int = 0) -> Samples:
     layout = read_layout(path)
     info = info_of(layout)  # a faulty header is refused even where its fault does not matter here
     band = checked_band(band, info.bands, info.path)
-    return band_of(layout, band)
+    return band_of(layout, band, empty=empty)
 
 
-def band_of(layout: EnviLayout, band: int) -> Samples:
+def band_of(layout: EnviLayout, band: int, *, empty: Empty = np.empty) -> Samples:
     """One band of a checked header, as `read_band` gives it."""
-    samples = np.empty((layout.rows, layout.columns), delivered_dtype(layout.dtype))
+    samples = empty((layout.rows, layout.columns), delivered_dtype(layout.dtype))
     for rows in row_blocks(layout, 1):
         block = sample_block(layout, rows, np.array([band]), samples.dtype)
         samples[rows] = block.reshape(-1, layout.columns)

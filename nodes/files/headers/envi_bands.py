@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.errors import DataError, FileError, ParameterError
 from core.physics.radiometry.radiance_units import radiance_unit
-from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.common.picture_info import Empty, PictureInfo, Samples, delivered_dtype
 from nodes.files.headers.envi import info_of
 from nodes.files.headers.envi_cube import row_blocks, sample_block
 from nodes.files.headers.envi_header import read_layout
@@ -22,6 +22,7 @@ def integrate_bands(
     cut_off_um: float,
     *,
     min_coverage: float = 0.99,
+    empty: Empty = np.empty,
 ) -> Samples:
     """Integrate spectral radiance over an interval of wavelength: L = Σ L_k·w_k.
 
@@ -38,6 +39,8 @@ def integrate_bands(
         The interval, µm.
     min_coverage
         The least part of the interval the bands must cover, 0 to 1; 0 accepts any overlap.
+    empty
+        Makes the array to be filled in, perhaps on disk.
 
     Returns
     -------
@@ -59,7 +62,7 @@ def integrate_bands(
     _check_coverage(info, weights, cut_on_um, cut_off_um, min_coverage)
     weights = weights * _per_um(info)
     used = np.flatnonzero(weights)
-    total = np.empty((info.rows, info.columns), dtype=delivered_dtype(layout.dtype))
+    total = empty((info.rows, info.columns), delivered_dtype(layout.dtype))
     for rows in row_blocks(layout, len(used)):
         block = sample_block(layout, rows, used, np.dtype(np.float64))
         block *= weights[used][:, None]

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
-from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.common.picture_info import Empty, PictureInfo, Samples, delivered_dtype
 from nodes.files.tiff.tiff_deflate import each_block, unpacked
 from nodes.files.tiff.tiff_layout import DEFLATES, NONE, Block, TiffLayout, read_tiff_layout
 
 
-def read_plain_tiff(info: PictureInfo, band: int) -> Samples | None:
+def read_plain_tiff(info: PictureInfo, band: int, *, empty: Empty = np.empty) -> Samples | None:
     """Read one channel of the first picture of a TIFF file.
 
     Parameters
@@ -30,6 +30,8 @@ def read_plain_tiff(info: PictureInfo, band: int) -> Samples | None:
         The file and the size that it is to have.
     band
         Channel, counted from 0.
+    empty
+        Makes the array to be filled in, perhaps on disk.
 
     Returns
     -------
@@ -42,10 +44,12 @@ def read_plain_tiff(info: PictureInfo, band: int) -> Samples | None:
     FileError
         The file is damaged or compressed in another way than deflate.
     """
-    return read_channel(info.path, (info.rows, info.columns, info.bands), band)
+    return read_channel(info.path, (info.rows, info.columns, info.bands), band, empty=empty)
 
 
-def read_channel(path: Path, expected: tuple[int, int, int], band: int) -> Samples | None:
+def read_channel(
+    path: Path, expected: tuple[int, int, int], band: int, *, empty: Empty = np.empty
+) -> Samples | None:
     """Read one channel of a picture of that many rows, columns and channels; else as above."""
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
         layout = read_tiff_layout(content, path)
@@ -59,14 +63,22 @@ def read_channel(path: Path, expected: tuple[int, int, int], band: int) -> Sampl
         size = layout.rows, layout.columns, layout.channels
         if size != expected:
             raise FileError(f"{path}: this TIFF file is damaged: it gives two sizes")
-        return channel_of(content, layout, path, band)
+        return channel_of(content, layout, path, band, empty=empty)
 
 
-def channel_of(content: mmap.mmap, layout: TiffLayout, path: Path, band: int = 0) -> Samples:
+def channel_of(
+    content: mmap.mmap,
+    layout: TiffLayout,
+    path: Path,
+    band: int = 0,
+    *,
+    empty: Empty = np.empty,
+) -> Samples:
     """Read one channel of a picture whose layout has been checked; errors as above."""
     kind = np.dtype(layout.numpy_kind)
     stored_kind = np.dtype(f"{layout.order}{layout.numpy_kind}")
-    channel = np.full((layout.rows, layout.columns), np.nan, delivered_dtype(kind))
+    channel = empty((layout.rows, layout.columns), delivered_dtype(kind))
+    channel.fill(np.nan)
 
     def read(block: Block) -> None:
         raw = _raw(content, layout, block, path)

@@ -37,12 +37,12 @@ def test_a_region_of_them(imagechain, banded, tmp_path):
         assert np.array_equal(part, whole[2:9, 5:])
 
 
-def test_without_bands_one_line(imagechain, small, write, tmp_path):
-    done = imagechain("run", write(small), "--save", "scene.image=b.img")
-    assert done.returncode == 2
-    assert "no bands are on this port" in done.stderr
-    assert len(done.stderr.splitlines()) == 1
-    assert not (tmp_path / "b.img").exists()
+def test_a_picture_without_bands_is_one_band(imagechain, small, write, tmp_path):
+    saves = ("--save", "scene.image=b.img", "--save", "scene.image=b.npy")
+    assert imagechain("run", write(small), *saves).returncode == 0
+    whole = np.load(tmp_path / "b.npy")
+    assert np.array_equal(np.fromfile(tmp_path / "b.img", "<f4").reshape(whole.shape), whole)
+    assert "bands = 1\n" in (tmp_path / "b.img.hdr").read_text()
 
 
 def test_a_disk_without_room_is_refused_first(imagechain, banded, tmp_path):

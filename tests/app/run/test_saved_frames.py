@@ -106,9 +106,9 @@ def test_a_disk_that_is_full(frames, noisy, tmp_path):
             ".npy .tif .tiff .bsq .img",
         ),
         (
-            ("--save", "electronics.image=f.bsq"),
-            "--save electronics.image=f.bsq: bands and frames alone are written as .bsq .img, and "
-            "no bands are on this port: give --frames",
+            ("--save", "electronics.table=f.bsq"),
+            "--save electronics.table=f.bsq: pictures and their bands alone are written as .bsq "
+            ".img",
         ),
         (
             ("--frames", "2", "--save", "electronics.image=f.bsq", "--save", "scene.image=f.bsq"),

@@ -1,0 +1,221 @@
+"""Whether a run holds its pictures in memory or makes them in blocks, on disk: a choice by size."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.run.evaluation import needed_later, read_by_evaluation
+from core.chain.block_plan import LargestPicture, largest_picture, least_scratch, planned_blocks
+from core.chain.engine import Engine, Plan
+from core.chain.wires import Image, SpectrumWire, Transfer
+from core.errors import FileError, UsageError
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Recipe
+from core.evaluation.store import Store
+from core.evaluation.work import Work
+from core.memory import usable_bytes
+from core.scratch.block_run import BlockRun
+from core.scratch.scratch_disk import ScratchDisk, is_for_disk
+from nodes.files.common.file_format import ENVI_FRAMES
+from nodes.files.formats import NPY, TIFF
+
+Array = NDArray[Any]
+STREAMED = (NPY, TIFF, ENVI_FRAMES)
+"""Formats that are written row after row."""
+_PREVIEW_PX = 2048
+_SHARE = 0.5  # of what the process may use
+_SHARE_KEPT = 8  # of the budget, that values of a run in blocks may take
+
+
+@dataclass(frozen=True)
+class WayOfRunning:
+    """In memory, or in blocks.
+
+    Parameters
+    ----------
+    memory_bytes : int or None
+        What pictures may take; None where no limit is known.
+    largest : LargestPicture or None
+        The largest picture of the network.
+    """
+
+    memory_bytes: int | None
+    largest: LargestPicture | None
+
+    @property
+    def in_blocks(self) -> bool:
+        """Whether the pictures would take more than they may."""
+        if self.memory_bytes is None or self.largest is None:
+            return False
+        return self.largest.memory_bytes > self.memory_bytes
+
+    def on_disk(self, value: Any, policy: Policy) -> bool:
+        """Whether a port's value is a picture that will lie on disk."""
+        if not self.in_blocks or self.memory_bytes is None or not isinstance(value, Image):
+            return False
+        return is_for_disk(value.shape, policy.dtype, self.memory_bytes)
+
+    def store(self, otherwise: Store | None) -> Store | None:
+        """Of the values in memory."""
+        if not self.in_blocks or self.memory_bytes is None:
+            return otherwise
+        return Store(self.memory_bytes // _SHARE_KEPT)
+
+    def facts(self, blocks: BlockRun | None) -> dict[str, Any]:
+        """What a report says of it."""
+        facts: dict[str, Any] = {
+            "way": "in blocks" if self.in_blocks else "in memory",
+            "memory_bytes": self.memory_bytes,
+        }
+        if self.largest is not None:
+            facts |= {
+                "largest_rows": self.largest.rows,
+                "largest_columns": self.largest.columns,
+                "in_memory_bytes": self.largest.memory_bytes,
+            }
+        if blocks is not None:
+            disk = blocks.disk
+            facts |= {"scratch_bytes": disk.most_bytes, "scratch_arrays": disk.files}
+        return facts
+
+
+def way_of_running(plan: Plan, policy: Policy, memory_bytes: int | None) -> WayOfRunning:
+    """The way for a network under a budget, by default half of what the process may use."""
+    if memory_bytes is None:
+        usable = usable_bytes()
+        memory_bytes = None if usable is None else int(usable * _SHARE)
+    return WayOfRunning(memory_bytes, largest_picture(plan, policy))
+
+
+def way_in_words(facts: dict[str, Any]) -> str:
+    """Which way was taken and why, in a line."""
+    largest = f"{facts['largest_rows']} × {facts['largest_columns']} samples"
+    needed, allowed = _gb(facts["in_memory_bytes"]), _gb(facts["memory_bytes"])
+    if facts["way"] == "in memory":
+        return f"in memory: pictures of {largest} take up to {needed} of the {allowed} allowed"
+    return (
+        f"in blocks: pictures of {largest} would take up to {needed} in memory, {allowed} are "
+        f"allowed; up to {_gb(facts['scratch_bytes'])} lay on disk in {facts['scratch_arrays']} "
+        "arrays, transformed by passes over rows and columns"
+    )
+
+
+@contextlib.contextmanager
+def blocks_of(
+    way: WayOfRunning,
+    engine: Engine,
+    plan: Plan,
+    policy: Policy,
+    *,
+    ports: Sequence[str],
+    report: bool,
+    scratch: Path,
+) -> Iterator[BlockRun | None]:
+    """What a run in blocks keeps on disk, as long as it is open; None for a run in memory.
+
+    Parameters
+    ----------
+    way : WayOfRunning
+        The way chosen.
+    engine, plan, policy
+        What is run.
+    ports : sequence of str
+        Ports that are saved.
+    report : bool
+        Whether a report is written.
+    scratch : Path
+        Folder of the scratch files.
+
+    Raises
+    ------
+    ImagechainError
+        If a node cannot work in blocks, or the disk has no room.
+    """
+    if not way.in_blocks or way.memory_bytes is None:
+        yield None
+        return
+    with ScratchDisk(scratch, way.memory_bytes) as disk:
+        recipes = _read(engine, plan, ports, report=report)
+        blocks = planned_blocks(plan, recipes, disk, policy)
+        _refuse_planes(plan, ports, disk, policy)
+        _refuse_without_room(least_scratch(recipes, blocks, policy), scratch)
+        yield blocks
+
+
+def is_streamed(image: Image, path: Path, *, on_disk: bool) -> bool:
+    """Whether a picture is written by rows, as one frame of a file of frames."""
+    if ENVI_FRAMES.matches(path):
+        return image.bands is None
+    return on_disk and TIFF.matches(path)
+
+
+def reduced(samples: Array, work: Work) -> Array:
+    """A picture as it is; one that is made in blocks as means of as many samples as shows it."""
+    if work.blocks is None or not work.blocks.disk.wants(samples.shape, samples.dtype):
+        return samples
+    step = -(-max(samples.shape) // _PREVIEW_PX)
+    rows, columns = (size // step for size in samples.shape)
+    if not rows or not columns:
+        return samples[::step, ::step]
+    made = np.empty((rows, columns), samples.dtype)
+    for row in range(rows):
+        lines = samples[row * step : (row + 1) * step, : columns * step]
+        made[row] = lines.reshape(step, columns, step).mean(axis=(0, 2), dtype=np.float64)
+    return made
+
+
+def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> None:
+    """Refuse a format in which a picture on disk cannot be written row after row, and frames."""
+    if frames is not None and frames > 1:
+        raise UsageError(
+            f"--frames {frames}: pictures of {image.rows} × {image.columns} samples that are made "
+            "in blocks are made once: give 1, or another --seed for each run"
+        )
+    if not any(kind.matches(path) for kind in STREAMED):
+        words = " ".join(suffix for kind in STREAMED for suffix in kind.suffixes)
+        raise UsageError(
+            f"--save {port}={path}: a picture of {image.rows} × {image.columns} samples that is "
+            f"made in blocks is written as {words}"
+        )
+
+
+def _read(engine: Engine, plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recipe]:
+    """All that the run is going to read."""
+    return [*read_by_evaluation(engine, plan), *needed_later(plan, ports, report=report)]
+
+
+def _refuse_planes(plan: Plan, ports: Iterable[str], disk: ScratchDisk, policy: Policy) -> None:
+    """Refuse to save spectra and transfer functions, whose planes are made as a whole."""
+    for port in ports:
+        value: Any = plan.output(port)
+        plane = isinstance(value, SpectrumWire | Transfer)
+        if plane and disk.wants(value.grid.shape, policy.dtype):
+            raise UsageError(
+                f"--save {port}: a {value.port_type} of {value.grid.rows} × {value.grid.columns} "
+                f"samples is made as a whole, which --memory {_gb(disk.memory_bytes)} does not hold"
+            )
+
+
+def _refuse_without_room(needed: int, scratch: Path) -> None:
+    try:
+        free = shutil.disk_usage(scratch).free
+    except OSError as error:
+        reason = error.strerror or error
+        raise FileError(f"cannot write to the scratch folder {scratch}: {reason}") from error
+    if needed > free:
+        raise FileError(
+            f"the scratch folder {scratch} has room for {_gb(free)}, and a run in blocks takes "
+            f"{_gb(needed)} at least: --scratch gives another"
+        )
+
+
+def _gb(size: float) -> str:
+    return f"{size / 1e9:.3g} GB" if size >= 1e8 else f"{size / 1e6:.3g} MB"

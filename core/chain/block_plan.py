@@ -1,0 +1,156 @@
+"""Whether a network's recipes can be made in blocks, and which of their pictures lie on disk.
+
+Found from the recipes alone, before anything is computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from core.chain.back_transformed import Delivered
+from core.chain.engine import Plan
+from core.chain.wires import Image
+from core.errors import DataError
+from core.evaluation.policy import Policy
+from core.evaluation.recipes import Recipe, Step
+from core.scratch.block_run import BlockRun, Shape
+from core.scratch.scratch_disk import ScratchDisk
+
+IN_MEMORY_AT_ONCE = 8
+"""Pictures of the largest size that a run in memory may hold, with what its steps make besides."""
+
+
+@dataclass(frozen=True)
+class LargestPicture:
+    """The largest picture on a network's wires."""
+
+    rows: int
+    columns: int
+    samples_bytes: int
+
+    @property
+    def memory_bytes(self) -> int:
+        """What a run in memory may take for it."""
+        return self.samples_bytes * IN_MEMORY_AT_ONCE
+
+
+def largest_picture(plan: Plan, policy: Policy) -> LargestPicture | None:
+    """The largest picture that is planned; None without any."""
+    shapes = {value.shape for value in _images(plan)}
+    if not shapes:
+        return None
+    rows, columns = max(shapes, key=lambda shape: shape[0] * shape[1])
+    return LargestPicture(rows, columns, rows * columns * policy.dtype.itemsize)
+
+
+def planned_blocks(
+    plan: Plan, recipes: Iterable[Recipe], disk: ScratchDisk, policy: Policy
+) -> BlockRun:
+    """What a run in blocks keeps on disk.
+
+    Parameters
+    ----------
+    plan : Plan
+        The network.
+    recipes : iterable of Recipe
+        All whose values the run reads.
+    disk : ScratchDisk
+        Where large pictures are to lie.
+    policy : Policy
+        Precision.
+
+    Raises
+    ------
+    DataError
+        On the first node that would take or make a picture as a whole that has to lie on disk.
+    """
+    pictures = _Shapes({value.key: value.shape for value in _images(plan)})
+    on_disk: dict[str, Shape] = {}
+    for recipe in _furthest_first(recipes):
+        shape = pictures.of(recipe)
+        if shape is not None and disk.wants(shape, policy.dtype):
+            on_disk[recipe.key] = shape
+        large = [on_disk[one.key] for one in recipe.inputs if one.key in on_disk]
+        if recipe.key in on_disk:
+            large.append(on_disk[recipe.key])
+        if large and not recipe.in_blocks:
+            raise _refusal(recipe, max(large), disk)
+    return BlockRun(disk, on_disk)
+
+
+def least_scratch(recipes: Iterable[Recipe], blocks: BlockRun, policy: Policy) -> int:
+    """Bytes that lie on disk at a time at least: a picture that is filtered, and its spectrum."""
+    most = 0
+    for recipe in _furthest_first(recipes):
+        if isinstance(recipe, Delivered) and recipe.magnitude.image is not None:
+            size = recipe.magnitude.grid.rows * recipe.magnitude.grid.columns
+            if recipe.magnitude.image.key in blocks.shapes:
+                most = max(most, 2 * size * policy.dtype.itemsize)
+    return most
+
+
+def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
+    what = type(recipe).__name__
+    if isinstance(recipe, Step):
+        what = getattr(recipe.function, "__name__", what)
+    error = DataError(
+        f"{what.strip('_').replace('_', ' ')} takes a picture of {shape[0]} × {shape[1]} samples "
+        f"as a whole, which --memory {disk.memory_bytes / 1e9:.3g}GB is not to hold, and cannot be "
+        "made in blocks: give more memory, or leave the node out"
+    )
+    return error if recipe.node is None else error.at(recipe.node)
+
+
+class _Shapes:
+    """Sizes of pictures: those on wires, and what is made of them sample by sample."""
+
+    def __init__(self, known: Mapping[str, Shape]) -> None:
+        self._known = dict(known)
+
+    def of(self, recipe: Recipe) -> Shape | None:
+        """Size of a picture; None for all that is none. What it is made of has been here before."""
+        shape = self._known.get(recipe.key) or self._made(recipe)
+        if shape is not None:
+            self._known[recipe.key] = shape
+        return shape
+
+    def _made(self, recipe: Recipe) -> Shape | None:
+        if isinstance(recipe, Delivered):
+            return _delivered(recipe)
+        if not isinstance(recipe, Step) or not recipe.in_parts:
+            return None
+        given = dict(recipe.parameters).get("shape")
+        if given is not None:
+            return int(given[0]), int(given[1])
+        sizes = [self._known[one.key] for one in recipe.inputs if one.key in self._known]
+        return max(sizes, default=None)  # patterns of one line are spread over the picture
+
+
+def _delivered(recipe: Delivered) -> Shape:
+    if recipe.sampled is not None:
+        rows, columns = recipe.sampled.new
+        return rows, columns
+    grid = recipe.magnitude.grid
+    return grid.rows // recipe.factor_y, grid.columns // recipe.factor_x
+
+
+def _images(plan: Plan) -> list[Image]:
+    outputs = (value for node in plan.nodes.values() for value in node.outputs.values())
+    return [value for value in outputs if isinstance(value, Image)]
+
+
+def _furthest_first(recipes: Iterable[Recipe]) -> Iterable[Recipe]:
+    """All that recipes are made of, and they themselves, each after what it is made of."""
+    done: set[str] = set()
+    path = [(recipe, iter(recipe.inputs)) for recipe in reversed(list(recipes))]
+    while path:
+        recipe, inputs = path[-1]
+        fresh = next((one for one in inputs if one.key not in done), None)
+        if fresh is not None:
+            path.append((fresh, iter(fresh.inputs)))
+            continue
+        path.pop()
+        if recipe.key not in done:
+            done.add(recipe.key)
+            yield recipe

@@ -1,0 +1,1 @@
+"""Arrays that lie on disk where memory is not to hold them."""

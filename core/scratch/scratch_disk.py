@@ -1,0 +1,185 @@
+"""Arrays on disk for a run in blocks: files without a name, mapped, gone with the last view.
+
+A scratch file is removed as soon as it is open, so that nothing is left however the process ends.
+All of it is reserved before it is mapped: a disk that is full is an error here, and not a signal
+that ends the process while samples are written. Pages that were read or written stay in the
+system's cache and count as the process's memory only until they are let go of (`trim`).
+"""
+
+from __future__ import annotations
+
+import errno
+import mmap
+import os
+import tempfile
+import threading
+import weakref
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from core.errors import FileError
+from core.scratch.strip_array import StripArray
+
+Array = NDArray[Any]
+_TRIM_EVERY_S = 0.01
+_SHARE_MAPPED = 8  # of the budget, that mapped pages may take before they are let go of
+_SHARE_SLAB = 64  # of the budget, for a block of rows: steps hold a dozen of them at once
+_SHARE_STRIP = 16  # of the budget, for the columns that one thread transforms at a time
+_SHARE_PICTURE = 16  # of the budget, from which on a picture lies on disk
+
+
+class ScratchDisk:
+    """Where the pictures and spectra of one run in blocks lie.
+
+    Used as a context manager, within which mapped pages are let go of as they become many.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the scratch files are made.
+    memory_bytes : int
+        What the run may take.
+    """
+
+    def __init__(self, folder: Path, memory_bytes: int) -> None:
+        self.folder, self.memory_bytes = folder, memory_bytes
+        self.most_bytes = 0
+        """The most that lay on disk at a time."""
+        self.files = 0
+        """How many arrays were made."""
+        self._bytes = 0
+        self._maps: weakref.WeakSet[mmap.mmap] = weakref.WeakSet()
+        self._lock = threading.Lock()
+        self._end = threading.Event()
+        self._trimming: threading.Thread | None = None
+
+    def wants(self, shape: tuple[int, ...], dtype: DTypeLike) -> bool:
+        """Whether an array of that shape is to lie here."""
+        return is_for_disk(shape, dtype, self.memory_bytes)
+
+    def empty(self, shape: tuple[int, ...], dtype: DTypeLike) -> Array:
+        """An array on disk, its samples 0.
+
+        Raises
+        ------
+        FileError
+            If the disk has no room, or the folder cannot be written to.
+        """
+        mapped = self._mapped(_size(shape, dtype))
+        return np.frombuffer(mapped, dtype, count=int(np.prod(shape))).reshape(shape)
+
+    def strips(self, shape: tuple[int, int], dtype: DTypeLike) -> StripArray:
+        """An array of which blocks of columns lie together, as few as threads hold at once."""
+        column = shape[0] * np.dtype(dtype).itemsize
+        width = max(1, min(shape[1], self.memory_bytes // _SHARE_STRIP // max(1, column)))
+        flat = self.empty((shape[0] * shape[1],), dtype)
+        return StripArray(flat, shape, width)
+
+    def slab_rows(self, columns: int, itemsize: int) -> int:
+        """Rows of a picture that are made at a time."""
+        return max(1, self.memory_bytes // _SHARE_SLAB // max(1, columns * itemsize))
+
+    def trim(self) -> None:
+        """Let go of all mapped pages: they stay on disk, and in the system's cache."""
+        if not hasattr(mmap, "MADV_DONTNEED"):
+            return
+        with self._lock:
+            maps = list(self._maps)
+        for mapped in maps:
+            mapped.madvise(mmap.MADV_DONTNEED)
+
+    def __enter__(self) -> Self:
+        if _mapped_bytes() is not None:
+            self._trimming = threading.Thread(target=self._keep_trim, daemon=True)
+            self._trimming.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._end.set()
+        if self._trimming is not None:
+            self._trimming.join()
+
+    def _keep_trim(self) -> None:
+        # By a thread: numpy reads whole pictures within one call.
+        while not self._end.wait(_TRIM_EVERY_S):
+            if (_mapped_bytes() or 0) * _SHARE_MAPPED > self.memory_bytes:
+                self.trim()
+
+    def _mapped(self, size: int) -> mmap.mmap:
+        try:
+            with tempfile.TemporaryFile(dir=self.folder, prefix=".imagechain-scratch-") as file:
+                _reserve(file.fileno(), size)
+                mapped = mmap.mmap(file.fileno(), size)
+        except OSError as error:
+            raise FileError(self._refusal(size, error)) from error
+        with self._lock:
+            self._maps.add(mapped)
+            self.files += 1
+            self._bytes += size
+            self.most_bytes = max(self.most_bytes, self._bytes)
+        weakref.finalize(mapped, self._given_back, size).atexit = False
+        return mapped
+
+    def _given_back(self, size: int) -> None:
+        self._bytes -= size  # without the lock: collecting may happen while it is held
+
+    def _refusal(self, size: int, error: OSError) -> str:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+            return (
+                f"the scratch folder {self.folder} has no room for another {size / 1e9:.3g} GB "
+                f"beside the {self._bytes / 1e9:.3g} GB that lie there: --scratch gives another"
+            )
+        return f"cannot write to the scratch folder {self.folder}: {error.strerror or error}"
+
+
+def is_for_disk(shape: tuple[int, ...], dtype: DTypeLike, memory_bytes: int) -> bool:
+    """Whether an array of that shape is too large for memory in a run that may take so much."""
+    return _size(shape, dtype) * _SHARE_PICTURE > memory_bytes
+
+
+def is_on_disk(value: object) -> bool:
+    """Whether a value's arrays, or one of them, lie on disk."""
+    if isinstance(value, StripArray):
+        return True
+    base = value
+    while isinstance(base, np.ndarray):
+        base = base.base
+    if isinstance(base, memoryview):
+        base = base.obj
+    if isinstance(base, mmap.mmap):
+        return True
+    if isinstance(value, tuple | list):
+        return any(is_on_disk(item) for item in value)
+    return not isinstance(value, np.ndarray | type) and any(
+        isinstance(item, np.ndarray | StripArray) and is_on_disk(item)
+        for item in getattr(value, "__dict__", {}).values()
+    )
+
+
+def _size(shape: tuple[int, ...], dtype: DTypeLike) -> int:
+    return max(1, int(np.prod(shape, dtype=np.int64))) * np.dtype(dtype).itemsize
+
+
+def _reserve(descriptor: int, size: int) -> None:
+    if hasattr(os, "posix_fallocate"):
+        os.posix_fallocate(descriptor, 0, size)
+        return
+    os.ftruncate(descriptor, size)
+
+
+def _mapped_bytes() -> int | None:
+    """Mapped pages in the process's memory; None where the system does not report them."""
+    try:
+        shared = Path("/proc/self/statm").read_bytes().split()[2]
+    except (OSError, IndexError):
+        return None
+    return int(shared) * mmap.PAGESIZE
