@@ -120,3 +120,7 @@ class UsageError(InputError):
 
 class Cancelled(ImagechainError):
     """The caller requested a stop before the work was done."""
+
+
+class Suspended(Cancelled):
+    """The caller requested a stop, and what has been done is kept: the message says where."""

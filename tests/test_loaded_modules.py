@@ -40,6 +40,13 @@ def test_a_trade_off_loads_neither_qt_nor_what_only_pictures_need(tmp_path):
     assert not packages & (QT | {"matplotlib", "rich", "OpenImageIO", "PIL"})
 
 
+def test_a_study_loads_neither_qt_nor_what_only_pictures_need(tmp_path):
+    words = ["study", "first_steps", "--vary", "blur.sigma_x_mrad=0,1", "--output", "a.csv"]
+    packages = {name.split(".")[0] for name in loaded_by([*words, "--jobs", "1"], tmp_path)}
+    assert not packages & (QT | {"matplotlib", "rich", "OpenImageIO", "PIL"})
+    assert not packages & {"dask", "distributed", "pandas", "pyarrow", "xarray"}
+
+
 def test_modules_loads_no_qt(tmp_path):
     packages = {name.split(".")[0] for name in loaded_by(["modules", "--json"], tmp_path)}
     assert not packages & (QT | {"matplotlib", "rich"})

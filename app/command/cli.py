@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 
 from app.options.stopping import Stop, Stopped, stoppable
 from app.options.terminal_streams import discard, print_error, usable_streams
-from core.errors import Cancelled, ImagechainError
+from core.errors import Cancelled, ImagechainError, Suspended
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -55,7 +55,7 @@ def exit_code(stop: Stop, carry_out: Callable[..., object], *words: object) -> i
         return _cancelled()
     except Exception as error:
         # A stop may have become anything, as numpy makes an ImportError of one.
-        if stop.is_set() and not stop.is_late:
+        if stop.is_set() and not (stop.is_late or isinstance(error, Suspended)):
             return _cancelled()
         return _failed(error, written=stop.is_late)
     return 0
@@ -104,6 +104,11 @@ def _carry_out(words: list[str], stop: Stop) -> None:
 
         _stop_if(stop)
         trade_off(options, stop)
+    elif options.command == "study":
+        from app.command.study_command import study
+
+        _stop_if(stop)
+        study(options, stop)
     elif options.command == "solve":
         from app.command.solve import solve_readout
 

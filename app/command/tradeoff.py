@@ -12,7 +12,6 @@ from typing import Any
 
 from app.command.run import input_files, open_network
 from app.options.command_options import Options
-from app.options.overrides import listed
 from app.options.progress import Progress
 from app.options.stopping import too_late
 from app.run.readout_tables import warning_lines
@@ -21,7 +20,7 @@ from app.run.staging import Staging
 from app.tradeoff.evaluated_points import PointEvaluator
 from app.tradeoff.sweep import Point
 from app.tradeoff.texts import csv_text, failures, json_text, table
-from app.tradeoff.tradeoff_figures import Figure, default_figures, figures_of
+from app.tradeoff.tradeoff_figures import Figure, chosen_figures
 from app.tradeoff.tradeoff_results import Curve, Results, changing_figures, shown_value
 from app.tradeoff.values import MOST, OPTION, Variation, variation
 from core.atomic import write_bytes, write_text
@@ -29,7 +28,7 @@ from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, UsageError
 from core.evaluation.policy import Policy
 from core.modules.library_type import Library
-from core.names import close, in_line, printable, shown
+from core.names import in_line, printable
 from core.network.network import Network
 from nodes.files.common.file_format import CSV, JSON
 from nodes.files.formats import PNG
@@ -58,7 +57,7 @@ def trade_off(options: Options, cancel: threading.Event | None = None) -> None:
     place = find_network(options.network)
     network = open_network(place, options, library)
     varied, second = _variations(options.vary, network, library)
-    figures = _chosen(options.figures, network, library)
+    figures = chosen_figures(options.figures, network, library)
     engine = Engine(library)
     plan = engine.plan(network, folder=place.folder)
     with Staging(None, [place.path, *input_files(plan, place.folder)]) as staging:
@@ -100,19 +99,6 @@ def _variations(
             f"at most {MOST} are allowed"
         )
     return first, second
-
-
-def _chosen(texts: Sequence[str], network: Network, library: Library) -> tuple[Figure, ...]:
-    if not texts:
-        return default_figures(network, library)
-    known = figures_of(network, library)
-    for text in texts:
-        if text not in known:
-            node = text.rpartition(".")[0]
-            beside = [name for name, figure in known.items() if figure.node == node]
-            hint = listed(beside) if beside else close(text, known) or listed(known)
-            raise UsageError(f"--figure {shown(text)}: the network has no such read-out{hint}")
-    return tuple(known[text] for text in dict.fromkeys(texts))
 
 
 def _curves(

@@ -19,6 +19,7 @@ from app.options.command_words import (
     place_words,
     run_words,
     solve_words,
+    study_words,
     tradeoff_words,
 )
 from app.options.option_values import (
@@ -31,6 +32,8 @@ from app.options.option_values import (
     report_path,
     save_target,
     size_in_bytes,
+    study_path,
+    summary_path,
     tolerance,
     transfer_path,
     whole_number,
@@ -52,7 +55,7 @@ exit codes:
   2  a fault of the input; one line on stderr says which
 
 imagechain COMMAND --help lists the options of a command; --set, --save, --report, --figure and
---output may be repeated, --vary be given twice."""
+--output may be repeated, --vary be given twice, for a study any number of times."""
 Look = Literal["dark", "light"]
 
 
@@ -61,8 +64,8 @@ class Options:
     """What the command line gives."""
 
     command: Literal[
-        "edit", "run", "check", "tradeoff", "solve", "photon-transfer", "modules", "networks",
-        "bench", "handbook",
+        "edit", "run", "check", "tradeoff", "study", "solve", "photon-transfer", "modules",
+        "networks", "bench", "handbook",
     ]  # fmt: skip
     network: str = ""
     settings: tuple[Assignment, ...] = ()
@@ -75,6 +78,13 @@ class Options:
     memory_bytes: int | None = None
     scratch: Path | None = None
     vary: tuple[str, ...] = ()
+    over: tuple[str, ...] = ()
+    sample: str = "grid"
+    points: int | None = None
+    jobs: int | None = None
+    scheduler: str = ""
+    fresh: bool = False
+    summaries: tuple[Path, ...] = ()
     figures: tuple[str, ...] = ()
     outputs: tuple[Path, ...] = ()
     flats: tuple[Path, ...] = ()
@@ -189,6 +199,12 @@ def parse(argv: list[str]) -> Options:
             outputs=tuple(output_path(text) for text in arguments.output),
             **common,
         )
+    if arguments.command == "study":
+        return _study(arguments, common)
+    return _solve_or_run(arguments, common)
+
+
+def _solve_or_run(arguments: argparse.Namespace, common: dict[str, Any]) -> Options:
     if arguments.command == "solve":
         return Options(
             "solve",
@@ -220,6 +236,25 @@ def _handbook(arguments: argparse.Namespace) -> Options:
         raise UsageError("--html DIR and --path exclude each other: --html prints its path")
     return Options(
         "handbook", word=arguments.word or "", html_folder=folder, only_path=arguments.path
+    )
+
+
+def _study(arguments: argparse.Namespace, common: dict[str, Any]) -> Options:
+    return Options(
+        "study",
+        arguments.network,
+        vary=tuple(arguments.vary),
+        over=tuple(arguments.over),
+        sample=arguments.sample,
+        points=whole_number("--points", arguments.points),
+        figures=tuple(arguments.figure),
+        saves=tuple(save_target(text) for text in arguments.save),
+        outputs=(study_path(arguments.output),),
+        summaries=tuple(summary_path(text) for text in arguments.summary),
+        jobs=whole_number("--jobs", arguments.jobs),
+        scheduler=arguments.scheduler or "",
+        fresh=arguments.fresh,
+        **common,
     )
 
 
@@ -316,6 +351,7 @@ _COMMANDS: Mapping[str, tuple[str, Callable[[argparse.ArgumentParser], object]]]
         "run": ("evaluate a network", run_words),
         "check": ("validate a network", _check_words),
         "tradeoff": ("figures of merit as a parameter moves", tradeoff_words),
+        "study": ("figures and pictures at many points, over many scenes", study_words),
         "solve": ("the value of a parameter at which a read-out is as wanted", solve_words),
         "photon-transfer": (
             "gain, read noise and full well from frames of flat fields",

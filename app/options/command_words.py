@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from app.options.option_values import OUTPUTS, REPORTS, TRANSFERS
+from app.options.option_values import OUTPUTS, REPORTS, STUDIES, SUMMARIES, TRANSFERS
 from nodes.files.common.file_format import suffixes
 from nodes.files.formats import SAVED
 
@@ -207,6 +207,85 @@ def tradeoff_words(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help=f"write the figures, as {' '.join(suffixes(*OUTPUTS))}; may be repeated",
     )
+    _numerical_words(parser)
+
+
+def study_words(parser: argparse.ArgumentParser) -> None:
+    """``imagechain study``."""
+    parser.description = (
+        "Evaluate a network at every point of a grid, of a Latin hypercube or of a list, over "
+        "every picture of a pattern, and write a row for each: its values, its figures, a key of "
+        "what was computed, its seconds, and why it failed, if it did. A study that is stopped or "
+        "killed goes on where it was when the same command is given again; what is done is kept in "
+        "OUTPUT.journal until then."
+    )
+    network_words(parser)
+    add: Any = parser.add_argument
+    add(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="NODE.PARAM=VALUES",
+        help="what varies: FROM:TO:COUNT, FROM:TO:COUNT:log (equal factors), or values a,b,c; "
+        "FROM:TO or FROM:TO:log where points are drawn; may be repeated",
+    )
+    add(
+        "--over",
+        action="append",
+        default=[],
+        metavar="NODE.PARAM=PATTERN",
+        help="pictures that everything is computed for: files of a pattern, such as "
+        "scene.path='scenes/*.img', 2 before 10; may be repeated",
+    )
+    add(
+        "--sample",
+        action=Once,
+        default="grid",
+        metavar="HOW",
+        help="grid: every value with every other (default); latin: --points N drawn by a Latin "
+        "hypercube of the network's seed; a .csv file: its rows, columns named NODE.PARAM",
+    )
+    add("--points", action=Once, metavar="N", help="how many points to draw")
+    add(
+        "--figure",
+        action="append",
+        default=[],
+        metavar="NODE.READOUT",
+        help="a figure of each point, as of tradeoff; may be repeated (default: figures of the "
+        "electronics and the chain's MTF; none where pictures are saved)",
+    )
+    add(
+        "--save",
+        action="append",
+        default=[],
+        metavar="NODE.PORT=PATTERN",
+        help="save each point's picture or curve, its name with fields in braces: {point}, "
+        "{NODE.PARAM} of what varies, {scene} for the name of the picture; as "
+        f"{' '.join(suffixes(*SAVED))}; may be repeated",
+    )
+    add("--jobs", action=Once, metavar="N", help="processes on this machine (default: its cores)")
+    add(
+        "--scheduler",
+        action=Once,
+        metavar="ADDRESS",
+        help="a Dask scheduler, such as tcp://10.0.0.1:8786, whose workers compute instead; they "
+        "must have this program installed and see the same files",
+    )
+    add(
+        "--output",
+        action=Once,
+        required=True,
+        metavar="FILE",
+        help=f"the rows, as {' '.join(suffixes(*STUDIES))}",
+    )
+    add(
+        "--summary",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help=f"a picture of the figures, as {' '.join(suffixes(*SUMMARIES))}; may be repeated",
+    )
+    add("--fresh", action="store_true", help="throw away what an unfinished study has left")
     _numerical_words(parser)
 
 

@@ -9,7 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from core.errors import UsageError
-from nodes.files.common.file_format import CSV, ENVI_FRAMES, HTML, JSON, Format, suffixes
+from nodes.files.common.file_format import (
+    CSV,
+    ENVI_FRAMES,
+    HTML,
+    JSON,
+    NETCDF,
+    PARQUET,
+    Format,
+    suffixes,
+)
 from nodes.files.formats import PNG, SAVED
 
 if TYPE_CHECKING:
@@ -19,6 +28,8 @@ REPORTS = (JSON, HTML)
 _SAVED = (*SAVED[:-1], ENVI_FRAMES, SAVED[-1])
 TRANSFERS = (CSV, JSON)
 OUTPUTS = (CSV, JSON, PNG, HTML)
+STUDIES = (CSV, PARQUET, NETCDF)
+SUMMARIES = (PNG, HTML)
 _LONGEST_NUMBER = 20
 _BOUNDS = re.compile(r"([0-9]{0,18}):([0-9]{0,18}),([0-9]{0,18}):([0-9]{0,18})", re.ASCII)
 _SIZE = re.compile(r"([0-9]{1,18}(?:\.[0-9]{1,18})?) ?([kKmMgGtT]?[bB])", re.ASCII)
@@ -107,6 +118,16 @@ def report_path(text: str) -> Path:
 def output_path(text: str) -> Path:
     """The file of a trade-off."""
     return _with_suffix("--output", text, OUTPUTS)
+
+
+def study_path(text: str) -> Path:
+    """The file of a study's rows."""
+    return _with_suffix("--output", text, STUDIES)
+
+
+def summary_path(text: str) -> Path:
+    """The file of a study's summary."""
+    return _with_suffix("--summary", text, SUMMARIES)
 
 
 def transfer_path(text: str) -> Path:

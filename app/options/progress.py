@@ -17,10 +17,13 @@ class Progress:
     ----------
     total : int
         Number of nodes.
+    time_left : bool
+        Whether the bar shows how long it will take still.
     """
 
-    def __init__(self, total: int) -> None:
+    def __init__(self, total: int, *, time_left: bool = False) -> None:
         self._total = total
+        self._time_left = time_left
         self._start = time.perf_counter()
         self._seen: set[str] = set()
         self._bar: Any = None
@@ -51,13 +54,30 @@ class Progress:
             self._begin()
         self._bar.update(self._task, completed=len(self._seen), description=node or "")
 
+    def reach(self, done: int, text: str) -> None:
+        """Show how many are done, and what comes next."""
+        if not self._wanted:
+            return
+        if self._bar is None:
+            if time.perf_counter() - self._start < PATIENCE_S:
+                return
+            self._begin()
+        self._bar.update(self._task, completed=done, description=text)
+
     def _begin(self) -> None:
         from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            TextColumn,
+            TimeRemainingColumn,
+        )
 
         self._bar = Progress(
             BarColumn(),
             MofNCompleteColumn(),
+            *([TimeRemainingColumn()] if self._time_left else []),
             TextColumn("{task.description}", markup=False),
             console=Console(stderr=True),
             transient=True,  # stderr is for one line of error

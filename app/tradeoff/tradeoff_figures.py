@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from app.options.overrides import listed
 from app.run.responses import SYSTEM, TOTAL, Axis, response
 from app.run.sound_plan import sound_part
 from app.run.transfer_chain import Chain, find_chain
 from core.chain.engine import Engine, Plan
-from core.errors import Cancelled, DataError, ImagechainError, NetworkError
+from core.errors import Cancelled, DataError, ImagechainError, NetworkError, UsageError
 from core.evaluation.work import Work
 from core.modules.declaration import declaration
 from core.modules.library_type import Library
+from core.names import close, shown
 from core.network.linked_values import following
 from core.network.network import Network
 
@@ -120,6 +122,26 @@ def default_figures(network: Network, library: Library) -> tuple[Figure, ...]:
     if not usual:
         usual = [f for f in known.values() if groups[f.node].group == "Analysis"]
     return tuple(usual or known.values())
+
+
+def chosen_figures(texts: Sequence[str], network: Network, library: Library) -> tuple[Figure, ...]:
+    """The figures of ``--figure NODE.READOUT``, each once; the default ones where there is none.
+
+    Raises
+    ------
+    UsageError
+        If the network has no such figure.
+    """
+    if not texts:
+        return default_figures(network, library)
+    known = figures_of(network, library)
+    for text in texts:
+        if text not in known:
+            node = text.rpartition(".")[0]
+            beside = [name for name, figure in known.items() if figure.node == node]
+            hint = listed(beside) if beside else close(text, known) or listed(known)
+            raise UsageError(f"--figure {shown(text)}: the network has no such read-out{hint}")
+    return tuple(known[text] for text in dict.fromkeys(texts))
 
 
 @dataclass(frozen=True)

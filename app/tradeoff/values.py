@@ -65,8 +65,8 @@ def spaced(
     return tuple(values)
 
 
-def variation(text: str, network: Network, *, library: Library) -> Variation:
-    """The parameter and values of ``--vary``.
+def variation(text: str, network: Network, *, library: Library, most: int = MOST) -> Variation:
+    """The parameter and values of ``--vary``, of which there may be at most so many.
 
     Numbers out of the parameter's range are left for the evaluation to refuse, one by one.
 
@@ -81,17 +81,17 @@ def variation(text: str, network: Network, *, library: Library) -> Variation:
         raise UsageError(f"{OPTION} {setting.port}: a list of numbers cannot be varied")
     numeric = parameter.kind in ("number", "integer")
     if numeric and ":" in setting.text:
-        return _range(setting, parameter)
+        return _range(setting, parameter, most)
     parts = setting.text.split(",")
-    if len(parts) > MOST:
+    if len(parts) > most:
         raise UsageError(
-            f"{OPTION} {setting.port}: {len(parts)} values, at most {MOST} are allowed"
+            f"{OPTION} {setting.port}: {len(parts)} values, at most {most} are allowed"
         )
     values = tuple(dict.fromkeys(_value(part.strip(), parameter, setting) for part in parts))
     return Variation(setting.node, parameter, values)
 
 
-def _range(setting: Assignment, parameter: Parameter) -> Variation:
+def _range(setting: Assignment, parameter: Parameter, most: int) -> Variation:
     parts = setting.text.split(":")
     log = len(parts) == 4 and parts[3] == "log"
     fits = len(parts) in _RANGE_PARTS and (len(parts) == 3 or log)
@@ -102,9 +102,9 @@ def _range(setting: Assignment, parameter: Parameter) -> Variation:
         raise UsageError(
             f"{OPTION} {setting.port}={setting.text:.80}: FROM and TO must be two numbers"
         )
-    if not _COUNT.fullmatch(parts[2]) or not 2 <= int(parts[2]) <= MOST:
+    if not _COUNT.fullmatch(parts[2]) or not 2 <= int(parts[2]) <= most:
         raise UsageError(
-            f"{OPTION} {setting.port}: COUNT = {parts[2]:.20} is not allowed: from 2 to {MOST}"
+            f"{OPTION} {setting.port}: COUNT = {parts[2]:.20} is not allowed: from 2 to {most}"
         )
     if log and (low <= 0 or high <= 0):
         raise UsageError(

@@ -35,6 +35,8 @@ BLANKS = Format("txt", (".txt", ".prn"), "numbers separated by blanks")
 JSON = Format("json", (".json",), "JSON")
 HTML = Format("html", (".html",), "page")
 SVG = Format("svg", (".svg",), "drawing")
+PARQUET = Format("parquet", (".parquet",), "Parquet")
+NETCDF = Format("netcdf", (".nc",), "netCDF")
 
 
 def suffixes(*formats: Format) -> tuple[str, ...]:

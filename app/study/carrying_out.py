@@ -1,0 +1,259 @@
+"""Carrying a study out: in this process, or by the workers of a Dask cluster."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from app.options.stopping import Stopped, too_late
+from app.study.point_rows import Row, RowMaker, Task, tasks_of
+from app.study.study_files import Column, write_columns
+from app.study.study_journal import Journal
+from app.study.study_request import Study
+from core.errors import Cancelled, ImagechainError, Suspended, UsageError
+
+EXTRA = "pip install 'imagechain[study]' brings them"
+ALONE_S = 5.0
+"""How long one process works on, before others that take seconds to start are worth it."""
+Reached = Callable[[int], None]
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Who computes.
+
+    Parameters
+    ----------
+    jobs : int
+        Processes of this machine; 0 for all cores, as soon as the rest of the study is worth it.
+    scheduler : str
+        The address of a Dask scheduler, in their place.
+    """
+
+    jobs: int = 0
+    scheduler: str = ""
+
+    def check(self) -> None:
+        """Refuse workers that cannot be had.
+
+        Raises
+        ------
+        UsageError
+            Naming what is missing.
+        """
+        if (self.jobs > 1 or self.scheduler) and not has_dask():
+            what = f"--scheduler {self.scheduler}" if self.scheduler else f"--jobs {self.jobs}"
+            raise UsageError(f"{what}: dask and distributed are not installed: {EXTRA}")
+
+
+@dataclass(frozen=True)
+class StudyRows:
+    """A study that has been carried out.
+
+    Parameters
+    ----------
+    study : Study
+        What was wanted.
+    rows : tuple of Row
+        By point.
+    alone : bool
+        Whether one process did it because there are no others to be had.
+    start_s : float
+        What the start of workers took, which is no row's.
+    """
+
+    study: Study
+    rows: tuple[Row, ...]
+    alone: bool = False
+    start_s: float = 0.0
+
+    @property
+    def failed(self) -> list[Row]:
+        """The rows that have an error."""
+        return [row for row in self.rows if row.error]
+
+    def columns(self) -> list[Column]:
+        """The rows as a table."""
+        study = self.study
+        columns = [Column("point", "", [row.place + 1 for row in self.rows])]
+        for number, axis in enumerate(study.axes):
+            values = [axis.shown(study.points[row.place][number]) for row in self.rows]
+            columns.append(Column(axis.label, axis.unit, values))
+        for number, figure in enumerate(study.figures):
+            values = [row.figures[number] for row in self.rows]
+            columns.append(Column(figure.text, figure.unit, values))
+        columns.append(Column("key", "", [row.key for row in self.rows]))
+        columns.append(Column("seconds", "s", [row.seconds for row in self.rows]))
+        columns.append(Column("error", "", [row.error for row in self.rows]))
+        return columns
+
+
+def has_dask() -> bool:
+    """Whether Dask and its scheduler are installed."""
+    return all(importlib.util.find_spec(name) is not None for name in ("dask", "distributed"))
+
+
+def carry_out(
+    study: Study,
+    workers: Workers,
+    *,
+    output: Path | None = None,
+    fresh: bool = False,
+    reached: Reached | None = None,
+    cancel: threading.Event | None = None,
+    also: Callable[[StudyRows], object] | None = None,
+) -> StudyRows:
+    """Compute the points that are not done yet, and write the output when all are.
+
+    Parameters
+    ----------
+    study : Study
+        What is wanted.
+    workers : Workers
+        Who computes.
+    output : Path, optional
+        The file of the rows; beside it a journal keeps those that are done until it is written.
+    fresh : bool
+        Whether rows that an earlier, unfinished study has left there are thrown away.
+    reached : callable, optional
+        Called with the number of points that are done.
+    cancel : threading.Event, optional
+        Set to stop.
+    also : callable, optional
+        Called with the rows once the output is written, before the journal goes.
+
+    Raises
+    ------
+    Suspended
+        When it was stopped: the same study goes on where it was.
+    ImagechainError
+        If the rows cannot be kept, or the workers are lost; what is done is kept.
+    """
+    workers.check()
+    if output is None:
+        made: dict[int, Row] = {}
+        run = _Run(study, workers, made.update, reached, cancel)
+        run.rest(made)
+        return run.result(made)
+    with Journal(output, study.key, len(study.points), fresh=fresh) as journal:
+        journal.forget(place for place, row in list(journal.rows.items()) if _lost(study, row))
+        run = _Run(study, workers, lambda rows: journal.add(rows.values()), reached, cancel)
+        try:
+            run.rest(journal.rows)
+        except (Stopped, Cancelled) as error:
+            raise Suspended(_kept("stopped", journal, study)) from error
+        except ImagechainError as error:
+            error.message = _kept(error.message, journal, study)
+            raise
+        too_late(cancel)
+        result = run.result(journal.rows)
+        write_columns(result.columns(), output, study.name)
+        if also is not None:
+            also(result)
+        journal.remove()
+    return result
+
+
+class _Run:
+    """One go at a study: what has to be done, and who does it."""
+
+    def __init__(
+        self,
+        study: Study,
+        workers: Workers,
+        keep: Callable[[dict[int, Row]], object],
+        reached: Reached | None,
+        cancel: threading.Event | None,
+    ) -> None:
+        self._study, self._workers = study, workers
+        self._keep, self._reached, self._cancel = keep, reached, cancel
+        self._alone = False
+        self._start_s = 0.0
+
+    def rest(self, done: dict[int, Row]) -> None:
+        """Make the rows that are missing."""
+        self._count = len(done)
+        self._tell()
+        if self._workers.scheduler or self._workers.jobs > 1:
+            self._by_cluster(self._left(done), self._workers)
+            return
+        several = self._workers.jobs == 0 and _cores() > 1
+        self._alone = several and not has_dask()
+        if not (several and has_dask()):
+            self._here(self._left(done), None)
+            return
+        begun, before = time.monotonic(), len(done)
+        self._here(self._left(done), begun + ALONE_S)
+        left = self._left(done)
+        each = (time.monotonic() - begun) / max(1, len(done) - before)
+        if not left:
+            return
+        if each * len(left) > ALONE_S:
+            self._by_cluster(left, replace(self._workers, jobs=_cores()))
+        else:
+            self._here(left, None)
+
+    def result(self, done: dict[int, Row]) -> StudyRows:
+        """All rows, in the order of the points."""
+        rows = tuple(done[place] for place in range(len(self._study.points)))
+        return StudyRows(self._study, rows, self._alone, self._start_s)
+
+    def _left(self, done: dict[int, Row]) -> list[Task]:
+        order = [place for place in self._study.order if place not in done]
+        return tasks_of(order, self._study.points, self._study.files)
+
+    def _here(self, tasks: Sequence[Task], until: float | None) -> None:
+        maker = RowMaker(self._study.setting(), self._study.library)
+        for task in tasks:
+            if self._cancel is not None and self._cancel.is_set():
+                raise Cancelled("stopped on request")
+            self._take([maker.row(task, self._cancel)])
+            if until is not None and time.monotonic() > until:
+                return
+
+    def _by_cluster(self, tasks: Sequence[Task], workers: Workers) -> None:
+        if not tasks:
+            return
+        from app.study.dask_study import dask_rows
+
+        begun = time.monotonic()
+        with contextlib.closing(
+            dask_rows(self._study, tasks, workers.jobs, workers.scheduler, self._cancel)
+        ) as batches:
+            for rows in batches:
+                if not self._start_s:
+                    self._start_s = time.monotonic() - begun
+                self._take(rows)
+
+    def _take(self, rows: Sequence[Row]) -> None:
+        self._keep({row.place: row for row in rows})
+        self._count += len(rows)
+        self._tell()
+
+    def _tell(self) -> None:
+        if self._reached is not None:
+            self._reached(self._count)
+
+
+def _lost(study: Study, row: Row) -> bool:
+    """Whether a file that the point has saved is there no more."""
+    files = study.files[row.place] if study.files and not row.error else ()
+    return not all(Path(file).exists() for file in files)
+
+
+def _kept(why: str, journal: Journal, study: Study) -> str:
+    return (
+        f"{why}; {len(journal.rows)} of {len(study.points)} points are done and kept in "
+        f"{journal.path}: the same command goes on from there"
+    )
+
+
+def _cores() -> int:
+    from core.evaluation.policy import Policy
+
+    return Policy().workers

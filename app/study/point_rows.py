@@ -1,0 +1,252 @@
+"""Computing a study's points: one row for each, with its figures or the reason why not."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from app.options.option_values import Save
+from app.run.output import source_images
+from app.run.saving import save_value
+from app.tradeoff.evaluated_points import PointEvaluator
+from app.tradeoff.tradeoff_figures import Figure
+from core.chain.engine import Engine, Plan
+from core.chain.wires import Image
+from core.errors import Cancelled, FileError, ImagechainError
+from core.evaluation.content_key import content_key
+from core.evaluation.policy import Policy
+from core.evaluation.store import Store
+from core.evaluation.work import Work
+from core.memory import store_bytes
+from core.modules.declaration import declaration
+from core.modules.library_type import Library
+from core.names import in_line
+from core.network.network import Network, Node
+from nodes.files.read import check_finite
+
+Task = tuple[int, tuple[Any, ...], tuple[str, ...]]
+"""A point's place, its values, and the files that it saves."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """What a study has of a point.
+
+    Parameters
+    ----------
+    place : int
+        Of the point, from 0 on.
+    figures : tuple
+        Numbers, or None where there is none.
+    key : str
+        Content key of what was computed: network, values, stamps of its files, version.
+    seconds : float
+        What it took.
+    error : str
+        Why a figure or a file is not there; empty where nothing is missing.
+    """
+
+    place: int
+    figures: tuple[float | None, ...]
+    key: str
+    seconds: float
+    error: str = ""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """All that a worker needs to know of a study, but for the points.
+
+    Parameters
+    ----------
+    network : Network
+        Macros written out.
+    folder : Path
+        What file names in it are relative to.
+    targets : tuple of (node, parameter)
+        What is varied.
+    figures : tuple of Figure
+        The figures of each point.
+    saves : tuple of Save
+        The ports whose pictures are saved.
+    policy : Policy
+        Precision, tolerance and threads.
+    version : str
+        Of the program.
+    """
+
+    network: Network
+    folder: Path
+    targets: tuple[tuple[str, str], ...]
+    figures: tuple[Figure, ...]
+    saves: tuple[Save, ...]
+    policy: Policy
+    version: str
+
+
+class RowMaker:
+    """Makes the rows of a study, one after the other, over a store of its own.
+
+    Parameters
+    ----------
+    setting : Setting
+        The study.
+    library : Library
+        The modules.
+    share : int
+        How many share the machine's memory.
+    """
+
+    def __init__(self, setting: Setting, library: Library, share: int = 1) -> None:
+        self.setting = setting
+        self._engine = Engine(library, Store(store_bytes() // max(1, share)))
+        plan = self._engine.plan(setting.network, folder=setting.folder)
+        self._evaluator = PointEvaluator(self._engine, plan, setting.targets, setting.figures)
+        self._keys = NetworkKeys(setting, library)
+        self._checked: dict[str, ImagechainError | None] = {}
+
+    def rows(self, tasks: Iterable[Task], cancel: threading.Event | None = None) -> Iterator[Row]:
+        """The rows of points.
+
+        Raises
+        ------
+        Cancelled
+            When the caller has requested a stop.
+        """
+        return (self.row(task, cancel) for task in tasks)
+
+    def row(self, task: Task, cancel: threading.Event | None = None) -> Row:
+        """The row of a point; whatever goes wrong with it is the row's error.
+
+        Raises
+        ------
+        Cancelled
+            When the caller has requested a stop.
+        """
+        place, values, files = task
+        start = time.perf_counter()
+        reasons: list[str] = []
+        figures: tuple[float | None, ...] = (None,) * len(self.setting.figures)
+        key = ""
+        try:
+            plan = self._evaluator.planned(values)
+            key = self._keys.of(plan.network)
+            work = self._engine.work(self.setting.policy, cancel=cancel)
+            result = self._evaluator.figures_of(plan, work)
+            reasons += [
+                result.reasons[figure.text]
+                for figure in self.setting.figures
+                if figure.text in result.reasons
+            ]
+            self._check_sources(plan, work)
+            figures = tuple(result.values.get(figure.text) for figure in self.setting.figures)
+            for save, file in zip(self.setting.saves, files, strict=True):
+                self._save(plan, work, save, Path(file))
+        except Cancelled:
+            raise
+        except ImagechainError as error:
+            reasons.append(str(error))
+        except MemoryError:
+            reasons.append("not enough memory")
+        except Exception as error:  # one point's fault is not the study's
+            reasons.append(f"internal error: {type(error).__name__}: {error}")
+        took = float(f"{time.perf_counter() - start:.4g}")
+        return Row(place, figures, key, took, in_line("; ".join(dict.fromkeys(reasons))))
+
+    def _save(self, plan: Plan, work: Work, save: Save, file: Path) -> None:
+        value = plan.output(save.port)
+        try:
+            region = save.region(value.rows, value.columns) if isinstance(value, Image) else None
+            file.parent.mkdir(parents=True, exist_ok=True)
+            save_value(value, file, work, port=save.port, region=region)
+        except OSError as error:
+            raise _unwritable(file, error) from error
+        except ImagechainError as error:
+            raise error.at(save.node) from error
+
+    def _check_sources(self, plan: Plan, work: Work) -> None:
+        """Refuse samples that are not finite, of every picture once that has been read."""
+        for port in source_images(plan):
+            recipe = plan.output(port).recipe
+            if recipe.key not in self._checked:
+                if recipe.key not in work.log.computed and not work.has(recipe):
+                    continue
+                self._checked[recipe.key] = _fault(work.value(recipe), port)
+            fault = self._checked[recipe.key]
+            if fault is not None:
+                raise fault
+
+
+class NetworkKeys:
+    """Content keys of networks that differ in few nodes; layout and names do not count."""
+
+    def __init__(self, setting: Setting, library: Library) -> None:
+        self._library, self._folder = library, setting.folder
+        first = setting.network
+        links = tuple(str(link) for link in first.links)
+        self._rest = content_key(
+            "study", setting.version, first.seed, setting.policy.key, links, tuple(first.nodes)
+        )
+        self._known: dict[str, tuple[Node, str]] = {}
+
+    def of(self, network: Network) -> str:
+        """The key of a network with the same nodes and links as the first."""
+        keys = []
+        for name, node in network.nodes.items():
+            known = self._known.get(name)
+            if known is None or known[0] is not node:
+                known = self._known[name] = (node, self._node_key(node))
+            keys.append(known[1])
+        return content_key(self._rest, *keys)
+
+    def _node_key(self, node: Node) -> str:
+        stamps = tuple(file_stamp(file) for file in input_paths(node, self._library, self._folder))
+        return content_key(
+            node.id, node.module, node.params, node.disabled, node.noise, node.final, stamps
+        )
+
+
+def input_paths(node: Node, library: Library, folder: Path) -> list[Path]:
+    """The files that a node reads."""
+    module = library.get(node.module)
+    if module is None or declaration(module).sink:
+        return []
+    values = [
+        node.params.get(parameter.name)
+        for parameter in declaration(module).parameters
+        if parameter.kind == "path"
+    ]
+    return [folder / value for value in values if isinstance(value, str) and value]
+
+
+def file_stamp(file: Path) -> tuple[int, int] | None:
+    """Size and time of the last change; None where the file cannot be looked at."""
+    try:
+        status = os.stat(file)  # noqa: PTH116, as Path's raises for a name that is too long
+    except (OSError, ValueError):
+        return None
+    return status.st_size, status.st_mtime_ns
+
+
+def tasks_of(
+    order: Sequence[int], points: Sequence[tuple[Any, ...]], files: Sequence[tuple[str, ...]]
+) -> list[Task]:
+    """Points in the order in which they are to be computed."""
+    return [(place, points[place], files[place] if files else ()) for place in order]
+
+
+def _fault(samples: Any, port: str) -> ImagechainError | None:
+    try:
+        check_finite(samples, port)
+    except ImagechainError as error:
+        return error.at(port.rpartition(".")[0])
+    return None
+
+
+def _unwritable(file: Path, error: OSError) -> FileError:
+    return FileError(f"cannot write {file}: {error.strerror or error}")

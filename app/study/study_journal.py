@@ -1,0 +1,199 @@
+"""The rows of a study as they are made, in a file beside its output, until that is written."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from app.study.point_rows import Row
+from core.atomic import no_regular_file
+from core.errors import FileError, UsageError
+from core.file_lock import is_held, take
+
+FORMAT, VERSION = "imagechain-study", 1
+SUFFIX = ".journal"
+_FLUSH_S = 1.0  # a power cut costs no more than the rows of so long
+_DIGITS = 16
+
+
+class Journal:
+    """One line for each row that is done, each with a checksum; a torn last line is cut off.
+
+    Used as a context manager. It holds a lock, so that two studies do not write one output.
+
+    Parameters
+    ----------
+    output : Path
+        The file that the study is to write.
+    key : str
+        Content key of the study.
+    points : int
+        How many rows there will be.
+    fresh : bool
+        Whether what an earlier study has left is thrown away.
+    """
+
+    def __init__(self, output: Path, key: str, points: int, *, fresh: bool = False) -> None:
+        self.path = output.with_name(output.name + SUFFIX)
+        self.rows: dict[int, Row] = {}
+        self._head = {"format": FORMAT, "version": VERSION, "study": key, "points": points}
+        self._output, self._fresh = output, fresh
+        self._lock_path = output.with_name(f".{output.name}{SUFFIX}.lock")
+        self._descriptor = -1
+        self._end = 0
+        self._flushed = time.monotonic()
+
+    def __enter__(self) -> Self:
+        try:
+            self._lock = take(self._lock_path)
+        except OSError as error:
+            raise _cannot(self.path, error) from error
+        if self._lock is None and is_held(self._lock_path):
+            raise FileError(f"cannot write {self._output}: another study is writing it")
+        try:
+            self._open()
+        except BaseException:
+            self._close()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        with contextlib.suppress(OSError):
+            if self._descriptor >= 0:
+                os.fsync(self._descriptor)
+        self._close()
+
+    def add(self, rows: Iterable[Row]) -> None:
+        """Keep rows; each is whole in the file, or not there.
+
+        Raises
+        ------
+        FileError
+            If they cannot be written, as on a full disk.
+        """
+        new = [row for row in rows if row.place not in self.rows]
+        self._write(b"".join(_line(_entry(row)) for row in new))
+        self.rows.update((row.place, row) for row in new)
+        if time.monotonic() > self._flushed + _FLUSH_S:
+            os.fsync(self._descriptor)
+            self._flushed = time.monotonic()
+
+    def forget(self, places: Iterable[int]) -> None:
+        """Rows that are to be made anew; a later line of the same point holds."""
+        for place in places:
+            self.rows.pop(place, None)
+
+    def remove(self) -> None:
+        """The output is written: the journal is of no more use."""
+        with contextlib.suppress(OSError):
+            self.path.unlink(missing_ok=True)
+
+    def _open(self) -> None:
+        try:
+            if self.path.exists() and (unfit := no_regular_file(self.path.stat().st_mode)):
+                raise FileError(f"cannot write {self.path}: {unfit}")
+            flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+            self._descriptor = os.open(self.path, flags | getattr(os, "O_BINARY", 0), 0o666)
+            content = b"" if self._fresh else self.path.read_bytes()
+            self._read(content)
+            os.ftruncate(self._descriptor, self._end)
+            os.lseek(self._descriptor, self._end, os.SEEK_SET)
+        except OSError as error:
+            raise _cannot(self.path, error) from error
+        if self._end == 0:
+            self._write(_line(self._head))
+
+    def _read(self, content: bytes) -> None:
+        lines = list(_whole_lines(content))
+        if not lines:
+            # Something is there, and not even its first line is whole: nothing of it counts.
+            if content and not _line(self._head).startswith(content):
+                raise UsageError(
+                    f"{self.path}: it is no journal of a study; --fresh throws it away"
+                )
+            return
+        head = lines[0][1]
+        if not isinstance(head, dict) or head.get("format") != FORMAT:
+            raise UsageError(f"{self.path}: it is no journal of a study; --fresh throws it away")
+        if head != self._head:
+            raise UsageError(
+                f"{self._output}: another study, or one of other inputs, has been begun there and "
+                f"is not finished ({len(lines) - 1} rows in {self.path.name}); --fresh throws it "
+                "away"
+            )
+        for _, entry in lines[1:]:
+            row = _row(entry)
+            if row is not None:
+                self.rows[row.place] = row
+        self._end = lines[-1][0]
+
+    def _write(self, data: bytes) -> None:
+        try:
+            written = 0
+            while written < len(data):
+                written += os.write(self._descriptor, data[written:])
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._descriptor, self._end)
+                os.lseek(self._descriptor, self._end, os.SEEK_SET)
+            raise _cannot(self.path, error) from error
+        self._end += len(data)
+
+    def _close(self) -> None:
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1
+        if self._lock is not None:
+            self._lock.let_go()
+            self._lock = None
+
+
+def _entry(row: Row) -> list[Any]:
+    return [row.place, list(row.figures), row.key, row.seconds, row.error]
+
+
+def _row(entry: Any) -> Row | None:
+    if not isinstance(entry, list) or len(entry) != 5:
+        return None
+    place, figures, key, seconds, error = entry
+    return Row(place, tuple(figures), key, seconds, error)
+
+
+def _line(entry: Any) -> bytes:
+    text = json.dumps(entry, separators=(",", ":"))
+    return f"{_checksum(text)} {text}\n".encode("ascii")
+
+
+def _whole_lines(content: bytes) -> Iterator[tuple[int, Any]]:
+    """The entries of lines that are as they were written, each with where it ends."""
+    end = 0
+    for line in content.splitlines(keepends=True):
+        end += len(line)
+        if not line.endswith(b"\n"):
+            return
+        try:
+            checksum, _, text = line.decode("ascii").rstrip("\n").partition(" ")
+            if checksum == _checksum(text):
+                yield end, json.loads(text)
+        except ValueError:
+            continue
+
+
+def _checksum(text: str) -> str:
+    return hashlib.blake2b(text.encode(), digest_size=_DIGITS // 2).hexdigest()
+
+
+def _cannot(path: Path, error: OSError) -> FileError:
+    return FileError(f"cannot write {path}: {error.strerror or error}")

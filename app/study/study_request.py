@@ -1,0 +1,266 @@
+"""A study as it is to be carried out: all that its rows depend on, checked before it starts."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from app.options.command_options import version
+from app.options.option_values import Save
+from app.options.overrides import listed
+from app.run.saving import check_suffix, is_cube
+from app.run.staging import Staging, check_folder
+from app.study.point_rows import NetworkKeys, Setting, file_stamp, input_paths
+from app.study.save_patterns import SavePattern, file_names, folders, save_pattern
+from app.study.study_axes import OVER, Axis
+from app.study.study_journal import SUFFIX
+from app.study.study_points import MOST_POINTS, Point, grid_points, order_of
+from app.tradeoff.evaluated_points import with_value
+from app.tradeoff.tradeoff_figures import Figure, chosen_figures
+from app.tradeoff.values import OPTION
+from core.chain.engine import Engine, Plan
+from core.chain.wires import Image
+from core.errors import ImagechainError, UsageError
+from core.evaluation.content_key import content_key
+from core.evaluation.policy import Policy
+from core.modules.declaration import declaration
+from core.modules.library_type import Library
+from core.names import close, shown
+from core.network.network import Network
+
+Sampling = Callable[[], tuple[tuple[Axis, ...], Sequence[Point]]]
+
+
+@dataclass(frozen=True)
+class Study:
+    """A network, the points it is evaluated at, and what is wanted there.
+
+    Parameters
+    ----------
+    name : str
+        Of the network.
+    network : Network
+        Macros written out, changes made.
+    folder : Path
+        What file names in it are relative to.
+    library : Library
+        The modules.
+    axes : tuple of Axis
+        What varies.
+    points : tuple of Point
+        A value for each axis.
+    figures : tuple of Figure
+        The figures of each point, in the units that they have.
+    saves : tuple of SavePattern
+        The pictures of each point.
+    files : list of tuple of str
+        Their files, by point.
+    policy : Policy
+        Precision, tolerance and threads.
+    """
+
+    name: str
+    network: Network
+    folder: Path
+    library: Library
+    axes: tuple[Axis, ...]
+    points: tuple[Point, ...]
+    figures: tuple[Figure, ...]
+    saves: tuple[SavePattern, ...]
+    files: list[tuple[str, ...]]
+    policy: Policy
+
+    @cached_property
+    def order(self) -> list[int]:
+        """The points' places in the order in which they are computed."""
+        return order_of(self.axes, self.points, self.network)
+
+    @property
+    def inputs(self) -> list[Path]:
+        """The files that it reads."""
+        nodes = self.network.nodes.values()
+        own = [file for node in nodes for file in input_paths(node, self.library, self.folder)]
+        return [*own, *(Path(v) for axis in self.axes if axis.is_files for v in axis.values)]
+
+    def setting(self, policy: Policy | None = None) -> Setting:
+        """What a worker needs to know of it."""
+        return Setting(
+            self.network,
+            self.folder.absolute(),
+            tuple((axis.node, axis.parameter.name) for axis in self.axes),
+            self.figures,
+            tuple(pattern.save for pattern in self.saves),
+            policy or self.policy,
+            version(),
+        )
+
+    @cached_property
+    def key(self) -> str:
+        """Content key: of two studies with one key all rows are the same."""
+        setting = self.setting()
+        return content_key(
+            NetworkKeys(setting, self.library).of(self.network),
+            tuple(axis.label for axis in self.axes),
+            self.points,
+            tuple((figure.text, figure.unit) for figure in self.figures),
+            tuple((save.port, save.bounds) for save in setting.saves),
+            tuple(self.files),
+            tuple(file_stamp(file) for file in self.inputs),
+        )
+
+    def check_places(self, outputs: Sequence[Path], read: Sequence[Path] = ()) -> None:
+        """Refuse files that cannot be written, or would take the place of another.
+
+        Parameters
+        ----------
+        outputs : sequence of Path
+            The files of the rows and their summary.
+        read : sequence of Path
+            Files that are read beside the network's own inputs.
+
+        Raises
+        ------
+        FileError, UsageError
+            Naming the file.
+        """
+        inputs = [*read, *self.inputs]
+        with Staging(None, inputs) as staging:
+            for path in outputs:
+                staging.claim(path)
+                staging.check(path.with_name(path.name + SUFFIX))
+            for folder in folders(self.files):
+                check_folder(folder)
+            taken = {str(path.absolute()) for path in (*outputs, *inputs)}
+            taken |= {str(path.absolute()) + SUFFIX for path in outputs}
+            for row in self.files:
+                for pattern, name in zip(self.saves, row, strict=True):
+                    if name in taken:
+                        raise UsageError(f"{pattern.save.shown}: {shown(name)} is another file of "
+                                         "this study")  # fmt: skip
+
+
+def make_study(
+    network: Network,
+    *,
+    name: str,
+    folder: Path,
+    library: Library,
+    overs: Sequence[Axis],
+    sampling: Sampling,
+    figures: Sequence[str],
+    saves: Sequence[Save],
+    policy: Policy,
+) -> Study:
+    """A study of every file with every sampled point.
+
+    Parameters
+    ----------
+    network : Network
+        Macros written out, valid.
+    name : str
+        Of the network.
+    folder : Path
+        What file names in it are relative to.
+    library : Library
+        The modules.
+    overs : sequence of Axis
+        Files to go over.
+    sampling : callable
+        Gives the other axes and their points.
+    figures : sequence of str
+        ``NODE.READOUT``; without any, and without files to save, those of most use.
+    saves : sequence of Save
+        Ports, each with the pattern of its files.
+    policy : Policy
+        Precision, tolerance and threads.
+
+    Raises
+    ------
+    UsageError, ParameterError
+        If it cannot be.
+    """
+    drawn, sampled = sampling()
+    axes = (*overs, *drawn)
+    if not axes:
+        raise UsageError(
+            f"nothing varies: give {OPTION} NODE.PARAM=VALUES, {OVER} or --sample FILE"
+        )
+    places = [(axis.node, axis.parameter.name) for axis in axes]
+    for number, axis in enumerate(axes):
+        if places.index(places[number]) < number:
+            raise UsageError(f"{axis.label} varies twice: vary another parameter")
+    across = grid_points(overs)
+    if len(across) * len(sampled) > MOST_POINTS:
+        raise UsageError(
+            f"the study would have {len(across)} × {len(sampled)} points, at most {MOST_POINTS} "
+            "are allowed"
+        )
+    points = tuple((*outer, *inner) for outer, inner in itertools.product(across, sampled))
+    chosen = () if saves and not figures else chosen_figures(figures, network, library)
+    first = _first_plan(network, folder, library, places, points[0])
+    _check_saves(saves, first, network, library)
+    patterns = tuple(save_pattern(save, axes) for save in saves)
+    return Study(
+        name,
+        network,
+        folder,
+        library,
+        axes,
+        points,
+        tuple(_with_unit(figure, first) for figure in chosen),
+        patterns,
+        file_names(patterns, axes, points) if patterns else [],
+        policy,
+    )
+
+
+def _first_plan(
+    network: Network,
+    folder: Path,
+    library: Library,
+    places: Sequence[tuple[str, str]],
+    values: Sequence[Any],
+) -> Plan:
+    engine = Engine(library)
+    for (node, parameter), value in zip(places, values, strict=True):
+        network = with_value(network, engine, node, parameter, value)
+    return engine.plan(network, folder=folder)
+
+
+def _with_unit(figure: Figure, plan: Plan) -> Figure:
+    """The figure in the unit that it has in this network."""
+    planned = plan.nodes.get(figure.node)
+    if figure.is_total or planned is None or planned.module is None:
+        return figure
+    readouts = {readout.name: readout for readout in planned.declaration.readouts}
+    unit = planned.unit(readouts[figure.name])
+    return Figure(figure.node, figure.name, unit, figure.meaning)
+
+
+def _check_saves(saves: Sequence[Save], plan: Plan, network: Network, library: Library) -> None:
+    for save in saves:
+        node, _, port = network.port_names.get(save.port, save.port).rpartition(".")
+        if node not in network.nodes:
+            hint = close(save.node, network.nodes) or listed(network.nodes)
+            raise UsageError(f"{save.shown}: the network has no node {shown(save.node)}{hint}")
+        module = library.get(network.nodes[node].module)
+        ports = [] if module is None else [output.name for output in declaration(module).outputs]
+        if port not in ports:
+            hint = close(port, ports) or listed(ports)
+            raise UsageError(f"{save.shown}: {node} has no output {shown(port)}{hint}")
+        try:
+            value = plan.output(save.port)
+        except ImagechainError:
+            continue  # the rows say why
+        path = Path(save.text)
+        if is_cube(value, path):
+            raise UsageError(
+                f"{save.shown}: a study writes pictures, not cubes: .tif, .exr or .npy"
+            )
+        check_suffix(save.port, value, path)
+        if save.bounds and not isinstance(value, Image):
+            raise UsageError(f"{save.shown}: only an image has a region, and no {value.port_type}")

@@ -1,0 +1,208 @@
+"""``imagechain study`` as a person runs it: rows, reasons, files, and faults in one line."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+
+import numpy as np
+import pytest
+
+from app.study.run_study import run_study
+from core.errors import UsageError
+from tradeoff_network import DOCUMENT, mtf
+
+SIGMA = "--vary=blur.sigma_x_mrad=0:1:3"
+D_STAR = "--vary=electronics.d_star=1e10,1e11"
+MTF, NER = "--figure=total.mtf_nyquist_x", "--figure=electronics.ner"
+MTF_HEAD, NER_HEAD = "total.mtf_nyquist_x", "electronics.ner (W/m²/sr)"
+
+
+@pytest.fixture
+def study(imagechain):
+    return lambda *words: imagechain("study", *words, "--jobs", "1")
+
+
+def test_a_row_for_each_point(sensor, study, rows_of, tmp_path):
+    done = study(sensor, SIGMA, D_STAR, MTF, NER, "--output", "a.csv")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("6 points in ")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.csv", sensor]
+    rows = rows_of("a.csv")
+    assert [row["point"] for row in rows] == list("123456")
+    assert [float(row["blur.sigma_x_mrad (mrad)"]) for row in rows] == [0, 0, 0.5, 0.5, 1, 1]
+    # NEP = √(A·Δf)/D*, NER = NEP·G#/A, G# of F/2 (1 + 4·F²)/π, written out.
+    area_cm2 = 30e-4**2
+    for row in rows:
+        d_star = float(row["electronics.d_star (cm √Hz/W)"])
+        ner = math.sqrt(area_cm2 * 1e4) / d_star * (1 + 16) / math.pi / area_cm2 * 1e4
+        assert float(row[NER_HEAD]) == pytest.approx(ner, rel=1e-12)
+        blur = float(row["blur.sigma_x_mrad (mrad)"])
+        assert float(row[MTF_HEAD]) == pytest.approx(mtf(blur), rel=1e-12)
+        assert row["error"] == ""
+    assert len({row["key"] for row in rows}) == 6
+
+
+def test_the_key_is_of_what_is_computed_not_of_how_it_came_about(sensor, study, rows_of):
+    study(sensor, SIGMA, MTF, "--output", "a.csv")
+    study(sensor, "--set", "blur.sigma_x_mrad=9", "--vary=blur.sigma_x_mrad=1,0.5", NER,
+          "--output", "b.csv")  # fmt: skip
+    first, second = ([row["key"] for row in rows_of(name)] for name in ("a.csv", "b.csv"))
+    assert second == [first[2], first[1]]
+    study(sensor, "--set", "jitter.sigma_mrad=0.1", SIGMA, MTF, "--output", "c.csv")
+    assert not {row["key"] for row in rows_of("c.csv")} & {*first}
+
+
+def test_failed_points_are_rows_and_the_end_is_2(sensor, study, rows_of, tmp_path):
+    words = ["--set", "electronics.region=MWIR", "--set", "electronics.d_star=null"]
+    vary = "--vary=electronics.material=PtSi,manual,InSb"
+    done = study(sensor, *words, vary, NER, "--output", "a.csv", "--summary", "a.png")
+    assert done.returncode == 2
+    assert done.stderr.startswith(
+        "imagechain: 1 of 3 points failed, see the column error of a.csv; the first, point 2: "
+        "electronics: d_star is empty"
+    )
+    assert done.stderr.count("\n") == 1
+    rows = rows_of("a.csv")
+    assert [bool(row[NER_HEAD]) for row in rows] == [True, False, True]
+    assert rows[1]["error"] in done.stderr
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.fixture
+def scenes(tmp_path, imagechain, write):
+    """Two pictures that can be read, one that cannot, and a network that reads one of them."""
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    for number, level in ((2, 3.0), (10, 7.0)):
+        np.save(folder / f"s{number}.npy", np.full((16, 16), level, dtype=np.float32))
+    (folder / "s3.npy").write_bytes(b"no array")
+    np.save(folder / "s4.npy", np.full((16, 16), np.nan, dtype=np.float32))
+    document = json.loads(json.dumps(DOCUMENT))
+    document["nodes"]["scene"] = {
+        "module": "read_image",
+        "params": {"path": "none.npy", "fov_x_deg": 3.0, "fov_y_deg": 2.5},
+    }
+    return write(document, "over.json")
+
+
+def test_over_pictures_of_which_some_cannot_be_read(scenes, study, rows_of, tmp_path):
+    over = ["--over", "scene.path=scenes/s*.npy", "--figure=electronics.snr"]
+    save = ["--save", "back.image=out/{scene}_{point}.npy"]
+    done = study(scenes, *over, *save, "--output", "a.csv", "--summary", "a.html")
+    assert done.returncode == 2
+    assert "2 of 4 points failed" in done.stderr
+    rows = rows_of("a.csv")
+    assert [row["scene.path"] for row in rows] == [
+        f"scenes/s{number}.npy" for number in (2, 3, 4, 10)
+    ]
+    assert "s3.npy" in rows[1]["error"]
+    assert "not finite" in rows[2]["error"]
+    assert rows[2]["electronics.snr"] == ""
+    # Of uniform pictures the signal is the level.
+    ratio = float(rows[3]["electronics.snr"]) / float(rows[0]["electronics.snr"])
+    assert ratio == pytest.approx(7 / 3, rel=1e-6)
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["s10_4.npy", "s2_1.npy"]
+    saved = np.load(tmp_path / "out" / "s10_4.npy")
+    assert np.allclose(saved, 7.0, rtol=1e-6)
+    assert "2 points failed" in (tmp_path / "a.html").read_text()
+
+
+def test_a_figure_of_transfer_makes_no_picture(scenes, study, rows_of):
+    """A picture of NaN is not even read where only the MTF is wanted."""
+    done = study(scenes, "--over=scene.path=scenes/s4.npy", MTF, "--output=a.csv")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_tables_of_other_programs(sensor, study, rows_of, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    xarray = pytest.importorskip("xarray")
+    kinds = "--vary=scene.kind=slanted_edge,dormitory"
+    for name in ("a.csv", "a.parquet", "a.nc"):
+        done = study(sensor, SIGMA, kinds, NER, "--output", name)
+        assert (done.returncode, done.stderr) == (0, "")
+    rows = rows_of("a.csv")
+    table = parquet.read_table(tmp_path / "a.parquet")
+    assert table.column(NER_HEAD).to_pylist() == [float(row[NER_HEAD]) for row in rows]
+    assert table.column("scene.kind").to_pylist() == [row["scene.kind"] for row in rows]
+    assert table.schema.field(NER_HEAD).metadata == {b"unit": "W/m²/sr".encode()}
+    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as data:
+        assert data["electronics.ner"].values.tolist() == table.column(NER_HEAD).to_pylist()
+        assert data["electronics.ner"].attrs["units"] == "W/m²/sr"
+        assert data["scene.kind"].values.tolist() == [row["scene.kind"] for row in rows]
+
+
+def test_without_a_tables_package_one_line_names_the_extra(monkeypatch, sensor, fails):
+    monkeypatch.setattr("app.study.study_files._NEEDED", {_parquet(): ("no_such_package",)})
+    line = fails("study", sensor, SIGMA, NER, "--output", "a.parquet")
+    assert "needs no_such_package: pip install 'imagechain[study]'" in line
+
+
+def test_without_dask_one_line_names_the_extra(monkeypatch, sensor, fails):
+    monkeypatch.setattr("app.study.carrying_out.has_dask", lambda: False)
+    line = fails("study", sensor, SIGMA, NER, "--output", "a.csv", "--jobs", "2")
+    assert "dask and distributed are not installed: pip install 'imagechain[study]'" in line
+
+
+def _parquet():
+    from nodes.files.common.file_format import PARQUET
+
+    return PARQUET
+
+
+def test_from_python(sensor, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    vary = {"blur.sigma_x_mrad": np.linspace(0, 1, 3), "electronics.d_star": "1e10:1e12:3:log"}
+    found = run_study(sensor, vary=vary, figures=["total.mtf_nyquist_x"])
+    columns = {column.head: list(column.values) for column in found.columns()}
+    assert columns["electronics.d_star (cm √Hz/W)"] == [1e10, 1e11, 1e12] * 3
+    expected = [mtf(value) for value in columns["blur.sigma_x_mrad (mrad)"]]
+    assert columns[MTF_HEAD] == pytest.approx(expected, rel=1e-12)
+    assert list(tmp_path.iterdir()) == [tmp_path / sensor]
+    with pytest.raises(UsageError, match="nothing varies"):
+        run_study(sensor)
+
+
+USAGE = {
+    "nothing varies": ([NER], "nothing varies"),
+    "the same twice": ([SIGMA, SIGMA], "given twice"),
+    "unknown node": (["--vary=blurr.sigma_x_mrad=0:1:3"], "did you mean blur?"),
+    "unknown parameter": (["--vary=blur.sigma_mrad=0:1:3"], "has no parameter sigma_mrad"),
+    "unknown figure": ([SIGMA, "--figure=electronics.netd"], "no such read-out"),
+    "out of range": (["--vary=blur.sigma_x_mrad=-1:1:3"], "blur: sigma_x_mrad = -1.0 mrad"),
+    "no choice": (["--vary=scene.kind=dormitory,x"], "scene: kind = 'x' is not allowed"),
+    "too many": (
+        ["--vary=blur.sigma_x_mrad=0:1:1001", "--vary=jitter.sigma_mrad=0:1:1000"],
+        "the study would have 1001000 points: from 1 to 1000000",
+    ),
+    "points of a grid": ([SIGMA, "--points=3"], "only --sample latin draws points"),
+    "latin without points": (["--sample=latin", "--vary=blur.sigma_x_mrad=0:1"], "--points N"),
+    "latin by steps": (
+        ["--sample=latin", "--points=3", SIGMA],
+        "for values that are drawn write NODE.PARAM=FROM:TO",
+    ),
+    "no sample": (["--sample=random"], "write grid, latin, or the name of a .csv file"),
+    "list and vary": ([SIGMA, "--sample=list.csv"], "the points are those of list.csv"),
+    "no list": (["--sample=list.csv"], "cannot read list.csv: No such file"),
+    "no picture": (["--over=scene.path=*.img"], "has no parameter path"),
+    "suffix": ([SIGMA, "--output=a.json"], "must end in .csv, .parquet or .nc"),
+    "over the network": ([SIGMA, "--summary=a.csv"], "must end in .png or .html"),
+    "no folder": ([SIGMA, "--output=no/a.csv"], "no folder no"),
+    "one name": ([SIGMA, "--save=back.image=a.npy"], "two files of points 1 and 2"),
+    "no port": ([SIGMA, "--save=back.picture={point}.npy"], "has no output picture"),
+    "no file type": ([SIGMA, "--save=back.image={point}.doc"], "must end in"),
+    "jobs": ([SIGMA, "--jobs=0"], "--jobs 0: give a whole number from 1"),
+    "both": ([SIGMA, "--jobs=2", "--scheduler=tcp://x:1"], "not both"),
+}
+
+
+@pytest.mark.parametrize(("words", "why"), USAGE.values(), ids=USAGE.keys())
+def test_usage(words, why, sensor, fails):
+    output = [] if any(word.startswith("--output") for word in words) else ["--output=o.csv"]
+    assert why in fails("study", sensor, *words, *output)
+
+
+def test_the_network_stays_where_it_is(sensor, fails, tmp_path):
+    shutil.copy(tmp_path / sensor, tmp_path / "net.csv")
+    assert "input of this run" in fails("study", "net.csv", SIGMA, NER, "--output=net.csv")
