@@ -27,13 +27,17 @@ PARTS = (
         (
             "editor",
             "commands",
-            "own_pictures",
             "network_files",
-            "judging",
+            "python_package",
             "cameras",
+            "judging",
+            "plug_ins",
         ),
     ),
-    Part("Reference", ("reference", "shipped_networks", "speed_and_accuracy", "extending")),
+    Part(
+        "Reference",
+        ("reference", "shipped_networks", "speed_and_accuracy", "how_it_works", "extending"),
+    ),
 )
 REFERENCE = "reference"
 """The page that lists the modules."""

@@ -28,6 +28,7 @@ _WIDE, _HIGH = 5.2, 3.2  # inches of a plot
 _SMALLEST_PHASE = 1e-9
 _ALIKE = 2e-3
 _MOST_CURVES = 3
+_LARGEST = 640  # samples; of a larger picture the means of blocks are shown
 _LARGE = 240  # samples; a smaller picture is shown by larger squares
 
 Samples = NDArray[Any]
@@ -130,6 +131,7 @@ def _before_and_after(plan: Plan, engine: Engine, work: Work) -> list[str]:
 def picture(samples: Samples, caption: str, limits: tuple[float, float] | None = None) -> str:
     """A picture in grey as a piece of a page."""
     low, high = limits or robust_limits(samples)
+    samples = _means(samples, -(-max(samples.shape) // _LARGEST))
     levels = grey_levels(low, high, samples)
     times = max(1, _LARGE // max(levels.shape))
     levels = np.repeat(np.repeat(levels, times, axis=0), times, axis=1)
@@ -173,6 +175,15 @@ def _transfer(declared: Declaration, value: Transfer, samples: Samples) -> str:
             axis.set_ylim(min(-0.02, low * 1.1), 1.05)
     title = "MTF" if value.part == "mtf" else "PTF"
     return f'<figure class="curve">{out.getvalue()}<figcaption>{title}</figcaption></figure>'
+
+
+def _means(samples: Samples, size: int) -> Samples:
+    """Means of blocks; rows and columns left over are dropped."""
+    if size < 2:
+        return samples
+    rows, columns = samples.shape[0] // size, samples.shape[1] // size
+    blocks = samples[: rows * size, : columns * size].reshape(rows, size, columns, size)
+    return np.asarray(blocks.mean(axis=(1, 3)))
 
 
 def curves(name: str, data: CurveData, caption: str) -> str:

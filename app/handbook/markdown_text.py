@@ -21,6 +21,7 @@ from typing import Any
 from app.handbook.formula_drawing import formula_svg
 
 Figure = Callable[[str], str]
+_REMARK = re.compile(r"^<!--.*-->\n", re.MULTILINE)  # such as marks to write between
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ def rendered(text: str, modules: Mapping[str, str], figure: Figure) -> Rendered:
     """
     parser = _parser()
     page = Rendered()
-    tokens = parser.parse(text)
+    tokens = parser.parse(_REMARK.sub("", text))
     _name_headings(tokens, page)
     _link_modules(tokens, modules)
     _wrap_tables(tokens)

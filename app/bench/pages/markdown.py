@@ -1,4 +1,4 @@
-"""The benchmark's tables as Markdown, between two marks of a file such as the README."""
+"""The benchmark's tables as Markdown, between two marks of a page of the handbook."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from app.bench.measuring.machine import machine_words
 from core.errors import FileError, UsageError
 
 START, END = "<!-- bench table -->", "<!-- end of bench table -->"
+PAGE = "app/handbook/pages/speed_and_accuracy.md"
+"""Where this program's own tables stand, in its repository."""
 
 
 def fragment(
@@ -28,7 +30,7 @@ def fragment(
     settings : Settings
         How much was.
     """
-    command = " ".join(["imagechain bench --markdown README.md", *settings.words()])
+    command = " ".join([f"imagechain bench --markdown {PAGE}", *settings.words()])
     machine = ", ".join(machine_words(facts["machine"]))
     made = (
         f"Made by `{command}` on {facts['date'][:10]}: {machine}. T0 is the bare round trip "

@@ -69,7 +69,7 @@ def test_part(part, imagechain_process, tmp_path):
         assert table["title"] in done.stdout
         assert table["title"] in page
         assert (table["title"] in short) is (part != "precision")
-    assert f"`imagechain bench --markdown README.md --quick --only {part} --size 32`" in short
+    assert f"`imagechain bench --markdown {markdown.PAGE} --quick --only {part} --size 32`" in short
     files = {str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*") if p.is_file()}
     drawn = {f"drawn/here/bench_{name}.png" for name in set(TABLES[part]) - UNDRAWN}
     assert files == {"b.html", "b.json", "b.md", *drawn}

@@ -1,0 +1,118 @@
+"""Every line of code of the handbook, run as it stands there, page by page in a folder of its own.
+
+Commands must succeed without a word on stderr. Where a page shows what is printed, it must be
+printed: a line that ends in … stands for all that begin so, one that is … alone for any lines.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import re
+import shlex
+import tomllib
+from itertools import pairwise
+
+import pytest
+
+from app.handbook.contents import PAGES, PARTS
+from app.handbook.markdown_text import blocks_of
+from app.options.command_options import parse
+from child_process import ROOT
+from command_line import run_here
+
+NAMES = [name for part in PARTS for name in part.pages]
+TEXTS = {name: (PAGES / f"{name}.md").read_text(encoding="utf-8") for name in NAMES}
+KINDS = {"sh", "python", "json", "csv", "toml", "output", "math", "figure"}
+# What opens a window or a browser, or measures for minutes, is read, and run by other tests.
+READ = {"edit", "bench", "handbook"}
+
+
+def command(line, folder):
+    """What a command of a page prints."""
+    words = shlex.split(line.replace("$PWD", str(folder)), comments=True)[1:]
+    if words[0] in READ:
+        assert parse(words).command == words[0]
+        return ""
+    done = run_here(*words, folder=folder)
+    assert (done.returncode, done.stderr) == (0, ""), line
+    return done.stdout
+
+
+def program(text, folder):
+    """What a program of a page prints."""
+    out = io.StringIO()
+    with contextlib.chdir(folder), contextlib.redirect_stdout(out):
+        exec(compile(text, "a page of the handbook", "exec"), {"__name__": "__main__"})
+    return out.getvalue()
+
+
+def is_as_shown(printed, shown):
+    """Whether what is printed is what a page shows."""
+    pattern = "".join(
+        r"(?:.*\n)*" if line == "…" else re.escape(line).replace("…", ".*") + r"\n"
+        for line in shown.strip("\n").splitlines()
+    )
+    return re.fullmatch(pattern, printed.strip("\n") + "\n") is not None
+
+
+def files_saved(text):
+    """The files that the commands of a page are to write."""
+    words = shlex.split(text.replace("\\\n", ""), comments=True)
+    return {
+        word.rpartition("=")[2]
+        for option, word in pairwise(words)
+        if option in ("--save", "--report", "--output")
+    }
+
+
+def test_what_is_printed_is_compared_as_it_is_shown():
+    assert is_as_shown("a 1\nb\nc\n", "a …\n…\n")
+    assert is_as_shown("a 1\n\nb\n", "a 1\n\nb\n")
+    assert not is_as_shown("a 1\nb\n", "a 1\n")
+    assert not is_as_shown("a 12\n", "a 1\n")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_page(name, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    folder = tmp_path / "own"
+    folder.mkdir()
+    printed = ""
+    for block in blocks_of(TEXTS[name]):
+        assert block.kind in KINDS, block
+        if block.kind == "sh":
+            lines = block.text.replace("\\\n", "").splitlines()
+            assert all(line.startswith("imagechain ") for line in lines), block
+            printed = "".join(command(line, folder) for line in lines)
+            done = [line for line in lines if line.split()[1] not in READ]
+            written = {file for line in done for file in files_saved(line)}
+            assert all((folder / file).stat().st_size for file in written), block
+        elif block.kind == "python":
+            printed = program(block.text, folder)
+        elif block.kind == "output":
+            assert is_as_shown(printed, block.text), printed
+        elif block.kind == "toml":
+            tomllib.loads(block.text)
+        elif block.kind in ("json", "csv"):
+            assert block.name, block
+            if block.kind == "json":
+                json.loads(block.text)
+            (folder / block.name).write_text(block.text, encoding="utf-8")
+
+
+def test_commands_of_all_kinds_are_shown():
+    lines = "\n".join(TEXTS.values())
+    shown = set(re.findall(r"^imagechain ([a-z-]+)", lines, re.MULTILINE))
+    assert {"run", "edit", "check", "tradeoff", "solve", "photon-transfer"} <= shown
+    assert {"networks", "modules", "bench", "handbook"} <= shown
+
+
+def test_extras_that_are_named_exist():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    named = set(re.findall(r"install [^'`]*'\.\[([\w,]+)\]'", "\n".join(TEXTS.values())))
+    assert named
+    assert {part for names in named for part in names.split(",")} <= {
+        *project["optional-dependencies"]
+    }
