@@ -47,7 +47,9 @@ if TYPE_CHECKING:
     from imagechain import modules
     from imagechain.building.chain import Chain, networks, open
     from imagechain.building.chain_node import ChainNode
+    from imagechain.parts.module_functions import part
     from imagechain.parts.module_part import Expression, Part
+    from imagechain.parts.presets import preset, presets
     from imagechain.parts.scene_array import scene
     from imagechain.results.chain_picture import Picture
     from imagechain.results.chain_result import Result
@@ -84,6 +86,9 @@ __all__ = [
     "modules",
     "networks",
     "open",
+    "part",
+    "preset",
+    "presets",
     "scene",
 ]
 
@@ -109,6 +114,9 @@ _PLACES = {
     "TableData": "core.chain.results",
     "networks": "imagechain.building.chain",
     "open": "imagechain.building.chain",
+    "part": "imagechain.parts.module_functions",
+    "preset": "imagechain.parts.presets",
+    "presets": "imagechain.parts.presets",
     "scene": "imagechain.parts.scene_array",
 }
 

@@ -375,7 +375,8 @@ class Chain:
     def part(self, name: str) -> Part:
         """A node's module with what is set."""
         node = self.raw_node(name)
-        return Part(node.module, node.params, self._state.samples.get(name))
+        samples = self._state.samples.get(name)
+        return Part(node.module, node.params, samples, name, node.macro)
 
     def value_of(self, node: str, parameter: Parameter) -> Any:
         """The value of a node's parameter as it enters a run."""

@@ -147,7 +147,7 @@ class ChainState:
         self, part: Part, library: Library, *, name: str | None, after: str | None, wired: bool
     ) -> tuple[str, ChainState]:
         """With a node more, and its name; as `Chain.add`."""
-        if part.module not in library:
+        if part.inside is None and part.module not in library:
             absent = where_absent(part.module, library)
             hint = f": {absent}" if absent else close(part.module, library)
             raise NetworkError(f"there is no module {shown(part.module)}{hint}")
@@ -155,14 +155,14 @@ class ChainState:
             self.network.node(after)
         wanted = name if name is not None else part.name
         id_ = node_name(name, wanted or local_key(part.module), self.network)
-        declared = declared_node(Node(id_, part.module), library)
+        declared = declared_node(Node(id_, part.module, macro=part.inside), library)
         assert declared is not None
         paths = {parameter.name for parameter in declared.parameters if parameter.kind == "path"}
         params = {
             key: fspath(self._own_path(value)) if key in paths and value is not None else value
             for key, value in part.params.items()
         }
-        node = Node(id_, part.module, params)
+        node = Node(id_, part.module, params, macro=part.inside)
         network = added(self.network, library, node, order=self.order, after=after, wired=wired)
         samples = dict(self.samples)
         if part.samples is not None:

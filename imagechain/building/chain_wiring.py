@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from core.editing.links import declared, reached_from
-from core.editing.nodes import Add, Placed, Rename, fresh_name
+from core.editing.nodes import Add, Placed, fresh_name
 from core.editing.operation import Operation
-from core.editing.wiring.continuing import branched, continued
+from core.editing.wiring.continuing import wires_behind, wires_from_open_end
 from core.editing.wiring.partners import outputs_of
 from core.errors import NetworkError
 from core.modules.library_type import Library
@@ -51,33 +51,26 @@ def added(
     assert taken is not None
     if not wired or not network.nodes or (after is None and not taken.inputs):
         return Add((Placed(node),)).apply(network)
-    found = _found(network, library, node, order, after)
-    if found is None and not taken.inputs:  # it begins something of its own
-        return Add((Placed(node),)).apply(network)
-    if found is None:
+    grown = Add((Placed(node),)).apply(network)
+    wiring = _wiring(grown, library, node.id, order, after)
+    if wiring is None and taken.inputs:
         kinds = " or ".join(dict.fromkeys(kind for port in taken.inputs for kind in port.types))
         where = f"{shown(after)} gives" if after is not None else "the chain's nodes give"
         raise NetworkError(
-            f"{shown(node.id)} ({taken.title}) takes {kinds or 'nothing'}, and {where} none that "
-            "leads nowhere yet: give after=, or wired=False and link it"
+            f"{shown(node.id)} ({taken.title}) takes {kinds}, and {where} none that leads nowhere "
+            "yet: give after=, or wired=False and link it"
         )
-    name, operation = found
-    grown = operation.apply(network)
-    if name != node.id:
-        grown = Rename(name, node.id).apply(grown)
-    return _completed(grown.with_node(node), library, node.id, order)
+    # A module that takes nothing, and that nothing waits for, begins something of its own.
+    return grown if wiring is None else _completed(wiring.apply(grown), library, node.id, order)
 
 
-def _found(
-    network: Network, library: Library, node: Node, order: Sequence[str], after: str | None
-) -> tuple[str, Operation] | None:
+def _wiring(
+    network: Network, library: Library, name: str, order: Sequence[str], after: str | None
+) -> Operation | None:
     if after is not None:
-        return continued(network, library, network.node(after).id, node.module, None)
-    for before in reversed(order):
-        found = branched(network, library, before, node.module)
-        if found is not None:
-            return found
-    return None
+        return wires_behind(network, library, network.node(after).id, name)
+    every = (wires_from_open_end(network, library, one, name) for one in reversed(order))
+    return next((wiring for wiring in every if wiring is not None), None)
 
 
 def _completed(network: Network, library: Library, name: str, order: Sequence[str]) -> Network:

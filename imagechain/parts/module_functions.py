@@ -7,10 +7,11 @@ import textwrap
 from collections.abc import Callable
 from typing import Any, Literal
 
+from core.errors import NetworkError
 from core.modules.declaration import Declaration, declaration
 from core.modules.library_type import local_key, package_of
 from core.modules.parameters import Parameter, plain
-from core.names import close
+from core.names import close, shown
 from imagechain.common.plain_errors import plain_errors
 from imagechain.parts.module_part import Expression, Part, file_values
 from nodes.library import standard_library
@@ -78,6 +79,21 @@ def module_function(key: str) -> Callable[..., Part]:
     del function.__wrapped__
     result: Callable[..., Part] = function
     return result
+
+
+@plain_errors
+def part(module: str, **values: Any) -> Part:
+    """A module by its key, also one of a plug-in, with values; see ``ic.modules``.
+
+    Raises
+    ------
+    ImagechainError
+        If there is no such module, or it does not take a value.
+    """
+    library = standard_library()
+    if module not in library:
+        raise NetworkError(f"there is no module {shown(module)}{close(module, library)}")
+    return module_function(module)(**values)
 
 
 def documentation(declared: Declaration) -> str:

@@ -15,6 +15,7 @@ from core.modules.declaration import Declaration
 from core.modules.parameters import Parameter, plain
 from core.names import close, shown, thaw
 from core.network.linked_values import expression as raw_expression
+from core.network.network import Network
 from nodes.input_output.held_samples import HeldSamples
 
 
@@ -43,18 +44,21 @@ class Part:
         The scene's samples, where they come from an array.
     name : str
         What its node is called if nothing else is said; the module's key if empty.
+    inside : Network, optional
+        Of a macro, the modules inside.
     """
 
     module: str
     params: Mapping[str, Any] = field(default_factory=dict)
     samples: HeldSamples | None = field(default=None, repr=False)
     name: str = ""
+    inside: Network | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "params", MappingProxyType(dict(self.params)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Part, (self.module, dict(self.params), self.samples, self.name)
+        return Part, (self.module, dict(self.params), self.samples, self.name, self.inside)
 
 
 def file_values(declared: Declaration, values: Mapping[str, Any]) -> dict[str, Any]:

@@ -131,6 +131,24 @@ def test_a_chain_built_in_ten_lines_is_wired_as_the_editor_would():
     assert chain.check().ok
 
 
+def test_a_preset_is_one_node():
+    chain = built(ic.scene(pixels(), fov_x_deg=1, fov_y_deg=1, band_um=(8, 12)))
+    lens = chain.add(ic.preset("lens_flir_tau2_25mm", defocus_waves=0.25), after="blur")
+    assert ("blur.magnitude", "lens.magnitude") in chain.links
+    assert ("lens.phase", "back.phase") in chain.links
+    assert (lens.defocus_waves, chain["lens/optics"].size_x_cm) == (0.25, 3.2323)
+    first = chain.run()
+    assert "lens/optics" in first.readouts
+    chain.set({"lens.defocus_waves": 0, "lens/optics.size_x_cm": 3})
+    assert chain.get("lens/pupil.defocus_waves") == 0
+    assert (chain.run().image() != first.image()).any()
+    again = pickle.loads(pickle.dumps(lens.part))
+    assert (again.name, dict(again.params)) == ("lens", {"defocus_waves": 0.0})
+    assert "lens_flir_tau2_25mm" in ic.presets()
+    with pytest.raises(ic.NetworkError, match="there is no preset lens; there are camera"):
+        ic.preset("lens")
+
+
 def test_what_fits_nowhere_is_refused_in_one_line():
     chain = ic.Chain()
     chain.add(ic.modules.test_scene(), name="scene")

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from core.editing.layout.boxes import Point
 from core.editing.links import declared
 from core.editing.operation import Operation, together
-from core.editing.wiring.fitting import Candidate, End, new_node, wired_to
+from core.editing.wiring.fitting import new_node, wired_along
 from core.editing.wiring.inserting import inserted
 from core.errors import NetworkError
-from core.modules.declaration import Port, declaration
+from core.modules.declaration import Port
 from core.modules.library_type import Library
-from core.network.network import Network
+from core.network.network import Link, Network
 
 _BESIDE_THE_CHAIN = ("context", "pupil")  # a module goes on from these only for lack of others
 
@@ -43,36 +43,41 @@ def continued(
         If the library has no such module.
     """
     name, adding = new_node(network, library, module, at)
-    known = declared(network, library, node)
-    if known is None:
+    wiring = wires_behind(adding.apply(network), library, node, name)
+    return None if wiring is None else (name, together((adding, wiring), adding.text))
+
+
+def wires_behind(network: Network, library: Library, node: str, new: str) -> Operation | None:
+    """What wires a node without wires on to another one; None where they have none in common.
+
+    As `continued`, for a node that is there already.
+    """
+    known, added = declared(network, library, node), declared(network, library, new)
+    if known is None or added is None:
         return None
-    grown = adding.apply(network)
-    new = declaration(library[module])
-    for output, entry in _pairs(known.outputs, new.inputs):
+    for output, entry in _pairs(known.outputs, added.inputs):
         onward = [link for link in network.links if (link.source, link.output) == (node, output)]
-        between = inserted(grown, library, onward[0], name) if len(onward) == 1 else None
+        between = inserted(network, library, onward[0], new) if len(onward) == 1 else None
         if between is not None:
-            return name, together((adding, between), adding.text)
-        end: End = (node, output, "output")
+            return between
         try:
-            return wired_to(network, library, end, Candidate(module, entry), at)
+            return wired_along(network, library, Link(node, output, new, entry), new)
         except NetworkError:
             continue  # the next pair may do
     linked = {link.input for link in network.links_into(node)}
     empty = tuple(port for port in known.inputs if port.required and port.name not in linked)
-    for output, entry in _pairs(new.outputs, empty):
-        end = (node, entry, "input")
+    for output, entry in _pairs(added.outputs, empty):
         try:
-            return wired_to(network, library, end, Candidate(module, output), at)
+            return wired_along(network, library, Link(new, output, node, entry), new)
         except NetworkError:
             continue
     return None
 
 
-def branched(
-    network: Network, library: Library, node: str, module: str
-) -> tuple[str, Operation] | None:
-    """A new node wired to the open end of another one, and its name; None where none fits.
+def wires_from_open_end(
+    network: Network, library: Library, node: str, new: str
+) -> Operation | None:
+    """What wires a node without wires to the open end of another one; None where none fits.
 
     An output is open where no other node carries its kind of value on: a viewer or a file that
     takes it leaves it open. Nothing that is wired already changes.
@@ -80,23 +85,20 @@ def branched(
     Parameters
     ----------
     network, library
-        Where it is to be added.
+        Where both are.
     node : str
         The node to go on from.
-    module : str
-        Key of the new node's module.
+    new : str
+        The node without wires.
     """
-    known = declared(network, library, node)
-    if known is None or module not in library:
+    known, added = declared(network, library, node), declared(network, library, new)
+    if known is None or added is None:
         return None
-    new = declaration(library[module])
-    for output, entry in _pairs(known.outputs, new.inputs):
+    for output, entry in _pairs(known.outputs, added.inputs):
         if not _is_open(network, library, node, output):
             continue
         try:
-            return wired_to(
-                network, library, (node, output, "output"), Candidate(module, entry), None
-            )
+            return wired_along(network, library, Link(node, output, new, entry), new)
         except NetworkError:
             continue  # the next pair may do
     return None

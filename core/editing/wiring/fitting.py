@@ -26,7 +26,17 @@ from core.modules.library_type import Library, local_key, where_absent
 from core.names import close, shown
 from core.network.network import Link, Network, Node
 
-__all__ = ["Candidate", "End", "Side", "fitting", "inserted", "new_node", "refusal", "wired_to"]
+__all__ = [
+    "Candidate",
+    "End",
+    "Side",
+    "fitting",
+    "inserted",
+    "new_node",
+    "refusal",
+    "wired_along",
+    "wired_to",
+]
 
 Side = Literal["input", "output"]
 End = tuple[str, str, Side]
@@ -118,13 +128,23 @@ def wired_to(
         between = inserted(grown, library, old, name) if old else None
         if between is not None and link in between.apply(grown).links:
             return name, together((adding, between), adding.text)
-    wrong = misfit(grown, library, link)
+    return name, together((adding, wired_along(grown, library, link, name)), adding.text)
+
+
+def wired_along(network: Network, library: Library, link: Link, node: str) -> Rewire:
+    """A link to or from a node that has no wires, and those of its other inputs that are certain.
+
+    Raises
+    ------
+    NetworkError
+        If it does not fit.
+    """
+    wrong = misfit(network, library, link)
     if wrong is not None:
         raise NetworkError(wrong)
-    links = (link, *_others(grown, library, link, name))
-    wiring = Rewire(add=links)
-    check_new_wires(grown, wiring.apply(grown), library)
-    return name, together((adding, wiring), adding.text)
+    wiring = Rewire(add=(link, *_others(network, library, link, node)))
+    check_new_wires(network, wiring.apply(network), library)
+    return wiring
 
 
 def _others(network: Network, library: Library, link: Link, node: str) -> list[Link]:

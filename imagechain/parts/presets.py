@@ -1,0 +1,47 @@
+"""Lenses, detectors and whole cameras that come along, each a macro that states its source."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from app.presets.preset_files import shipped_presets
+from core.errors import NetworkError
+from core.names import close, shown
+from core.network.file import read_network
+from core.network.macro import declared_node
+from imagechain.common.plain_errors import plain_errors
+from imagechain.parts.module_part import Part, file_values
+from nodes.library import standard_library
+
+
+def presets() -> dict[str, str]:
+    """Titles of the shipped presets, by name."""
+    return {one.path.stem: one.title for one in shipped_presets(standard_library())}
+
+
+@plain_errors
+def preset(name: str, **values: Any) -> Part:
+    """A lens, a detector or a camera, to be added to a chain as one node.
+
+    Parameters
+    ----------
+    name : str
+        One of `presets()`.
+    **values
+        Values of the parameters that it shows.
+
+    Raises
+    ------
+    ImagechainError
+        If there is no such preset, or it does not take a value.
+    """
+    library = standard_library()
+    places = {one.path.stem: one.path for one in shipped_presets(library)}
+    if name not in places:
+        hint = close(name, places) or f"; there are {', '.join(places)}"
+        raise NetworkError(f"there is no preset {shown(name)}{hint}")
+    (node,) = read_network(places[name], library=library).nodes.values()
+    declared = declared_node(node, library)
+    assert declared is not None
+    params = {**node.params, **file_values(declared, values)}
+    return Part(node.module, params, None, node.id, node.macro)
