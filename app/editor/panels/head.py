@@ -138,6 +138,14 @@ class PanelHead(QWidget):
         self.text.setWordWrap(True)
         self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.text.hide()
+        self.more = QLabel('<a href="handbook">More in the handbook</a>', self)
+        self.more.setObjectName("module_more")
+        self.more.setAccessibleName("More in the handbook")
+        self.more.setTextInteractionFlags(
+            Qt.TextInteractionFlag.LinksAccessibleByMouse
+            | Qt.TextInteractionFlag.LinksAccessibleByKeyboard
+        )
+        self.more.hide()
         self.problem = QLabel(self)
         self.problem.setObjectName("problem")
         self.problem.setTextFormat(Qt.TextFormat.PlainText)
@@ -180,6 +188,7 @@ class PanelHead(QWidget):
         inside.setContentsMargins(8, 2, 8, 0)
         inside.setSpacing(4)
         inside.addWidget(self.text)
+        inside.addWidget(self.more)
         inside.addLayout(row)
         inside.addWidget(self.name_problem)
         inside.addLayout(buttons)
@@ -239,3 +248,4 @@ class PanelHead(QWidget):
 
     def _show_help(self, on: bool) -> None:
         self.text.setVisible(on)
+        self.more.setVisible(on)

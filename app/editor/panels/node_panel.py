@@ -53,6 +53,8 @@ class NodePanel(QFrame):
         Show that output in the viewer of that number.
     generate_requested(node)
         Compute everything.
+    handbook_requested(node)
+        The page of its module is to be opened.
     close_requested(node)
         Put the panel away.
     trade_off_requested(node, parameter)
@@ -64,6 +66,7 @@ class NodePanel(QFrame):
     view_requested = Signal(str, str, int)
     trade_off_requested = Signal(str, str)
     generate_requested = Signal(str)
+    handbook_requested = Signal(str)
     close_requested = Signal(str)
     held = Signal(str, bool)
 
@@ -128,6 +131,7 @@ class NodePanel(QFrame):
         head.disable.clicked.connect(self._set_disabled)
         head.output.clicked.connect(self._mark_output)
         head.generate.clicked.connect(self._generate)
+        head.more.linkActivated.connect(self._open_handbook)
         head.bar.offer("copy_values", "Copy values", partial(self._with_values, copy_values))
         head.bar.offer("paste_values", "Paste values", partial(self._with_values, paste_values))
 
@@ -228,6 +232,9 @@ class NodePanel(QFrame):
 
     def _generate(self) -> None:
         self.generate_requested.emit(self.node)
+
+    def _open_handbook(self, _link: str) -> None:
+        self.handbook_requested.emit(self.node)
 
     def _close(self) -> None:
         self.close_requested.emit(self.node)

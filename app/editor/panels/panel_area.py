@@ -42,6 +42,8 @@ class PanelArea(WheelScrollArea):
         Show that output in the viewer of that number.
     generate_requested(node)
         Compute everything.
+    handbook_requested(node)
+        The page of its module is to be opened.
     trade_off_requested(node, parameter)
         Show figures of merit as it moves.
     """
@@ -49,6 +51,7 @@ class PanelArea(WheelScrollArea):
     view_requested = Signal(str, str, int)
     trade_off_requested = Signal(str, str)
     generate_requested = Signal(str)
+    handbook_requested = Signal(str)
 
     def __init__(
         self,
@@ -210,6 +213,7 @@ class PanelArea(WheelScrollArea):
         panel.view_requested.connect(self.view_requested)
         panel.trade_off_requested.connect(self.trade_off_requested)
         panel.generate_requested.connect(self.generate_requested)
+        panel.handbook_requested.connect(self.handbook_requested)
         panel.close_requested.connect(self._close)
         panel.held.connect(self._hold)
         self.panels[name] = panel

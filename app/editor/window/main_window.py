@@ -241,6 +241,7 @@ class MainWindow(QMainWindow):
             if other.isWindow():
                 other.hide()
         self.runs.close()
+        self.help.handbook.close()
         self.evaluator.close()
         self.autosaver.close()
 
@@ -321,6 +322,7 @@ class MainWindow(QMainWindow):
         self.canvas.files_dropped.connect(self._files_dropped)
         self.panels.view_requested.connect(self._view_requested)
         self.panels.generate_requested.connect(self.generate)
+        self.panels.handbook_requested.connect(self.help.handbook_of)
         self.panels.trade_off_requested.connect(self.viewers.trade_off)
         welcome = self.welcome
         welcome.chosen.connect(self.files.open)

@@ -134,6 +134,7 @@ def targets(window: Window) -> dict[str, Target]:
         "snapshots": window.kept.toggle,
         "shortcuts": window.help.shortcuts,
         "module_help": window.help.module,
+        "handbook": window.help.handbook.open,
         "first_tour": window.tour.begin,
         "about": window.help.about,
     }

@@ -13,6 +13,7 @@ from app.editor.tradeoff.tradeoff_view import TradeOffView
 from app.editor.viewers.picture.image_viewer import ImageViewer
 from app.editor.viewers.plot import plot_export
 from app.editor.viewers.plot.plot_viewer import PlotViewer
+from app.editor.window.actions.handbook_opening import HandbookOpening
 from app.editor.window.actions.menu_actions import Actions
 from app.editor.window.actions.module_text import ModuleText
 from app.editor.window.actions.shortcut_list import ShortcutList
@@ -24,6 +25,7 @@ from nodes.files.common.file_format import CSV, dialog_filter
 from nodes.files.formats import WRITTEN
 
 Exported = ImageViewer | PlotViewer | TradeOffView
+_MACROS = "network_files"  # the handbook's page on them
 _PICTURES = ";;".join(
     (
         dialog_filter(
@@ -58,6 +60,7 @@ class Help(QObject):
         self._actions = actions
         self._window = window
         self._exported: Exported | None = None
+        self.handbook = HandbookOpening(session, self)
         viewers.tradeoff.export_wanted.connect(self._export_trade_off)
 
     def shortcuts(self) -> None:
@@ -71,7 +74,18 @@ class Help(QObject):
         if declared is None:
             self._session.message.emit("advice", "select a node to read what its module does")
         else:
-            self._show(ModuleText(declared, self._window))
+            text = ModuleText(declared, self._window)
+            text.more_wanted.connect(self._open_page)
+            self._show(text)
+
+    def handbook_of(self, name: str) -> None:
+        """Open the handbook at the page of a node's module."""
+        declared = self._session.declared(name)
+        if declared is not None:
+            self._open_page(declared.key)
+
+    def _open_page(self, key: str) -> None:
+        self.handbook.open(key if key in self._session.library else _MACROS)
 
     def about(self) -> None:
         """Version and sources."""

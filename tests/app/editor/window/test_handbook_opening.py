@@ -1,0 +1,76 @@
+"""The editor's help opens the page of the handbook, and says what it cannot open."""
+
+from __future__ import annotations
+
+import pytest
+from PySide6.QtCore import QObject, Qt, QUrl, Slot
+from PySide6.QtGui import QDesktopServices
+from PySide6.QtTest import QTest
+
+from app.editor.window.actions.module_text import ModuleText
+from app.handbook.kept_handbook import MARK, content_mark
+from nodes.library import standard_library
+from window_hands import add
+
+
+class Browser(QObject):
+    """Takes what would go to the browser."""
+
+    def __init__(self):
+        super().__init__()
+        self.pages = []
+
+    @Slot(QUrl)
+    def take(self, url):
+        self.pages.append(url.toLocalFile())
+
+
+@pytest.fixture
+def browser():
+    taken = Browser()
+    QDesktopServices.setUrlHandler("file", taken, "take")
+    yield taken
+    QDesktopServices.unsetUrlHandler("file")
+
+
+@pytest.fixture
+def written(tmp_path, monkeypatch):
+    """A handbook that is there already, as far as its mark says."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    folder = tmp_path / "imagechain" / f"handbook-{content_mark(standard_library())}"
+    folder.mkdir(parents=True)
+    (folder / MARK).write_text("{}")
+    return folder
+
+
+@pytest.fixture
+def lines(window):
+    """What the status bar is given to say."""
+    said = []
+    window.session.message.connect(lambda kind, text: said.append((kind, text)))
+    return said
+
+
+def test_help_leads_to_the_page_of_the_module(window, browser, written, lines, qtbot):
+    window.session.select([add(window, "jitter_mtf")])
+    page = str(written / "modules" / "jitter_mtf.html")
+    window.actions_by_name["module_help"].trigger()
+    window.findChild(ModuleText).more.click()
+    qtbot.waitUntil(lambda: browser.pages == [page])
+    assert ("note", f"the handbook is in the browser: {page}") in lines
+    head = window.panels.panels["jitter_mtf"].head
+    QTest.mouseClick(head.help, Qt.MouseButton.LeftButton)
+    assert head.more.isVisible()
+    head.more.linkActivated.emit("handbook")
+    qtbot.waitUntil(lambda: browser.pages == [page, page])
+
+
+def test_a_handbook_that_cannot_be_opened_is_a_line(
+    window, browser, lines, qtbot, tmp_path, monkeypatch
+):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    window.actions_by_name["handbook"].trigger()
+    qtbot.waitUntil(lambda: [kind for kind, _ in lines][-1:] == ["error"])
+    assert lines[-1][1].startswith("the handbook is not opened: cannot make the folder")
+    assert browser.pages == []
