@@ -11,13 +11,13 @@ Source: Kingman 1993, Poisson Processes, section 5.1 (displacement theorem); Lew
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.noise.random_fields import Stream
+from core.scratch.allocation import Empty
 from core.threads import ForEach, in_turn
 
 Array = NDArray[Any]
@@ -52,7 +52,7 @@ def displaced_events(
     share: float,
     sigma_px: float,
     for_each: ForEach = in_turn,
-    empty: Callable[[tuple[int, ...], np.dtype[Any]], Array] = np.empty,
+    empty: Empty = np.empty,
 ) -> Array:
     """Poisson deviates whose means are `share` of the picture's Gaussian-weighted local mean.
 

@@ -20,8 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
+from core.scratch.allocation import Empty
 from nodes.files.common.paths import checked_band, first_bytes, readable_file
-from nodes.files.common.picture_info import Empty, PictureInfo, Samples, delivered_dtype
+from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.common.quiet import quiet_stderr
 from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
 from nodes.files.damage import png_bit_depth, refuse_damaged

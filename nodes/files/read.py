@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
+from core.scratch.allocation import Empty
 from nodes.files.common.paths import readable_file
-from nodes.files.common.picture_info import Empty, PictureInfo, Samples
+from nodes.files.common.picture_info import PictureInfo, Samples
 from nodes.files.formats import format_of
 
 _BLOCK_SAMPLES = 1 << 20

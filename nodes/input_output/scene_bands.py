@@ -101,6 +101,8 @@ class SceneBands(BandStack):
 
 def refuse_oversized(work: Work, *, width: int, height: int, **_others: Any) -> None:
     """Refuse a scene that the machine has no room for, as a picture file of its size is."""
+    if work.blocks is not None and work.blocks.disk.wants((height, width), work.policy.dtype):
+        return
     if reason := oversized(height, width, np.dtype(work.policy.dtype)):
         raise DataError(f"height × width: {reason}")
 

@@ -15,8 +15,9 @@ from core.evaluation.recipes import Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
 from core.modules.declaration import NodeContext
+from core.scratch.allocation import Empty
 from nodes.files.common.paths import readable_file
-from nodes.files.common.picture_info import Empty, PictureInfo
+from nodes.files.common.picture_info import PictureInfo
 from nodes.files.headers.envi_bands import integrate_bands
 from nodes.files.headers.envi_header import header_beside
 from nodes.files.read import check_finite, read_info, read_pixels

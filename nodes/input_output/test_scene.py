@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from core.chain.wires import Header, Image
 from core.errors import ParameterError
-from core.evaluation.recipes import Step
+from core.evaluation.recipes import Step, in_blocks
 from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
 from core.modules.declaration import Module, NodeContext
@@ -175,13 +175,15 @@ def _interval(name: str, fov_deg: float | None, samples: int) -> float | None:
     return None if fov_deg is None else interval_mrad(fov_deg=fov_deg, samples=samples, name=name)
 
 
+@in_blocks()
 @source_step(area_means=True)
 def drawn(work: Work, **values: Any) -> NDArray[np.floating]:
     """The scene's samples in the evaluation's precision."""
     refuse_oversized(work, **values)
-    return draw_scene(dtype=work.policy.dtype, for_each=work.for_each, **values)
+    return draw_scene(dtype=work.policy.dtype, for_each=work.for_each, empty=work.empty, **values)
 
 
+@in_blocks()  # a scene that is drawn in two steps is small
 @source_step(area_means=True)
 def shown(work: Work, shares: Shares, **values: Any) -> NDArray[np.floating]:
     """The scene's samples from the shares of its surfaces."""

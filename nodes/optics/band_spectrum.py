@@ -95,6 +95,7 @@ def mean_kelvin(work: Work, samples: NDArray[Any]) -> float:
     return mean
 
 
+@in_blocks()
 @ends_lineage
 def mean_brightness(
     work: Work, samples: NDArray[Any], *, cut_on_um: float, cut_off_um: float

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from core.scratch.allocation import Empty
 from core.threads import ForEach, in_turn
 from nodes.scenes import scene_targets as targets
 from nodes.scenes.airfield import airfield
@@ -34,6 +35,7 @@ def draw_scene(
     frequency: float,
     dtype: npt.DTypeLike,
     for_each: ForEach = in_turn,
+    empty: Empty = np.empty,
 ) -> npt.NDArray[np.floating]:
     """Band radiance of a test scene, averaged over each sample's area.
 
@@ -59,6 +61,8 @@ def draw_scene(
         float32 or float64; the sums are in double either way.
     for_each : callable
         Draws some rows at a time, perhaps in threads.
+    empty : callable
+        Makes the array to be filled in, perhaps on disk.
 
     Returns
     -------
@@ -90,6 +94,7 @@ def draw_scene(
         frequency=frequency,
         dtype=dtype,
         for_each=for_each,
+        empty=empty,
     )
 
 
@@ -108,6 +113,7 @@ def draw_radiances(
     frequency: float,
     dtype: npt.DTypeLike,
     for_each: ForEach = in_turn,
+    empty: Empty = np.empty,
 ) -> npt.NDArray[np.floating]:
     """A test scene of these radiances; the other parameters are those of `draw_scene`.
 
@@ -121,10 +127,15 @@ def draw_radiances(
     check_geometry(angle_deg=angle_deg, frequency=frequency)
     if kind in DRAWN:
         return drawing_of(kind).render(
-            radiances, width=width, height=height, dtype=kind_dtype, for_each=for_each
+            radiances,
+            width=width,
+            height=height,
+            dtype=kind_dtype,
+            for_each=for_each,
+            empty=empty,
         )
     background, signal = radiances["background"], radiances["signal"]
-    size: dict[str, Any] = {"width": width, "height": height, "dtype": kind_dtype}
+    size: dict[str, Any] = {"width": width, "height": height, "dtype": kind_dtype, "empty": empty}
     two: dict[str, Any] = {"background": background, "signal": signal}
     draw: dict[str, Callable[[], targets.Picture]] = {
         "uniform": lambda: targets.uniform(**size, background=background),

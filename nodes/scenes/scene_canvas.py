@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from core.scratch.allocation import Empty
 from core.threads import ForEach, in_turn
 from nodes.scenes.coverage import FloatArray, cell_edges, half_plane_coverage
 from nodes.scenes.ellipses import Ellipses
@@ -200,6 +201,7 @@ class Drawing:
         height: int,
         dtype: npt.DTypeLike,
         for_each: ForEach = in_turn,
+        empty: Empty = np.empty,
     ) -> npt.NDArray[np.floating]:
         """Draw at `width` × `height` samples; sums are in double, rounded once."""
         known = with_textures(radiances, self.textures)
@@ -222,6 +224,7 @@ class Drawing:
             rows=rows,
             samples=BLOCK_SAMPLES,
             for_each=for_each,
+            empty=empty,
         )
 
 
@@ -243,9 +246,13 @@ def by_blocks(
     rows: Callable[[int, int], FloatArray],
     for_each: ForEach,
     samples: int = FORMULA_SAMPLES,
+    empty: Empty = np.empty,
 ) -> npt.NDArray[np.floating]:
-    """Fill a picture from `rows(start, stop)`, about so many samples at a time."""
-    picture = np.empty((height, width), dtype=dtype)
+    """Fill a picture from `rows(start, stop)`, about so many samples at a time.
+
+    `empty` makes the array, perhaps on disk.
+    """
+    picture = empty((height, width), np.dtype(dtype))
     step = max(1, samples // width)
 
     def fill(start: int) -> None:

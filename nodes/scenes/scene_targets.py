@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from core.errors import ParameterError
+from core.scratch.allocation import Empty
 from core.threads import ForEach, in_turn
 from nodes.scenes.coverage import (
     FloatArray,
@@ -36,28 +37,49 @@ def _sample_edges(*, count: int, start: int, stop: int) -> FloatArray:
     return np.arange(start, stop + 1, dtype=np.float64) - 0.5 * count
 
 
-def uniform(*, width: int, height: int, background: float, dtype: npt.DTypeLike) -> Picture:
+def uniform(
+    *,
+    width: int,
+    height: int,
+    background: float,
+    dtype: npt.DTypeLike,
+    empty: Empty = np.empty,
+) -> Picture:
     """One radiance everywhere."""
-    return np.full((height, width), background, dtype=dtype)
+    picture = empty((height, width), np.dtype(dtype))
+    picture.fill(background)
+    return picture
 
 
 def point(
-    *, width: int, height: int, background: float, signal: float, dtype: npt.DTypeLike
+    *,
+    width: int,
+    height: int,
+    background: float,
+    signal: float,
+    dtype: npt.DTypeLike,
+    empty: Empty = np.empty,
 ) -> Picture:
     """One sample of `signal` at row height // 2, column width // 2."""
-    picture = np.full((height, width), background, dtype=dtype)
+    picture = uniform(width=width, height=height, background=background, dtype=dtype, empty=empty)
     picture[height // 2, width // 2] = signal
     return picture
 
 
 def two_panel(
-    *, width: int, height: int, background: float, signal: float, dtype: npt.DTypeLike
+    *,
+    width: int,
+    height: int,
+    background: float,
+    signal: float,
+    dtype: npt.DTypeLike,
+    empty: Empty = np.empty,
 ) -> Picture:
     """`background` on the left half of the frame, `signal` on the right half."""
     drawing = Drawing("background")
     drawing.add(difference("signal", "background"), (band(0.0, 1.0), band(0.5, 1.0)))
     two = {"background": background, "signal": signal}
-    return drawing.render(two, width=width, height=height, dtype=dtype)
+    return drawing.render(two, width=width, height=height, dtype=dtype, empty=empty)
 
 
 def slanted_edge(
@@ -69,6 +91,7 @@ def slanted_edge(
     angle_deg: float,
     dtype: npt.DTypeLike,
     for_each: ForEach = in_turn,
+    empty: Empty = np.empty,
 ) -> Picture:
     """`signal` on one side of an edge through the centre.
 
@@ -88,7 +111,9 @@ def slanted_edge(
         )
         return background + (signal - background) * share
 
-    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, for_each=for_each)
+    return by_blocks(
+        width=width, height=height, dtype=dtype, rows=rows, for_each=for_each, empty=empty
+    )
 
 
 def sine(
@@ -101,6 +126,7 @@ def sine(
     frequency: float,
     dtype: npt.DTypeLike,
     for_each: ForEach = in_turn,
+    empty: Empty = np.empty,
 ) -> Picture:
     """A sinusoid of radiance between `background` and `signal`, a crest at the centre.
 
@@ -125,7 +151,9 @@ def sine(
         picture: FloatArray = mean + np.cos(phase) * x_cosine - np.sin(phase) * x_sine
         return picture
 
-    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, for_each=for_each)
+    return by_blocks(
+        width=width, height=height, dtype=dtype, rows=rows, for_each=for_each, empty=empty
+    )
 
 
 def siemens_star(
@@ -137,6 +165,7 @@ def siemens_star(
     frequency: float,
     dtype: npt.DTypeLike,
     for_each: ForEach = in_turn,
+    empty: Empty = np.empty,
 ) -> Picture:
     """A disc of `frequency` sectors of `signal`, the first about the +x axis.
 
@@ -156,7 +185,9 @@ def siemens_star(
         star = star_coverage(x_edges, y_edges, spokes=spokes)
         return background + (signal - background) * disc * star
 
-    return by_blocks(width=width, height=height, dtype=dtype, rows=rows, for_each=for_each)
+    return by_blocks(
+        width=width, height=height, dtype=dtype, rows=rows, for_each=for_each, empty=empty
+    )
 
 
 def four_bar(
@@ -167,6 +198,7 @@ def four_bar(
     signal: float,
     frequency: float,
     dtype: npt.DTypeLike,
+    empty: Empty = np.empty,
 ) -> Picture:
     """Pairs of four-bar targets, upright and level, each √2 finer than the one before.
 
@@ -192,7 +224,7 @@ def four_bar(
         over = band(across * unit_x, (across + side) * unit_x)
         drawing.add(warmer, (level, over))
     two = {"background": background, "signal": signal}
-    return drawing.render(two, width=width, height=height, dtype=dtype)
+    return drawing.render(two, width=width, height=height, dtype=dtype, empty=empty)
 
 
 def _bar_layout(frequency: float, room_x: float, room_y: float) -> list[tuple[float, float, float]]:

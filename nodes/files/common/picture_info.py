@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,6 @@ from numpy.typing import NDArray
 
 MetadataValue = str | int | float
 Samples = NDArray[np.floating[Any]]  # float32 or float64, (rows, columns), C order
-Empty = Callable[[tuple[int, int], np.dtype[Any]], NDArray[Any]]
-"""Makes an array of a shape and type to be filled in: `numpy.empty`, or one on disk."""
 
 
 @dataclass(frozen=True)

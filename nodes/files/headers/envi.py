@@ -15,8 +15,9 @@ import os
 import numpy as np
 
 from core.errors import FileError
+from core.scratch.allocation import Empty
 from nodes.files.common.paths import checked_band
-from nodes.files.common.picture_info import Empty, PictureInfo, Samples, delivered_dtype
+from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.common.size_limits import refuse_oversized
 from nodes.files.common.table_cells import number_of
 from nodes.files.headers.envi_cube import row_blocks, sample_block

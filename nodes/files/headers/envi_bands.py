@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from core.errors import DataError, FileError, ParameterError
 from core.physics.radiometry.radiance_units import radiance_unit
-from nodes.files.common.picture_info import Empty, PictureInfo, Samples, delivered_dtype
+from core.scratch.allocation import Empty
+from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.headers.envi import info_of
 from nodes.files.headers.envi_cube import row_blocks, sample_block
 from nodes.files.headers.envi_header import read_layout

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
-from nodes.files.common.picture_info import Empty, PictureInfo, Samples, delivered_dtype
+from core.scratch.allocation import Empty
+from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
 from nodes.files.tiff.tiff_deflate import each_block, unpacked
 from nodes.files.tiff.tiff_layout import DEFLATES, NONE, Block, TiffLayout, read_tiff_layout
 

@@ -116,6 +116,7 @@ def _network(write, small):
 def test_a_scene_that_does_not_fit(kind, fails):
     """2³² samples of 8 bytes; refused before they are asked for."""
     large = [f"--set=scene.{name}=65536" for name in ("width", "height")]
+    large += ["--memory", "1000GB"]  # else it is made in blocks
     line = fails("run", "net.json", f"--set=scene.kind={kind}", *large, "--precision", "double")
     assert "scene: height × width: 65536 × 65536 samples need 34.4 GB; allowed on this" in line
 
