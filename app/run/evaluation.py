@@ -25,6 +25,7 @@ from core.modules.caution import Caution, PendingCheck
 from core.network.network import Network
 from core.network.validation import NetworkProblems
 from core.scratch.block_run import BlockRun
+from core.threads import Workers
 from nodes.files.read import check_finite
 
 Readouts = dict[str, dict[str, Any]]
@@ -40,8 +41,9 @@ class TimedWork(Work):
         progress: Callable[[str | None], None] | None = None,
         cancel: threading.Event | None = None,
         blocks: BlockRun | None = None,
+        workers: Workers | None = None,
     ) -> None:
-        super().__init__(policy, store, cancel, progress, blocks=blocks)
+        super().__init__(policy, store, cancel, progress, workers, blocks=blocks)
         self.seconds: dict[str, float] = {}
         self._lock = threading.Lock()
         self._local = threading.local()

@@ -150,6 +150,11 @@ class Engine:
         self.store = store if store is not None else Store()
         self._workers = Workers()
 
+    @property
+    def workers(self) -> Workers:
+        """The threads that its evaluations share."""
+        return self._workers
+
     def plan(
         self,
         network: Network,

@@ -12,6 +12,7 @@ from typing import Any, Literal
 from app.run.output import find_output
 from app.run.shipped import find_network, shipped_networks
 from core.chain.engine import Engine, Plan
+from core.editing.fields import set_network_field
 from core.editing.links import Rewire, refusal
 from core.editing.operation import ABSENT
 from core.editing.output_mark import SetOutput
@@ -75,8 +76,9 @@ class Chain:
         return self.network.name
 
     @name.setter
+    @plain_errors
     def name(self, text: str) -> None:
-        self._state = replace(self._state, network=replace(self.network, name=text))
+        self._state = self._state.done(set_network_field("name", text))
 
     @property
     def description(self) -> str:
@@ -84,8 +86,9 @@ class Chain:
         return self.network.description
 
     @description.setter
+    @plain_errors
     def description(self, text: str) -> None:
-        self._state = replace(self._state, network=replace(self.network, description=text))
+        self._state = self._state.done(set_network_field("description", text))
 
     @property
     def seed(self) -> int:
@@ -227,6 +230,10 @@ class Chain:
         ImagechainError
             If it fits nowhere, or the name is taken.
         """
+        if not isinstance(part, Part):
+            raise UsageError(
+                f"add({part!r:.80}): give what ic.modules.NAME(…) or ic.scene(…) makes"
+            )
         before = after.name if isinstance(after, ChainNode) else after
         id_, self._state = self._state.with_part(
             part, self._engine.library, name=name, after=before, wired=wired
@@ -423,7 +430,7 @@ def open(network: str | PathLike[str]) -> Chain:
     """
     engine = Engine(standard_library())
     place = find_network(fspath(network))
-    document = load_network(place.path, library=engine.library, unfinished=True)
+    document = load_network(place.path, library=engine.library, unfinished=True, keep_unknown=True)
     return Chain._of(opened_state(document, place.path), engine)
 
 

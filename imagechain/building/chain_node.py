@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
+from core.errors import NetworkError
 from core.modules.declaration import Declaration
 from core.modules.parameters import Parameter
 from core.network.linked_values import expression_text
@@ -57,8 +58,9 @@ class ChainNode:
 
     @property
     def title(self) -> str:
-        """Title of its module."""
-        return self._declared.title
+        """Title of its module; its key, where there is no such module."""
+        known = self._known
+        return self.module if known is None else known.title
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -92,6 +94,14 @@ class ChainNode:
     def _declared(self) -> Declaration:
         return self._chain.declared(self._name)
 
+    @property
+    def _known(self) -> Declaration | None:
+        """What its module declares; None where there is no such module."""
+        try:
+            return self._declared
+        except NetworkError:
+            return None
+
     def _value(self, parameter: Parameter) -> Any:
         return self._chain.value_of(self._name, parameter)
 
@@ -114,13 +124,18 @@ class ChainNode:
         self._chain.set(f"{self._name}.{name}", value)
 
     def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *(p.name for p in self._declared.parameters)})
+        known = self._known
+        parameters = () if known is None else known.parameters
+        return sorted({*super().__dir__(), *(parameter.name for parameter in parameters)})
 
     def rows(self) -> list[tuple[str, str, str, str]]:
         """Name, value, unit and meaning of every parameter, as texts."""
         given: Mapping[str, Any] = self._chain.raw_node(self._name).params
-        rows = []
-        for parameter in self._declared.parameters:
+        rows: list[tuple[str, str, str, str]] = []
+        known = self._known
+        if known is None:
+            return [(name, shown_value(value), "", "") for name, value in given.items()]
+        for parameter in known.parameters:
             text = shown_value(self._value(parameter))
             raw = given.get(parameter.name)
             if isinstance(raw, Mapping):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.errors import DataError
 from core.modules.declaration import declaration
@@ -77,7 +78,7 @@ def scene(
         values["scale"] = scale
     if centres is not None:
         values["bands"] = "all"
-    array = samples if isinstance(samples, np.ndarray) else np.asarray(samples)
+    array = samples if isinstance(samples, np.ndarray) else _as_array(samples)
     held = HeldSamples.of(array, "the array", centres, _numbers(widths_um))
     params = file_values(declaration(ReadImage), values)
     plain = {name: value for name, value in params.items() if not isinstance(value, dict)}
@@ -87,6 +88,13 @@ def scene(
     if len(plain) == len(params):
         module.of_samples(held, "scene")  # what it cannot be is refused here already
     return Part("read_image", params, held, "scene")
+
+
+def _as_array(samples: Any) -> NDArray[Any]:
+    try:
+        return np.asarray(samples)
+    except (TypeError, ValueError) as error:  # rows of unequal length, objects
+        raise DataError(f"the array cannot be read as one of numbers: {error}") from None
 
 
 def _numbers(values: Any) -> tuple[float, ...] | None:

@@ -27,6 +27,7 @@ from core.modules.caution import Caution
 from core.names import close, shown
 from imagechain.common.notebook_html import block, table
 from imagechain.common.plain_errors import plain_errors
+from imagechain.common.users_matplotlib import users_matplotlib
 from imagechain.results.chain_picture import Picture, PictureValues
 from imagechain.results.readout_table import ReadoutTable, readout_table
 from imagechain.results.run_options import Origin, RunOptions
@@ -162,6 +163,7 @@ class Result:
 
         target = report_path(fspath(path))
         evaluation = self._evaluation
+        users_matplotlib()
         write_report(evaluation, skips(self._plan, self._work), target)
         return target
 
@@ -289,7 +291,7 @@ def image_ports(plan: Plan) -> tuple[str, ...]:
 def run_plan(engine: Engine, plan: Plan, options: RunOptions, origin: Origin) -> Result:
     """Compute what the options name; without them all that a run of the command computes."""
     engine.store.capacity_bytes = store_bytes() if options.memory is None else options.memory
-    work = TimedWork(options.policy, engine.store)
+    work = TimedWork(options.policy, engine.store, workers=engine.workers)
     result = Result(engine, plan, options, work, origin)
     ports = list(options.outputs) if options.outputs is not None else _final(plan)
     with work.hold(_recipes(plan, ports)):

@@ -13,8 +13,9 @@ from app.run.evaluation import Evaluation
 from app.run.responses import Response, responses_along
 from core.names import close, shown
 from imagechain.common.missing_extra import needed
-from imagechain.common.notebook_html import png
+from imagechain.common.notebook_html import png, text
 from imagechain.common.plain_errors import plain_errors
+from imagechain.common.users_matplotlib import users_matplotlib
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -99,6 +100,7 @@ class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
 
     def to_png(self) -> bytes:
         """The MTFs drawn, as in a report."""
+        users_matplotlib()
         drawing: bytes = self._drawn()
         return drawing
 
@@ -106,7 +108,7 @@ class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
         return f"<curves of {', '.join(self) or 'no stage'}>"
 
     def _repr_html_(self) -> str:
-        return png(self.to_png(), alt="MTF of every stage") if self._curves else repr(self)
+        return png(self.to_png(), alt="MTF of every stage") if self._curves else text(repr(self))
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self)

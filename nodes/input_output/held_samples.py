@@ -66,7 +66,9 @@ class HeldSamples:
         for what, values in (("wavelengths_um", wavelengths_um), ("widths_um", widths_um)):
             if values is not None and len(values) != len(array):
                 raise DataError(f"{what} has {len(values)} numbers for {len(array)} bands")
-        single = array.dtype == np.float32
+        if np.ma.is_masked(array):
+            raise DataError(f"{name} has masked samples: put a number in their place")
+        single = array.dtype.newbyteorder("=") == np.float32
         kept: Any = np.float32 if single else np.float64
         samples: Samples = np.array(array, kept, order="C", copy=True)
         for place, band in enumerate(samples.reshape(-1, *samples.shape[-2:])):

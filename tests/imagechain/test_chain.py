@@ -214,6 +214,8 @@ def test_equal_arrays_have_equal_keys():
         (np.zeros(3), "the array has the shape"),
         (np.zeros((0, 3)), "the array has the shape"),
         ([["a"]], "the array has samples of type"),
+        ([[1.0, 2.0], [3.0]], "the array cannot be read as one of numbers"),
+        (np.ma.masked_less(np.eye(2), 0.5), "the array has masked samples"),
     ],
 )
 def test_what_is_no_picture_is_refused(array, message):
@@ -339,6 +341,23 @@ def test_errors_are_the_commands_one_line(tmp_path):
     missing = built(ic.modules.read_image(path=str(tmp_path / "none.npy")))
     with pytest.raises(ic.ImagechainError, match=r"read_image: .*none\.npy: no such file"):
         missing.run()
+
+
+def test_a_chain_with_an_unknown_module_is_shown_and_saved_as_it_is(tmp_path):
+    document = json.loads(ic.open("first_steps").to_json())
+    document["nodes"]["blur"] = {"module": "far_away", "params": {"a": 3}}
+    (tmp_path / "n.json").write_text(json.dumps(document), encoding="utf-8")
+    chain = ic.open(tmp_path / "n.json")
+    assert "far_away" in repr(chain)
+    assert repr(chain["blur"]).splitlines() == ["<blur: far_away>", "  a  3"]
+    assert str(chain.check().errors[0]).startswith("blur: there is no module far_away")
+    with pytest.raises(ic.NetworkError, match="blur: there is no module far_away"):
+        chain.run()
+    assert json.loads(chain.to_json()) == document
+    with pytest.raises(ic.UsageError, match=r"give what ic\.modules\.NAME"):
+        chain.add(ic.modules.gaussian_mtf)
+    with pytest.raises(ic.NetworkError, match="name must be a text"):
+        chain.name = 3
 
 
 def test_files_of_write_nodes(tmp_path, monkeypatch):

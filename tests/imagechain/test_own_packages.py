@@ -16,6 +16,9 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 MORE = """
 import numpy
 numpy.save("picture.npy", picture)
+assert result.curves().to_png()[1:4] == b"PNG"
+import matplotlib
+assert matplotlib.rcParams["lines.linewidth"] == 7, "the user's settings are lost"
 """
 
 
@@ -33,6 +36,7 @@ def test_the_ten_lines_beside_the_users_own_core(tmp_path):
     """Their picture is the one that the command writes of the saved network, to the bit."""
     folder = tmp_path
     strangers(folder)
+    (folder / "matplotlibrc").write_text("lines.linewidth: 7")
     (folder / "mine.py").write_text(TEN_LINES + MORE, encoding="utf-8")
     done = finished([sys.executable, "mine.py"], folder=folder)
     assert done.returncode == 0, done.stderr
