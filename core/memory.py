@@ -11,6 +11,14 @@ WITHOUT_KNOWLEDGE = 1 << 29
 """Where the system does not report how much memory there is."""
 
 
+def amount_text(size: float) -> str:
+    """Bytes in words."""
+    for unit, bytes_of in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if size >= 0.1 * bytes_of:
+            return f"{size / bytes_of:.3g} {unit}"
+    return f"{size:.0f} bytes"
+
+
 def store_bytes() -> int:
     """How much a store may keep: a quarter of the memory, or half of what is free if that is less.
 

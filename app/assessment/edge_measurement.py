@@ -137,6 +137,8 @@ def judged(evaluation: Evaluation) -> Judged | str:
 
 def _reason(evaluation: Evaluation) -> str | None:
     chain = evaluation.chain
+    if evaluation.work.blocks is not None:
+        return "the pictures are made in blocks, and edges measured in whole ones"
     if chain.final is None:
         return "the network has no final picture"
     if not chain.cascade:

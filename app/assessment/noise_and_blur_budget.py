@@ -29,6 +29,7 @@ from nodes.input_output.sample_statistics import statistics
 
 Found = TypeVar("Found")
 _NO_PICTURE = "the network has no final picture"
+_IN_BLOCKS = "the pictures are made in blocks, and noises followed through whole ones"
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,8 @@ def noise_budget(evaluation: Evaluation) -> NoiseBudget | str:
     port = evaluation.chain.final
     if port is None:
         return _NO_PICTURE
+    if evaluation.work.blocks is not None:
+        return _IN_BLOCKS
     image: Image = evaluation.plan.output(port)
     work = evaluation.engine.work(evaluation.work.policy)
     predicted = _tried(lambda: noise_shares(work, work.value(NoiseOf(image)), kind="all"))

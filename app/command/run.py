@@ -154,7 +154,7 @@ class Stage:
         scratch = options.scratch or existing_folder(self.folder)
         with (
             blocks_of(way, engine, plan, work.policy, scratch=scratch, **how) as work.blocks,
-            work.hold(needed_later(plan, **how)),
+            work.hold(needed_later(plan, **how, in_blocks=way.in_blocks)),
         ):
             evaluation = evaluate(engine, plan, work, place)
             evaluation.seconds["total"] = time.perf_counter() - start

@@ -19,6 +19,7 @@ from app.report.html_page import html_page
 from app.report.spectrum_section import spectrum
 from app.report.transfer_section import transfer
 from app.run.evaluation import Evaluation
+from app.run.way_of_running import reduced, way_in_words
 from core.chain.realize import realize
 
 _MOST_INPUTS = 2
@@ -64,6 +65,7 @@ def _run_line(facts: dict[str, Any]) -> Block:
         f"{run['seconds']['total']:.2f} s",
         versions,
         f"transforms by {run['transforms']}",
+        *([way_in_words(run["way"])] if run["way"] else []),
         run["date"],
     ]
     return Text(" · ".join(words), "run")
@@ -156,7 +158,7 @@ def _listed(names: Sequence[str]) -> str:
 
 def _picture(evaluation: Evaluation, picture: dict[str, Any], title: str) -> tuple[str, Any, Any]:
     image = evaluation.plan.output(picture["port"])
-    return title, image, realize(image, evaluation.work)
+    return title, image, reduced(realize(image, evaluation.work), evaluation.work)
 
 
 def _published(facts: dict[str, Any]) -> list[Block]:

@@ -177,7 +177,9 @@ def read_by_evaluation(engine: Engine, plan: Plan) -> list[Recipe]:
     return _Read.of(engine, plan, find_output(plan).port).recipes
 
 
-def needed_later(plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recipe]:
+def needed_later(
+    plan: Plan, ports: Iterable[str], *, report: bool, in_blocks: bool = False
+) -> list[Recipe]:
     """What is needed once a network has been evaluated, to hold it until then.
 
     Parameters
@@ -188,6 +190,8 @@ def needed_later(plan: Plan, ports: Iterable[str], *, report: bool) -> list[Reci
         Those to be written.
     report : bool
         Whether a report is to show the pictures, curves and tables as well.
+    in_blocks : bool
+        Whether pictures lie on disk: noises are then not followed through them.
     """
     values = [plan.output(port) for port in ports]
     if (final := find_output(plan).port) is not None:
@@ -198,7 +202,7 @@ def needed_later(plan: Plan, ports: Iterable[str], *, report: bool) -> list[Reci
         shown = Transfer | Image | Curve | Table if report else Transfer
         values += [value for value in node.outputs.values() if isinstance(value, shown)]
     recipes = [recipe for value in values for recipe in asked_for(value)]
-    if report and final is not None:
+    if report and final is not None and not in_blocks:
         from nodes.analysis.lineage import NoiseOf
 
         recipes.append(NoiseOf(plan.output(final)))

@@ -21,7 +21,7 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
 from core.evaluation.store import Store
 from core.evaluation.work import Work
-from core.memory import usable_bytes
+from core.memory import amount_text, usable_bytes
 from core.scratch.block_run import BlockRun
 from core.scratch.scratch_disk import ScratchDisk, is_for_disk
 from nodes.files.common.file_format import ENVI_FRAMES
@@ -98,13 +98,13 @@ def way_of_running(plan: Plan, policy: Policy, memory_bytes: int | None) -> WayO
 def way_in_words(facts: dict[str, Any]) -> str:
     """Which way was taken and why, in a line."""
     largest = f"{facts['largest_rows']} × {facts['largest_columns']} samples"
-    needed, allowed = _gb(facts["in_memory_bytes"]), _gb(facts["memory_bytes"])
+    needed, allowed = amount_text(facts["in_memory_bytes"]), amount_text(facts["memory_bytes"])
     if facts["way"] == "in memory":
         return f"in memory: pictures of {largest} take up to {needed} of the {allowed} allowed"
     return (
         f"in blocks: pictures of {largest} would take up to {needed} in memory, {allowed} are "
-        f"allowed; up to {_gb(facts['scratch_bytes'])} lay on disk in {facts['scratch_arrays']} "
-        "arrays, transformed by passes over rows and columns"
+        f"allowed; up to {amount_text(facts['scratch_bytes'])} lay on disk in "
+        f"{facts['scratch_arrays']} arrays, transformed by passes over rows and columns"
     )
 
 
@@ -143,9 +143,9 @@ def blocks_of(
         yield None
         return
     with ScratchDisk(scratch, way.memory_bytes) as disk:
+        _refuse_planes(plan, ports, disk, policy)
         recipes = _read(engine, plan, ports, report=report)
         blocks = planned_blocks(plan, recipes, disk, policy)
-        _refuse_planes(plan, ports, disk, policy)
         _refuse_without_room(least_scratch(recipes, blocks, policy), scratch)
         yield blocks
 
@@ -189,7 +189,10 @@ def check_streamed(port: str, image: Image, path: Path, frames: int | None) -> N
 
 def _read(engine: Engine, plan: Plan, ports: Iterable[str], *, report: bool) -> list[Recipe]:
     """All that the run is going to read."""
-    return [*read_by_evaluation(engine, plan), *needed_later(plan, ports, report=report)]
+    return [
+        *read_by_evaluation(engine, plan),
+        *needed_later(plan, ports, report=report, in_blocks=True),
+    ]
 
 
 def _refuse_planes(plan: Plan, ports: Iterable[str], disk: ScratchDisk, policy: Policy) -> None:
@@ -200,7 +203,8 @@ def _refuse_planes(plan: Plan, ports: Iterable[str], disk: ScratchDisk, policy: 
         if plane and disk.wants(value.grid.shape, policy.dtype):
             raise UsageError(
                 f"--save {port}: a {value.port_type} of {value.grid.rows} × {value.grid.columns} "
-                f"samples is made as a whole, which --memory {_gb(disk.memory_bytes)} does not hold"
+                "samples is made as a whole, which --memory "
+                f"{amount_text(disk.memory_bytes)} does not hold"
             )
 
 
@@ -212,10 +216,6 @@ def _refuse_without_room(needed: int, scratch: Path) -> None:
         raise FileError(f"cannot write to the scratch folder {scratch}: {reason}") from error
     if needed > free:
         raise FileError(
-            f"the scratch folder {scratch} has room for {_gb(free)}, and a run in blocks takes "
-            f"{_gb(needed)} at least: --scratch gives another"
+            f"the scratch folder {scratch} has room for {amount_text(free)}, and a run in blocks "
+            f"takes {amount_text(needed)} at least: --scratch gives another"
         )
-
-
-def _gb(size: float) -> str:
-    return f"{size / 1e9:.3g} GB" if size >= 1e8 else f"{size / 1e6:.3g} MB"

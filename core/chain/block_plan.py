@@ -14,6 +14,7 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe, Step
+from core.memory import amount_text
 from core.scratch.block_run import BlockRun, Shape
 from core.scratch.scratch_disk import ScratchDisk
 
@@ -96,7 +97,7 @@ def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
         what = getattr(recipe.function, "__name__", what)
     error = DataError(
         f"{what.strip('_').replace('_', ' ')} takes a picture of {shape[0]} × {shape[1]} samples "
-        f"as a whole, which --memory {disk.memory_bytes / 1e9:.3g}GB is not to hold, and cannot be "
+        f"as a whole, which --memory {amount_text(disk.memory_bytes)} does not hold, and cannot be "
         "made in blocks: give more memory, or leave the node out"
     )
     return error if recipe.node is None else error.at(recipe.node)

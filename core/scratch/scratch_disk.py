@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from core.errors import FileError
+from core.memory import amount_text
 from core.scratch.strip_array import StripArray
 
 Array = NDArray[Any]
@@ -135,8 +136,8 @@ class ScratchDisk:
     def _refusal(self, size: int, error: OSError) -> str:
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
             return (
-                f"the scratch folder {self.folder} has no room for another {size / 1e9:.3g} GB "
-                f"beside the {self._bytes / 1e9:.3g} GB that lie there: --scratch gives another"
+                f"the scratch folder {self.folder} has no room for another {amount_text(size)} "
+                f"beside the {amount_text(self._bytes)} that lie there: --scratch gives another"
             )
         return f"cannot write to the scratch folder {self.folder}: {error.strerror or error}"
 

@@ -80,6 +80,8 @@ def read_npy(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.e
     file = readable_file(path)
     mapped = mapped_npy(file)
     info = _info(file, mapped.shape, mapped.dtype, "npy")
+    if empty is np.empty:
+        refuse_oversized(info)
     band = checked_band(band, info.bands, file)
     read = empty(mapped.shape[:2], delivered_dtype(mapped.dtype))
     step = max(1, _BLOCK_SAMPLES // max(1, mapped[:1].size))
@@ -278,7 +280,7 @@ def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -
             f"{path}: holds an array of shape {shape}; allowed: (rows, columns) or "
             "(rows, columns, bands), none of them 0"
         )
-    info = PictureInfo(
+    return PictureInfo(
         path=path,
         rows=shape[0],
         columns=shape[1],
@@ -292,8 +294,6 @@ def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -
         dtype=dtype.newbyteorder("=").name,
         kind=kind,
     )
-    refuse_oversized(info)
-    return info
 
 
 def _text(path: Path) -> str:

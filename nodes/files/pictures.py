@@ -92,6 +92,8 @@ def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.
     with _opened(file) as picture:
         info = _info(file, picture)
         band = checked_band(band, info.bands, file)
+        if empty is np.empty:
+            refuse_oversized(info)
         if info.kind == "tiff" and (_is_misread(picture, file) or is_deflated(file)):
             plain = read_plain_tiff(info, band, empty=empty)
             if plain is not None:
@@ -227,7 +229,8 @@ def _info(path: Path, picture: Any) -> PictureInfo:
         bits = png_bit_depth(first_bytes(path, 32)) or 0
     bits = bits or 8 * np.dtype(info.dtype).itemsize
     refuse_impossible(info, compression=str(attributes.get("compression", "")), bits=bits)
-    refuse_oversized(info)
+    if kind != "tiff":  # of which rows are read one after the other
+        refuse_oversized(info)
     if kind == "fits":
         read_fits_header(path)  # refused where it cannot be used, before samples are read
     return info

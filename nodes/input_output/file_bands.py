@@ -17,6 +17,7 @@ from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
 from core.spectrum.band_stack import BandStack, Row, Rows
 from nodes.files.common.picture_info import PictureInfo
+from nodes.files.common.size_limits import refuse_oversized
 from nodes.files.headers.envi_bands import band_ends_um, band_weights_um
 from nodes.files.headers.envi_cube import band_totals, mean_spectrum, weighted_sums
 from nodes.files.headers.envi_header import EnviLayout, read_layout
@@ -146,6 +147,7 @@ def file_bands(
     Others, and errors, as `chosen_bands`; or the file is no ENVI file.
     """
     info = source.info
+    refuse_oversized(info)
     if info.kind != "envi":
         raise FileError(_no_wavelengths(info))
     chosen = chosen_bands(info, unit=unit, scale=scale, interval_um=interval_um)

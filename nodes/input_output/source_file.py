@@ -109,7 +109,7 @@ def read_scaled(
     DataError
         Samples that are not finite, or not any more after scaling.
     """
-    samples = _stored(file, stamps, band, interval_um, work.empty)
+    samples = _stored(work, file, stamps, band, interval_um)
     if missing == "refuse":
         check_finite(samples, str(file), advice=_ADVICE)
     else:
@@ -131,19 +131,20 @@ def count_missing(
     **_: Any,
 ) -> int:
     """How many samples are not finite; takes the parameters of `read_scaled`."""
-    samples = _stored(file, stamps, band, interval_um, work.empty)
+    samples = _stored(work, file, stamps, band, interval_um)
     finite = (np.count_nonzero(np.isfinite(samples[rows])) for rows in work.row_slabs(samples))
     return int(samples.size - sum(finite))
 
 
 def _stored(
+    work: Work,
     file: Path,
     stamps: tuple[Stamp, ...],
     band: int,
     interval_um: tuple[float, float] | None,
-    empty: Empty,
 ) -> NDArray[Any]:
     check_unchanged(file, stamps)
+    empty: Empty = np.empty if work.blocks is None else work.empty
     if interval_um is None:
         samples = read_pixels(file, band, empty=empty)
     else:

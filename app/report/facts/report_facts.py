@@ -27,6 +27,7 @@ from core.chain.wires import Image, Table
 from core.filtering.fft_backend import backend
 from core.modules.parameters import plain
 from core.names import thaw
+from nodes.input_output.sample_statistics import statistics
 
 NOISE_PORTS = ("noise", "detector_noise", "quantization_error")
 
@@ -91,7 +92,7 @@ def noise_ports(evaluation: Evaluation) -> list[str]:
 def picture_facts(evaluation: Evaluation, port: str, role: str) -> dict[str, Any]:
     """Size, sampling and statistics of a picture; σ is of all its samples."""
     image: Image = evaluation.plan.output(port)
-    samples = realize(image, evaluation.work)
+    seen = statistics(realize(image, evaluation.work), for_each=evaluation.work.for_each)
     return {
         "port": port,
         "role": role,
@@ -101,10 +102,10 @@ def picture_facts(evaluation: Evaluation, port: str, role: str) -> dict[str, Any
         "interval_y_mrad": image.interval_y_mrad,
         "unit": image.unit,
         "band_um": image.band_um,
-        "minimum": float(samples.min()),
-        "maximum": float(samples.max()),
-        "mean": float(np.mean(samples, dtype=np.float64)),
-        "sigma": float(np.std(samples, dtype=np.float64)),
+        "minimum": seen.minimum,
+        "maximum": seen.maximum,
+        "mean": seen.mean,
+        "sigma": seen.sigma,
     }
 
 
@@ -126,6 +127,7 @@ def _run(evaluation: Evaluation) -> dict[str, Any]:
             "scipy": scipy.__version__,
         },
         "transforms": backend(),
+        "way": dict(evaluation.way),
     }
 
 

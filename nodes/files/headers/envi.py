@@ -80,7 +80,7 @@ def info_of(layout: EnviLayout) -> PictureInfo:
         where=str(layout.header),
     )
     wavelengths_um, fwhm_um = _wavelengths(layout)
-    info = PictureInfo(
+    return PictureInfo(
         path=layout.data,
         rows=layout.rows,
         columns=layout.columns,
@@ -97,8 +97,6 @@ def info_of(layout: EnviLayout) -> PictureInfo:
         not_applied=_not_applied(layout),
         wavelengths_assumed=wavelengths_um is not None and not _wavelength_unit(layout),
     )
-    refuse_oversized(info)
-    return info
 
 
 def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
@@ -126,6 +124,8 @@ def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.
     """
     layout = read_layout(path)
     info = info_of(layout)  # a faulty header is refused even where its fault does not matter here
+    if empty is np.empty:
+        refuse_oversized(info)
     band = checked_band(band, info.bands, info.path)
     return band_of(layout, band, empty=empty)
 

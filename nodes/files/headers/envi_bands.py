@@ -12,6 +12,7 @@ from core.errors import DataError, FileError, ParameterError
 from core.physics.radiometry.radiance_units import radiance_unit
 from core.scratch.allocation import Empty
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.common.size_limits import refuse_oversized
 from nodes.files.headers.envi import info_of
 from nodes.files.headers.envi_cube import row_blocks, sample_block
 from nodes.files.headers.envi_header import read_layout
@@ -59,6 +60,8 @@ def integrate_bands(
     """
     layout = read_layout(path)
     info = info_of(layout)
+    if empty is np.empty:
+        refuse_oversized(info)
     weights = band_weights_um(info, cut_on_um=cut_on_um, cut_off_um=cut_off_um)
     _check_coverage(info, weights, cut_on_um, cut_off_um, min_coverage)
     weights = weights * _per_um(info)

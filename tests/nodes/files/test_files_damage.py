@@ -167,9 +167,9 @@ def png(rows, columns, depth, body):
     return b"\x89PNG\r\n\x1a\n" + head + chunk(b"IDAT", body) + chunk(b"IEND", b"")
 
 
-def refused_for_its_size(path, rows, columns):
+def refused_for_its_size(path, rows, columns, reads=(read_info, read_pixels)):
     tracemalloc.start()
-    for read in (read_info, read_pixels):
+    for read in reads:
         with pytest.raises(FileError) as caught:
             read(path)
         words = rf"{rows} × {columns} samples need .* GB; allowed on this machine: .* GB"
@@ -193,7 +193,8 @@ def test_a_huge_array_is_refused_before_memory_is_asked_for(tmp_path):
         shape = {"descr": "|u1", "fortran_order": False, "shape": (rows, columns)}
         np.lib.format.write_array_header_1_0(file, shape)
         file.truncate(file.tell() + rows * columns)  # a hole: nothing is written
-    assert refused_for_its_size(tmp_path / "a.npy", rows, columns)
+    assert read_info(tmp_path / "a.npy").rows == rows  # which a run may make in blocks
+    assert refused_for_its_size(tmp_path / "a.npy", rows, columns, (read_pixels,))
 
 
 def test_a_one_bit_png_takes_the_memory_of_its_samples(tmp_path):

@@ -1,0 +1,159 @@
+"""``imagechain run --memory``: the same files, with pictures on disk."""
+
+import json
+import resource
+import shutil
+import threading
+
+import numpy as np
+import pytest
+
+from app.command.run import run
+from app.options.command_options import parse
+from core.errors import Cancelled
+from nodes.files.read import read_pixels
+
+BUDGET = "100kB"
+LIMIT = 20_000  # bytes that a file may have
+NETWORKS = {
+    "kodak_kir310": {"scene": (97, 89)},
+    "inframetrics": {"scene": (90, 101)},
+    "poisson_two_panel": {"scene": (61, 67)},
+    "pushbroom_banding": {"scene": (96, 81)},
+    "first_steps": {"scene": (83, 96)},
+}
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+@pytest.mark.parametrize("name", NETWORKS)
+def test_shipped_networks_to_the_bit(imagechain, tmp_path, name, precision):
+    sizes = [
+        word
+        for node, (width, height) in NETWORKS[name].items()
+        for word in (f"--set={node}.width={width}", f"--set={node}.height={height}")
+    ]
+    edges = ["--set=init.edges=periodic"] if precision == "double" and "two_" not in name else []
+    words = ["run", name, *sizes, *edges, "--precision", precision]
+    for folder, memory in (("a", "8GB"), ("b", BUDGET)):
+        done = imagechain(*words, "--memory", memory, "--output-dir", folder)
+        assert done.returncode == 0, done.stderr
+        assert ("in blocks: " in done.stdout) == (folder == "b")
+    for file in ("readouts.json", "mtf.csv", "final.png"):
+        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+
+
+def noisy(small):
+    """With a file's scene, every kind of step, and a picture that is walked through twice."""
+    small["nodes"]["scene"] = {
+        "module": "read_image",
+        "params": {"path": "scene.npy", "fov_x_deg": 3.0, "fov_y_deg": 2.5},
+    }
+    small["nodes"]["pixels"]["params"] = {"factor_x": 2, "factor_y": 3}
+    small["nodes"]["noise"] = {
+        "module": "electronics_noise",
+        "params": {
+            "cut_on_um": 3.0, "cut_off_um": 5.0, "d_star": 1e11, "amplifier_snr": 50.0,
+            "bits": 12, "gain_percent": 1.0, "bias_percent": 1.0, "use_mtf": True,
+            "bandwidth_Hz": 1e5,
+        },
+    }  # fmt: skip
+    small["nodes"]["init"]["params"] |= {
+        "detector_x_um": 20.0, "detector_y_um": 20.0, "f_number": 2.0, "fill_x": 1.0,
+        "fill_y": 1.0, "platform": "push", "scan_velocity_mrad_per_s": 1e4,
+    }  # fmt: skip
+    small["links"] += [["pixels.image", "noise.image"], ["init.context", "noise.context"]]
+    return small
+
+
+@pytest.fixture
+def scene(tmp_path):
+    samples = np.random.default_rng(3).uniform(5.0, 15.0, (99, 84)).astype(np.float32)
+    np.save(tmp_path / "scene.npy", samples)
+    return samples
+
+
+@pytest.mark.parametrize("edges", ["reflect", "periodic"])
+def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, edges):
+    network = write(noisy(small))
+    words = ["run", network, f"--set=init.edges={edges}", "--save"]
+    assert imagechain(*words, "noise.image=whole.npy", "--memory", "8GB").returncode == 0
+    whole = np.load(tmp_path / "whole.npy")
+    more = [f"--save=noise.image=in.{kind}" for kind in ("tif", "img")]
+    budget = ("--memory", "50kB", "--scratch", ".", "--report", "r.json", "--report", "r.html")
+    done = imagechain(*words, "noise.image=in.npy", *more, *budget)
+    assert done.returncode == 0, done.stderr
+    for kind in ("npy", "tif", "img"):
+        np.testing.assert_array_equal(read_pixels(tmp_path / f"in.{kind}"), whole)
+    way = json.loads((tmp_path / "r.json").read_text())["run"]["way"]
+    assert (way["way"], way["largest_rows"], way["memory_bytes"]) == ("in blocks", 99, 50_000)
+    # A scene and its spectrum at least lay on disk at a time.
+    assert way["scratch_bytes"] >= 2 * 4 * scene.size
+    assert "in blocks: pictures of 99 × 84 samples" in (tmp_path / "r.html").read_text()
+    assert not list(tmp_path.glob(".imagechain*"))
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (
+            ["--save", "back.image=b.png"],
+            "--save back.image=b.png: a picture of 99 × 84 samples that is made in blocks is "
+            "written as .npy .tif .tiff .bsq .img",
+        ),
+        (
+            ["--save", "back.image=b.npy", "--frames", "2"],
+            "--frames 2: pictures of 99 × 84 samples that are made in blocks are made once: give "
+            "1, or another --seed for each run",
+        ),
+        (
+            ["--save", "blur.magnitude=b.npy"],
+            "--save blur.magnitude: a magnitude of 99 × 84 samples is made as a whole, which "
+            "--memory 50 kB does not hold",
+        ),
+        (["--memory", "much"], "--memory 'much': give a size such as 2GB or 500MB, 1kB or more"),
+        (["--scratch", "away"], "cannot write to the scratch folder away: No such file or dir"),
+    ],
+)
+def test_one_line(fails, small, write, scene, words, line):
+    budget = [] if "--memory" in words else ["--memory", "50kB"]
+    assert line in fails("run", write(noisy(small)), *budget, *words)
+
+
+def test_a_node_that_needs_the_whole_is_named_first(fails, small, write, scene):
+    document = noisy(small)
+    document["nodes"]["measured"] = {"module": "measured_mtf"}
+    document["links"] += [["back.image", "measured.image"]]
+    line = fails("run", write(document), "--memory", "50kB")
+    assert line.startswith("imagechain: measured: ")
+    assert (
+        "takes a picture of 99 × 84 samples as a whole, which --memory 50 kB does not hold" in line
+    )
+
+
+def test_a_disk_without_room(fails, small, write, scene):
+    """A limit on files' sizes refuses as a full disk does."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    network = write(noisy(small))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (LIMIT, before[1]))
+    try:
+        line = fails("run", network, "--memory", "50kB", "--scratch", ".")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert "the scratch folder . has no room for another" in line
+
+
+def test_stopped_in_the_middle(small, write, scene, tmp_path, monkeypatch):
+    """At a slab of rows; nothing is left, written or mapped."""
+    monkeypatch.chdir(tmp_path)
+    network, free = write(noisy(small)), shutil.disk_usage(tmp_path).free
+    cancel, seen = threading.Event(), []
+
+    class Watch(threading.Event):
+        def is_set(self):
+            seen.append(1)
+            return len(seen) > 60 or cancel.is_set()
+
+    with pytest.raises(Cancelled):
+        run(parse(["run", network, "--memory", "50kB"]), Watch())
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["net.json", "scene.npy"]
+    assert free - shutil.disk_usage(tmp_path).free < 1 << 24
