@@ -20,7 +20,7 @@ PARTS = (
     Part("Begin", ("index", "getting_started")),
     Part(
         "Tutorials",
-        ("infrared_camera", "satellite", "dirsig_scene", "lens_and_mtf"),
+        ("infrared_camera", "satellite", "dirsig_scene", "lens_and_mtf", "cluster_study"),
     ),
     Part(
         "Guides",
@@ -31,6 +31,8 @@ PARTS = (
             "python_package",
             "cameras",
             "judging",
+            "studies",
+            "beyond_memory",
             "plug_ins",
         ),
     ),

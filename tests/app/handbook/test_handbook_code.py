@@ -11,7 +11,12 @@ import io
 import json
 import re
 import shlex
+import socket
+import subprocess
+import sys
+import threading
 import tomllib
+import types
 from itertools import pairwise
 
 import pytest
@@ -40,11 +45,57 @@ def command(line, folder):
     return done.stdout
 
 
-def program(text, folder):
-    """What a program of a page prints."""
+class Background:
+    """What a page has running beside its commands: a scheduler and its workers."""
+
+    def __init__(self, folder):
+        self.folder, self.port, self.processes = folder, free_port(), []
+
+    def start(self, line):
+        """Begin, and wait until what it is to say first is said."""
+        words = shlex.split(self.here(line))
+        process = subprocess.Popen(
+            [sys.executable, "-m", *words],
+            cwd=self.folder,
+            stderr=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            text=True,
+        )
+        self.processes.append(process)
+        ready = {"scheduler": "Scheduler at", "worker": "Registered to"}[words[1]]
+        assert any(ready in said for said in process.stderr), line
+        # Nobody reads on; a full pipe would hold it.
+        threading.Thread(target=process.stderr.read, daemon=True).start()
+
+    def here(self, line):
+        """With a port of its own, as other tests run beside this one."""
+        return line.replace(":8786", f":{self.port}").replace("--port 8786", f"--port {self.port}")
+
+    def end(self):
+        for process in reversed(self.processes):
+            process.terminate()
+            process.wait(30)
+            process.stderr.close()
+
+
+def free_port():
+    with socket.socket() as end:
+        end.bind(("127.0.0.1", 0))
+        return end.getsockname()[1]
+
+
+@pytest.fixture
+def background(tmp_path):
+    beside = Background(tmp_path)
+    yield beside
+    beside.end()
+
+
+def program(text, folder, names):
+    """What a program of a page prints; it goes on with the names of those before it."""
     out = io.StringIO()
     with contextlib.chdir(folder), contextlib.redirect_stdout(out):
-        exec(compile(text, "a page of the handbook", "exec"), {"__name__": "__main__"})
+        exec(compile(text, "a page of the handbook", "exec"), names)
     return out.getvalue()
 
 
@@ -75,22 +126,31 @@ def test_what_is_printed_is_compared_as_it_is_shown():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_page(name, tmp_path, monkeypatch):
+def test_a_page(name, tmp_path, monkeypatch, background):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     folder = tmp_path / "own"
     folder.mkdir()
+    page = types.ModuleType("a_page")  # where classes look for the names in their annotations
+    monkeypatch.setitem(sys.modules, page.__name__, page)
     printed = ""
     for block in blocks_of(TEXTS[name]):
         assert block.kind in KINDS, block
         if block.kind == "sh":
             lines = block.text.replace("\\\n", "").splitlines()
-            assert all(line.startswith("imagechain ") for line in lines), block
-            printed = "".join(command(line, folder) for line in lines)
+            assert all(line.startswith(("imagechain ", "dask ")) for line in lines), block
+            for line in lines:
+                if line.startswith("dask "):
+                    background.start(line)
+            lines = [line for line in lines if line.startswith("imagechain ")]
+            printed = "".join(command(background.here(line), folder) for line in lines)
             done = [line for line in lines if line.split()[1] not in READ]
             written = {file for line in done for file in files_saved(line)}
-            assert all((folder / file).stat().st_size for file in written), block
+            for file in written:
+                found = list(folder.glob(re.sub(r"\{.*?\}", "*", file)))
+                assert found, (file, block)
+                assert all(path.stat().st_size for path in found), block
         elif block.kind == "python":
-            printed = program(block.text, folder)
+            printed = program(block.text, folder, vars(page))
         elif block.kind == "output":
             assert is_as_shown(printed, block.text), printed
         elif block.kind == "toml":
