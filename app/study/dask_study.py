@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import logging
 import pickle
-import queue
 import signal
 import threading
 import time
@@ -27,6 +26,7 @@ MOST_DEATHS = 3
 """How many workers a point may end before it is the point's own fault."""
 _LOOK_S = 0.5  # how often the workers are counted
 _CONNECT_S = 10
+_GATHER_S = 5  # for rows that are made, on their way here
 _WITHOUT_S = 60.0  # how long a study waits for a first worker
 
 
@@ -70,8 +70,9 @@ def dask_rows(
 class _Dealer:
     """Hands batches to workers and takes their rows.
 
-    A batch whose worker dies is not blamed as a whole: its points go out once more, one at a time,
-    with no other beside them, and the one that ends its worker again gets that as its error.
+    Each batch is for one worker alone, so that it is known which ones a worker had that ends. Their
+    points go out once more, one at a time with no other beside them, and a point that ends its
+    worker again and again gets that as its error.
     """
 
     def __init__(self, client: Any, study: Study, tasks: Sequence[Task], *, jobs: int) -> None:
@@ -83,7 +84,8 @@ class _Dealer:
         self._suspects: list[Task] = []
         self._deaths: Counter[int] = Counter()
         self._flying: dict[Any, tuple[str, list[Task]]] = {}
-        self._landed: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._landed = threading.Event()
+        self._ended: set[str] = set()
         self._threads: dict[str, int] = {}
         self._share = 1
         self._setting = b""
@@ -99,11 +101,17 @@ class _Dealer:
             seen = now if self._threads else seen
             if now > seen + _WITHOUT_S:
                 raise FileError(f"the scheduler {self._address()} has no workers")
+            convicted = self._convicted()
+            if convicted:
+                yield convicted
             self._hand_out()
             if cancel is not None and cancel.is_set():
                 raise Cancelled("stopped on request")
-            with contextlib.suppress(queue.Empty):
-                rows = self._taken(self._landed.get(timeout=0.1))
+            self._landed.wait(0.1)
+            self._landed.clear()
+            # Looked at, not waited for: Dask calls nobody for what is lost with its worker.
+            for future in [future for future in self._flying if future.status != "pending"]:
+                rows = self._taken(future)
                 if rows:
                     yield rows
 
@@ -119,6 +127,7 @@ class _Dealer:
             workers = self._client.scheduler_info(n_workers=-1)["workers"]
         except Exception as error:
             raise self._gone() from error
+        workers = {name: info for name, info in workers.items() if name not in self._ended}
         self._threads = {name: info["nthreads"] for name, info in workers.items()}
         hosts = Counter(info.get("host", "") for info in workers.values())
         share = self._jobs or max(
@@ -130,6 +139,12 @@ class _Dealer:
             setting = self._study.setting(replace(self._policy, threads=threads))
             self._setting, self._share = pickle.dumps(setting), share
         self._lanes.workers(self._threads)
+        lost = [future for future, (worker, _) in self._flying.items() if worker not in workers]
+        for future in lost:
+            if future.status == "pending":
+                worker, batch = self._flying.pop(future)
+                self._give_up(future)
+                self._blame(worker, batch)
 
     def _hand_out(self) -> None:
         flying = Counter(worker for worker, _ in self._flying.values())
@@ -154,52 +169,62 @@ class _Dealer:
                 batch,
                 self._share,
                 workers=[worker],
-                allow_other_workers=True,
                 pure=False,
             )
         except Exception as error:
             raise self._gone() from error
         self._flying[future] = worker, batch
-        future.add_done_callback(self._landed.put)
+        future.add_done_callback(lambda _: self._landed.set())
 
     def _taken(self, future: Any) -> list[Row]:
-        """The rows of a batch that has come back, if it has any."""
+        """The rows of a batch that has come back, if it has any, and of points given up."""
         from distributed import KilledWorker
 
-        _, batch = self._flying.pop(future, ("", []))
-        if not batch:
-            return []
+        worker, batch = self._flying.pop(future)
         if future.status != "finished":
             self._check()
         try:
-            rows = [Row(*row) for row in future.result(timeout=_CONNECT_S)]
-        except KilledWorker as error:
-            return self._blamed(batch, error.allowed_failures + 1)
-        except (ImagechainError, ModuleNotFoundError, ImportError) as error:
-            if isinstance(error, ImagechainError):
-                raise
+            rows = [Row(*row) for row in future.result(timeout=_GATHER_S)]
+        except KilledWorker:
+            self._blame(worker, batch)
+            return []
+        except ImagechainError:
+            raise
+        except ImportError as error:
             raise UsageError(
                 f"a worker cannot load imagechain: {error}; it must be installed there"
             ) from error
         except Exception as error:
             self._check()
-            if future.status in ("cancelled", "lost"):
-                self._suspects += batch  # a scheduler that began anew
-                return []
-            raise FileError(f"a worker failed: {type(error).__name__}: {error}") from error
+            if future.status == "error":
+                what = f"{type(error).__name__}: {error}"
+                raise FileError(f"a worker failed: {what}") from error
+            # Made, and lost with the worker before it came here, or the scheduler began anew.
+            self._give_up(future)
+            self._suspects += batch
+            return []
         self._lanes.took(sum(row.seconds for row in rows), len(rows))
         return rows
 
-    def _blamed(self, batch: list[Task], deaths: int) -> list[Row]:
-        rows = []
+    def _blame(self, worker: str, batch: list[Task]) -> None:
+        """A worker has ended with this batch: each of its points may be why."""
+        self._ended.add(worker)
+        self._threads.pop(worker, None)
         for task in batch:
-            self._deaths[task[0]] += deaths
-            if len(batch) == 1 and self._deaths[task[0]] >= MOST_DEATHS:
-                why = f"its worker ended without a word, {self._deaths[task[0]]} times"
-                rows.append(Row(task[0], (None,) * len(self._study.figures), "", 0.0, why))
-            else:
-                self._suspects.append(task)
-        return rows
+            self._deaths[task[0]] += 1
+            self._suspects.append(task)
+
+    def _convicted(self) -> list[Row]:
+        """The rows of points that have ended too many workers."""
+        wanted = [task for task in self._suspects if self._deaths[task[0]] >= MOST_DEATHS]
+        self._suspects = [task for task in self._suspects if task not in wanted]
+        why = f"its worker ended without a word, {MOST_DEATHS} times"
+        nothing = (None,) * len(self._study.figures)
+        return [Row(task[0], nothing, "", 0.0, why) for task in wanted]
+
+    def _give_up(self, future: Any) -> None:
+        with contextlib.suppress(Exception):
+            self._client.cancel([future], force=True)
 
     def _check(self) -> None:
         if self._client.status != "running":

@@ -1,0 +1,121 @@
+"""A study by real worker processes: the same rows, and what becomes of a worker that dies."""
+
+from __future__ import annotations
+
+import logging
+import threading
+
+import pytest
+
+distributed = pytest.importorskip("distributed")
+
+WORDS = ["--vary=blur.sigma_x_mrad=0:1:8", "--vary=electronics.d_star=1e10:1e12:5:log"]
+WORDS += ["--figure=total.mtf_nyquist_x", "--figure=electronics.snr"]
+# What Dask leaves to the collector is not ours.
+pytestmark = pytest.mark.filterwarnings("ignore:.*:ResourceWarning")
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """Two processes, begun once."""
+    import dask
+
+    settings = {"distributed.scheduler.allowed-failures": 0}
+    logging_of = {"logging": {"distributed": "critical", "asyncio": "critical"}}
+    with (
+        dask.config.set({**settings, **logging_of}),
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
+            memory_limit=0, silence_logs=logging.CRITICAL,
+        ) as made,
+    ):  # fmt: skip
+        yield made
+
+
+@pytest.fixture
+def study(imagechain, sensor, cluster):
+    def run(*words, alone=False):
+        where = ["--jobs=1"] if alone else ["--scheduler", cluster.scheduler_address]
+        return imagechain("study", sensor, *WORDS, *where, *words)
+
+    return run
+
+
+def test_the_same_rows_as_of_one_process(study, rows_of, tmp_path):
+    alone = study("--output=a.csv", alone=True)
+    several = study("--output=b.csv", "--save=back.image=out/{point}.npy")
+    assert (alone.returncode, several.returncode) == (0, 0), several.stderr
+    assert rows_of("a.csv") == rows_of("b.csv")
+    assert len(list((tmp_path / "out").iterdir())) == 40
+
+
+def test_a_point_that_ends_its_workers_is_a_row_and_costs_no_other(study, rows_of, monkeypatch):
+    """The worker is killed in the middle, with all that it had been given."""
+
+    def deadly(setting, key, tasks, share):
+        import os
+
+        if any(place == 11 for place, _, _ in tasks):
+            os._exit(1)
+        from app.study.worker_rows import rows_of_batch
+
+        return rows_of_batch(setting, key, tasks, share)
+
+    monkeypatch.setattr("app.study.dask_study.rows_there", deadly)
+    monkeypatch.setattr("app.study.dask_study.MOST_DEATHS", 2)
+    study("--output=a.csv", alone=True)
+    done = study("--output=b.csv")
+    assert done.returncode == 2
+    assert done.stderr == (
+        "imagechain: 1 of 40 points failed, see the column error of b.csv; the first, point 12: "
+        "its worker ended without a word, 2 times\n"
+    )
+    expected, rows = rows_of("a.csv"), rows_of("b.csv")
+    assert rows[11]["error"]
+    del expected[11], rows[11]
+    assert rows == expected
+
+
+def test_a_worker_of_another_version_is_named(study, monkeypatch, tmp_path):
+    monkeypatch.setattr("app.study.study_request.version", lambda: "0.0")
+    done = study("--output=a.csv")
+    assert done.returncode == 2
+    assert "all must have one version; 0 of 40 points are done" in done.stderr
+
+
+def test_a_scheduler_that_is_gone_ends_it_with_one_line(study, rows_of, cluster, tmp_path, monkeypatch):  # fmt: skip  # noqa: E501
+    """The last test of the module: the cluster is no more."""
+    journal = tmp_path / "b.csv.journal"
+
+    def close():
+        while not (journal.exists() and journal.read_bytes().count(b"\n") > 2):
+            if done.is_set():
+                return
+        cluster.close()
+
+    def slow(setting, key, tasks, share):
+        import time
+
+        from app.study.worker_rows import rows_of_batch
+
+        time.sleep(0.1)
+        return rows_of_batch(setting, key, tasks, share)
+
+    monkeypatch.setattr("app.study.dask_study.rows_there", slow)
+    monkeypatch.setattr("app.study.lanes._MOST", 1)
+    done = threading.Event()
+    closing = threading.Thread(target=close)
+    closing.start()
+    ended = study("--output=b.csv")
+    done.set()
+    closing.join()
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("imagechain: the scheduler tcp://127.0.0.1:")
+    assert " is gone; " in ended.stderr
+    assert ended.stderr.count("\n") == 1
+    kept = journal.read_bytes().count(b"\n") - 1
+    assert f"; {kept} of 40 points are done and kept in b.csv.journal" in ended.stderr
+    monkeypatch.undo()
+    assert study("--output=b.csv", alone=True).returncode == 0
+    study("--output=a.csv", alone=True)
+    assert rows_of("a.csv") == rows_of("b.csv")
