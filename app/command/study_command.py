@@ -23,6 +23,7 @@ from core.errors import DataError, UsageError
 from core.modules.library_type import Library
 from core.names import in_line
 from core.network.network import Network
+from nodes.files.common.file_format import CSV
 from nodes.library import standard_library
 
 _MOST_JOBS = 1024
@@ -62,7 +63,7 @@ def study(options: Options, cancel: threading.Event | None = None) -> None:
         saves=options.saves,
         policy=policy_of(options),
     )
-    listed = [Path(options.sample)] if options.sample.lower().endswith(".csv") else []
+    listed = [Path(options.sample)] if CSV.matches(Path(options.sample)) else []
     wanted.check_places([output, *options.summaries], [place.path, *listed])
     with Progress(len(wanted.points), time_left=True) as progress:
         result = carry_out(

@@ -19,6 +19,7 @@ from core.modules.library_type import Library
 from core.network.file import load_network
 from core.network.network import Network
 from core.network.validation import check_network, plain_network
+from nodes.files.common.file_format import CSV
 from nodes.library import standard_library
 
 GRID, LATIN = "grid", "latin"
@@ -91,7 +92,7 @@ def run_study(
     """
     known = library if library is not None else standard_library()
     name, place = "", Path(folder or ".")
-    read = [Path(sample)] if str(sample).lower().endswith(".csv") else []
+    read = [Path(sample)] if CSV.matches(Path(sample)) else []
     if not isinstance(network, Network):
         found = find_network(str(network))
         name, place = found.name, found.folder
@@ -164,6 +165,6 @@ def sampled(
         return latin_points(axes, points, network.seed)
     if vary:
         raise UsageError(f"--vary {next(iter(vary)):.80}: the points are those of {sample:.120}")
-    if not sample.lower().endswith(".csv"):
+    if not CSV.matches(Path(sample)):
         raise UsageError(f"--sample {sample:.120}: write grid, latin, or the name of a .csv file")
     return listed_points(Path(sample), network, library=library)
