@@ -262,7 +262,9 @@ def _connected(jobs: int, scheduler: str) -> Iterator[Any]:
                     threads_per_worker=1,
                     processes=True,
                     memory_limit=0,
-                    dashboard_address=None,
+                    # Any port: a cluster of the user's may have the usual one.
+                    dashboard_address="127.0.0.1:0",
+                    scheduler_kwargs={"dashboard": False},
                     silence_logs=logging.CRITICAL,
                 )
             place = stack.enter_context(cluster)
