@@ -299,6 +299,7 @@ class Chain:
         outputs: Sequence[str] | None = None,
         region: tuple[slice, slice] | None = None,
         memory: int | str | None = None,
+        scratch: str | PathLike[str] | None = None,
         threads: int = 0,
     ) -> Result:
         """Compute the chain; what has not changed since an earlier run is not computed again.
@@ -320,7 +321,11 @@ class Chain:
         region : (slice, slice), optional
             Rows and columns of the pictures to compute; they have the bits of the whole picture.
         memory : int or str, optional
-            Bytes (or "2GB") that computed values may take beside the ones in use.
+            Bytes, or "2GB", that pictures may take; by default half of what the process may. Where
+            they would take more, they are made in blocks, with the same bits, and lie on disk:
+            arrays are mapped then.
+        scratch : path, optional
+            Folder of what lies on disk, by default the current one; gone with the last array.
         threads : int
             0 takes as many as there are; results do not depend on it.
 
@@ -330,7 +335,7 @@ class Chain:
             The first fault, as the command `imagechain run` has it.
         """
         options = RunOptions.of(
-            Policy(precision, tolerance, threads), frames, outputs, region, memory
+            Policy(precision, tolerance, threads), frames, outputs, region, memory, scratch
         )
         state = self._state
         plan = self._planned = state.plan(self._engine, seed, self._planned)

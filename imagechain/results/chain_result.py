@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from app.run.evaluation import Evaluation, TimedWork, evaluate
 from app.run.output import find_output
 from app.run.saving import check_suffix, real_array, save_value
+from app.run.way_of_running import blocks_of, way_of_running
 from core.chain.engine import Engine, Plan
 from core.chain.frame_sequence import at_frame
 from core.chain.realize import asked_for
 from core.chain.skipped import skips
 from core.chain.wires import Image
-from core.errors import ImagechainError, NetworkError, UsageError
+from core.errors import ImagechainError, NetworkError, ParameterError, UsageError
 from core.evaluation.recipes import Recipe
 from core.evaluation.region import Region
 from core.memory import store_bytes
@@ -290,11 +291,20 @@ def image_ports(plan: Plan) -> tuple[str, ...]:
 
 def run_plan(engine: Engine, plan: Plan, options: RunOptions, origin: Origin) -> Result:
     """Compute what the options name; without them all that a run of the command computes."""
-    engine.store.capacity_bytes = store_bytes() if options.memory is None else options.memory
+    way = way_of_running(plan, options.policy, options.memory)
+    if way.in_blocks and (options.frames or 1) > 1:
+        raise ParameterError("frames", options.frames, "1, of pictures that are made in blocks")
+    kept = way.store(None)
+    most = store_bytes() if options.memory is None else min(store_bytes(), options.memory)
+    engine.store.capacity_bytes = most if kept is None else kept.capacity_bytes
     work = TimedWork(options.policy, engine.store, workers=engine.workers)
     result = Result(engine, plan, options, work, origin)
     ports = list(options.outputs) if options.outputs is not None else _final(plan)
-    with work.hold(_recipes(plan, ports)):
+    how: dict[str, Any] = {"ports": ports, "report": False, "scratch": options.scratch}
+    with (
+        blocks_of(way, engine, plan, options.policy, **how) as work.blocks,
+        work.hold(_recipes(plan, ports)),
+    ):
         if options.outputs is None and options.region is None:
             result._evaluation  # noqa: B018  (computed here, and kept)
         for port in ports:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from os import PathLike, fspath
 from pathlib import Path
 
+from app.options.option_values import size_in_bytes
 from app.run.sequence import MOST_FRAMES
 from core.errors import ParameterError
 from core.evaluation.policy import Policy
 from core.evaluation.region import Region
 
-_BYTES = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([kMGT]?)(i?)B?\s*", re.IGNORECASE)
-_POWERS = ("", "k", "m", "g", "t")
 _REGION = "two slices of rows and columns, such as numpy.s_[100:164, :64]"
 
 
@@ -42,6 +41,7 @@ class RunOptions:
     outputs: tuple[str, ...] | None = None
     region: tuple[slice, slice] | None = None
     memory: int | None = None
+    scratch: Path = Path()
 
     @classmethod
     def of(
@@ -51,6 +51,7 @@ class RunOptions:
         outputs: Sequence[str] | None,
         region: tuple[slice, slice] | None,
         memory: int | str | None,
+        scratch: str | PathLike[str] | None,
     ) -> RunOptions:
         """The options, checked.
 
@@ -69,7 +70,8 @@ class RunOptions:
         ):
             raise ParameterError("region", region, _REGION)
         ports = None if chosen is None else tuple(chosen)
-        return cls(policy, frames, ports, region, _bytes(memory))
+        folder = Path.cwd() if scratch is None else Path(fspath(scratch))
+        return cls(policy, frames, ports, region, _bytes(memory), folder)
 
     def region_of(self, shape: tuple[int, int]) -> Region | None:
         """The rows and columns to compute of a picture of that shape; None for all of it.
@@ -91,14 +93,12 @@ class RunOptions:
 
 
 def _bytes(memory: int | str | None) -> int | None:
-    """Bytes from a number or a text: ``2GB`` is 2·10⁹, ``2GiB`` 2³¹."""
-    match = _BYTES.fullmatch(memory) if isinstance(memory, str) else None
-    if match is not None:
-        base = 1024 if match[3] else 1000
-        return int(float(match[1]) * base ** _POWERS.index(match[2].lower()))
-    if memory is None or (isinstance(memory, int) and _is_whole(memory) and memory >= 0):
+    """Bytes from a number, or a text as ``run --memory`` takes it."""
+    if isinstance(memory, str):
+        return size_in_bytes("memory", memory)
+    if memory is None or (_is_whole(memory) and memory >= 1000):
         return memory
-    raise ParameterError("memory", memory, 'bytes, or a text such as "2GB"')
+    raise ParameterError("memory", memory, 'bytes, 1000 or more, or a text such as "2GB"')
 
 
 def _is_whole(value: object) -> bool:

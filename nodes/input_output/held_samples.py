@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.evaluation.recipes import Step
+from core.evaluation.recipes import Step, in_blocks
 from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
 from nodes.files.common.picture_info import PictureInfo
@@ -114,6 +114,7 @@ class HeldSamples:
         return Step.of(scaled_array, node=node, held=self, scale=scale)
 
 
+@in_blocks()
 @source_step(area_means=False)  # as a scene in a file, it may be blurred by anything
 def scaled_array(work: Work, *, held: HeldSamples, scale: float) -> Samples:
     """Samples in the evaluation's precision; errors as `scaled_samples`."""

@@ -13,6 +13,7 @@ import pytest
 import imagechain as ic
 from command_line import run_here
 from core.network.file import load_network
+from core.scratch.scratch_disk import is_on_disk
 from nodes.library import standard_library
 
 SNR = "electronics.amplifier_snr"
@@ -89,12 +90,12 @@ def test_options_of_a_run(kodak):
     assert (two[1] != two[0]).any()
     assert chain.run(precision="double").image().dtype == np.float64
     assert (chain.run(seed=3).image() != whole.image()).any()
-    assert chain.run(memory="1kB").image().tobytes() == whole.image().tobytes()
     for named, message in (
         ({"region": np.s_[10:10, :]}, "region = "),
         ({"region": 3}, "region = 3 is not allowed: two slices"),
         ({"frames": 0}, "frames = 0 is not allowed: a whole number from 1"),
-        ({"memory": "much"}, "memory = 'much' is not allowed: bytes"),
+        ({"memory": "much"}, "memory 'much': give a size such as 2GB"),
+        ({"memory": 3}, "memory = 3 is not allowed: bytes, 1000 or more"),
         ({"precision": "half"}, "precision = 'half' is not allowed: single or double"),
         ({"outputs": ["back.picture"]}, "back.picture: back has no output 'picture'"),
         ({"seed": -1}, "seed = -1 is not allowed"),
@@ -102,6 +103,21 @@ def test_options_of_a_run(kodak):
         with pytest.raises(ic.ImagechainError) as caught:
             chain.run(**named)
         assert str(caught.value).startswith(message)
+
+
+def test_pictures_that_memory_is_not_to_hold_lie_on_disk(tmp_path):
+    chain = built(ic.scene(pixels(64, 48), fov_x_deg=1, fov_y_deg=1))
+    whole = chain.run()
+    fresh = pickle.loads(pickle.dumps(chain))
+    blocks = fresh.run(memory="20kB", scratch=tmp_path)
+    assert is_on_disk(blocks.image())
+    assert not is_on_disk(whole.image())
+    assert blocks.image().tobytes() == whole.image().tobytes()
+    assert blocks.readouts.to_dict() == whole.readouts.to_dict()
+    assert blocks.picture().to_png() == whole.picture().to_png()
+    with pytest.raises(ic.ParameterError, match="frames = 2 is not allowed: 1, of pictures"):
+        fresh.run(memory="20kB", frames=2)
+    assert not is_on_disk(fresh.run().image())
 
 
 def test_a_chain_built_in_ten_lines_is_wired_as_the_editor_would():
