@@ -65,11 +65,11 @@ def test_nothing_below_the_package_knows_it():
 def test_the_package_leaves_the_window_and_heavy_libraries_alone():
     """pandas and xarray are imported where they are wanted, by name; matplotlib before a report."""
     allowed = STANDARD | {"imagechain", "app", "nodes", "core", "numpy"}
-    for_types = {"pandas.DataFrame", "xarray.DataArray", "matplotlib"}
+    exceptions = {"pandas.DataFrame", "xarray.DataArray", "matplotlib"}
     wrong = {
         f"{path.relative_to(ROOT)}: {name}"
         for path in files("imagechain")
-        for name in imports(path) - for_types
+        for name in imports(path) - exceptions
         if name.split(".")[0] not in allowed or name.startswith("app.editor")
     }
     assert not wrong

@@ -23,7 +23,8 @@ from imagechain.common.plain_errors import plain_errors
 if TYPE_CHECKING:
     from xarray import DataArray
 
-_WIDEST = 640
+_WIDEST = 640  # on a page
+_MOST_PX = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,9 +158,16 @@ class Picture:
         density = self._image.bands is not None and self._image.bands.density
         return f"{self.unit}/µm" if density else self.unit
 
-    def to_png(self) -> bytes:
-        """An 8-bit grey PNG between the picture's own limits, of the first frame."""
+    def to_png(self, most_px: int | None = None) -> bytes:
+        """An 8-bit grey PNG between the picture's own limits, of the first frame.
+
+        Parameters
+        ----------
+        most_px : int, optional
+            A picture of more rows or columns is shown by means of neighbours.
+        """
         samples = self.samples[0] if self.samples.ndim == 3 else self.samples
+        samples = samples if most_px is None else _reduced(samples, most_px)
         return encode_png(grey_levels(*robust_limits(samples), samples))
 
     def _first(self, what: str) -> NDArray[Any]:
@@ -173,4 +181,18 @@ class Picture:
 
     def _repr_html_(self) -> str:
         width = min(_WIDEST, self.samples.shape[-1])
-        return block(png(self.to_png(), alt=self.port, width=width), text(repr(self)[1:-1]))
+        picture = png(self.to_png(_MOST_PX), alt=self.port, width=width)
+        return block(picture, text(repr(self)[1:-1]))
+
+
+def _reduced(samples: NDArray[Any], most_px: int) -> NDArray[Any]:
+    """Means of as many neighbours as leave at most so many rows and columns."""
+    rows, columns = samples.shape
+    down, across = -(-rows // most_px), -(-columns // most_px)
+    if down == across == 1:
+        return samples
+    made = np.empty((rows // down, columns // across), samples.dtype)
+    for row in range(len(made)):  # one after the other: the picture may be larger than memory
+        lines = samples[row * down : (row + 1) * down, : made.shape[1] * across]
+        made[row] = lines.reshape(down, -1, across).mean(axis=(0, 2), dtype=np.float64)
+    return made

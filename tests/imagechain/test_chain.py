@@ -414,3 +414,8 @@ def test_pages_of_notebooks_show_no_text_as_html(kodak):
         assert "<b>" not in page
     assert "&lt;b&gt;&amp;" in chain._repr_html_()
     assert "data:image/png;base64," in made._repr_html_()
+    wide = ic.Chain()
+    wide.add(ic.scene(np.tile(np.arange(8.0), (4, 500)), fov_x_deg=1, fov_y_deg=1))
+    picture = wide.run().picture()
+    for most, columns in ((None, 4000), (1000, 1000), (1024, 1000)):
+        assert int.from_bytes(picture.to_png(most)[16:20]) == columns
