@@ -168,17 +168,22 @@ def computed(
     for node in dict.fromkeys(figure.node for figure in figures):
         totals = [f for f in figures if f.node == node and f.is_total]
         readouts = [f for f in figures if f.node == node and not f.is_total]
-        for wanted in filter(None, (totals, *([figure] for figure in readouts))):
+        waiting = [wanted for wanted in (totals, readouts) if wanted]
+        while waiting:
+            wanted = waiting.pop(0)
             work.check()
             try:
                 if wanted is totals:
                     results = _total(totals, plan, work, varied)
                 else:
-                    name = wanted[0].name
-                    results = engine.readouts(plan, node, work, names=(name,))
+                    names = [figure.name for figure in wanted]
+                    results = engine.readouts(plan, node, work, names=names)
             except Cancelled:
                 raise
             except ImagechainError as error:
+                if wanted is not totals and len(wanted) > 1:  # one that fails leaves the others
+                    waiting += [[figure] for figure in wanted]
+                    continue
                 reasons |= {figure.text: str(error) for figure in wanted}
                 continue
             for figure in wanted:
