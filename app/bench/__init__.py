@@ -20,6 +20,7 @@ _MEASURED_BY = {
     "precision": "precision.precision_parts",
     "peers": "peers.peers_compared",
     "editor": "speed.editor_speed",
+    "scale": "scale.scale_parts",
 }
 
 

@@ -14,6 +14,7 @@ PARTS = {
     "precision": "Time against error",
     "peers": "Beside other programs",
     "editor": "The window",
+    "scale": "How far it goes",
 }
 TABLES = {
     "speed": ("networks", "one_thread", "cameras", "frames", "growth", "fresh_process"),
@@ -34,6 +35,7 @@ TABLES = {
     ),
     "peers": ("peers", "peer_cameras"),
     "editor": ("editor",),
+    "scale": ("study_points", "study_scenes"),
 }
 SIZE = 1024
 LARGEST = 8192

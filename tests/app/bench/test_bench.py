@@ -29,6 +29,8 @@ UNDRAWN = {
     "fresh_process",
     "one_thread",
     "editor",
+    "study_points",
+    "study_scenes",
     "cameras",
     "peer_cameras",
     "frames",

@@ -1,0 +1,1 @@
+"""How far it goes: frames beyond memory, and plans for clusters."""
