@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from imagechain import modules
     from imagechain.building.chain import Chain, networks, open
     from imagechain.building.chain_node import ChainNode
+    from imagechain.building.chain_study import study
     from imagechain.parts.module_functions import part
     from imagechain.parts.module_part import Expression, Part
     from imagechain.parts.presets import preset, presets
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
     from imagechain.results.chain_result import Result
     from imagechain.results.readout_table import ReadoutTable
     from imagechain.results.stage_curves import StageCurves
+    from imagechain.results.study_table import StudyTable
 
     expression = Expression
     __version__: str
@@ -78,6 +80,7 @@ __all__ = [
     "ReadoutTable",
     "Result",
     "StageCurves",
+    "StudyTable",
     "TableData",
     "UnconnectedError",
     "UsageError",
@@ -90,6 +93,7 @@ __all__ = [
     "preset",
     "presets",
     "scene",
+    "study",
 ]
 
 # Where each name lies; imported when it is first used.
@@ -111,6 +115,7 @@ _PLACES = {
     "ReadoutTable": "imagechain.results.readout_table",
     "Result": "imagechain.results.chain_result",
     "StageCurves": "imagechain.results.stage_curves",
+    "StudyTable": "imagechain.results.study_table",
     "TableData": "core.chain.results",
     "networks": "imagechain.building.chain",
     "open": "imagechain.building.chain",
@@ -118,6 +123,7 @@ _PLACES = {
     "preset": "imagechain.parts.presets",
     "presets": "imagechain.parts.presets",
     "scene": "imagechain.parts.scene_array",
+    "study": "imagechain.building.chain_study",
 }
 
 

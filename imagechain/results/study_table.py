@@ -1,0 +1,89 @@
+"""The rows of a study: its points, figures and errors by column."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from app.run.readout_tables import columns, number_text
+from app.study.carrying_out import StudyRows
+from core.errors import ParameterError
+from core.names import close, shown
+from imagechain.common.missing_extra import needed
+from imagechain.common.notebook_html import block, png, table
+from imagechain.common.plain_errors import plain_errors
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+_SHOWN = 20  # rows of a notebook's table
+
+
+class StudyTable(Mapping[str, list[Any]]):
+    """Columns by name, as ``rows["electronics.snr"]``: a value for each point, in order.
+
+    Beside what varies and the figures: ``point``, ``key`` (of what was computed), ``seconds`` and
+    ``error`` (empty where nothing is missing). `units` has the unit of each column.
+    """
+
+    def __init__(self, rows: StudyRows) -> None:
+        self._rows = rows
+        self._columns = {column.name: list(column.values) for column in rows.columns()}
+        self.units: dict[str, str] = {column.name: column.unit for column in rows.columns()}
+
+    @plain_errors
+    def __getitem__(self, name: str) -> list[Any]:
+        if name not in self._columns:
+            known = close(name, self._columns) or f"; it has {', '.join(self._columns)}"
+            raise ParameterError("column", name, f"one of the study{known}")
+        return list(self._columns[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    @property
+    def failed(self) -> dict[int, str]:
+        """Why points failed, by their number."""
+        return {row.place + 1: row.error for row in self._rows.failed}
+
+    @plain_errors
+    def to_frame(self) -> DataFrame:
+        """As a pandas `DataFrame`, units in the columns' names.
+
+        Raises
+        ------
+        UsageError
+            If pandas is not installed.
+        """
+        pandas = needed("pandas", "tables as DataFrames")
+        frame: DataFrame = pandas.DataFrame(
+            {column.head: column.typed for column in self._rows.columns()}
+        )
+        return frame
+
+    def _texts(self, most: int) -> list[list[str]]:
+        rows = zip(*self._columns.values(), strict=True)
+        return [[_word(cell) for cell in row] for row, _ in zip(rows, range(most), strict=False)]
+
+    def __repr__(self) -> str:
+        heads = [column.head for column in self._rows.columns()]
+        count = len(self._rows.rows)
+        more = f"\nand {count - _SHOWN} more" if count > _SHOWN else ""
+        return columns([heads, *self._texts(_SHOWN)]) + more + f"\n{shown(str(count))} points"
+
+    def _repr_html_(self) -> str:
+        from app.study.study_drawing import study_png
+
+        heads = [column.head for column in self._rows.columns()]
+        count = f"{len(self._rows.rows)} points"
+        picture = png(study_png(self._rows), alt="figures of the study")
+        return block(picture, table(heads, self._texts(_SHOWN), caption=count))
+
+
+def _word(value: Any) -> str:
+    if isinstance(value, float):
+        return number_text(value)
+    return "" if value is None else str(value)
