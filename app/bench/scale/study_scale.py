@@ -33,6 +33,7 @@ _HEADS = {
     "verdict": "",
 }
 SIDE = 512
+_LEAST_SIDE = 128
 _REACH_POINTS, _REACH_SCENES = 1.3, 1.2
 _FIGURES = ("electronics.snr", "electronics.netd_system_K")
 _SIGMA, _SNR = ("blur", "sigma_x_mrad"), ("electronics", "amplifier_snr")
@@ -40,8 +41,9 @@ _SIGMA, _SNR = ("blur", "sigma_x_mrad"), ("electronics", "amplifier_snr")
 
 def studies(settings: Settings) -> list[Table]:
     """Both tables, by one process and by all cores."""
-    several = [Policy().workers] if has_dask() and Policy().workers > 1 else []
-    side = min(SIDE, settings.size)
+    side, cores = min(SIDE, settings.size), Policy().workers
+    # Processes take longer to start than a quick study of small pictures to compute.
+    several = [cores] if has_dask() and cores > 1 and side >= _LEAST_SIDE else []
     return [
         points_table(side, 20 if settings.quick else 100, (1, *several)),
         scenes_table(side, 50 if settings.quick else 1000, (1, *several)),
@@ -96,7 +98,7 @@ def points_table(side: int, across: int, jobs: Sequence[int]) -> Table:
         f"figures of merit each. {_HOW}"
     )
     title = f"Study of {across * across} points, {side}², single precision"
-    return Table("study_points", title, _HEADS, rows, text)
+    return Table("study_points", title, _HEADS, rows, text, brief=tuple(_HEADS))
 
 
 def scenes_table(side: int, count: int, jobs: Sequence[int]) -> Table:
@@ -123,7 +125,7 @@ def scenes_table(side: int, count: int, jobs: Sequence[int]) -> Table:
                          jobs, _REACH_SCENES)  # fmt: skip
     text = f"Each picture is a file of its own and is read once. {_HOW}"
     title = f"Study of {count} pictures, {side}², single precision"
-    return Table("study_scenes", title, _HEADS, rows, text)
+    return Table("study_scenes", title, _HEADS, rows, text, brief=tuple(_HEADS))
 
 
 _HOW = (
