@@ -35,7 +35,7 @@ TABLES = {
     ),
     "peers": ("peers", "peer_cameras"),
     "editor": ("editor",),
-    "scale": ("study_points", "study_scenes"),
+    "scale": ("study_points", "study_scenes", "scale_blocks", "scale_plan"),
 }
 SIZE = 1024
 LARGEST = 8192

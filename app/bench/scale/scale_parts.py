@@ -1,7 +1,6 @@
-"""The tables on scale."""
-
 from __future__ import annotations
 
+from app.bench.scale.scale_blocks import MEASURES as BLOCKS
 from app.bench.scale.study_scale import studies
 
-MEASURES = (studies,)
+MEASURES = (studies, *BLOCKS)

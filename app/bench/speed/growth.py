@@ -205,7 +205,7 @@ def _peak(file: str, size: int) -> dict[str, Any]:
         engine.value(plan, FINAL, work)
         engine.readouts(plan, ELECTRONICS, work)
         seconds = time.perf_counter() - start
-    images = (_high_water() - loaded) / image
+    images = (high_water() - loaded) / image
     return {"images": images, "image_bytes": image, "seconds": seconds}
 
 
@@ -228,11 +228,12 @@ def _start_peak() -> int:
     try:
         Path("/proc/self/clear_refs").write_text("5")
     except OSError:
-        return _high_water()
-    return _high_water()
+        return high_water()
+    return high_water()
 
 
-def _high_water() -> int:
+def high_water() -> int:
+    """The most memory of this process so far, bytes."""
     # A child's ru_maxrss starts at what its parent held; VmHWM is its own.
     try:
         lines = Path("/proc/self/status").read_text().splitlines()

@@ -31,6 +31,8 @@ UNDRAWN = {
     "editor",
     "study_points",
     "study_scenes",
+    "scale_blocks",
+    "scale_plan",
     "cameras",
     "peer_cameras",
     "frames",
