@@ -92,15 +92,26 @@ def least_scratch(recipes: Iterable[Recipe], blocks: BlockRun, policy: Policy) -
 
 
 def _refusal(recipe: Recipe, shape: Shape, disk: ScratchDisk) -> DataError:
-    what = type(recipe).__name__
-    if isinstance(recipe, Step):
-        what = getattr(recipe.function, "__name__", what)
     error = DataError(
-        f"{what.strip('_').replace('_', ' ')} takes a picture of {shape[0]} × {shape[1]} samples "
+        f"{_what(recipe)} takes a picture of {shape[0]} × {shape[1]} samples "
         f"as a whole, which --memory {amount_text(disk.memory_bytes)} does not hold, and cannot be "
         "made in blocks: give more memory, or leave the node out"
     )
     return error if recipe.node is None else error.at(recipe.node)
+
+
+def _what(recipe: Recipe) -> str:
+    """What a recipe does that cannot be done in blocks."""
+    if isinstance(recipe, Delivered):
+        if not recipe.one_source:
+            return "the magnitude of one picture with the phase of another"
+        if recipe.sampled is not None and not recipe.sampled.folds:
+            return "sampling by pixels that are no whole number of samples apart"
+        return "filtering every band at its own wavelength"
+    name = type(recipe).__name__
+    if isinstance(recipe, Step):
+        name = getattr(recipe.function, "__name__", name)
+    return name.strip("_").replace("_", " ")
 
 
 class _Shapes:

@@ -27,6 +27,7 @@ from core.scratch.strip_array import StripArray
 
 Array = NDArray[Any]
 _TRIM_EVERY_S = 0.01
+_ZEROS = 1 << 23  # bytes written at a time where a file cannot be reserved
 _SHARE_MAPPED = 8  # of the budget, that mapped pages may take before they are let go of
 _SHARE_SLAB = 64  # of the budget, for a block of rows: steps hold a dozen of them at once
 _SHARE_STRIP = 16  # of the budget, for the columns that one thread transforms at a time
@@ -174,7 +175,10 @@ def _reserve(descriptor: int, size: int) -> None:
     if hasattr(os, "posix_fallocate"):
         os.posix_fallocate(descriptor, 0, size)
         return
-    os.ftruncate(descriptor, size)
+    zeros = bytes(_ZEROS)
+    left = size
+    while left:
+        left -= os.write(descriptor, zeros[: min(left, _ZEROS)])
 
 
 def _mapped_bytes() -> int | None:
