@@ -16,7 +16,7 @@ from app.run.evaluation import needed_later, read_by_evaluation
 from core.chain.block_plan import LargestPicture, largest_picture, least_scratch, planned_blocks
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image, SpectrumWire, Transfer
-from core.errors import FileError, UsageError
+from core.errors import DataError, FileError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.recipes import Recipe
 from core.evaluation.store import Store
@@ -45,10 +45,14 @@ class WayOfRunning:
         What pictures may take; None where no limit is known.
     largest : LargestPicture or None
         The largest picture of the network.
+    at_most_bytes : int
+        What they may take after all where a node cannot work in blocks: all memory there is, unless
+        an amount was given.
     """
 
     memory_bytes: int | None
     largest: LargestPicture | None
+    at_most_bytes: int = 0
 
     @property
     def in_blocks(self) -> bool:
@@ -72,7 +76,7 @@ class WayOfRunning:
     def facts(self, blocks: BlockRun | None) -> dict[str, Any]:
         """What a report says of it."""
         facts: dict[str, Any] = {
-            "way": "in blocks" if self.in_blocks else "in memory",
+            "way": "in memory" if blocks is None else "in blocks",
             "memory_bytes": self.memory_bytes,
         }
         if self.largest is not None:
@@ -89,10 +93,13 @@ class WayOfRunning:
 
 def way_of_running(plan: Plan, policy: Policy, memory_bytes: int | None) -> WayOfRunning:
     """The way for a network under a budget, by default half of what the process may use."""
-    if memory_bytes is None:
-        usable = usable_bytes()
-        memory_bytes = None if usable is None else int(usable * _SHARE)
-    return WayOfRunning(memory_bytes, largest_picture(plan, policy))
+    largest = largest_picture(plan, policy)
+    if memory_bytes is not None:
+        return WayOfRunning(memory_bytes, largest)
+    usable = usable_bytes()
+    if usable is None:
+        return WayOfRunning(None, largest)
+    return WayOfRunning(int(usable * _SHARE), largest, usable)
 
 
 def way_in_words(facts: dict[str, Any]) -> str:
@@ -100,7 +107,7 @@ def way_in_words(facts: dict[str, Any]) -> str:
     largest = f"{facts['largest_rows']} × {facts['largest_columns']} samples"
     needed, allowed = amount_text(facts["in_memory_bytes"]), amount_text(facts["memory_bytes"])
     if facts["way"] == "in memory":
-        return f"in memory: pictures of {largest} take up to {needed} of the {allowed} allowed"
+        return f"in memory: pictures of {largest} take up to {needed}, {allowed} are allowed"
     return (
         f"in blocks: pictures of {largest} would take up to {needed} in memory, {allowed} are "
         f"allowed; up to {amount_text(facts['scratch_bytes'])} lay on disk in "
@@ -145,7 +152,13 @@ def blocks_of(
     with ScratchDisk(scratch, way.memory_bytes) as disk:
         _refuse_planes(plan, ports, disk, policy)
         recipes = _read(engine, plan, ports, report=report)
-        blocks = planned_blocks(plan, recipes, disk, policy)
+        try:
+            blocks = planned_blocks(plan, recipes, disk, policy)
+        except DataError:
+            if way.largest is None or way.largest.memory_bytes > way.at_most_bytes:
+                raise
+            yield None
+            return
         _refuse_without_room(least_scratch(recipes, blocks, policy), scratch)
         yield blocks
 

@@ -1,5 +1,6 @@
 """``imagechain run --memory``: the same files, with pictures on disk."""
 
+import contextlib
 import json
 import resource
 import shutil
@@ -10,8 +11,14 @@ import pytest
 
 from app.command.run import run
 from app.options.command_options import parse
-from core.errors import Cancelled
+from app.run.way_of_running import WayOfRunning, blocks_of
+from core.chain.block_plan import largest_picture
+from core.chain.engine import Engine
+from core.errors import Cancelled, DataError
+from core.evaluation.policy import Policy
+from core.network.file import load_network
 from nodes.files.read import read_pixels
+from nodes.library import standard_library
 
 BUDGET = "100kB"
 LIMIT = 20_000  # bytes that a file may have
@@ -128,6 +135,23 @@ def test_a_node_that_needs_the_whole_is_named_first(fails, small, write, scene):
     assert (
         "takes a picture of 99 × 84 samples as a whole, which --memory 50 kB does not hold" in line
     )
+
+
+@pytest.mark.parametrize("at_most", [0, 10**9])
+def test_without_a_budget_it_runs_in_memory_as_before(small, write, scene, tmp_path, at_most):
+    """Where a node cannot work in blocks, and what there is suffices."""
+    document = noisy(small)
+    document["nodes"]["measured"] = {"module": "measured_mtf"}
+    document["links"] += [["back.image", "measured.image"]]
+    library, policy = standard_library(), Policy()
+    engine = Engine(library)
+    network = load_network(tmp_path / write(document), library=library)
+    plan = engine.plan(network, folder=tmp_path)
+    way = WayOfRunning(50_000, largest_picture(plan, policy), at_most)
+    how = {"ports": (), "report": False, "scratch": tmp_path}
+    expects = contextlib.nullcontext() if at_most else pytest.raises(DataError, match="as a whole")
+    with expects, blocks_of(way, engine, plan, policy, **how) as blocks:
+        assert blocks is None
 
 
 def test_a_disk_without_room(fails, small, write, scene):
