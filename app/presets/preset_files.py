@@ -17,9 +17,10 @@ from core.editing.operation import Operation
 from core.errors import FileError, ImagechainError, NetworkError
 from core.modules.library_type import Library
 from core.names import shown
-from core.network.file import read_network, read_text, save_network
+from core.network.file import read_text, save_network
 from core.network.linked_values import expression_text
 from core.network.network import Network
+from core.network.unchanged_file import read_unchanged
 
 KEY = "preset:"
 """What the key of a preset begins with; no module's key has a colon."""
@@ -140,7 +141,7 @@ def preset_of(key: str, presets: Iterable[Preset]) -> Preset | None:
 
 def _preset(path: Path, library: Library, *, own: bool) -> Preset:
     try:
-        nodes = tuple(read_network(path, library=library).nodes.values())
+        nodes = tuple(read_unchanged(path, library=library).nodes.values())
         if len(nodes) != 1 or nodes[0].macro is None:
             raise NetworkError(f"{path}: no preset, which is a network of one macro")
     except ImagechainError as error:

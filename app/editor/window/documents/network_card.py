@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QPixmap, QResizeEvent
+from PySide6.QtGui import QPixmap, QPixmapCache, QResizeEvent
 from PySide6.QtWidgets import QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 _PICTURE = QSize(14, 9)  # in lines of text
@@ -17,12 +19,12 @@ class NetworkCard(QToolButton):
     ----------
     name, title, about : str
         The network's short name, its own name, and what it shows.
-    picture : QPixmap
-        Its thumbnail; may be empty.
+    picture : Path
+        Its thumbnail; there may be none.
     """
 
     def __init__(
-        self, name: str, title: str, about: str, picture: QPixmap, parent: QWidget | None = None
+        self, name: str, title: str, about: str, picture: Path, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.setObjectName(f"welcome.{name}")
@@ -68,16 +70,27 @@ class NetworkCard(QToolButton):
     def _needed(self, width: int) -> int:
         return self._column.totalHeightForWidth(width)
 
-    def _scaled(self, picture: QPixmap) -> QPixmap:
-        """Sharp on screens of any scale."""
+    def _scaled(self, file: Path) -> QPixmap:
+        """Sharp on screens of any scale; Qt holds it for the next window."""
+        try:
+            when = file.stat().st_mtime_ns
+        except OSError:
+            return QPixmap()
+        ratio = self.devicePixelRatioF()
+        line = self.fontMetrics().height()
+        scaled = QPixmap()
+        key = f"thumbnail {file} {when} {line} {ratio}"
+        if QPixmapCache.find(key, scaled):
+            return scaled
+        picture = QPixmap(str(file))
         if picture.isNull():
             return picture
-        ratio = self.devicePixelRatioF()
-        room = _PICTURE * self.fontMetrics().height() * ratio
+        room = _PICTURE * line * ratio
         keep, smooth = (
             Qt.AspectRatioMode.KeepAspectRatio,
             Qt.TransformationMode.SmoothTransformation,
         )
         scaled = picture.scaled(room, keep, smooth)
         scaled.setDevicePixelRatio(ratio)
+        QPixmapCache.insert(key, scaled)
         return scaled

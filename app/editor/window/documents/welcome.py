@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, Signal
-from PySide6.QtGui import QPixmap
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
@@ -26,7 +25,7 @@ from app.editor.window.documents.recent_files import folder_text
 from app.run.shipped import shipped_networks
 from core.errors import ImagechainError
 from core.modules.library_type import Library
-from core.network.file import read_network
+from core.network.unchanged_file import read_unchanged
 
 COLUMNS = 3
 FIRST = "first_steps"  # stands before the others
@@ -127,15 +126,12 @@ class WelcomePage(QScrollArea):
     def _card(self, name: str, path: Path) -> NetworkCard:
         title, about = name, ""
         try:
-            network = read_network(path, library=self._library)
+            network = read_unchanged(path, library=self._library)
         except ImagechainError as error:
             about = str(error)
         else:
             title, about = network.name or name, network.description
-        picture = thumbnail_path(path)
-        card = NetworkCard(
-            name, title, about, QPixmap(str(picture)) if picture.is_file() else QPixmap()
-        )
+        card = NetworkCard(name, title, about, thumbnail_path(path))
         card.clicked.connect(partial(self.chosen.emit, name))
         return card
 
