@@ -68,7 +68,7 @@ class Canvas(QWidget):
         super().__init__(parent)
         self.setObjectName("canvas")
         self.setAccessibleName("Canvas")
-        style = CanvasStyle(theme, self.font())
+        self._style = style = CanvasStyle(theme, self.font())
         self._session = session
         self._theme = theme
         self.thumbnails: NodeThumbnails | None = None
@@ -107,7 +107,9 @@ class Canvas(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw everything in these colours."""
         self._theme = theme
-        style = CanvasStyle(theme, self.font())
+        style = self._style
+        if not style.is_of(theme, self.font()):  # to measure letters takes long
+            style = self._style = CanvasStyle(theme, self.font())
         self.content.set_style(style)
         if self.thumbnails is not None:
             self.thumbnails.set_style(style)

@@ -81,6 +81,10 @@ class CanvasStyle:
         self.unknown_group = QColor(theme.raised)
         self._ports = {name: QColor(colour) for name, colour in theme.ports.items()}
 
+    def is_of(self, theme: Theme, font: QFont) -> bool:
+        """Whether it is made of this theme and this font."""
+        return theme is self.theme and font == self._font
+
     def font(self, role: TextRole) -> QFont:
         """The font for a kind of text."""
         return self.sized(_SIZES[role], bold=role in ("title", "backdrop"))
