@@ -15,6 +15,8 @@ from core.physics.noise.flicker_noise import FlickerBand, flicker_wave
 
 Array = NDArray[Any]
 
+_AT_ONCE = 1 << 15  # samples, whose steps of a wave stay in the processor's cache
+
 
 @ends_lineage
 def flicker_deviates(
@@ -32,16 +34,24 @@ def flicker_deviates(
         named = Stream(stream.seed, stream.node, f"{stream.field} {field}", fixed=True)
         return uniform_field(named, shape, for_each=work.for_each)
 
-    place, total = uniform("place"), np.zeros(shape)
+    place, total = uniform("place").ravel(), np.zeros(shape[0] * shape[1])
     for stratum in range(band.strata):
         work.check()
-        total += flicker_wave(
-            band=band,
-            stratum=stratum,
-            time_s=number.frame * frame_s,
-            place=place,
-            level=uniform(f"{stratum} level"),
-            phase=uniform(f"{stratum} phase"),
-        )
+        level, phase = (uniform(f"{stratum} {what}").ravel() for what in ("level", "phase"))
+
+        def add(
+            start: int, stratum: int = stratum, level: Array = level, phase: Array = phase
+        ) -> None:
+            part = slice(start, start + _AT_ONCE)
+            total[part] += flicker_wave(
+                band=band,
+                stratum=stratum,
+                time_s=number.frame * frame_s,
+                place=place[part],
+                level=level[part],
+                phase=phase[part],
+            )
+
+        work.for_each(add, range(0, total.size, _AT_ONCE))
     total /= band.strata**0.5
-    return total.astype(work.policy.dtype)
+    return total.reshape(shape).astype(work.policy.dtype)
