@@ -179,7 +179,7 @@ class Illustration(QWidget):
     def in_short(self, error: ImagechainError) -> str:
         """Why there is no picture, in a line."""
         if error.node is not None and error.node != self.node:
-            return f"waits for {error_text(error)}"
+            return f"waits for {error.node}: {error_text(error, on_node=True)}"
         missing = self.missing_inputs()
         if isinstance(error, UnconnectedError) and missing:
             return f"not connected yet: {', '.join(missing)}"

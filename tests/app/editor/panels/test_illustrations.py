@@ -24,7 +24,7 @@ from core.chain.wires import Transfer
 from core.editing.document import Document
 from core.editing.fields import set_node_field, set_parameter
 from core.editing.nodes import Remove
-from core.errors import DataError
+from core.errors import DataError, ParameterError
 from core.modules.declaration import Module, declaration
 from core.network.network import Network, Node
 from illustration_hands import (
@@ -266,6 +266,12 @@ def test_an_error_further_up_is_named_by_its_node(qtbot, session, bench):
     session.do(Remove(("scene",)))
     bench.settle()
     assert told(widget) == "waits for init: input image is not connected"
+
+
+def test_a_parameter_further_up_is_named_behind_its_node(qtbot, session, bench):
+    widget = bench.show(network_of("jitter_mtf", {}))
+    error = ParameterError("aperture_mm", None, "above 0", unit="mm", node="lens")
+    assert widget.in_short(error) == "waits for lens: Aperture is empty: above 0 (mm)"
 
 
 @pytest.mark.parametrize("key", ["exit_pupil", "periodic_noise"])
