@@ -61,6 +61,7 @@ class Runner:
         self._has_preview = False
         self._skipped: dict[str, str] = {}
         self._badges: dict[str, Badge] | None = None
+        self._stale: frozenset[str] = frozenset()  # nodes whose newer values are yet to be sent
         self._warned: dict[str, Caution | None] = {}
 
     def run(self) -> None:
@@ -84,6 +85,7 @@ class Runner:
         )
         plan = self._planned.shown
         self._outbox.plan(plan)
+        self._stale |= self._planned.stale
         self._send_badges()
         if snapshot.only_planned:
             self._finish(snapshot)
@@ -91,6 +93,7 @@ class Runner:
         task = self._task(snapshot, plan)
         if self._preview(task) and self._pass(task):
             self._done = snapshot
+            self._stale = frozenset(self._planned.stale)
             self._send_badges()
             self._settle(snapshot)
             self._answer_waiting(snapshot)
@@ -128,6 +131,7 @@ class Runner:
             self._sent.clear()
             self._planned = self._small = self._done = self._badges = None
             self._skipped = {}
+            self._stale = frozenset()
             return True
         generate = last.generates != snapshot.generates
         if last.edits != snapshot.edits:
@@ -317,7 +321,7 @@ class Runner:
         shown = badges(
             plan,
             self._engine.library,
-            stale=self._planned.stale,
+            stale=self._stale,
             met=[sent.error for sent in self._sent if sent.error is not None],
             skipped=self._skipped,
             warned=[warning for warning in known if warning is not None],

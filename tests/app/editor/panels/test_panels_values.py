@@ -404,6 +404,13 @@ def test_read_outs_of_a_node_held_back_are_marked(qtbot, session, evaluator, tmp
     session.do(set_parameter("node", "sigma_x_mrad", 0.25))
     qtbot.waitUntil(lambda: title_of(area) == "Read-outs: as last generated")
     assert texts(area) == before
+    gate = Gate()
+    evaluator.ask("viewer", [Asking(gate, urgency=-1)])
     evaluator.generate()
+    qtbot.waitUntil(gate.entered.is_set)
+    qtbot.wait(20)  # for what the worker has sent by now
+    assert title_of(area) == "Read-outs: as last generated"
+    assert texts(area) == before
+    gate.opened.set()
     qtbot.waitUntil(lambda: title_of(area) == "Read-outs")
     assert texts(area) != before
