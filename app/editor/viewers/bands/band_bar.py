@@ -116,9 +116,14 @@ class BandBar(QWidget):
         self.about.show_text(_about(bands, choice, place))
 
     def step(self, by: int) -> None:
-        """Show the next band, or the one before."""
-        if self._bands is not None and self.choice.shown == "one":
+        """Show the next band, or the one before; from all of them go to the first, or the last."""
+        if self._bands is None:
+            return
+        if self.choice.shown == "one":
             self.slider.setValue(self.slider.value() + by)
+        elif self.choice.shown == "all":
+            centres = self._bands.centres_um
+            self._choose(replace(self.choice, shown="one", one_um=centres[0 if by > 0 else -1]))
 
     def take_line(self, line: int, wavelength_um: float) -> None:
         """Take the band at a wavelength: the one, or the red, green or blue."""

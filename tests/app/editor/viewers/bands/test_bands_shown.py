@@ -120,6 +120,16 @@ def test_one_band_by_slider_wavelength_and_keys(viewer, bench, qtbot, cube):
     assert viewer.picture.samples == pytest.approx(samples[place + 1], rel=1e-6)
 
 
+def test_from_all_bands_the_keys_lead_to_the_first_or_the_last(viewer, bench, qtbot, cube):
+    samples, _, _ = cube
+    for key, place in ((Qt.Key.Key_PageUp, 0), (Qt.Key.Key_PageDown, BANDS - 1)):
+        choose(viewer, bench, "all")
+        qtbot.keyClick(viewer.canvas, key)
+        bench.settle()
+        assert viewer.bands.bar.shown.currentText() == "One band"
+        assert viewer.picture.samples == pytest.approx(samples[place], rel=1e-6)
+
+
 def test_tab_leads_from_the_wire_through_the_bands_to_the_picture(viewer, bench):
     choose(viewer, bench, "one")
     order, widget = [], viewer.bar.ports
