@@ -38,9 +38,12 @@ class BandBar(QWidget):
     -------
     chosen(choice)
         The person has made another `BandChoice`.
+    noted(text)
+        A line for the person: a typed wavelength is none of the picture's.
     """
 
     chosen = Signal(object)
+    noted = Signal(str)
 
     def __init__(self, owner: str, theme: Theme, parent: QWidget) -> None:
         super().__init__(parent)
@@ -75,6 +78,8 @@ class BandBar(QWidget):
         self.even.clicked.connect(self._take_even)
         for spin in self.colours:
             spin.valueChanged.connect(self._colours_chosen)
+        for spin in (self.one, *self.colours):
+            spin.typed.connect(self._wavelength_typed)
         self.set_theme(theme)
         self.hide()
 
@@ -155,6 +160,16 @@ class BandBar(QWidget):
     def _one_chosen(self, place: int) -> None:
         if self._bands is not None and not self._writing:
             self._choose(replace(self.choice, one_um=self._bands.centres_um[place]))
+
+    def _wavelength_typed(self, wavelength_um: float) -> None:
+        if self._bands is None:
+            return
+        low, high = self._bands.band_um
+        if not low <= wavelength_um <= high:
+            self.noted.emit(
+                f"{wavelength_um:.4g} µm is outside the bands, {low:.4g} to {high:.4g} µm: "
+                "the nearest one is shown"
+            )
 
     def _colours_chosen(self, _place: int) -> None:
         if not self._writing:

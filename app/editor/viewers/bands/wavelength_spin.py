@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from PySide6.QtCore import Signal
 from PySide6.QtGui import QValidator
 from PySide6.QtWidgets import QSpinBox, QWidget
 
@@ -22,7 +23,14 @@ class WavelengthSpin(QSpinBox):
         Of the control.
     parent : QWidget
         Qt's owner.
+
+    Signals
+    -------
+    typed(wavelength)
+        The person has typed a wavelength, in µm, and finished it.
     """
+
+    typed = Signal(float)
 
     _centres: tuple[float, ...] = (0.0,)  # Qt measures texts while it makes the widget
     _decimals = _FEWEST
@@ -34,6 +42,9 @@ class WavelengthSpin(QSpinBox):
         self.setAccessibleName(description)
         self.setToolTip(description)
         self.setKeyboardTracking(False)
+        self._text = ""
+        self.lineEdit().textEdited.connect(self._note)
+        self.editingFinished.connect(self._finish)
 
     def set_centres(self, centres_um: tuple[float, ...]) -> None:
         """Step through these wavelengths."""
@@ -60,6 +71,15 @@ class WavelengthSpin(QSpinBox):
         """Whether it is a number, with its unit or without."""
         state = QValidator.State
         return (state.Intermediate if _number(text) is None else state.Acceptable, text, position)
+
+    def _note(self, text: str) -> None:
+        self._text = text
+
+    def _finish(self) -> None:
+        text, self._text = self._text, ""
+        wavelength = _number(text)
+        if wavelength is not None:
+            self.typed.emit(wavelength)
 
 
 def decimals_of(centres_um: tuple[float, ...]) -> int:

@@ -308,6 +308,7 @@ class ImageViewer(Viewer):
         bar.display.profile.toggled.connect(self._toggle_profile)
         bar.display.spectra.toggled.connect(self.bands.show_spectra)
         self.bands.bar.chosen.connect(self._choose_bands)
+        self.bands.bar.noted.connect(self._note)
         self.bands.wanted.connect(self.ask)
         self.probe.placed.connect(self.bands.point_at)
         canvas.sigDeviceRangeChanged.connect(self._fit_spectra)
@@ -329,6 +330,9 @@ class ImageViewer(Viewer):
     def _show_for_region(self, port: str) -> None:
         self._lost = None
         self._choose(port=port, mapping="linear", mode="alone")
+
+    def _note(self, text: str) -> None:
+        self.session.message.emit("note", text)
 
     def _choose_mapping(self, name: str) -> None:
         self._choose(mapping=name)

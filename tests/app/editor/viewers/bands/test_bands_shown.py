@@ -130,6 +130,29 @@ def test_from_all_bands_the_keys_lead_to_the_first_or_the_last(viewer, bench, qt
         assert viewer.picture.samples == pytest.approx(samples[place], rel=1e-6)
 
 
+def test_a_wavelength_outside_the_bands_is_noted(viewer, bench, qtbot):
+    """The cube goes from 3 to 5 µm; its outermost centres lie half a band further in."""
+    choose(viewer, bench, "one")
+    spin, noted = viewer.bands.bar.one, []
+    bench.session.message.connect(lambda kind, text: noted.append((kind, text)))
+
+    def type_in(text):
+        spin.selectAll()
+        qtbot.keyClicks(spin, text)
+        qtbot.keyClick(spin, Qt.Key.Key_Return)
+
+    for inside in ("3.01", "4990 nm", "4"):
+        type_in(inside)
+    spin.stepBy(1)
+    assert noted == []
+    why = "µm is outside the bands, 3 to 5 µm: the nearest one is shown"
+    for outside, text in (("9500 nm", f"9.5 {why}"), ("2.9", f"2.9 {why}")):
+        type_in(outside)
+        assert noted == [("note", text)]
+        noted.clear()
+    assert spin.value() == 0
+
+
 def test_tab_leads_from_the_wire_through_the_bands_to_the_picture(viewer, bench):
     choose(viewer, bench, "one")
     order, widget = [], viewer.bar.ports
