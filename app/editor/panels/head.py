@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.editor.declared_text import flowing, tip, titled
+from app.editor.declared_text import breakable, flowing, tip, titled
 from app.editor.evaluation.queries import Badge
 from app.editor.panels.fields.type_in import TypeIn
 from app.editor.theme import Theme
@@ -228,7 +228,7 @@ class PanelHead(QWidget):
         if badge is not None and badge.kind == "running":
             return
         self._badge = badge
-        self.problem.setText(self._badge.text if self._badge is not None else "")
+        self.problem.setText(breakable(self._badge.text) if self._badge is not None else "")
         self.problem.setVisible(self._badge is not None)
         self._colour_problem()
 

@@ -9,7 +9,7 @@ from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFontInfo, QHideEvent, QPainter, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from app.editor.declared_text import tip
+from app.editor.declared_text import breakable, tip
 from app.editor.error_text import error_text
 from app.editor.evaluation.evaluator import Evaluator
 from app.editor.evaluation.queries import Answer, Query
@@ -162,7 +162,7 @@ class Illustration(QWidget):
             if self.problem:
                 painter.setPen(QColor(self.theme.faint_text))
                 wrapped = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-                painter.drawText(inner, int(wrapped), self.problem)
+                painter.drawText(inner, int(wrapped), breakable(self.problem))
             elif not self._waits:
                 self.draw(painter, inner)
 

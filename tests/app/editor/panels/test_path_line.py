@@ -7,6 +7,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 
+from app.editor.evaluation.queries import Badge
 from core.editing.fields import set_parameter
 from panel_hands import drop, field_of, panel_area
 
@@ -99,3 +100,16 @@ def test_a_refused_path_keeps_its_frame(area, session, qtbot):
     line.mark("#ff0000")
     image = line.grab().toImage()
     assert QColor(image.pixel(1, image.height() // 2)).name() == "#ff0000"
+
+
+def test_an_error_with_a_long_name_leaves_the_panel_its_width(area, session):
+    line_of(area, session, "short.png")
+    panel = area.panels["node"]
+    width = panel.width()
+    area.set_badges({"node": Badge("error", f"/data/{'m' * 250}.png: no such file")})
+    QTest.qWait(50)
+    problem = panel.head.problem
+    assert panel.width() == width
+    assert problem.text().replace("\u200b", "") == f"/data/{'m' * 250}.png: no such file"
+    letters = 255 * problem.fontMetrics().horizontalAdvance("m") / problem.width()
+    assert problem.height() >= int(letters) * problem.fontMetrics().height()  # all of it is seen
