@@ -1,3 +1,5 @@
+"""Measures of the part `scale`: studies, and scenes beyond memory."""
+
 from __future__ import annotations
 
 from app.bench.scale.scale_blocks import MEASURES as BLOCKS
