@@ -21,6 +21,7 @@ from typing import Any
 from app.handbook.formula_drawing import formula_svg
 
 Figure = Callable[[str], str]
+_SOURCE = re.compile(r"^(\w+)\.md\b")
 _REMARK = re.compile(r"^<!--.*-->\n", re.MULTILINE)  # such as marks to write between
 
 
@@ -80,6 +81,7 @@ def rendered(text: str, modules: Mapping[str, str], figure: Figure) -> Rendered:
     tokens = parser.parse(_REMARK.sub("", text))
     _name_headings(tokens, page)
     _link_modules(tokens, modules)
+    _link_pages(tokens)
     _wrap_tables(tokens)
     parser.add_render_rule("fence", _fence(figure))
     page.body = parser.renderer.render(tokens, parser.options, {})
@@ -126,6 +128,14 @@ def _link_modules(tokens: list[Any], modules: Mapping[str, str]) -> None:
                 first.type, first.tag = "link_open", "a"
                 first.attrSet("href", modules[inner.content])
                 last.type, last.tag = "link_close", "a"
+
+
+def _link_pages(tokens: list[Any]) -> None:
+    """In the sources pages link to each other's sources, which can be read as they are, too."""
+    for token in tokens:
+        for child in token.children or []:
+            if child.type == "link_open":
+                child.attrSet("href", _SOURCE.sub(r"\1.html", child.attrGet("href") or ""))
 
 
 def _wrap_tables(tokens: list[Any]) -> None:
