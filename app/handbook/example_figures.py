@@ -66,7 +66,7 @@ def example_of(declared: Declaration, engine: Engine) -> Example:
     plan = engine.plan(network, folder=SHIPPED)
     work = engine.work(Policy())
     example = Example(
-        settings=[(name, str(value)) for name, value in network.nodes[IT].params.items()]
+        settings=[(name, _shown(value)) for name, value in network.nodes[IT].params.items()]
     )
     try:
         _draw(example, declared, engine, plan, work)

@@ -5,13 +5,15 @@ from __future__ import annotations
 import html
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from app.handbook.formula_drawing import formula_svg
 from core.modules.declaration import Declaration, Port
 from core.modules.parameters import Parameter, plain
 
+_NONE: Mapping[str, str] = MappingProxyType({})
 _MARKS = re.compile(r"\b(Sources?|Erratum|Errata): ")
 _SYMBOL = re.compile(r"(?<![\w_])([^\W\d_]{1,3})_([^\W_]{1,5})(?![\w_])")
 
@@ -45,13 +47,22 @@ class ModulePage:
         return " ".join(parts)
 
 
-def module_page(declared: Declaration) -> ModulePage:
-    """What stands on the page."""
+def module_page(declared: Declaration, addresses: Mapping[str, str] = _NONE) -> ModulePage:
+    """What stands on the page.
+
+    Parameters
+    ----------
+    declared : Declaration
+        Of the module.
+    addresses : mapping
+        Where the pages of modules lie, from this one, by their titles.
+    """
+    others = {title: at for title, at in addresses.items() if title != declared.title}
     paragraphs, sources, errata = parted(declared.text)
     names = {parameter.name for parameter in declared.parameters}
     return ModulePage(
         declared,
-        tuple(prose(text, names) for text in paragraphs),
+        tuple(with_links(with_symbols(text, names), others) for text in paragraphs),
         tuple(prose(text, names) for text in sources),
         tuple(prose(text, names) for text in errata),
         tuple(
@@ -97,6 +108,23 @@ def with_symbols(text: str, names: Iterable[str]) -> str:
     return "".join(
         piece if piece.startswith("<code>") else _SYMBOL.sub(r"\1<sub>\2</sub>", piece)
         for piece in pieces
+    )
+
+
+def with_links(piece: str, addresses: Mapping[str, str]) -> str:
+    """A piece of a page in which titles of modules, of two words or more, lead to their pages."""
+    titles = {
+        html.escape(title, quote=False): at for title, at in addresses.items() if " " in title
+    }
+    if not titles:
+        return piece
+    names = "|".join(re.escape(title) for title in sorted(titles, key=len, reverse=True))
+    parts = re.split(r"(<code>.*?</code>)", piece)
+    return "".join(
+        part
+        if part.startswith("<code>")
+        else re.sub(rf"\b({names})\b", lambda m: f'<a href="{titles[m[1]]}">{m[1]}</a>', part)
+        for part in parts
     )
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from app.handbook.contents import MODULES, PAGES, PARTS, REFERENCE
 from app.handbook.example_figures import example_of
 from app.handbook.markdown_text import anchor_of, rendered
-from app.handbook.module_page import default, module_page, ports
+from app.handbook.module_page import default, module_page, ports, with_symbols
 from app.handbook.page_figures import page_figure
 from core.chain.engine import Engine
 from core.modules.declaration import Declaration, declaration
@@ -90,7 +90,7 @@ def handbook_files(
         found.append(Found(address, page.title, _plain(page.lead), _plain(page.words)))
     for entry in declared:
         progress(entry.title)
-        shown = module_page(entry)
+        shown = module_page(entry, {other.title: f"{other.key}.html" for other in declared})
         address = module_address(entry.key)
         yield (
             address,
@@ -106,7 +106,7 @@ def handbook_files(
                 parameters=[(p, p.allowed(), default(p)) for p in entry.parameters],
             ),
         )
-        found.append(Found(address, entry.title, entry.summary, _plain(shown.words)))
+        found.append(Found(address, entry.title, _plain(entry.summary), _plain(shown.words)))
     rows = [[page.address, page.title, page.lead, page.text] for page in found]
     yield "words.js", f"const WORDS = {json.dumps(rows, ensure_ascii=False)};\n"
     for name in ("handbook.css", "search.js"):
@@ -119,7 +119,7 @@ def reference(declared: list[Declaration]) -> str:
     for group, members in groupby(declared, key=lambda entry: entry.group):
         rows = "".join(
             f'<li><a href="{module_address(entry.key)}">{html.escape(entry.title)}</a>'
-            f"<small>{html.escape(entry.summary)}</small></li>"
+            f"<small>{with_symbols(entry.summary, ())}</small></li>"
             for entry in members
         )
         parts.append(

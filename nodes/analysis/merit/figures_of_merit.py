@@ -121,10 +121,13 @@ class FiguresOfMerit(Module, key="figures_of_merit", title="Figures of Merit", g
             when="Johnson",
         ),
         Formula(
-            r"V=\frac{\sqrt{A}}{R}\int\sqrt{\frac{C}{C_{th}(f)}}\;df,\quad r=\frac{V}{V_{50}},"
-            r"\quad E=1.51+0.24\,r",
+            r"V=\frac{\sqrt{A}}{R}\int\sqrt{\frac{C}{C_{th}(f)}}\;df",
             where="A: area of the target; R: range; C: its contrast; C_th: threshold of sensor "
             "and eye",
+            when="TTP",
+        ),
+        Formula(
+            r"P=\frac{r^E}{1+r^E},\quad r=\frac{V}{V_{50}},\quad E=1.51+0.24\,r",
             when="TTP",
         ),
     )

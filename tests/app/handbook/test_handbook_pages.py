@@ -13,9 +13,9 @@ from app.handbook.contents import PAGES, PARTS
 from app.handbook.formula_drawing import FormulaError, formula_svg
 from app.handbook.kept_handbook import MARK, cache_folder, content_mark, kept_handbook
 from app.handbook.markdown_text import blocks_of, rendered
-from app.handbook.module_page import parted, with_symbols
+from app.handbook.module_page import parted, with_links, with_symbols
 from app.handbook.page_finding import find_page
-from command_line import run_here
+from command_line import run_here, run_process
 from core.modules.declaration import declaration
 from core.modules.formula import Formula
 from nodes.library import standard_library
@@ -159,15 +159,39 @@ def test_symbols_have_indices_and_parameters_are_code():
     assert shown == "x<sub>k</sub>: place; <code>air_K</code>"
 
 
+def test_titles_of_other_modules_are_links():
+    piece = "see Init &amp; Trans, <code>Detector MTF</code> and Camera"
+    titles = {"Init & Trans": "init_trans.html", "Detector MTF": "d.html", "Camera": "camera.html"}
+    assert with_links(piece, titles) == (
+        'see <a href="init_trans.html">Init &amp; Trans</a>, <code>Detector MTF</code> and Camera'
+    )
+
+
+def test_the_command_opens_the_page_in_the_browser(tmp_path):
+    """A browser of our own, as the user's is named by BROWSER."""
+    folder = tmp_path / "imagechain" / f"handbook-{content_mark(LIBRARY)}"
+    folder.mkdir(parents=True)
+    (folder / MARK).write_text("{}")
+    browser = tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\necho "$1" > {tmp_path}/opened\n')
+    browser.chmod(0o755)
+    names = {"XDG_CACHE_HOME": str(tmp_path), "BROWSER": f"{browser} %s"}
+    done = run_process("handbook", "gaussian_mtf", folder=tmp_path, env=names)
+    page = folder / "modules" / "gaussian_mtf.html"
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"{page}\n", "")
+    assert (tmp_path / "opened").read_text().strip() == page.as_uri()
+
+
 def test_a_page_of_markdown():
     text = (
-        "# A page\n\nWhat it is *about*.\n\n## One & two\n\n*Gaussian MTF* <b>\n\n"
+        "# A page\n\nWhat it is *about*.\n\n## One & two\n\n*Gaussian MTF* <b> [x](other.md#y)\n\n"
         "```math\nx^2\n```\n\n```json mine.json\n{}\n```\n\n| a |\n|---|\n| 1 |\n"
     )
     page = rendered(text, {"Gaussian MTF": "modules/gaussian_mtf.html"}, lambda _: "")
     assert (page.title, page.lead) == ("A page", "What it is *about*.")
     assert [(h.level, h.anchor) for h in page.headings] == [(2, "one-two")]
     assert '<a href="modules/gaussian_mtf.html">Gaussian MTF</a> &lt;b&gt;' in page.body
+    assert '<a href="other.html#y">x</a>' in page.body
     assert '<svg class="formula"' in page.body
     assert '<div class="wide">\n<table>' in page.body
     assert [(b.kind, b.name, b.text) for b in blocks_of(text)][1] == ("json", "mine.json", "{}\n")
