@@ -26,7 +26,8 @@ def cluster():
         dask.config.set({**settings, **logging_of}),
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True,
-            dashboard_address="127.0.0.1:0", scheduler_kwargs={"dashboard": False}, memory_limit=0, silence_logs=logging.CRITICAL,
+            dashboard_address="127.0.0.1:0", scheduler_kwargs={"dashboard": False}, memory_limit=0,
+            silence_logs=logging.CRITICAL,
         ) as made,
     ):  # fmt: skip
         yield made
