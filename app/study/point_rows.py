@@ -155,6 +155,9 @@ class RowMaker:
             reasons.append("not enough memory")
         except Exception as error:  # one point's fault is not the study's
             reasons.append(f"internal error: {type(error).__name__}: {error}")
+        if reasons and cancel is not None and cancel.is_set():
+            # A stop may have become any error, as numpy makes an ImportError of one.
+            raise Cancelled("stopped on request")
         took = float(f"{time.perf_counter() - start:.4g}")
         return Row(place, figures, key, took, in_line("; ".join(dict.fromkeys(reasons))))
 
