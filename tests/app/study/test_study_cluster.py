@@ -7,6 +7,8 @@ import threading
 
 import pytest
 
+from child_process import PATIENCE_S
+
 distributed = pytest.importorskip("distributed")
 
 WORDS = ["--vary=blur.sigma_x_mrad=0:1:8", "--vary=electronics.d_star=1e10:1e12:5:log"]
@@ -34,7 +36,10 @@ def cluster():
 
 
 @pytest.fixture
-def study(imagechain, sensor, cluster):
+def study(imagechain, sensor, cluster, monkeypatch):
+    # On a busy machine a worker that has ended begins again when it can.
+    monkeypatch.setattr("app.study.dask_study._WITHOUT_S", PATIENCE_S)
+
     def run(*words, alone=False):
         where = ["--jobs=1"] if alone else ["--scheduler", cluster.scheduler_address]
         return imagechain("study", sensor, *WORDS, *where, *words)
