@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.results import TableData, TableRow
-from core.evaluation.recipes import Recipe, ends_lineage, in_parts, pointwise
+from core.evaluation.recipes import Recipe, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.filtering.line_filter import filter_lines
@@ -124,6 +124,7 @@ def less(work: Work, picture: Array, other: Array) -> Array:
     return np.asarray(picture - other)
 
 
+@in_blocks()
 @ends_lineage
 def figures(
     work: Work,

@@ -11,6 +11,7 @@ import pytest
 
 from app.command.run import run
 from app.options.command_options import parse
+from app.run.shipped import find_network
 from app.run.way_of_running import WayOfRunning, blocks_of
 from core.chain.block_plan import largest_picture
 from core.chain.engine import Engine
@@ -47,6 +48,25 @@ def test_shipped_networks_to_the_bit(imagechain, tmp_path, name, precision):
         assert ("in blocks: " in done.stdout) == (folder == "b")
     for file in ("readouts.json", "mtf.csv", "final.png"):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+
+
+def test_photons_counted_behind_the_optics(imagechain, write, tmp_path):
+    """Poisson deviates of every sample's own mean, bad pixels' clipping and digital numbers."""
+    document = json.loads(find_network("mwir_camera").path.read_text())
+    nodes = document["nodes"]
+    for name in ("slices", "budget", "merit"):
+        del nodes[name]
+    ends = [link for link in document["links"] if link[1].rpartition(".")[0] in nodes]
+    nodes["camera"]["params"] |= {"pixels_x": 40, "pixels_y": 32}
+    nodes["scene"]["params"] |= {"width": 80, "height": 64}
+    nodes["focal_plane"]["final"] = True
+    chain = {key: document[key] for key in ("format", "version", "name", "seed", "nodes")}
+    network = write({**chain, "links": ends})
+    for file, memory in (("a.npy", "8GB"), ("b.npy", "50kB")):
+        done = imagechain("run", network, "--memory", memory, "--save", f"focal_plane.image={file}")
+        assert done.returncode == 0, done.stderr
+        assert ("in blocks: " in done.stdout) == (file == "b.npy")
+    np.testing.assert_array_equal(np.load(tmp_path / "a.npy"), np.load(tmp_path / "b.npy"))
 
 
 def noisy(small):
