@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,33 +24,14 @@ from delivered_chains import chain_network, scene
 from drawn_chains import SIZES, chains, ordinary
 from noise_bench import BAND, NOISY, network
 from region_checks import LIBRARY, assert_parts, image_ports, places
+from small_networks import SHIPPED, small_network
 
-SHIPPED = Path(__file__).parents[3] / "networks"
 NAMES = sorted(path.stem for path in SHIPPED.glob("*.json"))
 PRECISIONS = ["single", "double"]
 FULL = {
     **NOISY, "amplifier_snr": 20, "gain_percent": 3, "bias_percent": 2, "use_mtf": True,
     "noise_variability_percent": 10, "post_filter": "lowpass", "post_corner_Hz": 20000, "bits": 8,
 }  # fmt: skip
-
-
-PUPIL_LENGTHS = ("size_x", "size_y", "radius", "obscuration_radius", "slit_width")
-
-
-def shipped(title, rows, columns, edges):
-    """A shipped network at a size that tests can afford."""
-    document = load_network(SHIPPED / f"{title}.json", library=LIBRARY)
-    changes = {"test_scene": {"width": columns, "height": rows}, "init_trans": {"edges": edges}}
-    if title == "microbolometer":  # whose correction averages noisy frames, port by port
-        changes["camera"] = {"pixels_x": columns, "pixels_y": rows}
-    for name, node in document.nodes.items():
-        new = changes.get(node.module, {})
-        if node.module == "exit_pupil":
-            lengths = (length for length in PUPIL_LENGTHS if length in node.params)
-            new = {length: type(node.params[length])(node.params[length] / 8) for length in lengths}
-        for parameter, value in new.items():
-            document = document.with_parameter(name, parameter, value)
-    return document
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -61,7 +41,7 @@ def shipped(title, rows, columns, edges):
     ids=str,
 )
 def test_shipped_networks(name, size, edges, precision):
-    document = shipped(name, *size, edges)
+    document = small_network(name, *size, edges)
     ports = image_ports(Engine(LIBRARY).plan(document, folder=SHIPPED))
     assert ports
     assert_parts(document, ports, SHIPPED, precision=precision)

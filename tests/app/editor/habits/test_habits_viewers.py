@@ -11,11 +11,14 @@ from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit, QToolButton, QWidget
 
+from app.editor.window.documents.opening import Opened, shipped_copy
 from app.run.shipped import shipped_networks
 from core.chain.engine import Engine
+from core.editing.document import Document
 from core.editing.fields import set_parameter
 from core.evaluation.policy import Policy
 from editor_queries import Asking, Gate
+from small_networks import SHIPPED, small_network
 from window_hands import CTRL, KEY, WindowHands, add, give_focus
 
 NONE = Qt.KeyboardModifier.NoModifier
@@ -320,11 +323,18 @@ def test_a_held_node_is_stale_until_all_is_generated(window, hand, idle):
 
 @pytest.mark.parametrize("name", sorted(shipped_networks()))
 def test_every_panel_says_what_its_controls_are(window, idle, name):
-    window.files.open_now(name)
+    """At a size of 64: what the panels have does not depend on it."""
+    library = window.session.library
+    document = Document(small_network(name, 64, 64), library=library, path=SHIPPED / f"{name}.json")
+    window.files.show(Opened(shipped_copy(document)))
     idle(window)
+    seen = 0
     for node in window.session.network.nodes:
         window.session.select([node])
+        QApplication.processEvents()  # until then nothing of the panel is visible
         for widget in window.panels.findChildren(QWidget):
             if widget.isVisible() and widget.focusPolicy() & Qt.FocusPolicy.TabFocus:
                 told = widget.accessibleName() or getattr(widget, "text", str)()
                 assert told or widget.objectName().startswith("qt_"), (node, widget.objectName())
+                seen += 1
+    assert seen >= len(window.session.network.nodes)
