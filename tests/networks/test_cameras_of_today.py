@@ -157,3 +157,11 @@ def test_the_report_reads_as_a_data_sheet(name, reported):
         assert " ".join(row.split()).startswith("Focal length 10 m ")
     assert ("NIIRS" in page) == (name == "satellite_tdi")
     assert ("Johnson" in page) == (name != "satellite_tdi")
+
+
+def test_the_ranges_of_a_picture_through_air_name_no_extinction_of_their_own(reported):
+    """That of the network is not used then: the air's own figures stand in its place."""
+    groups = {g["title"]: g for g in reported("dirsig_cube")[1]["data_sheet"]["groups"]}
+    rows = {row["label"]: row["values"][0] for row in groups["Air"]["rows"]}
+    assert rows["Optical depth"] == pytest.approx(-math.log(rows["Transmission"]))
+    assert "Extinction of the air" not in [row["label"] for row in groups["Range"]["rows"]]

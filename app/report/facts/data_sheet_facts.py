@@ -14,6 +14,7 @@ from core.chain.wires import Image
 Fact = dict[str, Any]
 Rows = Sequence[tuple[str, str, str]]
 BAND = "band_um"
+EXTINCTION = "extinction_per_km"
 
 _CAMERA: Rows = (  # label, figure, of both axes where it ends in *; in the order of a data sheet
     ("Pixels", "pixels_*", ""),
@@ -68,10 +69,14 @@ _MICROBOLOMETER: Rows = (
     ("Left of a change after a frame", "lag_percent", "%"),
     ("SNR", "snr", ""),
 )
+_AIR: Rows = (
+    ("Transmission", "transmission", ""),
+    ("Optical depth", "optical_depth", ""),
+)
 _RANGES: Rows = (
     ("Size of the target", "target_size_m", "m"),
     ("Target less background", "target_delta_K", "K"),
-    ("Extinction of the air", "extinction_per_km", "1/km"),
+    ("Extinction of the air", EXTINCTION, "1/km"),
     ("NETD of the chain", "netd_K", "K"),
     ("Detection (Johnson)", "detection_range_km", "km"),
     ("Recognition (Johnson)", "recognition_range_km", "km"),
@@ -90,6 +95,7 @@ _GROUPS: Mapping[str, tuple[str, Rows]] = {
     "camera": ("Camera", _CAMERA),
     "focal_plane": ("Focal plane", _FOCAL_PLANE),
     "microbolometer": ("Microbolometer", _MICROBOLOMETER),
+    "atmospheric_path": ("Air", _AIR),
     "figures_of_merit": ("Range", _RANGES),
     "image_quality": ("Image quality", _QUALITY),
 }
@@ -123,6 +129,8 @@ def data_sheet_facts(evaluation: Evaluation, nodes: Fact) -> Fact | None:
         for name, node in working.items():
             if node["module"] == module:
                 figures = {**_figures(node), BAND: _band(evaluation, name, node)}
+                if _has_own_air(evaluation, name):
+                    figures[EXTINCTION] = None  # the ranges take the transmission of the path
                 rows = list(_rows(figures, wanted))
                 groups.append({"title": title, "node": name, "rows": rows})
     noises = [
@@ -165,6 +173,12 @@ def _band(evaluation: Evaluation, name: str, node: Fact) -> tuple[float, float] 
         end if end is not None else known and known[place] for place, end in enumerate(own)
     )
     return None if low is None or high is None else (low, high)
+
+
+def _has_own_air(evaluation: Evaluation, name: str) -> bool:
+    """Whether a picture that comes in has come through Atmospheric Path."""
+    inputs = evaluation.plan.nodes[name].inputs.values()
+    return any(value.air for value in inputs if isinstance(value, Image))
 
 
 def _noise_rows(figures: Mapping[str, Any]) -> Iterator[Fact]:
