@@ -23,6 +23,7 @@ from core.errors import ImagechainError
 from core.evaluation.policy import Policy
 from core.evaluation.work import Work
 from core.modules.declaration import Declaration
+from core.names import in_line
 
 _WIDE, _HIGH = 5.2, 3.2  # inches of a plot
 _SMALLEST_PHASE = 1e-9
@@ -71,9 +72,11 @@ def example_of(declared: Declaration, engine: Engine) -> Example:
     try:
         _draw(example, declared, engine, plan, work)
         example.readouts = _readouts(declared, engine, plan, work)
-    except ImagechainError as error:
-        # A plug-in's module may need more than the nodes that stand before it here.
-        return Example(reason=f"It was not run for this page: {error}.")
+    except Exception as error:
+        # A plug-in's module may need more than the nodes that stand before it here, or be at fault:
+        # its page states it, and the others are made.
+        kind = "" if isinstance(error, ImagechainError) else f"{type(error).__name__}: "
+        return Example(reason=f"It was not run for this page: {kind}{in_line(str(error))}.")
     return example
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from app.handbook.formula_drawing import formula_svg
+from app.handbook.formula_drawing import FormulaError, formula_svg
 from core.modules.declaration import Declaration, Port
 from core.modules.parameters import Parameter, plain
 
@@ -67,13 +67,21 @@ def module_page(declared: Declaration, addresses: Mapping[str, str] = _NONE) -> 
         tuple(prose(text, names) for text in errata),
         tuple(
             ShownFormula(
-                formula_svg(formula.tex),
+                drawn(formula.tex),
                 with_symbols(formula.where, names),
                 prose(formula.when, names),
             )
             for formula in declared.formulas
         ),
     )
+
+
+def drawn(tex: str) -> str:
+    """A formula's drawing; its TeX as it is where a plug-in's cannot be typeset."""
+    try:
+        return formula_svg(tex)
+    except FormulaError:
+        return f"<code>{html.escape(tex)}</code>"
 
 
 def parted(text: str) -> tuple[list[str], list[str], list[str]]:

@@ -74,6 +74,8 @@ def _within_a_page(svg: str, name: str) -> str:
     """Without the head of a file, in the colours of the text, names of its own."""
     body = svg[svg.index("<svg") :]
     body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+    # It would be one of the whole page; the page's own has it for its plots.
+    body = re.sub(r'<style type="text/css">.*?</style>', "", body, flags=re.DOTALL)
     opening, rest = body.split(">", 1)
     view = re.search(r'viewBox="([^"]+)"', opening)
     assert view is not None

@@ -10,15 +10,19 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 from app.handbook.contents import PAGES, PARTS
+from app.handbook.example_figures import example_of
 from app.handbook.formula_drawing import FormulaError, formula_svg
 from app.handbook.kept_handbook import MARK, cache_folder, content_mark, kept_handbook
 from app.handbook.markdown_text import blocks_of, rendered
-from app.handbook.module_page import parted, with_links, with_symbols
+from app.handbook.module_page import module_page, parted, with_links, with_symbols
 from app.handbook.page_finding import find_page
 from command_line import run_here, run_process
-from core.modules.declaration import declaration
+from core.chain.engine import Engine
+from core.chain.wires import Image
+from core.modules.declaration import Module, declaration
 from core.modules.formula import Formula
 from nodes.library import standard_library
+from nodes.shared.module_ports import ImageOutput
 
 LIBRARY = standard_library()
 
@@ -157,6 +161,26 @@ def test_a_text_is_parted_into_what_it_does_its_sources_and_its_errata():
 def test_symbols_have_indices_and_parameters_are_code():
     shown = with_symbols("x_k: place; air_K", {"air_K"})
     assert shown == "x<sub>k</sub>: place; <code>air_K</code>"
+
+
+class Faulty(Module, key="acme.faulty", title="Faulty", group="Optics"):
+    """Fail."""
+
+    formulas = (Formula(r"\frac{"),)
+
+    def run(self, image: Image) -> ImageOutput:
+        """Fail, as no module should."""
+        raise ZeroDivisionError(f"at fault, {image.rows} rows")
+
+
+def test_a_module_at_fault_has_a_page_that_states_it():
+    """A package's own fault keeps nobody else's pages from being made."""
+    declared = declaration(Faulty)
+    assert module_page(declared).formulas[0].drawing == r"<code>\frac{</code>"
+    example = example_of(declared, Engine({**LIBRARY, "acme.faulty": Faulty}))
+    assert example.reason.startswith("It was not run for this page: ")
+    assert "at fault" in example.reason
+    assert not example.figures
 
 
 def test_titles_of_other_modules_are_links():
