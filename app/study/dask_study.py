@@ -27,7 +27,7 @@ MOST_DEATHS = 3
 _LOOK_S = 0.5  # how often the workers are counted
 _CONNECT_S = 10
 _GATHER_S = 5  # for rows that are made, on their way here
-_WITHOUT_S = 60.0  # how long a study waits for a first worker
+_WITHOUT_S = 300.0  # how long a study waits for a worker: a busy machine starts one in a minute
 
 
 def dask_rows(
