@@ -18,6 +18,8 @@ from core.chain.wires import Curve
 MOST = 12
 _BESIDE = 2
 _DASHES = ("-", "--", "-.", ":")
+_DASH = 3  # widths of the line, of a curve on top of another
+_ALIKE = 5e-3  # of its value: closer curves hide each other
 _DECADES = 8  # below the greatest value that a logarithmic ordinate shows at most
 _LINE = 0.21  # inches that a bar or a row of a legend is high
 Named = tuple[str, CurveData]
@@ -86,6 +88,23 @@ def draw_on(axis: Any, data: CurveData) -> None:
     (_draw_bars if data.bars else _draw_curves)(axis, data)
 
 
+def _coincide(one: Series, other: Series) -> bool:
+    """Whether one curve hides the other."""
+    if len(one.x) < 2 or len(other.x) < 2 or not np.allclose(_ends(one), _ends(other)):
+        return False
+    below = np.interp(one.x, other.x, other.y)  # they may be sampled at other places
+    return np.allclose(one.y, below, rtol=_ALIKE, atol=0.0, equal_nan=True)
+
+
+def _ends(series: Series) -> tuple[float, float]:
+    return float(series.x[0]), float(series.x[-1])
+
+
+def _gapped(below: int) -> tuple[int, tuple[int, int]]:
+    """Dashes with gaps in which every one of so many curves below is seen."""
+    return (0, (_DASH, _DASH * (2**below - 1)))
+
+
 def _height(data: CurveData) -> float:
     """Inches: of bars as many as there are, and of a legend its rows."""
     series = min(len(data.series), MOST_DRAWN + 1)
@@ -97,14 +116,15 @@ def _height(data: CurveData) -> float:
 def _draw_curves(axis: Any, data: CurveData) -> None:
     styles = ((colour, dash) for dash in cycle(_DASHES) for colour in COLOURS)
     shown = _drawn_series(data)
-    for series, (colour, dash) in zip(shown, styles, strict=False):
+    for place, (series, (colour, dash)) in enumerate(zip(shown, styles, strict=False)):
         total = series.label.startswith("Total")
+        below = sum(_coincide(series, other) for other in shown[:place])
         y = _drawn(series.y, data.log_y)
         axis.plot(
             series.x,
             y,
             color="black" if total else colour,
-            ls="-" if total else dash,
+            ls=_gapped(below) if below else "-" if total else dash,
             lw=1.8 if total else 1.2,
             marker="o" if len(y) == 1 else None,
             label=series.label or data.y_label,
