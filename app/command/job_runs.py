@@ -37,7 +37,8 @@ from app.run.output import find_output
 from app.run.png import encode_png, grey_levels, robust_limits
 from app.run.readout_tables import warning_lines
 from app.run.shipped import Place
-from app.run.staging import Staging, check_folder, real_target
+from app.run.staging import Staging, check_folder, existing_folder, real_target
+from app.run.way_of_running import blocks_of, way_of_running
 from app.tradeoff.sweep import TradeOff
 from app.tradeoff.tradeoff_figures import default_figures
 from app.tradeoff.tradeoff_results import Curve, Results, changing_figures, shown_value
@@ -147,15 +148,25 @@ class _Running:
         file, options = self.job.output, Options("run", reports=(self.job.output,))
         engine = Engine(self.library)
         plan = planned(engine, self._with(network, options), self.place.folder)
+        way = way_of_running(plan, policy_of(options), None)
+        if way.in_blocks:
+            engine = Engine(self.library, way.store(None))
         made = _Made()
         self.steps.expect(2)
         self.steps.part("", nodes=len(plan.nodes))
         with Staging(None, [self.place.path, *input_files(plan, plan.folder)]) as staging:
             staging.claim(file)
             work = self._work(engine)
-            with work.hold(needed_later(plan, (), report=True)):
+            scratch = existing_folder(file.parent)
+            with (
+                blocks_of(
+                    way, engine, plan, work.policy, ports=(), report=True, scratch=scratch
+                ) as work.blocks,
+                work.hold(needed_later(plan, (), report=True, in_blocks=way.in_blocks)),
+            ):
                 evaluation = evaluate(engine, plan, work, plan.folder)
                 evaluation.seconds["total"] = time.perf_counter() - start
+                evaluation.way.update(way.facts(work.blocks))
                 sink_files(evaluation)  # made as a run does, which counts what was left out
                 skipped = skips(plan, work)
                 self.steps.part("writing the report")
@@ -221,6 +232,7 @@ class _Running:
             save = Save(node, name, str(stage.folder / FRAMES))
             options = replace(options, frames=self.job.frames, saves=(save,))
         self.steps.part(variant.name, nodes=len(plan.nodes))
+        stage = replace(stage, way=way_of_running(plan, policy_of(options), None))
         evaluation, _ = stage.prepare(engine, plan, self._work(engine), options, start=start)
         return evaluation
 
