@@ -160,6 +160,10 @@ class Chain:
             if value is ABSENT:
                 raise UsageError(f"set({shown(parameter)!r}): give a value")
             parameter = {parameter: value}
+        if not isinstance(parameter, Mapping) or not all(isinstance(k, str) for k in parameter):
+            raise UsageError(
+                f"set({shown(repr(parameter))}): give NODE.PARAMETER as a text, or values by that"
+            )
         self._state = self._state.with_values(parameter, self._engine.library)
         return self
 

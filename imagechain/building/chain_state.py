@@ -86,8 +86,7 @@ class ChainState:
         node = self.node(name)
         declared = declared_node(node, library)
         if declared is None:
-            hint = close(node.module, library)
-            raise NetworkError(f"there is no module {shown(node.module)}{hint}", node=name)
+            raise NetworkError(no_module(node.module, library), node=name)
         return declared
 
     def value(self, name: str, parameter: Parameter, library: Library) -> Any:
@@ -148,9 +147,7 @@ class ChainState:
     ) -> tuple[str, ChainState]:
         """With a node more, and its name; as `Chain.add`."""
         if part.inside is None and part.module not in library:
-            absent = where_absent(part.module, library)
-            hint = f": {absent}" if absent else close(part.module, library)
-            raise NetworkError(f"there is no module {shown(part.module)}{hint}")
+            raise NetworkError(no_module(part.module, library))
         if after is not None:
             self.network.node(after)
         wanted = name if name is not None else part.name
@@ -257,6 +254,12 @@ class ChainState:
             except ImagechainError as error:
                 planned[name] = PlannedNode(node, error=error.at(name))
         return planned
+
+
+def no_module(key: str, library: Library) -> str:
+    """That there is no such module, and why, or which is like it."""
+    absent = where_absent(key, library)
+    return f"there is no module {shown(key)}{f': {absent}' if absent else close(key, library)}"
 
 
 def _is_of(planned: PlannedNode, samples: HeldSamples) -> bool:

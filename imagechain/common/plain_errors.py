@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from typing import ParamSpec, TypeVar
+from typing import Any, NoReturn, ParamSpec, TypeVar
 
-from core.errors import ImagechainError
+from core.errors import ImagechainError, UsageError
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -28,3 +28,11 @@ def plain_errors(function: Callable[P, T]) -> Callable[P, T]:
         raise raised
 
     return plain
+
+
+def stays_here(value: Any) -> NoReturn:
+    """As ``__reduce__`` of what holds on to an engine, and cannot go to another process."""
+    raise UsageError(
+        f"a {type(value).__name__} stays in the process that made it: send the chain, or arrays "
+        "and tables of the result: image(), dict(readouts), curves().to_frame()"
+    )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import DataError
+from core.errors import DataError, ParameterError
 from core.modules.declaration import declaration
 from imagechain.common.plain_errors import plain_errors
 from imagechain.parts.module_part import Part, file_values, simple
@@ -69,17 +69,17 @@ def scene(
         samples, stated = _of_xarray(samples)
     given: dict[str, Any] = {"fov_x_deg": fov_x_deg, "fov_y_deg": fov_y_deg, "unit": unit}
     if band_um is not None:
-        given["cut_on_um"], given["cut_off_um"] = simple(band_um)
+        given["cut_on_um"], given["cut_off_um"] = _pair(simple(band_um))
     if wavelengths_um is not None:
         stated["wavelengths_um"] = wavelengths_um
-    centres = _numbers(stated.pop("wavelengths_um", None))
+    centres = _numbers("wavelengths_um", stated.pop("wavelengths_um", None))
     values = stated | {name: value for name, value in given.items() if value is not None}
     if scale != 1.0:
         values["scale"] = scale
     if centres is not None:
         values["bands"] = "all"
     array = samples if isinstance(samples, np.ndarray) else _as_array(samples)
-    held = HeldSamples.of(array, "the array", centres, _numbers(widths_um))
+    held = HeldSamples.of(array, "the array", centres, _numbers("widths_um", widths_um))
     params = file_values(declaration(ReadImage), values)
     plain = {name: value for name, value in params.items() if not isinstance(value, dict)}
     module = ReadImage.build(plain)
@@ -97,10 +97,19 @@ def _as_array(samples: Any) -> NDArray[Any]:
         raise DataError(f"the array cannot be read as one of numbers: {error}") from None
 
 
-def _numbers(values: Any) -> tuple[float, ...] | None:
+def _numbers(name: str, values: Any) -> tuple[float, ...] | None:
     if values is None:
         return None
-    return tuple(map(float, np.atleast_1d(np.asarray(values, np.float64))))
+    try:
+        return tuple(map(float, np.atleast_1d(np.asarray(values, np.float64))))
+    except (TypeError, ValueError):
+        raise ParameterError(name, values, "numbers") from None
+
+
+def _pair(band: Any) -> tuple[Any, Any]:
+    if not isinstance(band, list | tuple) or len(band) != 2:
+        raise ParameterError("band_um", band, "cut-on and cut-off, two numbers in µm")
+    return band[0], band[1]
 
 
 def _of_xarray(array: Any) -> tuple[Any, dict[str, Any]]:
@@ -119,13 +128,14 @@ def _of_xarray(array: Any) -> tuple[Any, dict[str, Any]]:
     if "units" in attributes:
         values["unit"] = str(attributes["units"])
     if "band_um" in attributes and not spectral:
-        values["cut_on_um"], values["cut_off_um"] = map(float, attributes["band_um"])
+        values["cut_on_um"], values["cut_off_um"] = _pair(simple(attributes["band_um"]))
     for axis, dim, length in zip("yx", across, array.shape[-2:], strict=True):
         interval = attributes.get(f"interval_{axis}_mrad")
         if interval is None and dim in array.coords:
             interval = _interval(array.coords[dim], dim)
         if interval is not None:
-            values[f"fov_{axis}_deg"] = float(interval) * length / 1000.0 / (math.pi / 180.0)
+            (interval,) = _numbers(f"interval_{axis}_mrad", interval) or ()
+            values[f"fov_{axis}_deg"] = interval * length / 1000.0 / (math.pi / 180.0)
     for dim in spectral:
         values["wavelengths_um"] = _wavelengths(array, dim)
     return array.to_numpy(), values
@@ -148,9 +158,9 @@ def _wavelengths(array: Any, dim: str) -> Any:
 def _interval(coordinate: Any, name: str) -> float | None:
     """Interval of a coordinate that is an angle, mrad."""
     factor = _MRAD.get(str(coordinate.attrs.get("units", "")))
-    places = np.asarray(coordinate.to_numpy(), np.float64)
-    if factor is None or len(places) < 2:
+    if factor is None or len(coordinate) < 2:
         return None
+    places = np.asarray(_numbers(name, coordinate.to_numpy()))
     steps = np.diff(places)
     mean = float((places[-1] - places[0]) / (len(places) - 1))
     if not mean or np.max(np.abs(steps - mean)) > _EVEN * abs(mean):

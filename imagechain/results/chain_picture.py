@@ -18,7 +18,7 @@ from core.evaluation.region import Region
 from core.evaluation.work import Work
 from imagechain.common.missing_extra import needed
 from imagechain.common.notebook_html import block, png, text
-from imagechain.common.plain_errors import plain_errors
+from imagechain.common.plain_errors import plain_errors, stays_here
 
 if TYPE_CHECKING:
     from xarray import DataArray
@@ -51,6 +51,8 @@ class Picture:
     _image: Image = field(repr=False)
     samples: NDArray[Any] = field(repr=False)
     _values: PictureValues = field(repr=False)
+
+    __reduce__ = stays_here
 
     @property
     def unit(self) -> str:

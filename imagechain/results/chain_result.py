@@ -27,7 +27,7 @@ from core.memory import store_bytes
 from core.modules.caution import Caution
 from core.names import close, shown
 from imagechain.common.notebook_html import block, table
-from imagechain.common.plain_errors import plain_errors
+from imagechain.common.plain_errors import plain_errors, stays_here
 from imagechain.common.users_matplotlib import users_matplotlib
 from imagechain.results.chain_picture import Picture, PictureValues
 from imagechain.results.readout_table import ReadoutTable, readout_table
@@ -51,6 +51,8 @@ class Result:
         self._work = work
         self._origin = origin
         self._values: dict[str, NDArray[Any]] = {}
+
+    __reduce__ = stays_here
 
     # Pictures
 
@@ -262,6 +264,8 @@ class Images(Mapping[str, NDArray[Any]]):
 
     def __init__(self, result: Result) -> None:
         self._result = result
+
+    __reduce__ = stays_here
 
     def __getitem__(self, port: str) -> NDArray[Any]:
         return self._result.image(port)

@@ -14,7 +14,7 @@ from app.run.responses import Response, responses_along
 from core.names import close, shown
 from imagechain.common.missing_extra import needed
 from imagechain.common.notebook_html import png, text
-from imagechain.common.plain_errors import plain_errors
+from imagechain.common.plain_errors import plain_errors, stays_here
 from imagechain.common.users_matplotlib import users_matplotlib
 
 if TYPE_CHECKING:
@@ -51,6 +51,8 @@ class StageCurves(Mapping[str, Mapping[str, StageCurve]]):
         self._curves = {name: dict(axes) for name, axes in curves.items()}
         self.titles = dict(titles)
         self._drawn = drawn
+
+    __reduce__ = stays_here
 
     @plain_errors
     def __getitem__(self, stage: str) -> Mapping[str, StageCurve]:

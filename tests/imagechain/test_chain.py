@@ -240,6 +240,44 @@ def test_what_is_no_picture_is_refused(array, message):
     assert str(caught.value).startswith(message)
 
 
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"band_um": 4}, "band_um = 4 is not allowed: cut-on and cut-off, two numbers in µm"),
+        ({"band_um": (3, 4, 5)}, "band_um = [3, 4, 5] is not allowed: cut-on and cut-off"),
+        ({"wavelengths_um": "x"}, "wavelengths_um = 'x' is not allowed: numbers"),
+        ({"wavelengths_um": [3.0], "widths_um": "x"}, "widths_um = 'x' is not allowed: numbers"),
+    ],
+)
+def test_values_of_a_scene_are_refused_in_one_line(values, message):
+    with pytest.raises(ic.ParameterError) as caught:
+        ic.scene(np.ones((2, 3)), **values)
+    assert str(caught.value).startswith(message)
+
+
+def test_coordinates_and_attributes_of_xarray_that_are_no_numbers():
+    xarray = pytest.importorskip("xarray")
+    named = {"y": ["a", "b"]}  # no angle, so no field of view
+    part = ic.scene(xarray.DataArray(np.ones((2, 3)), dims=("y", "x"), coords=named))
+    assert "fov_y_deg" not in part.params
+    angle = {"y": ("y", ["a", "b"], {"units": "mrad"})}
+    with pytest.raises(ic.ParameterError, match=r"^y = .* is not allowed: numbers$"):
+        ic.scene(xarray.DataArray(np.ones((2, 3)), dims=("y", "x"), coords=angle))
+    for attribute, text in (("interval_x_mrad", "q"), ("band_um", "35")):
+        array = xarray.DataArray(np.ones((2, 3)), dims=("y", "x"), attrs={attribute: text})
+        with pytest.raises(ic.ParameterError, match=f"^{attribute} = '{text}' is not allowed"):
+            ic.scene(array)
+
+
+def test_a_result_does_not_go_to_another_process_and_says_what_does(kodak):
+    chain, result = kodak
+    for value in (result, result.images, result.picture(), result.curves()):
+        with pytest.raises(ic.UsageError, match="stays in the process that made it: send the"):
+            pickle.dumps(value)
+    sent = pickle.dumps((chain, result.image(), dict(result.readouts)))
+    assert np.array_equal(pickle.loads(sent)[1], result.image())
+
+
 def test_pictures_as_xarray_and_back():
     xarray = pytest.importorskip("xarray")
     result = built(ic.scene(pixels(), fov_x_deg=1, fov_y_deg=2, unit="K", band_um=(8, 12))).run()
@@ -374,6 +412,12 @@ def test_a_chain_with_an_unknown_module_is_shown_and_saved_as_it_is(tmp_path):
         chain.add(ic.modules.gaussian_mtf)
     with pytest.raises(ic.NetworkError, match="name must be a text"):
         chain.name = 3
+    with pytest.raises(ic.UsageError, match=r"^set\(5\): give NODE\.PARAMETER as a text"):
+        chain.set(5, 1)
+    document["nodes"]["blur"]["module"] = "acme_optics.far_away"
+    (tmp_path / "n.json").write_text(json.dumps(document), encoding="utf-8")
+    with pytest.raises(ic.NetworkError, match="of the package acme_optics, which is not installed"):
+        ic.open(tmp_path / "n.json").set("blur.a", 4)
 
 
 def test_files_of_write_nodes(tmp_path, monkeypatch):
