@@ -179,12 +179,10 @@ def _line(entry: Any) -> bytes:
 def _whole_lines(content: bytes) -> Iterator[tuple[int, Any]]:
     """The entries of lines that are as they were written, each with where it ends."""
     end = 0
-    for line in content.splitlines(keepends=True):
-        end += len(line)
-        if not line.endswith(b"\n"):
-            return
+    for line in content.split(b"\n")[:-1]:  # of bytes, splitlines parts at a damaged \r, too
+        end += len(line) + 1
         try:
-            checksum, _, text = line.decode("ascii").rstrip("\n").partition(" ")
+            checksum, _, text = line.decode("ascii").partition(" ")
             if checksum == _checksum(text):
                 yield end, json.loads(text)
         except ValueError:

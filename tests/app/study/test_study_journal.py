@@ -44,9 +44,10 @@ def test_wherever_it_is_cut_whole_rows_stay_and_the_rest_can_be_added(kept):
         assert rows(output) == {row.place: row for row in ROWS}
 
 
-def test_a_damaged_row_does_not_count(kept):
+@pytest.mark.parametrize("damaged", [b'"k7"', b'"k\r"', b'"k\0"', b'"k\xff"'])
+def test_a_damaged_row_does_not_count(kept, damaged):
     output, path = kept
-    path.write_bytes(path.read_bytes().replace(b'"k1"', b'"k7"'))
+    path.write_bytes(path.read_bytes().replace(b'"k1"', damaged))
     assert list(rows(output)) == [0, 2]
 
 
