@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import string
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -66,6 +67,8 @@ def save_pattern(save: Save, axes: Sequence[Axis]) -> SavePattern:
         for text, name, form, conversion in string.Formatter().parse(save.text):
             if name is not None and (conversion or "{" in (form or "")):
                 raise ValueError("only a format of numbers may follow a field's name")
+            if name is not None and re.search("[0-9]{4}", form or ""):
+                raise ValueError(f"{{{name}:{form:.20}}}: at most 999 characters or digits")
             if name is not None and name not in known:
                 hint = close(name, known) or f"; there are {', '.join(known)}"
                 raise UsageError(f"{save.shown}: the study has no field {shown(name)}{hint}")
