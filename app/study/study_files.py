@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from core.atomic import atomic_file, write_text
+from core.atomic import atomic_file, write_bytes, write_text
 from core.errors import UsageError
 from core.names import printable
 from nodes.files.common.file_format import NETCDF, PARQUET
@@ -133,8 +133,9 @@ def _write_netcdf(columns: Sequence[Column], path: Path, title: str) -> None:
         name = column.name.replace("/", ":")
         variables[name] = ("row", _array(column), attributes)
     data = xr.Dataset(variables, attrs={"title": title})
-    with atomic_file(path) as temporary:
-        data.to_netcdf(temporary, engine="h5netcdf")
+    content = io.BytesIO()  # HDF5 ends the whole process where a file of its own cannot be written
+    data.to_netcdf(content, engine="h5netcdf")
+    write_bytes(path, content.getvalue())
 
 
 def _array(column: Column) -> Any:

@@ -13,8 +13,9 @@ from app.study.lanes import Lanes
 from app.study.run_study import sampled
 from app.study.save_patterns import file_names, save_pattern
 from app.study.study_axes import files_axis, grid_axis, natural
+from app.study.study_files import Column, write_columns
 from app.study.study_points import grid_points, order_of
-from core.errors import ImagechainError
+from core.errors import FileError, ImagechainError
 from core.network.file import load_network
 from nodes.library import standard_library
 from tradeoff_network import DOCUMENT
@@ -168,3 +169,20 @@ def test_neighbours_go_to_one_worker_and_all_points_go_out_once():
     while lanes.left:
         taken += lanes.batch("a")
     assert sorted(task[0] for task in taken) == list(range(100))
+
+
+@pytest.mark.parametrize(
+    ("suffix", "library"), [("csv", "csv"), ("parquet", "pyarrow"), ("nc", "h5netcdf")]
+)
+def test_rows_that_the_disk_cannot_hold_are_one_line_and_no_file(suffix, library, tmp_path):
+    pytest.importorskip(library)
+    resource = pytest.importorskip("resource")
+    column = Column("a", "", [math.sqrt(place) for place in range(1000)])
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, limits[1]))
+    try:
+        with pytest.raises(FileError, match=r"^cannot write .*: .*File too large$"):
+            write_columns([column], tmp_path / f"rows.{suffix}", "rows")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert not list(tmp_path.iterdir())
