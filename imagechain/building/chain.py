@@ -389,10 +389,17 @@ class Chain:
         return self._state.declared(name, self._engine.library)
 
     def part(self, name: str) -> Part:
-        """A node's module with what is set."""
+        """A node's module with what is set; names of files are whole, for a chain elsewhere."""
         node = self.raw_node(name)
         samples = self._state.samples.get(name)
-        return Part(node.module, node.params, samples, name, node.macro)
+        paths = {p.name for p in self.declared(name).parameters if p.kind == "path"}
+        params = {
+            key: str((self.folder / value).absolute())
+            if key in paths and isinstance(value, str) and value and samples is None
+            else value
+            for key, value in node.params.items()
+        }
+        return Part(node.module, params, samples, name, node.macro)
 
     def value_of(self, node: str, parameter: Parameter) -> Any:
         """The value of a node's parameter as it enters a run."""

@@ -326,5 +326,9 @@ def _recipes(plan: Plan, ports: Sequence[str]) -> list[Recipe]:
 
 
 def _read_only(samples: NDArray[Any]) -> NDArray[Any]:
-    samples.flags.writeable = False
+    """A view that nobody can make writable again: what it is a view of is not either."""
+    owner: Any = samples
+    while isinstance(owner, np.ndarray):
+        owner.flags.writeable = False
+        owner = owner.base
     return samples.view()

@@ -463,3 +463,20 @@ def test_pages_of_notebooks_show_no_text_as_html(kodak):
     picture = wide.run().picture()
     for most, columns in ((None, 4000), (1000, 1000), (1024, 1000)):
         assert int.from_bytes(picture.to_png(most)[16:20]) == columns
+
+
+def test_what_is_kept_cannot_be_written_over():
+    chain = ic.open("first_steps")
+    first = chain.run().image()
+    largest = first.max()
+    with pytest.raises(ValueError, match="cannot set WRITEABLE"):
+        first.setflags(write=True)
+    assert chain.run().image().max() == largest
+
+
+def test_a_part_finds_its_files_in_another_chain():
+    there = ic.open("measured_lens")
+    part = there.part("psf")
+    (path,) = [value for name, value in part.params.items() if name == "path"]
+    assert Path(path).is_file()
+    assert ic.Chain().add(part, wired=False).name == "psf"
