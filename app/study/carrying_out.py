@@ -49,6 +49,10 @@ class Workers:
         if (self.jobs > 1 or self.scheduler) and not has_dask():
             what = f"--scheduler {self.scheduler}" if self.scheduler else f"--jobs {self.jobs}"
             raise UsageError(f"{what}: dask and distributed are not installed: {EXTRA}")
+        if self.scheduler:
+            from app.study.dask_study import check_address
+
+            check_address(self.scheduler)
 
 
 @dataclass(frozen=True)

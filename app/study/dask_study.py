@@ -279,6 +279,31 @@ def _connected(jobs: int, scheduler: str) -> Iterator[Any]:
         yield stack.enter_context(client)
 
 
+def check_address(scheduler: str) -> None:
+    """Refuse what is no address: a client of it would go on trying in the background.
+
+    Raises
+    ------
+    UsageError
+        Saying what is one.
+    """
+    from distributed.comm.addressing import parse_host_port
+    from distributed.comm.registry import backends
+
+    protocol, parted, place = scheduler.rpartition("://")
+    try:
+        host, port = parse_host_port(place)
+        sound = bool(host) and 0 < port < 65536 and (not parted or protocol in backends)
+    except ValueError:
+        sound = False
+    if not sound:
+        known = ", ".join(sorted(backends))
+        raise UsageError(
+            f"--scheduler {scheduler:.120}: write HOST:PORT or PROTOCOL://HOST:PORT; protocols are "
+            f"{known}"
+        )
+
+
 @contextlib.contextmanager
 def _left_to_us() -> Iterator[None]:
     """Start processes that Ctrl-C, which a terminal sends to all, does not reach.

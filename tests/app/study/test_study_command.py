@@ -193,6 +193,8 @@ USAGE = {
     "no port": ([SIGMA, "--save=back.picture={point}.npy"], "has no output picture"),
     "no file type": ([SIGMA, "--save=back.image={point}.doc"], "must end in"),
     "jobs": ([SIGMA, "--jobs=0"], "--jobs 0: give a whole number from 1"),
+    "no address": ([SIGMA, "--scheduler=127.0.0.1"], "write HOST:PORT or PROTOCOL://HOST:PORT"),
+    "no protocol": ([SIGMA, "--scheduler=bananas://x:1"], "protocols are inproc, tcp"),
     "both": ([SIGMA, "--jobs=2", "--scheduler=tcp://x:1"], "not both"),
 }
 
