@@ -7,15 +7,18 @@ The names here stay where they are; those of the layers below may move.
 
 from core.chain.wires import Context, Image, Magnitude, Phase, Pupil, Transfer
 from core.errors import DataError, FileError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage, pointwise
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks, in_parts, pointwise
 from core.evaluation.work import Work
 from core.lineage.linear_change import Linear
 from core.lineage.step_lineage import picture_step, source_step
+from core.lineage.step_noise import AtStep, Noise
 from core.modules.caution import Caution
 from core.modules.declaration import Module, NodeContext, readout, warning
+from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.noise.noise_power import NoisePower
+from core.noise.random_fields import Stream, normal_field
 from core.transfer.factors import Law, Planar, Separable
 from nodes.shared.factor_helpers import radial, separable
 from nodes.shared.module_ports import (
@@ -26,13 +29,16 @@ from nodes.shared.module_ports import (
     PtfModule,
     PtfOutputs,
 )
+from nodes.shared.noise_seed import SeededModule
 
 __all__ = [
     "Apply",
+    "AtStep",
     "Caution",
     "Context",
     "DataError",
     "FileError",
+    "Formula",
     "Image",
     "ImageOutput",
     "Law",
@@ -42,6 +48,7 @@ __all__ = [
     "MtfModule",
     "MtfOutputs",
     "NodeContext",
+    "Noise",
     "NoisePower",
     "Param",
     "ParameterError",
@@ -52,11 +59,16 @@ __all__ = [
     "Pupil",
     "Recipe",
     "Section",
+    "SeededModule",
     "Separable",
     "Step",
+    "Stream",
     "Transfer",
     "Work",
     "ends_lineage",
+    "in_blocks",
+    "in_parts",
+    "normal_field",
     "picture_step",
     "pointwise",
     "radial",

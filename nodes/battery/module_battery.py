@@ -13,7 +13,7 @@ import math
 import pickle
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -39,6 +39,8 @@ XI = np.concatenate([[0.0], np.geomspace(1e-3, 40.0, 15)])
 ETA = np.concatenate([[0.0], np.geomspace(2e-3, 30.0, 11)])
 SINGLE_ERROR = 2e-5  # of the range: what single precision may make of a chain
 DOUBLE_ERROR = 1e-12
+WARMER_K = 320.0
+GAIN_ERROR = 0.01
 
 
 def check_module(
@@ -94,7 +96,8 @@ def faults_of(
         for params in examples:
             trial = _Trial(module, dict(params), scene, folder or Path(empty))
             name = json.dumps(trial.params, ensure_ascii=False)
-            checks = [_of_values, _of_precision, _of_regions, _of_keys, _of_steps, _of_readouts]
+            checks = [_of_values, _of_precision, _of_regions, _of_keys, _of_steps, _of_gain]
+            checks.append(_of_readouts)
             for check in checks:
                 faults += _safely(name, partial(check, trial))
             faults += _safely(name, partial(_of_transfer, trial, passive))
@@ -290,6 +293,43 @@ def _of_steps(trial: _Trial) -> Iterator[str]:
                 "by picture_step, source_step or ends_lineage"
             )
         waiting += [*recipe.made_of, *recipe.inputs]
+
+
+def _of_gain(trial: _Trial) -> Iterator[str]:
+    """What a step says that it multiplies small differences by, against two scenes."""
+    if trial.module.draws_noise:
+        return
+    warmer = replace(trial, scene={**trial.scene, "temperature_K": WARMER_K})
+    means: list[dict[str, float]] = []
+    for one in (trial, warmer):
+        engine, plan = one.planned()
+        work = engine.work(Policy(precision="double"))
+        lineages = {
+            name: wire.recipe.lineage
+            for name, wire in plan.nodes[IT].outputs.items()
+            if isinstance(wire, Image)
+        }
+        scene = plan.output("scene.image").recipe
+        known = {
+            name: lineage.linear.gain
+            for name, lineage in lineages.items()
+            if lineage is not None
+            and lineage.picture is not None
+            and lineage.picture.key == scene.key
+            and lineage.linear.level is None
+            and not lineage.noise
+        }
+        values = {name: engine.value(plan, f"{IT}.{name}", work) for name in known}
+        means.append({name: float(np.mean(value)) for name, value in values.items()})
+        means[-1][""] = float(np.mean(engine.value(plan, "scene.image", work)))
+    span = means[1][""] - means[0][""]
+    for name, gain in known.items():
+        measured = (means[1][name] - means[0][name]) / span
+        if abs(measured - gain) > GAIN_ERROR * max(abs(gain), abs(measured)):
+            yield (
+                f"output {name}: a brighter scene is {measured:.4g} times as much brighter, and "
+                f"the step says {gain:.4g}: give its linear change in picture_step"
+            )
 
 
 def _of_readouts(trial: _Trial) -> Iterator[str]:

@@ -54,6 +54,12 @@ def undeclared(work, image):
 
 @picture_step()
 @pointwise
+def doubled(work, image):
+    return image * 2
+
+
+@picture_step()
+@pointwise
 def forgetful(work, image):
     return image * Forgetful.now
 
@@ -139,6 +145,12 @@ class Failing(_Image, key="a.failing", title="Failing", group="A"):
     step = staticmethod(failing)
 
 
+class Doubling(_Image, key="a.doubling", title="Doubling", group="A"):
+    """Says that nothing changes."""
+
+    step = staticmethod(doubled)
+
+
 class Silent(_Image, key="a.silent", title="Silent", group="A"):
     step = staticmethod(forgetful)
     gain: Annotated[float, Param("A gain.", low=0)] = 1.0
@@ -180,6 +192,7 @@ class Untyped(Module, key="a.untyped", title="Untyped", group="A"):
     [
         (Undeclared, ["undeclared does not say what becomes of a picture"]),
         (Forgetful, ["output image keeps its key when gain = 1.37 changes it"]),
+        (Doubling, ["a brighter scene is 2 times as much brighter, and the step says 1"]),
         (Infinite, ["does not run: it: the numbers leave the range"]),
         (Rough, ["output image in single precision is", "of the range off"]),
         (ByPart, ["a part of it is", "of the range off the whole"]),
