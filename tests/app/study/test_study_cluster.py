@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 
+import distributed
 import pytest
 
 from child_process import PATIENCE_S
-
-distributed = pytest.importorskip("distributed")
 
 WORDS = ["--vary=blur.sigma_x_mrad=0:1:8", "--vary=electronics.d_star=1e10:1e12:5:log"]
 WORDS += ["--figure=total.mtf_nyquist_x", "--figure=electronics.snr"]
@@ -94,13 +94,14 @@ def test_a_scheduler_that_is_gone_ends_it_with_one_line(study, rows_of, cluster,
     journal = tmp_path / "b.csv.journal"
 
     def close():
+        end = time.monotonic() + PATIENCE_S
         while not (journal.exists() and journal.read_bytes().count(b"\n") > 2):
-            if done.is_set():
+            if done.wait(0.01) or time.monotonic() > end:
                 return
         cluster.close()
 
     def slow(setting, key, tasks, share):
-        import time
+        import time  # by value it goes to a worker, which has nothing of this file
 
         from app.study.worker_rows import rows_of_batch
 
