@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from app.command.run import FINAL, input_files, open_network, own_files, sink_targets
+from app.command.run import input_files, open_network, own_files, sink_targets
+from app.command.run_summary import FINAL
 from app.options.command_options import Options
 from app.permission.write_rules import write_rules
 from app.run.evaluation import planned

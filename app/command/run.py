@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from app.command.run_summary import FINAL, MTF, READOUTS, print_summary
 from app.options.command_options import Options
 from app.options.option_values import Save
 from app.options.overrides import with_final, with_settings
@@ -20,9 +21,9 @@ from app.options.stopping import too_late
 from app.permission.shares import check_shares
 from app.permission.write_rules import OPTION, WriteRules, write_rules
 from app.run.evaluation import Evaluation, TimedWork, evaluate, needed_later, planned
-from app.run.output import find_output, how_to_choose
+from app.run.output import find_output
 from app.run.png import encode_png, grey_levels, robust_limits
-from app.run.readout_tables import columns, jsonable, readout_rows, warning_lines
+from app.run.readout_tables import jsonable
 from app.run.responses import mtf_csv
 from app.run.saving import check_suffix, cube_of, is_cube, save_value
 from app.run.sequence import MOST_FRAMES, format_for_frames, save_frames, series_of
@@ -34,7 +35,6 @@ from app.run.way_of_running import (
     check_streamed,
     is_streamed,
     reduced,
-    way_in_words,
     way_of_running,
 )
 from core.atomic import write_bytes, write_text
@@ -62,7 +62,6 @@ from nodes.files.frames.frame_writing import (
 from nodes.files.read import check_finite
 from nodes.library import standard_library
 
-FINAL, MTF, READOUTS = "final.png", "mtf.csv", "readouts.json"
 KEPT_BYTES = 1 << 29
 WARNINGS = "imagechain.warnings"  # in the read-outs; no node's name has a dot
 
@@ -102,7 +101,7 @@ def run(options: Options, cancel: threading.Event | None = None) -> None:
         work.check()
         too_late(cancel)
         forgotten = rules.commit(staging)
-    _print(evaluation, skipped, folder, options, sink_targets(plan, place.folder))
+    print_summary(evaluation, skipped, folder, options, sink_targets(plan, place.folder))
     if forgotten:
         print(in_line(f"not remembered for the next run, which needs {OPTION}: {forgotten}"))
 
@@ -441,43 +440,3 @@ def _final_png(evaluation: Evaluation, port: str, path: Path) -> None:
     check_finite(samples, port)
     samples = reduced(samples, evaluation.work)
     write_bytes(path, encode_png(grey_levels(*robust_limits(samples), samples)))
-
-
-def _print(
-    evaluation: Evaluation,
-    skipped: tuple[Skip, ...],
-    folder: Path,
-    options: Options,
-    sinks: dict[str, Path],
-) -> None:
-    rows = readout_rows(evaluation)
-    if rows:
-        print(columns(rows, right=(2,)), end="\n\n")
-    lines = warning_lines(evaluation.cautions)
-    if lines:
-        print("\n".join(lines), end="\n\n")
-    left_out = [
-        f"{skip.node} (at most {skip.bound:.2g})" for skip in skipped if skip.kind == "below_budget"
-    ]
-    if left_out:
-        budget = evaluation.work.policy.budget
-        print(in_line(f"left out within the error budget of {budget:.3g}: {', '.join(left_out)}"))
-    for skip in skipped:
-        if skip.kind == "wavelengths":
-            print(in_line(f"{skip.node}: {skip.text} (at most {skip.bound:.2g} of their contrast)"))
-    names = [FINAL, MTF, READOUTS] if evaluation.chain.final is not None else [MTF, READOUTS]
-    print(in_line(f"{folder}: {', '.join(names)}"))
-    if evaluation.chain.final is None:
-        output = find_output(evaluation.plan)
-        print(in_line(f"no {FINAL}: {how_to_choose(output) or output.missing}"))
-    if evaluation.chain.missing and evaluation.chain.grid is not None:
-        print(in_line(f"no total in {MTF}: {evaluation.chain.missing}"))
-    if evaluation.way.get("way") == "in blocks" or options.memory_bytes is not None:
-        print(in_line(way_in_words(evaluation.way)))
-    others = [
-        *(save.text for save in options.saves),
-        *map(str, options.reports),
-        *map(str, sinks.values()),
-    ]
-    if others:
-        print(in_line(f"also {', '.join(others)}"))
