@@ -23,8 +23,8 @@ from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.lineage.step_lineage import lineage_of, source_step
-from core.physics.measurement.row_average import row_average
-from core.physics.measurement.slanted_edge import falls_to
+from core.physics.measurement.edges.slanted_edge import falls_to
+from core.physics.measurement.levels.row_average import row_average
 from nodes.analysis.lineage import transfer_of
 from nodes.analysis.mtf.mtf_measuring import (
     Figure,

@@ -19,8 +19,8 @@ from app.run.staging import Staging
 from core.atomic import write_text
 from core.errors import Cancelled, DataError
 from core.names import in_line
-from core.physics.measurement.flat_field import FlatField, FlatFrames
-from core.physics.measurement.photon_transfer import PhotonTransfer, photon_transfer
+from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
+from core.physics.measurement.levels.photon_transfer import PhotonTransfer, photon_transfer
 from nodes.files.common.file_format import JSON
 from nodes.files.frames.frame_reading import FrameFile, open_frames
 

@@ -1,1 +1,1 @@
-"""MTF measured from edges in a picture."""
+"""What pictures say of the camera that took them: edges, levels and noise."""

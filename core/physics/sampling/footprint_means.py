@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.sample_sums import (
+from core.physics.measurement.levels.sample_sums import (
     PAD,
     Between,
     between,

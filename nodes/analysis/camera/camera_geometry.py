@@ -11,7 +11,7 @@ from core.modules.declaration import NodeContext, readout
 from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
-from core.physics.measurement.sample_sums import Between
+from core.physics.measurement.levels.sample_sums import Between
 from core.physics.sampling.ground_geometry import (
     Camera,
     check_horizon,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.physics.measurement.sample_sums import Between
+from core.physics.measurement.levels.sample_sums import Between
 from core.physics.sampling.footprint_means import footprint_coverage, footprint_means, strips_error
 from core.physics.sampling.footprints import Footprints, footprints
 from core.physics.sampling.ground_geometry import (

@@ -13,7 +13,7 @@ from core.chain.wires import Image
 from core.errors import DataError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.physics.measurement.slanted_edge import falls_to
+from core.physics.measurement.edges.slanted_edge import falls_to
 from core.physics.numerics.sinc import sinc
 from core.transfer.factors import factor_at
 from core.transfer.grid import Grid

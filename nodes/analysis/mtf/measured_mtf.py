@@ -11,8 +11,8 @@ from core.modules.declaration import Module, NodeContext, readout
 from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
-from core.physics.measurement.edge_line import Target
-from core.physics.measurement.slanted_edge import Window
+from core.physics.measurement.edges.edge_line import Target
+from core.physics.measurement.edges.slanted_edge import Window
 from nodes.analysis.mtf.expected_mtf import chain_behind, expected
 from nodes.analysis.mtf.mtf_measuring import (
     Direction,

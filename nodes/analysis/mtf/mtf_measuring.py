@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from core.errors import DataError
 from core.evaluation.recipes import ends_lineage
 from core.evaluation.work import Work
-from core.physics.measurement.edge_line import Target
-from core.physics.measurement.row_average import row_average
-from core.physics.measurement.slanted_edge import (
+from core.physics.measurement.edges.edge_line import Target
+from core.physics.measurement.edges.slanted_edge import (
     Window,
     falls_to,
     jackknife_error,
     slanted_edge,
     spread_to_line,
 )
+from core.physics.measurement.levels.row_average import row_average
 
 Array = NDArray[Any]
 Vector = NDArray[np.float64]

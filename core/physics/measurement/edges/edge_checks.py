@@ -6,9 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.edge_clipping import refuse_corner, refuse_piled_up, refuse_quiet_side
-from core.physics.measurement.edge_line import EdgeLine, Target
-from core.physics.measurement.edge_spread import BINS_PER_SAMPLE, EdgeSpread
+from core.physics.measurement.edges.edge_clipping import (
+    refuse_corner,
+    refuse_piled_up,
+    refuse_quiet_side,
+)
+from core.physics.measurement.edges.edge_line import EdgeLine, Target
+from core.physics.measurement.edges.edge_spread import BINS_PER_SAMPLE, EdgeSpread
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]

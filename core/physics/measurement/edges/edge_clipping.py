@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.edge_line import EdgeLine
-from core.physics.measurement.edge_spread import BINS_PER_SAMPLE, EdgeSpread
+from core.physics.measurement.edges.edge_line import EdgeLine
+from core.physics.measurement.edges.edge_spread import BINS_PER_SAMPLE, EdgeSpread
 
 End = Literal["corner", "soft", "other"]
 Matrix = NDArray[np.float64]

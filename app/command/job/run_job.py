@@ -1,4 +1,4 @@
-"""A background run of the editor, in a process of its own: ``python -m app.command.run_job``.
+"""A background run of the editor, in a process of its own: ``python -m app.command.job.run_job``.
 
 The job comes as one line on standard input, which stays open: its end, by whatever end of the
 editor, stops the run. Standard output has lines of progress and the result, standard error one line
@@ -33,7 +33,7 @@ def main() -> int:
 
 
 def _carry_out(stop: Stop) -> None:
-    from app.command.job_runs import carry_out
+    from app.command.job.job_runs import carry_out
     from app.run.job import read_job
     from app.run.job_messages import Steps, result_line, step_line
 

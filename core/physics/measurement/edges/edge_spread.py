@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.edge_line import EdgeLine
+from core.physics.measurement.edges.edge_line import EdgeLine
 from core.physics.numerics.sinc import sinc
 
 Matrix = NDArray[np.float64]

@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edge_checks import check_spread
-from core.physics.measurement.edge_line import EdgeLine, Target, edge_line
-from core.physics.measurement.edge_spread import (
+from core.physics.measurement.edges.edge_checks import check_spread
+from core.physics.measurement.edges.edge_line import EdgeLine, Target, edge_line
+from core.physics.measurement.edges.edge_spread import (
     BINS_PER_SAMPLE,
     EdgeSpread,
     bin_response,

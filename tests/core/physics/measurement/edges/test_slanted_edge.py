@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.errors import DataError
-from core.physics.measurement.slanted_edge import (
+from core.physics.measurement.edges.slanted_edge import (
     falls_to,
     jackknife_error,
     modulus_error,

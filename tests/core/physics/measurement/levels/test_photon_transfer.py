@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from core.errors import DataError
-from core.physics.measurement.flat_field import FlatFrames
-from core.physics.measurement.photon_transfer import photon_transfer
+from core.physics.measurement.levels.flat_field import FlatFrames
+from core.physics.measurement.levels.photon_transfer import photon_transfer
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.flat_field import FlatField
+from core.physics.measurement.levels.flat_field import FlatField
 
 Vector = NDArray[np.float64]
 _USED = 0.7  # of saturation, up to which the curve is taken for straight (EMVA 1288)

@@ -1,0 +1,1 @@
+"""Spreads and transfer functions from slanted edges and lines of a picture."""

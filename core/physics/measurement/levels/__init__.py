@@ -1,0 +1,1 @@
+"""Signal levels and their noise: flat fields, rows, photon transfer."""
