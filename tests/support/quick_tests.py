@@ -17,7 +17,7 @@ _SLOW = {
     "core/physics/optics/test_pupil_geometric_otf.py",
     "core/physics/optics/test_pupil_sampled_otf.py",
     "core/physics/electronics/test_rounding_noise.py",
-    "core/physics/measurement/test_slanted_edge.py",
+    "core/physics/measurement/edges/test_slanted_edge.py",
     "core/physics/motion/test_transfer_blur.py",
     "core/network/test_network_mutations.py",
     "core/noise/test_photon_events.py",
