@@ -22,6 +22,7 @@ LONGEST_S = 1200
 # Python counts objects, not their size.
 GROWTH_BYTES = 200 * 2**20
 AFTER_COLLECTION = pytest.StashKey[int]()
+LEFT_OUT = pytest.StashKey[int]()
 
 # No example fails for taking long.
 settings.register_profile(
@@ -40,6 +41,10 @@ def pytest_xdist_auto_num_workers():
     """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return cores + cores // 2
+
+
+def pytest_addoption(parser):
+    parser.addoption("--thorough", action="store_true", help="run every variation of every check")
 
 
 def pytest_configure():
@@ -108,12 +113,32 @@ def pytest_ignore_collect(collection_path, config):
     return None if wanted or is_quick(collection_path) else True
 
 
-def pytest_collection_modifyitems(items):
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config, items):
     from quick_tests import is_quick
+    from thorough import parted
 
     for item in items:
         if is_quick(item.path):
             item.add_marker("quick")
+    if not config.option.thorough and not any("::" in word for word in config.args):
+        items[:], left_out = parted(items)
+        config.hook.pytest_deselected(items=left_out)
+        config.stash[LEFT_OUT] = len(left_out)
+        if hasattr(config, "workeroutput"):  # of pytest-xdist; all workers collect the same
+            config.workeroutput["left_out"] = len(left_out)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node, error):
+    worker = getattr(node, "workeroutput", {})
+    node.config.stash[LEFT_OUT] = max(node.config.stash.get(LEFT_OUT, 0), worker.get("left_out", 0))
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    if config.stash.get(LEFT_OUT, 0):
+        count = config.stash[LEFT_OUT]
+        terminalreporter.write_line(f"{count} variations left out: --thorough runs them too")
 
 
 def give_free_memory_back():
