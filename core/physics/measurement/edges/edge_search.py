@@ -1,0 +1,225 @@
+"""Find the edges of a picture from which an MTF can be measured, and why others cannot be used."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.physics.measurement.edges.edge_found import FoundEdge
+from core.physics.measurement.edges.edge_samples import (
+    EdgeSamples,
+    edge_samples,
+    rectangle_samples,
+)
+from core.physics.measurement.edges.edge_surroundings import (
+    LARGEST_REACH,
+    LEAST_CONTRAST,
+    LEAST_LENGTH,
+    LEAST_REACH,
+    Surroundings,
+    frame_reach,
+    surroundings,
+)
+from core.physics.measurement.edges.ridge_points import SMOOTHING, ridge_points, rough_noise
+from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
+from core.physics.measurement.edges.straight_pieces import Piece, straight_pieces
+
+_ENDS = 1.0  # samples left off at both ends, where corners are rounded
+_CLIPPED_SHARE = 0.02
+_PILED_SHARE = 0.1
+_LARGEST_GAP = 0.75
+_BENT_REACH = 4.0  # least radius of a bent edge, in its reaches
+_PIECE = 5.0  # samples, of an edge whose places are compared
+_OFF_COURSE = 0.15  # samples
+
+
+def find_edges(
+    *,
+    picture: NDArray[np.floating],
+    noise_sigma: float | None = None,
+    clip_levels: tuple[float, float] | None = None,
+    check: Callable[[], None] = lambda: None,
+) -> tuple[FoundEdge, ...]:
+    """Find straight, isolated, unclipped steps of a picture.
+
+    Parameters
+    ----------
+    picture : ndarray
+        Samples, shape (rows, columns), finite.
+    noise_sigma : float, optional
+        Standard deviation of a sample; estimated where the picture is quietest, if not given.
+    clip_levels : tuple of float, optional
+        Lowest and highest level that a sample can have.
+    check : callable
+        Called between steps; may raise to stop.
+
+    Returns
+    -------
+    tuple of FoundEdge
+        All candidates, those used first, by their contrast over the noise and their length.
+
+    Notes
+    -----
+    Sources: van den Bergh, MTF Mapper (edges as pieces of outlines with one direction, samples
+    by their distance, edges at 45° and 26.57° named); van Zwanenberg, Triantaphillidou, Jenkin
+    and Psarrou, Edge detection techniques for quantifying spatial imaging system performance and
+    image quality, 2019, and Natural scene derived camera edge spatial frequency response, 2021
+    (step test in each row, other edges masked, steps isolated in natural scenes).
+    """
+    picture = np.asarray(picture)
+    noise = rough_noise(picture=picture) if noise_sigma is None else noise_sigma
+    check()
+    points = ridge_points(picture=picture, noise_sigma=noise, check=check)
+    pieces = straight_pieces(points=points, shape=picture.shape, least_length=LEAST_LENGTH)
+    found = []
+    for piece in pieces:
+        check()
+        found.append(_examined(picture, piece, noise, clip_levels))
+    found.sort(key=lambda edge: (not edge.used, -edge.length * edge.contrast))
+    return tuple(found)
+
+
+def _examined(
+    picture: NDArray[np.floating],
+    piece: Piece,
+    noise: float,
+    clip_levels: tuple[float, float] | None,
+) -> FoundEdge:
+    """A piece as an edge, used or not."""
+    least = piece.strength * SMOOTHING * math.sqrt(2.0 * math.pi)  # of the contrast
+    rough = FoundEdge(
+        x=piece.x,
+        y=piece.y,
+        angle_deg=_turned(piece.angle_deg),
+        length=piece.length,
+        reach=float(LEAST_REACH),
+        low=0.0,
+        high=least,
+        noise_sigma=noise,
+        used=False,
+        bend=piece.bend,
+    )
+    if least < LEAST_CONTRAST * noise / 2.0:
+        times = least / noise
+        return replace(
+            rough,
+            why_not=f"too little contrast: {times:.2g} times the noise, of at least "
+            f"{LEAST_CONTRAST:g}",
+        )
+    room = frame_reach(piece=piece, shape=picture.shape)
+    if room < LEAST_REACH:
+        return replace(rough, why_not=f"too near to the frame's side: {room:.1f} samples")
+    reach = min(room, float(LARGEST_REACH))
+    samples = rectangle_samples(
+        picture=picture,
+        middle=(piece.x, piece.y),
+        angle_deg=piece.angle_deg,
+        half_length=piece.length / 2.0,
+        reach=reach,
+        bend=piece.bend,
+    )
+    around = surroundings(samples=samples, length=piece.length, reach=reach, noise_sigma=noise)
+    edge = _with_surroundings(rough, around)
+    if around.why_not:
+        return replace(edge, why_not=around.why_not)
+    return _settled(picture, edge, clip_levels)
+
+
+def _turned(angle_deg: float) -> float:
+    """An angle in (-180, 180]."""
+    return 180.0 - (180.0 - angle_deg) % 360.0
+
+
+def _with_surroundings(rough: FoundEdge, around: Surroundings) -> FoundEdge:
+    """The edge over the length and reach that belong to it."""
+    ends = _ENDS if not around.why_not else 0.0
+    start = max(around.start, -rough.length / 2.0 + ends)
+    end = min(around.end, rough.length / 2.0 - ends)
+    return replace(
+        _part_of(rough, start, end),
+        reach=around.reach,
+        low=around.low,
+        high=around.high,
+        noise_sigma=around.noise_sigma,
+    )
+
+
+def _part_of(edge: FoundEdge, start: float, end: float) -> FoundEdge:
+    """The part of an edge from one place along it to another, on its own tangent."""
+    across_x, across_y = edge.normal
+    middle, half = (start + end) / 2.0, edge.length / 2.0
+    off = edge.bend * (middle / half) ** 2
+    tilt = math.atan(2.0 * edge.bend * middle / half**2)
+    return replace(
+        edge,
+        x=edge.x + off * across_x - middle * across_y,
+        y=edge.y + off * across_y + middle * across_x,
+        angle_deg=_turned(edge.angle_deg - math.degrees(tilt)),
+        length=end - start,
+        bend=edge.bend * ((end - start) / edge.length) ** 2,
+    )
+
+
+def _settled(
+    picture: NDArray[np.floating], edge: FoundEdge, clip_levels: tuple[float, float] | None
+) -> FoundEdge:
+    """The edge on its fitted course, used if nothing speaks against it."""
+    samples = edge_samples(picture=picture, edge=edge)
+    if clip_levels is not None:
+        share = float(
+            np.mean((samples.value <= clip_levels[0]) | (samples.value >= clip_levels[1]))
+        )
+        if share > _CLIPPED_SHARE:
+            return replace(edge, why_not=f"clipped: {share:.0%} of its samples are at a limit")
+    half_length = edge.length / 2.0
+    fit = fit_spread(samples=samples, reach=edge.reach, half_length=half_length)
+    edge = _on_course(edge, fit)
+    low, high = fit.levels
+    edge = replace(edge, low=low, high=high)
+    off = _off_course(samples, fit, half_length)
+    if off > _OFF_COURSE:
+        return replace(edge, why_not=f"not straight: parts of it lie {off:.2g} samples off")
+    radius = (edge.length / 2.0) ** 2 / max(2.0 * abs(edge.bend), 1e-9)
+    if radius < _BENT_REACH * edge.reach:
+        return replace(edge, why_not=f"not straight: bends by {abs(edge.bend):.2g} samples")
+    if fit.gap > _LARGEST_GAP:
+        return replace(
+            edge,
+            why_not=f"not slanted enough: at {edge.angle_deg:.1f}° its samples lie at distances "
+            f"{fit.gap:.2g} samples apart, of at most {_LARGEST_GAP:g}",
+        )
+    return replace(edge, used=True)
+
+
+def _on_course(edge: FoundEdge, fit: SpreadFit) -> FoundEdge:
+    """The edge turned, bent and moved as the fit has it, through the middle of the step."""
+    across_x, across_y = edge.normal
+    place = np.linspace(-edge.reach / 2.0, edge.reach / 2.0, 801)
+    values, which = fit.spline.at(place)
+    spread = sum(values[k] * fit.coefficients[which[k]] for k in range(4))
+    above = np.flatnonzero(spread > sum(fit.levels) / 2.0)
+    shift = float(place[above[0]]) if len(above) else 0.0
+    return replace(
+        edge,
+        x=edge.x + shift * across_x,
+        y=edge.y + shift * across_y,
+        angle_deg=_turned(edge.angle_deg - math.degrees(math.atan(fit.turn / (edge.length / 2.0)))),
+        bend=edge.bend + fit.bend,
+    )
+
+
+def _off_course(samples: EdgeSamples, fit: SpreadFit, half_length: float) -> float:
+    """Largest distance, less three standard errors, of a piece of an edge from its course."""
+    away = samples.along / half_length
+    distance = samples.distance - fit.turn * away - fit.bend * away**2
+    slope = fit.spline.slopes(distance, fit.coefficients)
+    pieces = max(3, round(2.0 * half_length / _PIECE))
+    piece = np.clip(((away + 1.0) / 2.0 * pieces).astype(np.intp), 0, pieces - 1)
+    square = np.bincount(piece, slope**2, pieces)
+    moved = np.bincount(piece, slope * fit.residual, pieces) / np.maximum(square, 1e-300)
+    noise = float(np.std(fit.residual))
+    return float(np.max(np.abs(moved) - 3.0 * noise / np.sqrt(np.maximum(square, 1e-300))))

@@ -1,0 +1,208 @@
+"""How much of a picture belongs to an edge alone: its length and reach, and what limits them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.physics.measurement.edges.edge_samples import EdgeSamples
+from core.physics.measurement.edges.straight_pieces import Piece
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+LARGEST_REACH = 20
+LEAST_REACH = 5
+LEAST_LENGTH = 14.0
+LEAST_CONTRAST = 6.0  # of the noise
+_REACHES = (20, 16, 13, 10, 8, 6, 5)
+_ENOUGH_REACH = 16.0  # beyond which more reach is worth no length
+_CELL = 4.0  # samples along the edge
+_LEVEL = 0.04  # of the contrast, by which a level side may differ across it
+_ALIKE = 0.06  # of the contrast, by which pieces of the edge may differ
+_OVERSHOOT = 0.35  # of the contrast, beyond the levels
+_SURE = 4.0  # standard errors
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What belongs to an edge.
+
+    Parameters
+    ----------
+    start, end : float
+        Of the edge, along it from the piece's middle.
+    reach : float
+        Samples on both sides.
+    low, high : float
+        Levels.
+    noise_sigma : float
+        Of a sample on the level sides.
+    why_not : str
+        Why there is no such part; empty if there is.
+    """
+
+    start: float
+    end: float
+    reach: float
+    low: float
+    high: float
+    noise_sigma: float
+    why_not: str = ""
+
+
+def frame_reach(*, piece: Piece, shape: tuple[int, ...]) -> float:
+    """Samples beside a piece, on both sides and at both ends, to the frame's border."""
+    across_x, across_y = (
+        math.cos(math.radians(piece.angle_deg)),
+        math.sin(math.radians(piece.angle_deg)),
+    )
+    reach = math.inf
+    for end in (-0.5, 0.0, 0.5):
+        off = piece.bend * 4.0 * end**2
+        x = piece.x - end * piece.length * across_y + off * across_x
+        y = piece.y + end * piece.length * across_x + off * across_y
+        for place, across, last in ((x, across_x, shape[1] - 1), (y, across_y, shape[0] - 1)):
+            room = min(place, last - place)
+            reach = min(reach, room / abs(across) if abs(across) > 1e-3 else reach)
+    return max(reach, 0.0)
+
+
+def surroundings(
+    *, samples: EdgeSamples, length: float, reach: float, noise_sigma: float
+) -> Surroundings:
+    """Choose the length and reach over which a piece is one step between level sides.
+
+    Parameters
+    ----------
+    samples : EdgeSamples
+        Samples about the piece.
+    length, reach : float
+        Of the rectangle they fill.
+    noise_sigma : float
+        Of a sample of the picture, at least.
+
+    Notes
+    -----
+    The samples' means in cells of one sample by four are compared with the medians along the
+    edge. Of the runs of cells that agree within 6 % of the contrast (and four standard errors of
+    the noise) to a reach, the one of the largest length times reach is chosen; its sides must be
+    level within 4 %.
+    """
+    wide = int(min(reach, LARGEST_REACH))
+    cells = max(3, round(length / _CELL))
+    column = np.rint(samples.distance).astype(np.intp) + wide
+    row = np.clip(((samples.along / length + 0.5) * cells).astype(np.intp), 0, cells - 1)
+    inside = (column >= 0) & (column <= 2 * wide)
+    column, row, value = column[inside], row[inside], samples.value[inside]
+    distance = samples.distance[inside]
+    size = 2 * wide + 1
+    profile = _medians(row * size + column, value, cells, size)
+    near, far = 3, min(6, wide)
+    low = float(np.median(profile[wide - far : wide - near + 1]))
+    high = float(np.median(profile[wide + near : wide + far + 1]))
+    contrast = high - low
+    nothing = Surroundings(-length / 2, length / 2, float(wide), low, high, noise_sigma)
+    if not contrast > LEAST_CONTRAST * noise_sigma:
+        return _refused(nothing, _contrast_reason(contrast, noise_sigma))
+    residual = value - np.interp(distance, np.arange(-wide, wide + 1), profile)
+    count = np.bincount(row * size + column, minlength=cells * size).reshape(cells, size)
+    total = np.bincount(row * size + column, residual, cells * size).reshape(cells, size)
+    off = np.abs(total) / np.maximum(count, 1)
+    steep = np.abs(np.gradient(profile))
+    doubt = _SURE * noise_sigma / np.sqrt(np.maximum(count, 1))
+    good = off <= _ALIKE * contrast + 0.3 * steep + doubt
+    best, reasons = None, {}
+    for reach_now in sorted({r for r in _REACHES if r <= wide}, reverse=True):
+        within = good[:, wide - reach_now : wide + reach_now + 1]
+        first, last = _longest_run(np.asarray(within.all(axis=1)))
+        piece_length = (last - first) * length / cells
+        if piece_length < LEAST_LENGTH:
+            reasons[reach_now] = (
+                f"its sides differ along it by {np.max(off[:, wide - 5 : wide + 6]):.2g}"
+                f" of a contrast of {contrast:.3g}"
+            )
+            continue
+        chosen = (row >= first) & (row < last)
+        sides = _sides(distance[chosen], value[chosen], reach_now, noise_sigma, profile, wide)
+        if isinstance(sides, str):
+            reasons[reach_now] = sides
+            continue
+        score = piece_length * min(reach_now, _ENOUGH_REACH)
+        if best is None or score > best[0]:
+            start, end = (k * length / cells - length / 2 for k in (first, last))
+            best = (score, Surroundings(start, end, float(reach_now), *sides))
+    if best is None:
+        return _refused(nothing, reasons[min(reasons)] if reasons else "too near to the frame")
+    return best[1]
+
+
+def _refused(about: Surroundings, reason: str) -> Surroundings:
+    return Surroundings(
+        about.start, about.end, about.reach, about.low, about.high, about.noise_sigma, reason
+    )
+
+
+def _contrast_reason(contrast: float, noise_sigma: float) -> str:
+    times = contrast / max(noise_sigma, 1e-300)
+    return f"too little contrast: {times:.2g} times the noise, of at least {LEAST_CONTRAST:g}"
+
+
+def _medians(place: NDArray[np.intp], value: Vector, cells: int, size: int) -> Vector:
+    """Median over the cells along the edge of the mean at each distance."""
+    count = np.bincount(place, minlength=cells * size).reshape(cells, size)
+    total = np.bincount(place, value, cells * size).reshape(cells, size)
+    means = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    empty = ~(count > 0).any(axis=0)
+    means[:, empty] = np.median(value)
+    return np.asarray(np.nanmedian(means, axis=0), np.float64)
+
+
+def _longest_run(agree: NDArray[np.bool_]) -> tuple[int, int]:
+    """First, and one beyond the last, of the longest run of true values."""
+    steps = np.flatnonzero(np.diff(np.concatenate([[False], agree, [False]]).astype(np.int8)))
+    if len(steps) == 0:
+        return 0, 0
+    starts, ends = steps[::2], steps[1::2]
+    k = int(np.argmax(ends - starts))
+    return int(starts[k]), int(ends[k])
+
+
+def _sides(
+    distance: Vector,
+    value: Vector,
+    reach: int,
+    noise_sigma: float,
+    profile: Vector,
+    wide: int,
+) -> tuple[float, float, float] | str:
+    """Levels and noise of the outer halves of both sides, or why they are not level."""
+    levels, variances, steps = [], [], []
+    for side in (-1.0, 1.0):
+        away = side * distance
+        inner = value[(away > 0.5 * reach) & (away <= 0.75 * reach)]
+        outer = value[(away > 0.75 * reach) & (away <= reach)]
+        if len(inner) < 8 or len(outer) < 8:
+            return "too few samples beside it"
+        error = math.sqrt(inner.var() / len(inner) + outer.var() / len(outer))
+        levels.append(float(np.mean(np.concatenate([inner, outer]))))
+        variances.append(float((inner.var() + outer.var()) / 2.0))
+        steps.append((abs(float(outer.mean() - inner.mean())), error))
+    contrast = levels[1] - levels[0]
+    noise = math.sqrt(sum(variances) / 2.0)
+    if not contrast > LEAST_CONTRAST * max(noise, noise_sigma):
+        return _contrast_reason(contrast, max(noise, noise_sigma))
+    for change, error in steps:
+        if change > _LEVEL * contrast + 3.0 * error:
+            return (
+                f"{reach} samples from it a side is not level: it changes by "
+                f"{change / contrast:.0%} of the contrast"
+            )
+    part = (profile[wide - reach : wide + reach + 1] - levels[0]) / contrast
+    excess = max(float(part.max()) - 1.0, -float(part.min()))
+    if excess > _OVERSHOOT:
+        return f"another edge within {reach} samples"
+    return levels[0], levels[1], noise

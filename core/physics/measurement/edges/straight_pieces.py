@@ -1,0 +1,171 @@
+"""Straight, or slightly bent, pieces of a picture's ridges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.physics.measurement.edges.ridge_points import RidgePoints
+
+Vector = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_SECTOR_DEG = 40.0
+_LARGEST_TURN_DEG = 25.0  # between neighbours
+_OFF = 0.8  # samples that a point may lie off its piece's parabola
+_LARGEST_BEND = 2.5  # samples, of a piece's ends
+_SHARED = 0.3  # of its points, above which a piece repeats a longer one
+_NEIGHBOURS = [(0, 1), (1, -1), (1, 0), (1, 1), (0, 2), (1, -2), (1, 2), (2, -1), (2, 0), (2, 1)]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A piece of a ridge.
+
+    Parameters
+    ----------
+    x, y : float
+        Its middle.
+    angle_deg : float
+        Of the normal towards the brighter side.
+    length : float
+        Samples.
+    bend : float
+        Of its ends off the tangent at the middle, along the normal.
+    strength : float
+        Median gradient of its points.
+    points : ndarray of int
+        Which they are.
+    """
+
+    x: float
+    y: float
+    angle_deg: float
+    length: float
+    bend: float
+    strength: float
+    points: Index
+
+
+def straight_pieces(
+    *, points: RidgePoints, shape: tuple[int, ...], least_length: float
+) -> list[Piece]:
+    """Link ridge points of like direction and part them into pieces, longest first.
+
+    Parameters
+    ----------
+    points : RidgePoints
+        Ridges of a picture.
+    shape : tuple of int
+        Rows and columns of it.
+    least_length : float
+        Of a piece, samples.
+
+    Notes
+    -----
+    Neighbours are linked within sectors of 40°, once more with the sectors shifted by half, so
+    that every direction lies well inside one; of pieces that share their points the longest
+    remains. A chain that leaves its parabola is parted where it is farthest from its chord.
+    """
+    if len(points.x) == 0:
+        return []
+    pairs = _neighbours(points, shape)
+    pieces: list[Piece] = []
+    for shift in (0.0, _SECTOR_DEG / 2.0):
+        sector = ((points.angle_deg + shift) % 360.0 // _SECTOR_DEG).astype(np.intp)
+        for chain in _chains(pairs, sector, least_length):
+            pieces.extend(_parted(points, chain, least_length))
+    pieces.sort(key=lambda piece: -piece.length)
+    claimed = np.zeros(len(points.x), np.bool_)
+    chosen = []
+    for piece in pieces:
+        if np.mean(claimed[piece.points]) <= _SHARED:
+            claimed[piece.points] = True
+            chosen.append(piece)
+    return chosen
+
+
+def _neighbours(points: RidgePoints, shape: tuple[int, ...]) -> tuple[Index, Index]:
+    """Pairs of points that are neighbours and have nearly the same direction."""
+    rows, columns = shape
+    number = np.full((rows + 4, columns + 4), -1, np.int32)
+    number[points.row + 2, points.column + 2] = np.arange(len(points.x), dtype=np.int32)
+    first, second = [], []
+    for down, right in _NEIGHBOURS:
+        other = number[points.row + 2 + down, points.column + 2 + right]
+        here = np.flatnonzero(other >= 0)
+        there = other[here].astype(np.intp)
+        turn = np.abs(points.angle_deg[here] - points.angle_deg[there])
+        alike = np.minimum(turn, 360.0 - turn) < _LARGEST_TURN_DEG
+        first.append(here[alike])
+        second.append(there[alike])
+    return np.concatenate(first), np.concatenate(second)
+
+
+def _chains(pairs: tuple[Index, Index], sector: Index, least_length: float) -> list[Index]:
+    """Points that hang together within a sector, of enough points for the length."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    first, second = pairs
+    same = sector[first] == sector[second]
+    links = coo_array(
+        (np.ones(int(same.sum()), np.int8), (first[same], second[same])),
+        shape=(len(sector), len(sector)),
+    )
+    _, label = connected_components(links, directed=False)
+    order = np.argsort(label, kind="stable")
+    count = np.bincount(label)
+    ends = np.cumsum(count)
+    enough = np.flatnonzero(count >= 0.7 * least_length)
+    return [order[ends[k] - count[k] : ends[k]] for k in enough]
+
+
+def _parted(points: RidgePoints, chain: Index, least_length: float) -> list[Piece]:
+    """Pieces of a chain that lie along parabolas."""
+    waiting, pieces = [chain], []
+    while waiting:
+        part = waiting.pop()
+        if len(part) < 0.7 * least_length:
+            continue
+        x, y = points.x[part], points.y[part]
+        middle_x, middle_y = x.mean(), y.mean()
+        angle = np.radians(points.angle_deg[part])
+        direction = np.arctan2(np.sin(angle).sum(), np.cos(angle).sum())
+        for _ in range(2):
+            across_x, across_y = np.cos(direction), np.sin(direction)
+            along = across_x * (y - middle_y) - across_y * (x - middle_x)
+            away = across_x * (x - middle_x) + across_y * (y - middle_y)
+            direction -= np.arctan(np.polyfit(along, away, 1)[0])
+        across_x, across_y = np.cos(direction), np.sin(direction)
+        along = across_x * (y - middle_y) - across_y * (x - middle_x)
+        away = across_x * (x - middle_x) + across_y * (y - middle_y)
+        start, end = float(along.min()), float(along.max())
+        length = end - start
+        if length < least_length:
+            continue
+        place = (along - (start + end) / 2.0) / (length / 2.0)
+        curve = np.polyfit(place, away, 2)
+        off = np.abs(away - np.polyval(curve, place))
+        if off.max() > _OFF or abs(curve[0]) > _LARGEST_BEND:
+            chord = np.abs(away - np.polyval(np.polyfit(place, away, 1), place))
+            inner = np.abs(place) < 0.9
+            at = along[np.argmax(np.where(inner, chord, -1.0))]
+            waiting.extend([part[along < at], part[along >= at]])
+            continue
+        shift = float(np.polyval(curve, 0.0))
+        centre = (start + end) / 2.0
+        pieces.append(
+            Piece(
+                x=float(middle_x + shift * across_x - centre * across_y),
+                y=float(middle_y + shift * across_y + centre * across_x),
+                angle_deg=float(np.degrees(direction)),
+                length=length,
+                bend=float(curve[0]),
+                strength=float(np.median(points.strength[part])),
+                points=part,
+            )
+        )
+    return pieces
