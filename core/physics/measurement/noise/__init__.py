@@ -1,0 +1,1 @@
+"""Noise of a camera from a picture of its scene: flat areas, levels, rows, columns and lines."""

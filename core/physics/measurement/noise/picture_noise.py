@@ -1,0 +1,312 @@
+"""Noise of a camera from one picture: of a sample, over the level, by its kinds.
+
+What counts as noise of a sample is random from sample to sample: shot noise, read noise, and what
+rounding adds. What rows, columns and periodic lines have of their own is not in it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import DataError
+from core.physics.measurement.noise.flat_blocks import FlatBlocks, flat_blocks
+from core.physics.measurement.noise.picture_blocks import (
+    FINE,
+    SIDE,
+    PictureBlocks,
+    picture_blocks,
+)
+from core.physics.measurement.noise.power_parts import NoisePower, noise_power
+from core.physics.measurement.noise.rounding_step import rounding_step
+from core.physics.measurement.noise.variance_line import VarianceLine
+
+Matrix = NDArray[np.float64]
+Vector = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_LEAST_BLOCKS = 24
+_COARSE_STEPS = 0.45  # deviations of the noise in steps, below which rounding does not add 1/12
+_LEVELS = 16
+_LEAST_IN_LEVEL = 12
+_RISES = 5.0  # standard errors by which the variance must rise for a gain
+_STILL, _STILL_SHARE = 1e-6, 0.05  # of the level: what single precision leaves; blocks with less
+_PILE = 3.0  # as many samples at the last value as at its neighbour: clipped
+
+
+@dataclass(frozen=True)
+class LevelVariance:
+    """Noise at one level.
+
+    Parameters
+    ----------
+    level, variance, variance_error : float
+        Mean level, variance of a sample and its standard error.
+    samples : int
+        In flat areas of that level.
+    """
+
+    level: float
+    variance: float
+    variance_error: float
+    samples: int
+
+
+@dataclass(frozen=True)
+class PictureNoise:
+    """What a picture shows of its noise; None, with a reason, of what it does not.
+
+    Parameters
+    ----------
+    sigma, sigma_error : float or None
+        Standard deviation of a sample at the picture's mean level, rounding included, and its
+        standard error.
+    sigma_reason : str
+        Why there is none.
+    mean_level : float
+        Mean of the samples that count.
+    gain_e_per_dn, gain_error, gain_reason
+        Electrons of one unit of the picture.
+    read_noise_dn, read_noise_error, read_noise_reason
+        Noise at the level without light, rounding taken off.
+    levels : tuple of LevelVariance
+        Variance over the level, from dark to bright.
+    power : NoisePower or None
+        Parts of the noise; None where there is no sigma.
+    step : float or None
+        Of the converter, in the picture's unit; None where the samples show none.
+    flat : ndarray of bool, shape (rows // 8, columns // 8)
+        Blocks of 8 × 8 samples that were measured in.
+    remarks : tuple of str
+        What to know of the figures.
+    """
+
+    sigma: float | None
+    sigma_error: float | None
+    sigma_reason: str
+    mean_level: float
+    gain_e_per_dn: float | None
+    gain_error: float | None
+    gain_reason: str
+    read_noise_dn: float | None
+    read_noise_error: float | None
+    read_noise_reason: str
+    levels: tuple[LevelVariance, ...]
+    power: NoisePower | None
+    step: float | None
+    flat: Mask
+    remarks: tuple[str, ...]
+
+    @property
+    def rounding_variance(self) -> float:
+        """What rounding adds to the variance of a sample (Bennett 1948)."""
+        return 0.0 if self.step is None else self.step**2 / 12.0
+
+
+def noise_of_picture(
+    *,
+    picture: Matrix,
+    avoid: Mask | None = None,
+    offset: float = 0.0,
+    check: Callable[[], None] = lambda: None,
+) -> PictureNoise:
+    """Measure the noise in the flat parts of a picture.
+
+    Parameters
+    ----------
+    picture : ndarray, shape (rows, columns)
+        Samples of any unit.
+    avoid : ndarray of bool, optional
+        Samples that do not count.
+    offset : float
+        Level without light, for the read noise.
+    check : callable
+        Called between steps; may raise to stop.
+
+    Raises
+    ------
+    DataError
+        If the picture is no matrix of finite samples, or is smaller than a block.
+
+    Notes
+    -----
+    Source: the choice of flat blocks by their coarse waves, and the variance of their fine ones,
+    after Ponomarenko et al. 2007 (8 × 8 cosine transform); the line over the level as Foi et al.
+    2008, fitted to the blocks themselves.
+    """
+    if picture.ndim != 2 or min(picture.shape) < SIDE:
+        raise DataError(
+            f"noise needs a picture of at least {SIDE} × {SIDE} samples, not "
+            f"{' × '.join(map(str, picture.shape))}"
+        )
+    good = _good(picture, avoid)
+    blocks = picture_blocks(picture=picture, good=good, check=check)
+    check()
+    mean = float(picture.mean() if good is None else picture[good].mean()) if _any(good) else 0.0
+    step = rounding_step(picture=picture)
+    check()
+    enough = len(blocks.level) >= _LEAST_BLOCKS
+    if enough and _still(blocks):
+        return _nothing(_hidden(step), mean, step, blocks)
+    flat = flat_blocks(blocks=blocks) if enough else None
+    if flat is None or np.count_nonzero(flat.chosen) < _LEAST_BLOCKS:
+        return _nothing(
+            f"{0 if flat is None else np.count_nonzero(flat.chosen)} blocks of {SIDE} × {SIDE} "
+            f"samples are flat, of at least {_LEAST_BLOCKS}: texture or edges are everywhere",
+            mean,
+            step,
+            blocks,
+        )
+    return _measured(blocks, flat, mean, step, offset, check)
+
+
+def _still(blocks: PictureBlocks) -> bool:
+    """Whether a share of the blocks have no noise at all."""
+    least = (_STILL * float(np.abs(blocks.level).max())) ** 2
+    return float(np.mean(blocks.mean_power(FINE) <= least)) > _STILL_SHARE
+
+
+def _hidden(step: float | None) -> str:
+    if step is None:
+        return "the flat areas have no noise"
+    return f"the noise is finer than the converter's step of {step:.4g}, which hides it"
+
+
+def _any(good: Mask | None) -> bool:
+    return good is None or bool(good.any())
+
+
+def _good(picture: Matrix, avoid: Mask | None) -> Mask | None:
+    """Samples that count: not avoided, and not piled up at the first or last value."""
+    low, high = float(picture.min()), float(picture.max())
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise DataError("the picture has samples that are not finite numbers: noise needs finite")
+    good = None if avoid is None else ~avoid
+    for end, inside in ((low, 1.0), (high, -1.0)):
+        if _piled_up(picture, end, inside):
+            free = picture != end
+            good = free if good is None else good & free
+    return good
+
+
+def _piled_up(picture: Matrix, end: float, inside: float) -> bool:
+    """Whether the end of the values holds more samples than what lies next to it."""
+    at_end = picture == end
+    many = int(np.count_nonzero(at_end))
+    if many < SIDE * SIDE:
+        return False
+    others = picture[~at_end]
+    if not len(others):
+        return False
+    neighbour = float(others.min() if inside > 0.0 else others.max())
+    return many > _PILE * int(np.count_nonzero(others == neighbour))
+
+
+def _measured(
+    blocks: PictureBlocks,
+    flat: FlatBlocks,
+    mean: float,
+    step: float | None,
+    offset: float,
+    check: Callable[[], None],
+) -> PictureNoise:
+    """Figures of the flat blocks."""
+    level, variance = blocks.level[flat.chosen], flat.variance[flat.chosen]
+    rounding = 0.0 if step is None else step**2 / 12.0
+    if flat.even:
+        at_mean, error = flat.line.at(mean)
+    else:
+        at_mean = float(variance.mean())
+        error = float(variance.std()) / math.sqrt(len(variance))
+    hidden = step is not None and at_mean - rounding < (_COARSE_STEPS * step) ** 2
+    if hidden or not at_mean > 0.0:
+        return _nothing(_hidden(step), mean, step, blocks)
+    remarks = []
+    if flat.even:
+        gain = _gain(flat.line, level)
+        read = _read_noise(flat.line, rounding, offset)
+    else:
+        reason = "the noise differs from place to place by more than its level explains"
+        remarks.append(
+            reason
+            + ": sigma is the root of its mean variance (noise filter of the camera, or fine "
+            "texture)"
+        )
+        gain = read = None, None, reason
+    sigma = math.sqrt(at_mean)
+    where = np.zeros(blocks.grid[0] * blocks.grid[1], bool)
+    where[blocks.place[flat.chosen]] = True
+    return PictureNoise(
+        sigma,
+        error / (2.0 * sigma),
+        "",
+        mean,
+        *gain,
+        *read,
+        _levels(level, variance),
+        noise_power(blocks=blocks, flat=flat, white=at_mean, white_error=error, check=check),
+        step,
+        where.reshape(blocks.grid),
+        tuple(remarks),
+    )
+
+
+Figure = tuple[float | None, float | None, str]
+
+
+def _gain(line: VarianceLine, level: Vector) -> Figure:
+    """Electrons of one unit, and the standard error, where the variance rises with the level."""
+    if line.slope <= _RISES * line.slope_error:
+        return (
+            None,
+            None,
+            f"the variance does not rise clearly with the level: by {line.slope:.3g} ± "
+            f"{line.slope_error:.2g} between levels {level.min():.4g} and {level.max():.4g}",
+        )
+    return 1.0 / line.slope, line.slope_error / line.slope**2, ""
+
+
+def _read_noise(line: VarianceLine, rounding: float, offset: float) -> Figure:
+    """Where the line meets the level without light."""
+    variance, error = line.at(offset)
+    variance -= rounding
+    if variance <= 2.0 * error:
+        return (
+            None,
+            None,
+            f"the variance at level {offset:.4g}, without light, is {variance:.3g} ± {error:.2g} "
+            "less rounding: dark areas are missing, or that is not the level without light",
+        )
+    return math.sqrt(variance), error / (2.0 * math.sqrt(variance)), ""
+
+
+def _levels(level: Vector, variance: Vector) -> tuple[LevelVariance, ...]:
+    """Blocks in steps of level, those with few left out."""
+    low, high = float(level.min()), float(level.max())
+    width = (high - low) / _LEVELS
+    bins = np.minimum((level - low) / width, _LEVELS - 1.0).astype(int) if width > 0.0 else None
+    parts = [np.ones(len(level), bool)] if bins is None else [bins == k for k in range(_LEVELS)]
+    measured = []
+    for part in parts:
+        many = int(np.count_nonzero(part))
+        if many < min(_LEAST_IN_LEVEL, len(level)):
+            continue
+        values = variance[part]
+        error = float(values.std(ddof=1)) / math.sqrt(many)
+        measured.append(
+            LevelVariance(
+                float(level[part].mean()), float(values.mean()), error, many * SIDE * SIDE
+            )
+        )
+    return tuple(measured)
+
+
+def _nothing(reason: str, mean: float, step: float | None, blocks: PictureBlocks) -> PictureNoise:
+    """No figures, and why."""
+    nothing = None, None, reason
+    flat = np.zeros(blocks.grid, bool)
+    return PictureNoise(*nothing, mean, *nothing, *nothing, (), None, step, flat, ())

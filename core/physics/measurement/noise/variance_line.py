@@ -1,0 +1,96 @@
+"""Noise variance over level: a straight line through blocks, its gain and its read noise.
+
+Shot noise adds an electron of variance for each electron: σ² = σ_read² + (level − offset)/K in
+digital numbers, K electrons of one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+_ROUNDS = 6
+_LEAST = 0.05  # of the mean variance, below which no level counts for more
+
+
+@dataclass(frozen=True)
+class VarianceLine:
+    """Variance = `middle` + `slope` · (level − `centre`), and the covariance of both.
+
+    Parameters
+    ----------
+    centre : float
+        Mean level of the blocks, by weight.
+    middle, slope : float
+        Variance there, and by how much it rises with the level.
+    middle_error, slope_error, covariance : float
+        Standard errors, from the scatter of the blocks themselves.
+    scatter : float
+        Variance of the blocks' own estimates over that of normal white noise: 1 of such.
+    """
+
+    centre: float
+    middle: float
+    slope: float
+    middle_error: float
+    slope_error: float
+    covariance: float
+    scatter: float
+
+    def at(self, level: float) -> tuple[float, float]:
+        """Variance at a level, and its standard error."""
+        away = level - self.centre
+        variance = (
+            self.middle_error**2 + 2.0 * away * self.covariance + (away * self.slope_error) ** 2
+        )
+        return self.middle + self.slope * away, math.sqrt(max(variance, 0.0))
+
+    def over(self, level: Vector) -> Vector:
+        """Variance at levels, never below a small share of the mean."""
+        return np.maximum(self.middle + self.slope * (level - self.centre), _LEAST * self.middle)
+
+
+def variance_line(*, level: Vector, variance: Vector, freedom: int) -> VarianceLine:
+    """Fit the line to the variance of blocks.
+
+    Parameters
+    ----------
+    level, variance : ndarray, shape (blocks,)
+        Of each block; at least two.
+    freedom : int
+        Degrees of freedom of a block's variance.
+
+    Notes
+    -----
+    Weights are those of normal noise of the line's own variance, iterated (a weight from a block's
+    own estimate would favour those that came out low). The errors are those that hold whatever the
+    blocks' scatter (White 1980).
+    """
+    mean = float(variance.mean())
+    if not mean > 0.0:
+        return VarianceLine(float(level.mean()), 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    model = np.full(len(level), mean)
+    for _ in range(_ROUNDS):
+        weight = 1.0 / model**2
+        total = weight.sum()
+        centre = float(weight @ level / total)
+        away = level - centre
+        spread = float(weight @ (away * away))
+        middle = float(weight @ variance / total)
+        slope = float(weight @ (away * variance)) / spread if spread > 0.0 else 0.0
+        line = middle + slope * away
+        model = np.maximum(line, _LEAST * mean)
+    off = weight * (variance - line)
+    correction = len(level) / max(len(level) - 2.0, 1.0)
+    middle_error = math.sqrt(correction * float(off @ off)) / total
+    turned = off * away
+    slope_error = covariance = 0.0
+    if spread > 0.0:
+        slope_error = math.sqrt(correction * float(turned @ turned)) / spread
+        covariance = correction * float(off @ turned) / (total * spread)
+    scatter = float(np.mean((variance / model - line / model) ** 2)) * freedom / 2.0
+    return VarianceLine(centre, middle, slope, middle_error, slope_error, covariance, scatter)

@@ -1,0 +1,93 @@
+"""Noise of single pictures whose random parts are known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from core.errors import DataError
+from core.physics.measurement.noise.picture_noise import noise_of_picture
+from noisy_scenes import Sensor, blurred, polygons
+
+LEVELS = (4000, 200, 12_000, 1000, 25_000, 7000, 18_000, 600)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return blurred(polygons(240, 320, LEVELS, seed=3), sigma=0.5)
+
+
+def test_sigma_gain_and_read_noise_of_polygons(scene):
+    sensor = Sensor(gain=4.0, read_e=40.0)
+    noise = noise_of_picture(picture=sensor.picture(scene, seed=1))
+    truth = sensor.sigma(scene.mean())
+    assert noise.sigma == pytest.approx(truth, rel=0.03)
+    assert abs(noise.sigma - truth) < 3 * noise.sigma_error
+    assert noise.gain_e_per_dn == pytest.approx(4.0, rel=0.05)
+    assert abs(noise.gain_e_per_dn - 4.0) < 3 * noise.gain_error
+    assert abs(noise.read_noise_dn - 10.0) < 3 * noise.read_noise_error
+    assert noise.step == 1.0
+    expected = [sensor.sigma(4.0 * part.level) ** 2 for part in noise.levels]
+    pulls = [
+        (part.variance - truth) / part.variance_error
+        for part, truth in zip(noise.levels, expected, strict=True)
+    ]
+    assert len(pulls) > 4
+    assert np.abs(pulls).max() < 4
+
+
+def test_rows_and_columns(scene):
+    sensor = Sensor(rows=6.0, columns=3.0, bits=None)
+    noise = noise_of_picture(picture=sensor.picture(scene, seed=2))
+    assert noise.sigma == pytest.approx(sensor.sigma(scene.mean()), rel=0.03)
+    for part, truth in ((noise.power.rows, 36.0), (noise.power.columns, 9.0)):
+        assert part.significant
+        assert abs(part.variance - truth) < 3 * part.variance_error
+    without = noise_of_picture(picture=Sensor().picture(scene, seed=2)).power
+    assert not without.rows.significant
+    assert not without.columns.significant
+
+
+def test_one_level_has_no_gain():
+    picture = 500 + 3 * np.random.default_rng(4).standard_normal((200, 240))
+    noise = noise_of_picture(picture=picture)
+    assert noise.sigma == pytest.approx(3.0, rel=0.03)
+    assert noise.gain_e_per_dn is None
+    assert "does not rise clearly with the level" in noise.gain_reason
+
+
+def test_noise_hidden_by_rounding():
+    picture = np.rint(100 + 0.2 * np.random.default_rng(5).standard_normal((200, 240)))
+    noise = noise_of_picture(picture=picture)
+    assert noise.sigma is None
+    assert "finer than the converter's step of 1" in noise.sigma_reason
+
+
+def test_no_noise_and_no_flat_area():
+    shading = np.add.outer(np.sqrt(np.arange(160.0)), 0.37 * np.arange(200.0))
+    assert "no noise" in noise_of_picture(picture=shading).sigma_reason
+    waves = np.cumsum(np.cumsum(np.random.default_rng(6).standard_normal((160, 200)), 0), 1)
+    rough = noise_of_picture(picture=waves)
+    assert rough.sigma is None
+    assert "blocks of 8 × 8 samples are flat" in rough.sigma_reason
+
+
+def test_clipped_and_avoided_samples_do_not_count(scene):
+    sensor = Sensor(read_e=40.0)
+    picture = sensor.picture(scene, seed=7).clip(0, 5000)
+    picture[:40, :40] += 300 * np.random.default_rng(8).standard_normal((40, 40))
+    avoid = np.zeros(picture.shape, bool)
+    avoid[:40, :40] = True
+    noise = noise_of_picture(picture=picture, avoid=avoid)
+    assert abs(noise.gain_e_per_dn - 4.0) < 3 * noise.gain_error
+    assert max(part.level for part in noise.levels) < 4700
+    assert not noise.flat[:5, :5].any()
+
+
+def test_refusals():
+    with pytest.raises(DataError, match="at least 8 × 8 samples, not 7 × 90"):
+        noise_of_picture(picture=np.zeros((7, 90)))
+    picture = np.zeros((50, 50))
+    picture[3, 4] = math.nan
+    with pytest.raises(DataError, match="not finite"):
+        noise_of_picture(picture=picture)
