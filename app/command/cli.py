@@ -114,6 +114,11 @@ def _carry_out(words: list[str], stop: Stop) -> None:
 
         _stop_if(stop)
         solve_readout(options, stop)
+    elif options.command == "measure":
+        from app.command.measure_command import measure
+
+        _stop_if(stop)
+        measure(options, stop)
     elif options.command == "photon-transfer":
         from app.command.photon_transfer_command import measure_photon_transfer
 

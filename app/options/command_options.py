@@ -14,6 +14,7 @@ from app.options.command_words import (
     bench_words,
     edit_words,
     handbook_words,
+    measure_words,
     network_words,
     photon_transfer_words,
     place_words,
@@ -27,7 +28,9 @@ from app.options.option_values import (
     Save,
     assignment,
     file_path,
+    file_paths,
     finite_number,
+    named_path,
     output_path,
     report_path,
     save_target,
@@ -43,6 +46,7 @@ from core.errors import UsageError
 from core.evaluation.policy import Precision
 from core.modules.parameters import LARGEST_INTEGER
 from core.names import close, shown
+from nodes.files.common.file_format import CSV, HTML, JSON
 from nodes.files.formats import PNG
 
 _EPILOG = """\
@@ -64,8 +68,8 @@ class Options:
     """What the command line gives."""
 
     command: Literal[
-        "edit", "run", "check", "tradeoff", "study", "solve", "photon-transfer", "modules",
-        "networks", "bench", "handbook",
+        "edit", "run", "check", "tradeoff", "study", "solve", "measure", "photon-transfer",
+        "modules", "networks", "bench", "handbook",
     ]  # fmt: skip
     network: str = ""
     settings: tuple[Assignment, ...] = ()
@@ -87,6 +91,11 @@ class Options:
     summaries: tuple[Path, ...] = ()
     figures: tuple[str, ...] = ()
     outputs: tuple[Path, ...] = ()
+    pictures: tuple[Path, ...] = ()
+    band: int | None = None
+    fov_x_deg: float | None = None
+    measured_json: Path | None = None
+    measured_csv: Path | None = None
     flats: tuple[Path, ...] = ()
     dark: Path | None = None
     offset_dn: float | None = None
@@ -259,13 +268,30 @@ def _study(arguments: argparse.Namespace, common: dict[str, Any]) -> Options:
 
 
 def _photon_transfer(arguments: argparse.Namespace) -> Options:
-    flats = (file_path("photon-transfer", text) for text in arguments.flats)
     return Options(
         "photon-transfer",
-        flats=tuple(file for file in flats if file is not None),
+        flats=file_paths("photon-transfer", arguments.flats),
         dark=file_path("--dark", arguments.dark),
         offset_dn=finite_number("--offset-dn", arguments.offset_dn),
         outputs=tuple(transfer_path(text) for text in arguments.output),
+    )
+
+
+def _measure(arguments: argparse.Namespace) -> Options:
+    if not arguments.flats and (arguments.dark or arguments.offset_dn):
+        raise UsageError("--dark and --offset-dn go with --flats, of which there are none")
+    report = named_path("--report", arguments.report, HTML)
+    return Options(
+        "measure",
+        pictures=file_paths("measure", arguments.pictures),
+        band=whole_number("--band", arguments.band),
+        fov_x_deg=finite_number("--fov-x-deg", arguments.fov_x_deg),
+        measured_json=named_path("--json", arguments.json, JSON),
+        measured_csv=named_path("--csv", arguments.csv, CSV),
+        reports=(report,) if report is not None else (),
+        flats=file_paths("--flats", arguments.flats),
+        dark=file_path("--dark", arguments.dark),
+        offset_dn=finite_number("--offset-dn", arguments.offset_dn),
     )
 
 
@@ -274,6 +300,7 @@ _SIMPLE: Mapping[str, Callable[[argparse.Namespace], Options]] = MappingProxyTyp
         "networks": lambda _: Options("networks"),
         "modules": _modules,
         "photon-transfer": _photon_transfer,
+        "measure": _measure,
         "handbook": _handbook,
     }
 )
@@ -353,6 +380,7 @@ _COMMANDS: Mapping[str, tuple[str, Callable[[argparse.ArgumentParser], object]]]
         "tradeoff": ("figures of merit as a parameter moves", tradeoff_words),
         "study": ("figures and pictures at many points, over many scenes", study_words),
         "solve": ("the value of a parameter at which a read-out is as wanted", solve_words),
+        "measure": ("edges, MTF and noise of pictures of a camera", measure_words),
         "photon-transfer": (
             "gain, read noise and full well from frames of flat fields",
             photon_transfer_words,

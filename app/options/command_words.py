@@ -311,6 +311,68 @@ def _numerical_words(parser: argparse.ArgumentParser) -> None:
     add("--threads", action=Once, metavar="N", help="worker threads (default: all)")
 
 
+def measure_words(parser: argparse.ArgumentParser) -> None:
+    """``imagechain measure``."""
+    add: Any = parser.add_argument
+    parser.description = (
+        "Measure pictures of a camera, real or simulated: edges that can be used are searched for "
+        "in each, and the MTF measured across every one of them, with its standard error (ISO "
+        "12233), and pooled across and along; of edges that are not used, why not. Noise is that "
+        "of flat areas. Several pictures of one size, or files of frames, are taken as of one "
+        "camera: their edges are pooled, and where they show the same scene, their noise is split "
+        "by time, rows and columns."
+    )
+    parser.epilog = (
+        "A picture of red, green and blue is measured by its luminance (0.2126 R + 0.7152 G + "
+        "0.0722 B of the numbers as stored), one of other bands by --band. What could not be "
+        "measured is absent, with the reason. Example: imagechain measure picture.tif --report "
+        "measured.html --csv mtf.csv"
+    )
+    add(
+        "pictures",
+        metavar="PICTURE",
+        nargs="+",
+        help="a picture of any format that is read, or frames: .npy (frames, rows, columns), TIFF "
+        "of a page each, ENVI of bands without wavelengths",
+    )
+    add("--json", action=Once, metavar="FILE", help="write everything that was measured, as .json")
+    add(
+        "--csv",
+        action=Once,
+        metavar="FILE",
+        help="write the pooled MTF as a .csv table that the module MTF File reads",
+    )
+    add(
+        "--report",
+        action=Once,
+        metavar="FILE",
+        help="write a page, .html, with the edges drawn on the picture",
+    )
+    add("--band", action=Once, metavar="N", help="band or colour to measure, counted from 0")
+    add(
+        "--fov-x-deg",
+        action=Once,
+        metavar="DEG",
+        help="field of view across, for frequencies in cycles/mrad (default: the header's)",
+    )
+    add(
+        "--flats",
+        action="extend",
+        nargs="+",
+        default=[],
+        metavar="FILE",
+        help="frames of flat fields, a file for each level, for the photon transfer curve (see "
+        "imagechain photon-transfer --help)",
+    )
+    add("--dark", action=Once, metavar="FILE", help="with --flats: frames without light")
+    add(
+        "--offset-dn",
+        action=Once,
+        metavar="DN",
+        help="with --flats: the number of no electrons, where there are no dark frames",
+    )
+
+
 def photon_transfer_words(parser: argparse.ArgumentParser) -> None:
     """``imagechain photon-transfer``."""
     add: Any = parser.add_argument

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -164,6 +165,17 @@ def file_path(option: str, text: str | None) -> Path | None:
     return Path(text)
 
 
+def file_paths(option: str, texts: Sequence[str]) -> tuple[Path, ...]:
+    """Several files."""
+    paths = (file_path(option, text) for text in texts)
+    return tuple(path for path in paths if path is not None)
+
+
+def named_path(option: str, text: str | None, *allowed: Format) -> Path | None:
+    """A file whose name ends as those of a format do, None if not given."""
+    return None if text is None else _with_suffix(option, text, allowed)
+
+
 def whole_number(option: str, text: str | None, largest: int | None = None) -> int | None:
     """A whole number, None if not given; `largest` is for the message, its user checks it."""
     if text is None:
@@ -185,7 +197,7 @@ def tolerance(text: str | None) -> float | None:
 
 
 def _or(words: tuple[str, ...]) -> str:
-    return ", ".join(words[:-1]) + " or " + words[-1]
+    return " or ".join((", ".join(words[:-1]), words[-1])) if len(words) > 1 else words[0]
 
 
 def size_in_bytes(option: str, text: str | None) -> int | None:

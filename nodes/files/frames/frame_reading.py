@@ -112,6 +112,22 @@ def open_frames(path: Path) -> FrameFile:
     return found
 
 
+def tiff_pages(path: Path) -> int:
+    """How many pages a TIFF has.
+
+    Raises
+    ------
+    FileError
+        The file is damaged.
+    """
+    file = readable_file(path)
+    try:
+        with _mapped_tiff(file) as content:
+            return sum(1 for _ in directories(content))
+    except (KeyError, ValueError, struct.error) as error:
+        raise FileError(f"{path}: this TIFF file is damaged: its directories: {error}") from error
+
+
 def _npy(path: Path) -> FrameFile:
     mapped = mapped_npy(path)
     if mapped.dtype.kind not in "buif":

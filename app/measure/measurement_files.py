@@ -1,0 +1,187 @@
+"""A measurement as JSON, and as a table of MTF that the module MTF File reads."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from app.measure.picture_measurement import (
+    FlatCurve,
+    MeasuredEdge,
+    MtfCurve,
+    NoiseFigures,
+    PictureMeasurement,
+)
+from core.errors import DataError
+from core.physics.noise.noise_components import COMPONENTS
+from core.physics.noise.noise_cube import MeasuredNoise
+from nodes.files.lens.mtf_table import LARGEST_MTF
+
+Json = dict[str, Any]
+
+
+def measurement_json(measured: PictureMeasurement) -> str:
+    """The measurement as JSON; what could not be measured is absent, and a reason stands there."""
+    content: Json = {
+        "format": "imagechain-measurement",
+        "version": 1,
+        "pictures": [
+            {"file": file.name, "frames": file.frames, **_given(taken=file.taken or None)}
+            for file in measured.files
+        ],
+        "rows": measured.rows,
+        "columns": measured.columns,
+        **_given(
+            unit=measured.unit or None,
+            interval_x_mrad=measured.interval_x_mrad,
+            interval_y_mrad=measured.interval_y_mrad,
+        ),
+        "mtf": {
+            "x": _curve(measured.x, measured.reason_x, measured.interval_x_mrad),
+            "y": _curve(measured.y, measured.reason_y, measured.interval_y_mrad),
+        },
+        "noise": _noise(measured.noise, measured.noise_reason),
+        "edges": [_edge(edge, measured.picture_count > 1) for edge in measured.edges],
+    }
+    if measured.picture_count > 1:
+        content["frames"] = _frames(measured.frames, measured.frames_reason)
+    if measured.flats is not None or measured.flats_reason:
+        content["flats"] = _flats(measured.flats, measured.flats_reason)
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def measurement_csv(measured: PictureMeasurement) -> str:
+    """The pooled MTF as a table that the module MTF File reads: cycles a pixel, across, along.
+
+    Raises
+    ------
+    DataError
+        There is no MTF in either direction.
+    """
+    curves = {"mtf_x": measured.x, "mtf_y": measured.y}
+    known = {name: curve for name, curve in curves.items() if curve is not None}
+    if not known:
+        raise DataError(f"there is no MTF to write: {measured.reason_x}; {measured.reason_y}")
+    last = min(float(curve.frequency[-1]) for curve in known.values())
+    frequency = next(iter(known.values())).frequency
+    frequency = frequency[frequency <= last]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("frequency (cyc/pixel)", *known))
+    columns = [
+        np.clip(np.interp(frequency, curve.frequency, curve.mtf), 0.0, LARGEST_MTF)
+        for curve in known.values()
+    ]
+    for place, row in zip(frequency, zip(*columns, strict=True), strict=True):
+        writer.writerow((repr(float(place)), *(repr(float(value)) for value in row)))
+    return text.getvalue()
+
+
+def _given(**values: Any) -> Json:
+    """Those that are known and finite."""
+    return {
+        name: value
+        for name, value in values.items()
+        if value is not None and not (isinstance(value, float) and not math.isfinite(value))
+    }
+
+
+def _curve(curve: MtfCurve | None, reason: str, interval_mrad: float | None) -> Json:
+    if curve is None:
+        return {"reason": reason}
+    content: Json = {"frequency_cyc_per_sample": _numbers(curve.frequency)}
+    if interval_mrad is not None:
+        content["frequency_cyc_per_mrad"] = _numbers(curve.frequency / interval_mrad)
+    return {
+        **content,
+        "mtf": _numbers(curve.mtf),
+        "sigma": _numbers(curve.sigma),
+        **_given(mtf50=curve.mtf50, mtf50_sigma=curve.mtf50_sigma),
+        "edges": curve.edges,
+        "scatter": curve.scatter,
+    }
+
+
+def _numbers(values: np.ndarray[Any, Any]) -> list[float]:
+    return [float(value) for value in values]
+
+
+def _noise(noise: NoiseFigures | None, reason: str) -> Json:
+    if noise is None:
+        return {"reason": reason}
+    return _given(
+        sigma=noise.sigma,
+        sigma_error=noise.sigma_error,
+        gain_e_per_dn=noise.gain_e_per_dn,
+        gain_error=noise.gain_error,
+        read_noise_dn=noise.read_noise_dn,
+        read_noise_error=noise.read_noise_error,
+        reason=noise.reason or None,
+    )
+
+
+def _edge(edge: MeasuredEdge, of_several: bool) -> Json:
+    curve = edge.curve
+    figures: Mapping[str, float | None] = (
+        {} if curve is None else {"mtf50": curve.mtf50, "sigma": curve.mtf50_sigma}
+    )
+    return {
+        **({"picture": edge.picture} if of_several else {}),
+        "x": edge.x,
+        "y": edge.y,
+        "angle_deg": edge.angle_deg,
+        "length": edge.length,
+        "reach": edge.reach,
+        "low": edge.low,
+        "high": edge.high,
+        **_given(**figures),
+        "used": edge.used,
+        "why_not": edge.why_not,
+    }
+
+
+def _frames(frames: MeasuredNoise | None, reason: str) -> Json:
+    if frames is None:
+        return {"reason": reason}
+    return {
+        "frames": frames.frames,
+        **{f"sigma_{name}": frames.variances.sigma(name) for name in COMPONENTS},
+        **{f"variance_{name}_error": frames.errors.variance(name) for name in COMPONENTS},
+    }
+
+
+def _flats(flats: FlatCurve | None, reason: str) -> Json:
+    if flats is None:
+        return {"reason": reason}
+    curve = flats.curve
+    return {
+        **_given(
+            gain_e_per_dn=curve.gain_e_per_dn,
+            gain_error=curve.gain_error,
+            offset_dn=curve.offset_dn,
+            read_noise_e=curve.read_noise_e,
+            read_noise_error=curve.read_noise_error,
+            full_well_e=curve.full_well_e,
+            dsnu_e=curve.dsnu_e,
+            prnu_percent=curve.prnu_percent,
+        ),
+        "levels": [
+            {
+                "file": str(path),
+                "mean_dn": field.mean_dn,
+                "temporal_dn2": field.temporal_dn2,
+                "fixed_dn2": field.fixed_dn2,
+                "used": used,
+                "saturated": saturated,
+            }
+            for (path, field), used, saturated in zip(
+                flats.files, curve.used, curve.saturated, strict=True
+            )
+        ],
+    }

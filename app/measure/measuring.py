@@ -1,0 +1,222 @@
+"""The measurement of pictures of one camera, from files or from arrays, to its results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.measure.edge_measuring import edges_of, pooled
+from app.measure.noise_measuring import noise_of, pooled_noise
+from app.measure.picture_loading import open_picture, same_size
+from app.measure.picture_measurement import (
+    BY_HAND,
+    FlatCurve,
+    MeasuredEdge,
+    MeasuredFile,
+    NoiseFigures,
+    PictureMeasurement,
+)
+from core.errors import DataError
+from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
+from core.physics.measurement.levels.photon_transfer import photon_transfer
+from core.physics.noise.noise_cube import MeasuredNoise, NoiseCube
+from core.physics.sampling.detector_sampling import interval_mrad
+from nodes.files.frames.frame_reading import open_frames
+
+Matrix = NDArray[np.float64]
+Report = Callable[[str], None]
+_LEAST = 16  # rows and columns, below which nothing is measured
+_MOVED = 3.0  # times the noise of one picture, beyond which frames show different scenes
+
+
+@dataclass(frozen=True)
+class MeasurePlan:
+    """What is measured.
+
+    Parameters
+    ----------
+    pictures : tuple of Path
+        Pictures, or files of frames, of one camera.
+    band : int or None
+        Band of files that have several.
+    fov_x_deg : float or None
+        Field of view across, in place of the header's.
+    flats : tuple of Path
+        Files of frames of flat fields, each of another level.
+    dark : Path or None
+        Frames without light.
+    offset_dn : float or None
+        The number of no electrons.
+    """
+
+    pictures: tuple[Path, ...]
+    band: int | None = None
+    fov_x_deg: float | None = None
+    flats: tuple[Path, ...] = ()
+    dark: Path | None = None
+    offset_dn: float | None = None
+
+
+@dataclass(frozen=True)
+class Source:
+    """Pictures of one size, and where they come from."""
+
+    files: tuple[MeasuredFile, ...]
+    pictures: Iterable[Matrix]
+    rows: int
+    columns: int
+    unit: str = ""
+    interval_x_mrad: float | None = None
+    interval_y_mrad: float | None = None
+
+
+def measure_files(
+    plan: MeasurePlan,
+    *,
+    check: Callable[[], None] = lambda: None,
+    report: Report = lambda _text: None,
+) -> PictureMeasurement:
+    """Carry out a plan.
+
+    Parameters
+    ----------
+    plan : MeasurePlan
+        The files, and what is known of them.
+    check : callable
+        Called between steps; may raise to stop.
+    report : callable
+        Gets the name of what is measured next.
+
+    Raises
+    ------
+    ImagechainError
+        A file cannot be read, or they do not go together.
+    """
+    files = [open_picture(path, band=plan.band) for path in plan.pictures]
+    same_size(files)
+    first = files[0]
+    x, y = first.interval_x_mrad, first.interval_y_mrad
+    if plan.fov_x_deg is not None:
+        x = interval_mrad(fov_deg=plan.fov_x_deg, samples=first.columns, name="--fov-x-deg")
+        y = x if y is None else y
+    source = Source(
+        tuple(MeasuredFile(str(f.path), f.frames, f.taken, f.is_encoded) for f in files),
+        (picture for file in files for picture in file.pictures()),
+        first.rows, first.columns, first.unit, x, y,
+    )  # fmt: skip
+    measured = measure_pictures(source, check=check, report=report)
+    if not plan.flats:
+        return measured
+    flats, reason = _flat_curve(plan, check, report)
+    return replace(measured, flats=flats, flats_reason=reason)
+
+
+def measure_pictures(
+    source: Source,
+    *,
+    check: Callable[[], None] = lambda: None,
+    report: Report = lambda _text: None,
+) -> PictureMeasurement:
+    """Measure edges and noise of each picture in turn, and what they give together."""
+    if min(source.rows, source.columns) < _LEAST:
+        raise DataError(
+            f"{source.files[0].name}: {source.columns} × {source.rows} samples are too few to be "
+            f"measured; at least {_LEAST} × {_LEAST} are needed"
+        )
+    count = sum(file.frames for file in source.files)
+    cube = NoiseCube(source.rows, source.columns) if count > 1 else None
+    edges: list[MeasuredEdge] = []
+    noises: list[NoiseFigures] = []
+    noise_reason = ""
+    for number, picture in enumerate(source.pictures):
+        report(_name(source.files, number))
+        check()
+        edges += edges_of(picture=picture, number=number, check=check)
+        noise, noise_reason = noise_of(picture=picture, check=check)
+        noises += [noise] if noise is not None else []
+        if cube is not None:
+            cube.add(picture)
+    noise = pooled_noise(noises) if noises else None
+    frames, frames_reason = _frames(cube, noise)
+    x, reason_x = pooled(edges, "x")
+    y, reason_y = pooled(edges, "y")
+    return PictureMeasurement(
+        source.files, source.rows, source.columns, source.unit, source.interval_x_mrad,
+        source.interval_y_mrad, tuple(edges), x, y, reason_x, reason_y, noise, noise_reason,
+        frames, frames_reason,
+    )  # fmt: skip
+
+
+def without_edge(
+    measured: PictureMeasurement, place: int, why: str = BY_HAND
+) -> PictureMeasurement:
+    """The same without one of its edges, counted from 0; the MTF is pooled anew."""
+    return _with_reason(measured, place, why)
+
+
+def with_edge(measured: PictureMeasurement, place: int) -> PictureMeasurement:
+    """The same with an edge that was removed by hand."""
+    if measured.edges[place].why_not != BY_HAND:
+        return measured
+    return _with_reason(measured, place, "")
+
+
+def _with_reason(measured: PictureMeasurement, place: int, why: str) -> PictureMeasurement:
+    edges = list(measured.edges)
+    edges[place] = replace(edges[place], why_not=why)
+    x, reason_x = pooled(edges, "x")
+    y, reason_y = pooled(edges, "y")
+    return measured.with_edges(tuple(edges), x, y, (reason_x, reason_y))
+
+
+def _name(files: Sequence[MeasuredFile], number: int) -> str:
+    for file in files:
+        if number < file.frames:
+            name = Path(file.name).name
+            return name if file.frames == 1 else f"{name}, frame {number}"
+        number -= file.frames
+    return ""
+
+
+def _frames(cube: NoiseCube | None, noise: NoiseFigures | None) -> tuple[MeasuredNoise | None, str]:
+    """Components from frame to frame, if the scene stood still."""
+    if cube is None:
+        return None, "a single picture"
+    measured = cube.measured()
+    random = max(measured.variances.tvh, 0.0) ** 0.5
+    if noise is not None and random > _MOVED * noise.sigma:
+        return None, (
+            f"the pictures differ by {random:.3g}, {random / noise.sigma:.3g} times the noise of "
+            "one of them: they do not show the same scene, or it moved"
+        )
+    return measured, ""
+
+
+def _flat_curve(
+    plan: MeasurePlan, check: Callable[[], None], report: Report
+) -> tuple[FlatCurve | None, str]:
+    fields = []
+    for path in plan.flats:
+        report(path.name)
+        fields.append(_field(path, check))
+    dark = None if plan.dark is None else _field(plan.dark, check)
+    try:
+        curve = photon_transfer(levels=fields, dark=dark, offset_dn=plan.offset_dn)
+    except DataError as error:
+        return None, error.message
+    return FlatCurve(tuple(zip(plan.flats, fields, strict=True)), curve), ""
+
+
+def _field(path: Path, check: Callable[[], None]) -> FlatField:
+    file = open_frames(path)
+    if file.frames < 2:
+        raise DataError(f"{path}: holds a single frame; a flat field needs 2 or more")
+    taken = FlatFrames(file.rows, file.columns)
+    for frame in file.each():
+        check()
+        taken.add(frame)
+    return taken.measured()

@@ -1,0 +1,196 @@
+"""Pictures to measure, read from files one frame at a time, with what their headers hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import DataError, UsageError
+from core.physics.sampling.detector_sampling import interval_mrad
+from nodes.files.common.paths import readable_file
+from nodes.files.common.picture_info import PictureInfo
+from nodes.files.formats import NPY, TIFF, format_of
+from nodes.files.frames.frame_reading import FrameFile, open_frames, tiff_pages
+from nodes.files.read import check_finite, read_info, read_pixels
+
+Matrix = NDArray[np.float64]
+
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+"""Shares of red, green and blue in luminance (ITU-R BT.709)."""
+_COLOURS = ("R", "G", "B")
+_ENCODED = (
+    "jpeg",
+    "jpeg2000",
+    "png",
+    "bmp",
+)  # whose numbers of 8 bits follow the eye, not the light
+
+
+@dataclass(frozen=True)
+class PictureFile:
+    """A file of one picture or several frames, and what of it is measured.
+
+    Parameters
+    ----------
+    path : Path
+        As it was given.
+    rows, columns, frames : int
+        Size of a frame, and how many there are.
+    band : int or None
+        The one that is measured; None: luminance of a colour picture, or the only one.
+    taken : str
+        What of a file of several bands is measured, in words; empty where there is one.
+    unit : str
+        Of the samples as the file words it, or empty.
+    interval_x_mrad, interval_y_mrad : float or None
+        Between samples, by the header's field of view.
+    whole_to : float or None
+        Largest number of samples that are stored as whole numbers; None of others.
+    is_encoded : bool
+        Whether the format's numbers usually follow the eye's response, not the light.
+    """
+
+    path: Path
+    rows: int
+    columns: int
+    frames: int
+    band: int | None
+    taken: str
+    unit: str
+    interval_x_mrad: float | None
+    interval_y_mrad: float | None
+    whole_to: float | None
+    is_encoded: bool
+
+    def pictures(self) -> Iterator[Matrix]:
+        """The frames in turn, in double precision.
+
+        Raises
+        ------
+        ImagechainError
+            The file is damaged, or has samples that are not finite.
+        """
+        if self.frames > 1:
+            for frame in open_frames(self.path).each():
+                yield np.asarray(frame, np.float64)
+            return
+        if self.band is None and self.taken:
+            yield self._luminance()
+            return
+        samples = read_pixels(self.path, self.band or 0)
+        check_finite(samples, str(self.path))
+        yield np.asarray(samples, np.float64)
+
+    def _luminance(self) -> Matrix:
+        picture = np.zeros((self.rows, self.columns))
+        for band, share in enumerate(LUMINANCE):
+            samples = read_pixels(self.path, band)
+            check_finite(samples, f"{self.path}, band {band}")
+            picture += share * samples
+        return picture
+
+
+def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
+    """Describe a file to be measured without reading its samples.
+
+    Parameters
+    ----------
+    path : Path
+        Any picture file that the program reads, or a file of frames.
+    band : int, optional
+        Band or colour, counted from 0; without it luminance of colours, and the frames of a file
+        whose bands have no wavelengths.
+
+    Raises
+    ------
+    ImagechainError
+        The file cannot be read, or `band` is missing or not in it.
+    """
+    file = readable_file(path)
+    if format_of(file) is NPY and band is None:
+        frames = open_frames(file)  # of three dimensions they are frames, and no picture
+        return _of_frames(path, frames, None)
+    info = read_info(file)
+    if band is None and not info.channels and info.wavelengths_um is None and _may_be_frames(info):
+        return _of_frames(path, open_frames(file), info)
+    chosen, taken = _chosen(path, info, band)
+    return PictureFile(
+        path, info.rows, info.columns, 1, chosen, taken, info.unit or "", *_intervals(info),
+        *_numbers(np.dtype(info.dtype), info.kind),
+    )  # fmt: skip
+
+
+def _may_be_frames(info: PictureInfo) -> bool:
+    """Whether there is more than one frame: bands of ENVI, pages of TIFF."""
+    if info.kind == "envi":
+        return info.bands > 1
+    return TIFF.matches(info.path) and tiff_pages(info.path) > 1
+
+
+def _of_frames(path: Path, frames: FrameFile, info: PictureInfo | None) -> PictureFile:
+    intervals = (None, None) if info is None else _intervals(info)
+    return PictureFile(
+        path, frames.rows, frames.columns, frames.frames, None, "", frames.unit or "", *intervals,
+        *_numbers(frames.dtype, frames.kind),
+    )  # fmt: skip
+
+
+def _chosen(path: Path, info: PictureInfo, band: int | None) -> tuple[int | None, str]:
+    """The band that is measured, or None for luminance, and the words for it."""
+    if band is not None:
+        if not 0 <= band < info.bands:
+            allowed = "0 alone" if info.bands == 1 else f"0 to {info.bands - 1}"
+            raise UsageError(f"{path} has no band {band}; allowed: {allowed}")
+        if info.bands == 1:
+            return 0, ""
+        name = f" ({info.channels[band]})" if info.channels else ""
+        return band, f"band {band}{name} of {info.bands}"
+    if info.bands == 1:
+        return 0, ""
+    if info.channels[:3] == _COLOURS:
+        shares = " + ".join(
+            f"{share} {name}" for share, name in zip(LUMINANCE, _COLOURS, strict=True)
+        )
+        return None, f"luminance, {shares}"
+    if info.channels and info.bands == 2:  # grey and its transparency
+        return 0, f"band 0 ({info.channels[0]}) of {info.bands}"
+    raise UsageError(
+        f"{path} has {info.bands} bands: name the one to measure, --band 0 to {info.bands - 1}"
+    )
+
+
+def _intervals(info: PictureInfo) -> tuple[float | None, float | None]:
+    """Angles between samples, mrad, of a header that has the field of view."""
+    x, y = (
+        None if fov is None else interval_mrad(fov_deg=fov, samples=samples)
+        for fov, samples in ((info.fov_x_deg, info.columns), (info.fov_y_deg, info.rows))
+    )
+    return x, y
+
+
+def _numbers(dtype: np.dtype[Any], kind: str) -> tuple[float | None, bool]:
+    """Largest whole number that can be stored, and whether numbers follow the eye's response."""
+    whole_to = float(np.iinfo(dtype).max) if dtype.kind in "ui" else None
+    return whole_to, dtype == np.uint8 and kind in _ENCODED
+
+
+def same_size(files: Sequence[PictureFile]) -> None:
+    """Refuse pictures that are not of one size.
+
+    Raises
+    ------
+    DataError
+        Naming the first that differs.
+    """
+    first = files[0]
+    for file in files:
+        if (file.rows, file.columns) != (first.rows, first.columns):
+            raise DataError(
+                f"{file.path} has {file.columns} × {file.rows} samples, and {first.path} "
+                f"{first.columns} × {first.rows}: give pictures of one camera"
+            )

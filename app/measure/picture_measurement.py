@@ -1,0 +1,208 @@
+"""What a measurement of pictures has given, as values that never change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.physics.measurement.levels.flat_field import FlatField
+from core.physics.measurement.levels.photon_transfer import PhotonTransfer
+from core.physics.noise.noise_cube import MeasuredNoise
+
+Vector = NDArray[np.float64]
+
+FREQUENCIES = tuple(step / 64.0 for step in range(65))
+"""Cycles per sample at which every MTF is given: of 64 samples, and up to the samples' own."""
+BY_HAND = "removed by hand"
+
+
+@dataclass(frozen=True, eq=False)
+class MtfCurve:
+    """An MTF against frequency, with its standard error.
+
+    Parameters
+    ----------
+    frequency, mtf, sigma : ndarray
+        Cycles per sample, modulus, and its standard error.
+    mtf50, mtf50_sigma : float or None
+        Frequency at which the MTF falls to one half, and its standard error; None where it does
+        not within these frequencies.
+    edges : int
+        Edges that it is made of.
+    scatter : float
+        How many times the edges differ by their own errors; 1 of a single edge.
+    """
+
+    frequency: Vector
+    mtf: Vector
+    sigma: Vector
+    mtf50: float | None
+    mtf50_sigma: float | None
+    edges: int = 1
+    scatter: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredEdge:
+    """An edge of a picture, used or not.
+
+    Parameters
+    ----------
+    picture : int
+        Number of the picture among those measured, from 0.
+    x, y : float
+        Middle of the edge: column and row.
+    angle_deg : float
+        Of the normal, from across towards down, to the brighter side.
+    length, reach : float
+        Samples along the edge, and on either side of it.
+    low, high : float
+        Levels beside it.
+    noise_sigma : float
+        Of a sample beside it.
+    curve : MtfCurve or None
+        Along the normal; None where it was not measured.
+    why_not : str
+        Why it is not used; empty where it is.
+    """
+
+    picture: int
+    x: float
+    y: float
+    angle_deg: float
+    length: float
+    reach: float
+    low: float
+    high: float
+    noise_sigma: float
+    curve: MtfCurve | None
+    why_not: str
+
+    @property
+    def used(self) -> bool:
+        """Whether it counts in the pooled MTF."""
+        return not self.why_not
+
+
+@dataclass(frozen=True)
+class NoiseFigures:
+    """Noise of a sample.
+
+    Parameters
+    ----------
+    sigma, sigma_error : float
+        Standard deviation in the picture's unit, and the standard error of it.
+    gain_e_per_dn, gain_error, read_noise_dn, read_noise_error : float or None
+        By how the variance rises with the level, where levels differ enough.
+    reason : str
+        Why what is missing could not be measured.
+    """
+
+    sigma: float
+    sigma_error: float
+    gain_e_per_dn: float | None = None
+    gain_error: float | None = None
+    read_noise_dn: float | None = None
+    read_noise_error: float | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class FlatCurve:
+    """Flat fields of several levels, and the photon transfer curve through them."""
+
+    files: tuple[tuple[Path, FlatField], ...]
+    curve: PhotonTransfer
+
+
+@dataclass(frozen=True)
+class MeasuredFile:
+    """A file that was measured: its name, how many pictures, and what of it was taken."""
+
+    name: str
+    frames: int
+    taken: str
+    is_encoded: bool
+
+
+@dataclass(frozen=True, eq=False)
+class PictureMeasurement:
+    """Everything that was measured in pictures of one camera.
+
+    Parameters
+    ----------
+    files : tuple of MeasuredFile
+        Where the pictures come from, in order.
+    rows, columns : int
+        Size of each.
+    unit : str
+        Of the samples, or empty.
+    interval_x_mrad, interval_y_mrad : float or None
+        Angle between samples, where the field of view is known.
+    edges : tuple of MeasuredEdge
+        All that were seen.
+    x, y : MtfCurve or None
+        Pooled over the edges across, and along.
+    reason_x, reason_y : str
+        Why there is none.
+    noise : NoiseFigures or None
+        Of the flat areas of the pictures.
+    noise_reason : str
+        Why there is none.
+    frames : MeasuredNoise or None
+        Components of noise from frame to frame.
+    frames_reason : str
+        Why there are none.
+    flats : FlatCurve or None
+        The photon transfer curve of flat fields, where they were given.
+    flats_reason : str
+        Why there is none.
+    """
+
+    files: tuple[MeasuredFile, ...]
+    rows: int
+    columns: int
+    unit: str
+    interval_x_mrad: float | None
+    interval_y_mrad: float | None
+    edges: tuple[MeasuredEdge, ...]
+    x: MtfCurve | None
+    y: MtfCurve | None
+    reason_x: str
+    reason_y: str
+    noise: NoiseFigures | None
+    noise_reason: str
+    frames: MeasuredNoise | None = None
+    frames_reason: str = ""
+    flats: FlatCurve | None = None
+    flats_reason: str = ""
+
+    @property
+    def picture_count(self) -> int:
+        """Pictures of all files together."""
+        return sum(file.frames for file in self.files)
+
+    def interval_mrad(self, direction: str) -> float | None:
+        """Angle between samples in that direction, ``x`` or ``y``."""
+        return self.interval_x_mrad if direction == "x" else self.interval_y_mrad
+
+    def picture_name(self, number: int) -> str:
+        """The name of a picture, with the frame's number in a file of several."""
+        for file in self.files:
+            if number < file.frames:
+                return file.name if file.frames == 1 else f"{file.name}, frame {number}"
+            number -= file.frames
+        raise IndexError(number)
+
+    def with_edges(
+        self,
+        edges: tuple[MeasuredEdge, ...],
+        x: MtfCurve | None,
+        y: MtfCurve | None,
+        reasons: tuple[str, str],
+    ) -> PictureMeasurement:
+        """The same with other edges in use."""
+        return replace(self, edges=edges, x=x, y=y, reason_x=reasons[0], reason_y=reasons[1])

@@ -1,0 +1,152 @@
+"""``imagechain measure``: pictures of known edges and noise, and what cannot be measured."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from PIL import Image as Pillow
+from scipy.special import erf
+
+SIGMA_X, SIGMA_Y, NOISE, LOW, STEP = 0.8, 1.1, 0.4, 100.0, 60.0
+MTF50 = math.sqrt(math.log(2.0) / 2.0) / math.pi  # of a Gaussian, times its sigma
+
+
+def edge(angle_deg, sigma, seed, shape=(160, 200)):
+    """An edge of Gaussian blur, in closed form, with white noise; its normal at that angle."""
+    rows, columns = shape
+    y, x = np.mgrid[0:rows, 0:columns]
+    angle = math.radians(angle_deg)
+    away = (x - columns / 2 + 0.3) * math.cos(angle) + (y - rows / 2) * math.sin(angle)
+    noise = NOISE * np.random.default_rng(seed).standard_normal(shape)
+    return LOW + STEP * (1.0 + erf(away / (math.sqrt(2.0) * sigma))) / 2.0 + noise
+
+
+def gaussian(frequency, sigma):
+    return np.exp(-2.0 * (np.pi * sigma * np.asarray(frequency)) ** 2)
+
+
+@pytest.fixture
+def pictures(tmp_path):
+    """One with an edge across, one along, of one camera, as double and as single precision."""
+    np.save(tmp_path / "across.npy", edge(6.0, SIGMA_X, 1))
+    picture = Pillow.fromarray(edge(84.0, SIGMA_Y, 2).astype(np.float32))
+    picture.save(tmp_path / "along.tif")
+    return "across.npy", "along.tif"
+
+
+def test_mtf_and_noise_of_known_pictures(imagechain, pictures, tmp_path):
+    words = ("--json", "m.json", "--csv", "mtf.csv", "--fov-x-deg", "2")
+    done = imagechain("measure", *pictures, *words)
+    assert (done.returncode, done.stderr) == (0, "")
+    facts = json.loads((tmp_path / "m.json").read_text())
+    for direction, sigma in (("x", SIGMA_X), ("y", SIGMA_Y)):
+        curve = facts["mtf"][direction]
+        frequency = np.array(curve["frequency_cyc_per_sample"])
+        low = frequency <= 0.4
+        # Along the normal of an edge 6° aside: the blur is round, so that it is that of the axis.
+        truth = gaussian(frequency, sigma)
+        away = np.abs(np.array(curve["mtf"]) - truth)[low]
+        assert np.all(away <= 4.0 * np.array(curve["sigma"])[low] + 0.002)
+        assert curve["mtf50"] == pytest.approx(MTF50 / sigma, abs=4.0 * curve["mtf50_sigma"])
+        mrad = curve["frequency_cyc_per_mrad"][-1] / curve["frequency_cyc_per_sample"][-1]
+        assert mrad == pytest.approx(200 / (2000.0 * math.tan(math.radians(1.0))), rel=1e-3)
+    noise = facts["noise"]
+    assert noise["sigma"] == pytest.approx(NOISE, rel=0.03)
+    assert noise["reason"]
+    used = [one for one in facts["edges"] if one["used"]]
+    assert {one["picture"] for one in used} == {0, 1}
+    assert {round(one["angle_deg"]) for one in used} == {6, 84}
+    assert all(one["sigma"] > 0.0 and one["why_not"] == "" for one in used)
+    assert "mtf50_x" in done.stdout
+
+
+def test_the_module_mtf_file_reads_the_table(imagechain, pictures, small, write, tmp_path):
+    done = imagechain("measure", *pictures, "--csv", "mtf.csv")
+    assert done.returncode == 0, done.stderr
+    small["nodes"]["init"]["params"] |= {"detector_x_um": 20.0, "detector_y_um": 20.0}
+    small["nodes"]["blur"] = {"module": "mtf_file", "params": {"path": "mtf.csv"}}
+    done = imagechain("run", write(small), "--save", "blur.mtf=h.npy", "--precision", "double")
+    assert done.returncode == 0, done.stderr
+    made = np.load(tmp_path / "h.npy")
+    # 100 mm of focal length over 20 µm are 5 cycles/mrad for each a pixel; 48 samples in 3°.
+    mrad = 1000.0 * math.radians(3.0) / 48
+    frequency = np.abs(np.fft.fftfreq(48, mrad)) / 5.0
+    assert made[0] == pytest.approx(gaussian(frequency, SIGMA_X), abs=0.02)
+
+
+def test_colours_are_measured_by_luminance_or_by_one_of_them(imagechain, tmp_path):
+    red, rest = edge(6.0, SIGMA_X, 3), np.full((160, 200), 90.0)
+    picture = np.rint(np.stack([red, rest, rest], axis=2)).astype(np.uint8)
+    Pillow.fromarray(picture).save(tmp_path / "colour.png")
+    done = imagechain("measure", "colour.png", "--json", "all.json")
+    assert done.returncode == 0, done.stderr
+    assert "measured of colour.png: luminance, 0.2126 R + 0.7152 G + 0.0722 B" in done.stdout
+    assert "usually follow the eye" in done.stdout
+    done = imagechain("measure", "colour.png", "--band", "0", "--json", "red.json")
+    assert "measured of colour.png: band 0 (R) of 3" in done.stdout
+    both = [json.loads((tmp_path / f"{name}.json").read_text()) for name in ("all", "red")]
+    heights = [one["edges"][0]["high"] - one["edges"][0]["low"] for one in both]
+    assert heights[0] / heights[1] == pytest.approx(0.2126, rel=1e-3)
+
+
+def test_frames_of_one_scene_give_components_and_others_do_not(imagechain, tmp_path):
+    still = np.stack([edge(6.0, SIGMA_X, seed, (64, 80)) for seed in range(4)])
+    np.save(tmp_path / "still.npy", still)
+    moved = [edge(6.0, SIGMA_X, 9, (64, 80)), edge(84.0, SIGMA_X, 10, (64, 80))]
+    np.save(tmp_path / "moved.npy", np.stack(moved))
+    assert imagechain("measure", "still.npy", "--json", "s.json").returncode == 0
+    frames = json.loads((tmp_path / "s.json").read_text())["frames"]
+    assert frames["sigma_tvh"] == pytest.approx(NOISE, rel=0.03)
+    assert imagechain("measure", "moved.npy", "--json", "m.json").returncode == 0
+    assert "scene" in json.loads((tmp_path / "m.json").read_text())["frames"]["reason"]
+
+
+def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
+    flat = LOW + NOISE * np.random.default_rng(4).standard_normal((120, 120))
+    np.save(tmp_path / "flat.npy", flat)
+    done = imagechain("measure", "flat.npy", "--json", "m.json")
+    assert done.returncode == 0, done.stderr
+    facts = json.loads((tmp_path / "m.json").read_text())
+    assert set(facts["mtf"]["x"]) == set(facts["mtf"]["y"]) == {"reason"}
+    assert not any(one["used"] for one in facts["edges"])
+    assert facts["noise"]["sigma"] == pytest.approx(NOISE, rel=0.03)
+    assert "no MTF across: " in done.stdout
+    done = imagechain("measure", "flat.npy", "--json", "n.json", "--csv", "n.csv")
+    assert done.returncode == 2
+    assert done.stderr.startswith("imagechain: there is no MTF to write: ")
+    assert not (tmp_path / "n.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("none.tif",), "none.tif: no such file"),
+        (("a.npy", "b.npy"),
+         "b.npy has 20 × 30 samples, and a.npy 200 × 160: give pictures of one camera"),
+        (("small.npy",),
+         "small.npy: 20 × 9 samples are too few to be measured; at least 16 × 16 are needed"),
+        (("nan.npy",), "nan.npy: 1 sample is not finite (NaN or infinite), the first (nan)"
+         " at row 3, column 4"),
+        (("a.npy", "--json", "m.txt"), "--json 'm.txt': the file's name must end in .json"),
+        (("a.npy", "--band", "1"), "a.npy has no band 1; allowed: 0 alone"),
+        (("a.npy", "--json", "a.npy.json", "--csv", "none/m.csv"),
+         "cannot write none/m.csv: there is no folder none"),
+        (("a.npy", "--dark", "a.npy"),
+         "--dark and --offset-dn go with --flats, of which there are none"),
+        (("a.npy", "--fov-x-deg", "200"),
+         "--fov-x-deg = 200.0 deg is not allowed: at least 1e-30 and below 180"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(imagechain, tmp_path, words, line):
+    np.save(tmp_path / "a.npy", edge(6.0, SIGMA_X, 1))
+    np.save(tmp_path / "b.npy", np.zeros((30, 20)))
+    np.save(tmp_path / "small.npy", np.zeros((9, 20)))
+    bad = np.zeros((30, 20))
+    bad[3, 4] = np.nan
+    np.save(tmp_path / "nan.npy", bad)
+    done = imagechain("measure", *words)
+    assert (done.returncode, done.stderr) == (2, f"imagechain: {line}\n")
+    assert not (tmp_path / "a.npy.json").exists()
