@@ -9,12 +9,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.measure.picture_measurement import FREQUENCIES, MeasuredEdge, MtfCurve
+from app.measure.picture_measurement import FREQUENCIES, NEAR_DEG, MeasuredEdge, MtfCurve
 from core.errors import DataError
 from core.physics.measurement.edges.slanted_edge import SlantedEdge, falls_to, slanted_edge
 
 Matrix = NDArray[np.float64]
-_NEAR_DEG = 30.0  # of a normal from an axis, within which an edge counts for it
 
 
 def edges_of(
@@ -86,7 +85,7 @@ def curve_of(
 
 def pooled(edges: Sequence[MeasuredEdge], direction: str) -> tuple[MtfCurve | None, str]:
     """The MTF of all used edges whose normals lie near an axis, or the reason why there is none."""
-    near = [edge for edge in edges if _direction(edge.angle_deg) == direction]
+    near = [edge for edge in edges if edge.direction == direction]
     used = [edge.curve for edge in near if edge.used and edge.curve is not None]
     if not used:
         return None, no_edge_reason(near, direction)
@@ -100,14 +99,9 @@ def no_edge_reason(near: Sequence[MeasuredEdge], direction: str) -> str:
     """Why there is no MTF in a direction."""
     across = "across" if direction == "x" else "along"
     if not near:
-        return f"no edge whose normal lies within {_NEAR_DEG:g}° of {direction} ({across}) was seen"
+        return f"no edge whose normal lies within {NEAR_DEG:g}° of {direction} ({across}) was seen"
     whys = sorted({edge.why_not for edge in near})
     more = f" (and {len(whys) - 3} other reasons)" if len(whys) > 3 else ""
     many = "the one edge" if len(near) == 1 else f"none of {len(near)} edges"
     verb = "cannot be used" if len(near) == 1 else "can be used"
     return f"{many} that would give the MTF {across} {verb}: {'; '.join(whys[:3])}{more}"
-
-
-def _direction(angle_deg: float) -> str:
-    away = abs((angle_deg + 90.0) % 180.0 - 90.0)
-    return "x" if away <= _NEAR_DEG else "y" if away >= 90.0 - _NEAR_DEG else ""

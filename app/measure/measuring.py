@@ -19,6 +19,7 @@ from app.measure.picture_measurement import (
     MeasuredFile,
     NoiseFigures,
     PictureMeasurement,
+    Preview,
 )
 from core.errors import DataError
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
@@ -30,6 +31,8 @@ from nodes.files.frames.frame_reading import open_frames
 Matrix = NDArray[np.float64]
 Report = Callable[[str], None]
 _LEAST = 16  # rows and columns, below which nothing is measured
+MOST_PREVIEWS = 4
+_PREVIEW_SAMPLES = 1400  # of a side
 _MOVED = 3.0  # times the noise of one picture, beyond which frames show different scenes
 
 
@@ -130,11 +133,14 @@ def measure_pictures(
     count = sum(file.frames for file in source.files)
     cube = NoiseCube(source.rows, source.columns) if count > 1 else None
     edges: list[MeasuredEdge] = []
+    previews: list[Preview] = []
     noises: list[NoiseFigures] = []
     noise_reason = ""
     for number, picture in enumerate(source.pictures):
         report(_name(source.files, number))
         check()
+        if number < MOST_PREVIEWS:
+            previews.append(_preview(picture, number))
         edges += edges_of(picture=picture, number=number, check=check)
         noise, noise_reason = noise_of(picture=picture, check=check)
         noises += [noise] if noise is not None else []
@@ -147,8 +153,16 @@ def measure_pictures(
     return PictureMeasurement(
         source.files, source.rows, source.columns, source.unit, source.interval_x_mrad,
         source.interval_y_mrad, tuple(edges), x, y, reason_x, reason_y, noise, noise_reason,
-        frames, frames_reason,
+        frames, frames_reason, previews=tuple(previews),
     )  # fmt: skip
+
+
+def _preview(picture: Matrix, number: int) -> Preview:
+    rows, columns = picture.shape
+    factor = max(1, -(-max(rows, columns) // _PREVIEW_SAMPLES))
+    whole = picture[: rows // factor * factor, : columns // factor * factor]
+    squares = whole.reshape(rows // factor, factor, columns // factor, factor)
+    return Preview(number, squares.mean(axis=(1, 3)).astype(np.float32), factor)
 
 
 def without_edge(

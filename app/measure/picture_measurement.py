@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,6 +17,8 @@ Vector = NDArray[np.float64]
 
 FREQUENCIES = tuple(step / 64.0 for step in range(65))
 """Cycles per sample at which every MTF is given: of 64 samples, and up to the samples' own."""
+NEAR_DEG = 30.0
+"""Of a normal from an axis, within which an edge counts for it."""
 BY_HAND = "removed by hand"
 
 
@@ -85,6 +88,37 @@ class MeasuredEdge:
     def used(self) -> bool:
         """Whether it counts in the pooled MTF."""
         return not self.why_not
+
+    @property
+    def direction(self) -> str:
+        """The axis that its normal lies near, ``x`` or ``y``; empty of one between both."""
+        away = abs((self.angle_deg + 90.0) % 180.0 - 90.0)
+        return "x" if away <= NEAR_DEG else "y" if away >= 90.0 - NEAR_DEG else ""
+
+    @property
+    def stretch(self) -> float:
+        """What a frequency along the normal is multiplied by to be that along the axis."""
+        angle = math.radians(self.angle_deg)
+        return max(abs(math.cos(angle)), abs(math.sin(angle)))
+
+
+@dataclass(frozen=True, eq=False)
+class Preview:
+    """A picture that was measured, small enough to be drawn.
+
+    Parameters
+    ----------
+    picture : int
+        Its number among those measured.
+    samples : ndarray
+        Means of squares of `factor` samples, single precision.
+    factor : int
+        Samples along a side of such a square.
+    """
+
+    picture: int
+    samples: NDArray[np.float32]
+    factor: int
 
 
 @dataclass(frozen=True)
@@ -160,6 +194,8 @@ class PictureMeasurement:
         The photon transfer curve of flat fields, where they were given.
     flats_reason : str
         Why there is none.
+    previews : tuple of Preview
+        The first pictures.
     """
 
     files: tuple[MeasuredFile, ...]
@@ -179,6 +215,7 @@ class PictureMeasurement:
     frames_reason: str = ""
     flats: FlatCurve | None = None
     flats_reason: str = ""
+    previews: tuple[Preview, ...] = ()
 
     @property
     def picture_count(self) -> int:

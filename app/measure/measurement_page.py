@@ -1,0 +1,194 @@
+"""A measurement as one page that needs no other file."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+from app.measure.measurement_drawing import edges_png, mtf_png
+from app.measure.measurement_text import (
+    figure_rows,
+    frame_rows,
+    kind_of,
+    remarks,
+    with_error,
+)
+from app.measure.picture_measurement import FlatCurve, MeasuredEdge, PictureMeasurement
+from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
+from app.report.drawing.printed_numbers import number
+from app.report.html_page import html_page
+
+_MOST_REFUSED = 60
+
+
+def measurement_page(measured: PictureMeasurement) -> str:
+    """The page as HTML."""
+    names = [Path(file.name).name for file in measured.files]
+    title = f"Measured: {names[0]}" + (f" and {len(names) - 1} more" if len(names) > 1 else "")
+    notes = remarks(measured)
+    blocks: list[Block] = [
+        Heading(1, title),
+        Text(_lead(measured), "lead"),
+        Grid(
+            ("figure", "value", "unit", "meaning"),
+            [tuple(row) for row in figure_rows(measured)],
+            numbers=(1,),
+            kind="readouts",
+        ),
+        *([Items(tuple(f"{line[:1].upper()}{line[1:]}." for line in notes))] if notes else []),
+        *_edges(measured),
+        *_mtf(measured),
+        *_noise(measured),
+        *_flats(measured.flats),
+        *_edge_tables(measured),
+    ]
+    return html_page(title, blocks)
+
+
+def _lead(measured: PictureMeasurement) -> str:
+    count = measured.picture_count
+    what = "One picture" if count == 1 else f"{count} pictures"
+    unit = f", in {measured.unit}" if measured.unit else ""
+    interval = ""
+    if measured.interval_x_mrad is not None and measured.interval_y_mrad is not None:
+        interval = (
+            f"; samples {number(_short(measured.interval_x_mrad))} × "
+            f"{number(_short(measured.interval_y_mrad))} mrad apart"
+        )
+    return f"{what} of {measured.columns} × {measured.rows} samples{unit}{interval}."
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.4g}")
+
+
+def _edges(measured: PictureMeasurement) -> list[Block]:
+    blocks: list[Block] = [Heading(2, "Edges")]
+    if not measured.edges:
+        return [*blocks, Text("No straight edge was seen.")]
+    for preview in measured.previews:
+        name = measured.picture_name(preview.picture)
+        caption = (
+            f"{name}. Numbers are those of the tables below. Grey levels between the 0.1 % and "
+            "99.9 % quantiles."
+        )
+        drawn = edges_png(measured, preview)
+        blocks.append(Drawn(drawn, caption, f"edges of {name}"))
+    more = measured.picture_count - len(measured.previews)
+    if more > 0:
+        blocks.append(Text(f"{more} more pictures are not drawn."))
+    return blocks
+
+
+def _mtf(measured: PictureMeasurement) -> list[Block]:
+    blocks: list[Block] = [Heading(2, "MTF")]
+    if measured.x is None and measured.y is None:
+        return [
+            *blocks,
+            Text(f"Not measured across: {measured.reason_x}."),
+            Text(f"Not measured along: {measured.reason_y}."),
+        ]
+    caption = (
+        "MTF of everything from the scene to the stored samples, pooled over the edges whose "
+        "normals lie within 30° of the axis, weighted by their errors; grey: each edge. Beyond the "
+        "Nyquist frequency, 0.5 cycles/sample, the picture itself holds this contrast as alias "
+        "only; slanted edges show it all the same."
+    )
+    blocks.append(Drawn(mtf_png(measured), caption, "pooled MTF"))
+    for words, curve in (("across", measured.x), ("along", measured.y)):
+        if curve is not None and curve.scatter > 1.5:
+            blocks.append(
+                Text(
+                    f"The edges {words} differ by {curve.scatter:.2g} times what their own errors "
+                    "allow: the blur differs over the picture, or some of these edges are not "
+                    "sharp in the scene. The error shown is widened by that."
+                )
+            )
+    return blocks
+
+
+def _noise(measured: PictureMeasurement) -> list[Block]:
+    if measured.frames is None:
+        return []
+    heads = ("component", "σ", "unit", "meaning")
+    return [
+        Heading(2, "Noise from frame to frame"),
+        Grid(heads, frame_rows(measured), numbers=(1,)),
+        Text(
+            "What stays from frame to frame holds the scene too: fixed patterns are the camera's "
+            "only where the scene is uniform."
+        ),
+    ]
+
+
+def _flats(flats: FlatCurve | None) -> list[Block]:
+    if flats is None:
+        return []
+    curve = flats.curve
+    rows = [
+        ("gain", with_error(curve.gain_e_per_dn, curve.gain_error), "e-/DN"),
+        ("read noise", with_error(curve.read_noise_e, curve.read_noise_error), "e-"),
+        ("full well", number(curve.full_well_e), "e-"),
+        ("DSNU", number(curve.dsnu_e), "e-"),
+        ("PRNU", number(curve.prnu_percent), "%"),
+    ]
+    levels = [
+        (path.name, number(_short(field.mean_dn)), number(_short(field.temporal_dn2)),
+         "saturated" if saturated else "" if used else "not in the line")
+        for (path, field), used, saturated in zip(
+            flats.files, curve.used, curve.saturated, strict=True
+        )
+    ]  # fmt: skip
+    return [
+        Heading(2, "Photon transfer of the flat fields"),
+        Grid(("figure", "value", "unit"), rows, numbers=(1,)),
+        Grid(("file", "mean (DN)", "temporal σ² (DN²)", ""), levels, numbers=(1, 2)),
+    ]
+
+
+def _edge_tables(measured: PictureMeasurement) -> list[Block]:
+    numbered = list(enumerate(measured.edges, 1))
+    used = [(number, edge) for number, edge in numbered if edge.used]
+    refused = [(number, edge) for number, edge in numbered if not edge.used]
+    blocks: list[Block] = []
+    several = measured.picture_count > 1
+    if used:
+        heads = ("edge", "column", "row", "normal (°)", "length", "step", "step/noise", "MTF50")
+        rows = [(*_place(edge, n, several), *_strength(edge), _half(edge)) for n, edge in used]
+        blocks += [
+            Heading(2, "Edges used"),
+            Grid(heads, rows, numbers=range(1, 8)),
+            Text("MTF50 in cycles/sample along the edge's normal, with its standard error."),
+        ]
+    if refused:
+        kinds = Counter(kind_of(edge.why_not) for _, edge in refused)
+        shown = refused[:_MOST_REFUSED]
+        heads = ("edge", "column", "row", "normal (°)", "length", "why not")
+        rows = [(*_place(edge, n, several), edge.why_not) for n, edge in shown]
+        blocks += [
+            Heading(2, "Edges not used"),
+            Items(tuple(f"{count}: {kind}" for kind, count in kinds.most_common())),
+            Grid(heads, rows, numbers=range(1, 5)),
+        ]
+        if len(refused) > len(shown):
+            blocks.append(Text(f"And {len(refused) - len(shown)} more."))
+    return blocks
+
+
+def _place(edge: MeasuredEdge, place: int, several: bool) -> tuple[str, ...]:
+    name = f"{place} (picture {edge.picture})" if several else str(place)
+    return (
+        name, f"{edge.x:.1f}", f"{edge.y:.1f}", f"{edge.angle_deg:.1f}".replace("-", "−"),
+        f"{edge.length:.0f}",
+    )  # fmt: skip
+
+
+def _strength(edge: MeasuredEdge) -> tuple[str, str]:
+    step = edge.high - edge.low
+    share = step / edge.noise_sigma if edge.noise_sigma > 0.0 else None
+    return number(_short(step)), "–" if share is None else f"{share:.3g}"
+
+
+def _half(edge: MeasuredEdge) -> str:
+    curve = edge.curve
+    return "–" if curve is None else with_error(curve.mtf50, curve.mtf50_sigma)

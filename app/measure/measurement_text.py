@@ -1,0 +1,123 @@
+"""A measurement in words and rows of figures, for the terminal, the page and the window."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from app.measure.picture_measurement import MtfCurve, NoiseFigures, PictureMeasurement
+from app.run.readout_tables import number_text
+from core.physics.noise.noise_components import COMPONENTS
+
+_MEANINGS = {
+    "tvh": "random from sample to sample and frame to frame",
+    "vh": "fixed from sample to sample, with the scene",
+    "v": "fixed from row to row, with the scene",
+    "h": "fixed from column to column, with the scene",
+    "t": "of whole frames from one to the next",
+    "tv": "of rows from frame to frame",
+    "th": "of columns from frame to frame",
+}
+_MOST_REASONS = 8
+Row = tuple[str, str, str, str]
+
+
+def with_error(value: float | None, error: float | None) -> str:
+    """A figure with its standard error, to the digits that the error leaves."""
+    if value is None:
+        return "–"
+    if error is None or not error > 0.0:
+        return number_text(float(f"{value:.4g}"))
+    return f"{number_text(float(f'{value:.4g}'))} ± {number_text(float(f'{error:.2g}'))}"
+
+
+def figure_rows(measured: PictureMeasurement) -> list[Row]:
+    """The figures of most use: name, value with its error, unit, meaning."""
+    used = sum(edge.used for edge in measured.edges)
+    rows: list[Row] = [
+        ("edges used", str(used), "", f"of {len(measured.edges)} that were seen"),
+        *_mtf_rows("x", "across", measured.x, measured.interval_x_mrad),
+        *_mtf_rows("y", "along", measured.y, measured.interval_y_mrad),
+    ]
+    if measured.noise is not None:
+        rows += _noise_rows(measured.noise, measured.unit)
+    return rows
+
+
+def _mtf_rows(name: str, words: str, curve: MtfCurve | None, interval: float | None) -> list[Row]:
+    if curve is None or curve.mtf50 is None:
+        return []
+    many = "1 edge" if curve.edges == 1 else f"{curve.edges} edges"
+    value, error = curve.mtf50, curve.mtf50_sigma
+    rows = [
+        (f"mtf50_{name}", with_error(value, error), "cyc/sample",
+         f"MTF of one half {words}, of {many}")
+    ]  # fmt: skip
+    if interval is not None:
+        angular = None if error is None else error / interval
+        rows.append(
+            (f"mtf50_{name}", with_error(value / interval, angular), "cyc/mrad", "the same")
+        )
+    return rows
+
+
+def _noise_rows(noise: NoiseFigures, unit: str) -> list[Row]:
+    rows = [
+        ("sigma", with_error(noise.sigma, noise.sigma_error), unit, "noise of a sample, flat areas")
+    ]
+    if noise.gain_e_per_dn is not None:
+        gain = with_error(noise.gain_e_per_dn, noise.gain_error)
+        rows.append(("gain", gain, "e-/DN", "electrons of one digital number"))
+    if noise.read_noise_dn is not None:
+        read = with_error(noise.read_noise_dn, noise.read_noise_error)
+        rows.append(("read_noise", read, unit or "DN", "noise that no light makes"))
+    return rows
+
+
+def frame_rows(measured: PictureMeasurement) -> list[Row]:
+    """The components of noise from frame to frame."""
+    if measured.frames is None:
+        return []
+    return [
+        (f"sigma_{name}", number_text(float(f"{measured.frames.variances.sigma(name):.4g}")),
+         measured.unit, _MEANINGS[name])
+        for name in COMPONENTS
+    ]  # fmt: skip
+
+
+def remarks(measured: PictureMeasurement) -> list[str]:
+    """What was measured of files with bands, and what could not be measured, and why."""
+    lines = [f"measured of {file.name}: {file.taken}" for file in measured.files if file.taken]
+    lines += [
+        f"warning: {file.name}: numbers of 8 bits of this format usually follow the eye, not the "
+        "light: the MTF is that of these numbers"
+        for file in measured.files
+        if file.is_encoded
+    ]
+    for words, curve, reason in (
+        ("across", measured.x, measured.reason_x),
+        ("along", measured.y, measured.reason_y),
+    ):
+        if curve is None:
+            lines.append(f"no MTF {words}: {reason}")
+        elif curve.mtf50 is None:
+            lines.append(f"no MTF50 {words}: the MTF does not fall to one half")
+    if measured.noise is None:
+        lines.append(f"no noise: {measured.noise_reason}")
+    elif measured.noise.reason:
+        lines.append(f"no gain, no read noise: {measured.noise.reason}")
+    if measured.picture_count > 1 and measured.frames is None:
+        lines.append(f"no noise from frame to frame: {measured.frames_reason}")
+    if measured.flats is None and measured.flats_reason:
+        lines.append(f"no photon transfer curve: {measured.flats_reason}")
+    return lines
+
+
+def refused_lines(measured: PictureMeasurement) -> list[str]:
+    """How many edges are not used, by reason, the most frequent first."""
+    kinds = Counter(kind_of(edge.why_not) for edge in measured.edges if not edge.used)
+    return [f"{count} not used: {why}" for why, count in kinds.most_common(_MOST_REASONS)]
+
+
+def kind_of(why_not: str) -> str:
+    """A reason without its figures, which differ from edge to edge."""
+    return why_not.partition(":")[0]
