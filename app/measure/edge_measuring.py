@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.measure.picture_measurement import FREQUENCIES, NEAR_DEG, MeasuredEdge, MtfCurve
+from app.measure.picture_measurement import FREQUENCIES, MeasuredEdge, MtfCurve
 from core.errors import DataError
-from core.physics.measurement.edges.slanted_edge import SlantedEdge, falls_to, slanted_edge
+from core.physics.measurement.edges.edge_found import FoundEdge
+from core.physics.measurement.edges.edge_mtf import measure_edge
+from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG, pooled_mtf
+from core.physics.measurement.edges.edge_search import find_edges
+from core.physics.measurement.edges.slanted_edge import falls_to
 
 Matrix = NDArray[np.float64]
+_MOST_REASONS = 3
 
 
 def edges_of(
-    *, picture: Matrix, number: int, check: Callable[[], None] = lambda: None
+    *,
+    picture: Matrix,
+    number: int,
+    clip_levels: tuple[float, float] | None = None,
+    check: Callable[[], None] = lambda: None,
 ) -> tuple[MeasuredEdge, ...]:
     """The edges of one picture, measured.
 
@@ -27,81 +35,57 @@ def edges_of(
         Samples, shape (rows, columns), finite.
     number : int
         Of the picture among those measured.
+    clip_levels : tuple of float, optional
+        Lowest and highest number that a sample can have.
     check : callable
         Called between steps; may raise to stop.
     """
-    rows, columns = picture.shape
-    steps = [float(np.sum(np.abs(np.diff(picture, axis=axis)))) for axis in (1, 0)]
-    along = steps[1] > steps[0]
-    turned = np.ascontiguousarray(picture.T) if along else picture
-    place = MeasuredEdge(
-        number, (columns - 1) / 2, (rows - 1) / 2, 90.0 if along else 0.0,
-        float(len(turned)), turned.shape[1] / 2, float(picture.min()), float(picture.max()), 0.0,
-        None, "",
-    )  # fmt: skip
+    seen = find_edges(picture=picture, clip_levels=clip_levels, check=check)
+    return tuple(_measured(picture, number, edge, check) for edge in seen)
+
+
+def _measured(
+    picture: Matrix, number: int, edge: FoundEdge, check: Callable[[], None]
+) -> MeasuredEdge:
+    if not edge.used:
+        return MeasuredEdge(number, edge, None, edge.why_not)
     try:
-        measured = slanted_edge(picture=turned, frequency=np.array(FREQUENCIES), check=check)
+        curve = measure_edge(
+            picture=picture, edge=edge, frequency=np.array(FREQUENCIES), check=check
+        )
     except DataError as error:
-        return (_refused(place, error.message),)
-    return (_edge(place, measured, along),)
+        return MeasuredEdge(number, edge, None, error.message)
+    return MeasuredEdge(number, edge, curve, "")
 
 
-def _refused(edge: MeasuredEdge, why: str) -> MeasuredEdge:
-    return replace(edge, why_not=why)
-
-
-def _edge(edge: MeasuredEdge, measured: SlantedEdge, along: bool) -> MeasuredEdge:
-    left, right = measured.spread.levels
-    normal = math.degrees(math.atan(-measured.line.slope))
-    angle = 90.0 - normal if along else normal
-    if left > right:
-        angle -= 180.0
-    return replace(
-        edge,
-        angle_deg=angle,
-        low=min(left, right),
-        high=max(left, right),
-        noise_sigma=measured.spread.noise,
-        curve=curve_of(np.array(FREQUENCIES), measured.mtf, measured.error),
-    )
-
-
-def curve_of(
-    frequency: NDArray[np.float64],
-    mtf: NDArray[np.float64],
-    sigma: NDArray[np.float64],
-    *,
-    edges: int = 1,
-    scatter: float = 1.0,
-) -> MtfCurve:
-    """A curve with its MTF50, whose error is that of the MTF there over the slope."""
-    middle = falls_to(frequency=frequency, mtf=mtf, level=0.5)
-    error = None
-    if middle is not None:
-        slope = float(np.interp(middle, frequency, np.gradient(mtf, frequency)))
-        error = float(np.interp(middle, frequency, sigma)) / max(abs(slope), 1e-12)
-    return MtfCurve(frequency, mtf, sigma, middle, error, edges, scatter)
-
-
-def pooled(edges: Sequence[MeasuredEdge], direction: str) -> tuple[MtfCurve | None, str]:
+def pooled(
+    edges: Sequence[MeasuredEdge], direction: Literal["x", "y"]
+) -> tuple[MtfCurve | None, str]:
     """The MTF of all used edges whose normals lie near an axis, or the reason why there is none."""
-    near = [edge for edge in edges if edge.direction == direction]
-    used = [edge.curve for edge in near if edge.used and edge.curve is not None]
-    if not used:
-        return None, no_edge_reason(near, direction)
-    weights = np.array([1.0 / np.maximum(curve.sigma, 1e-6) ** 2 for curve in used])
-    total = weights.sum(axis=0)
-    mtf = sum(w * curve.mtf for w, curve in zip(weights, used, strict=True)) / total
-    return curve_of(np.array(FREQUENCIES), mtf, total**-0.5, edges=len(used)), ""
+    curves = [edge.curve for edge in edges if edge.used and edge.curve is not None]
+    together = pooled_mtf(edges=curves, axis=direction)
+    if together is None:
+        return None, _no_edge([edge for edge in edges if edge.direction == direction], direction)
+    frequency, mtf, sigma = together.frequency, together.mtf, together.sigma
+    half = falls_to(frequency=frequency, mtf=mtf, level=0.5)
+    error = None
+    if half is not None:
+        slope = float(np.interp(half, frequency, np.gradient(mtf, frequency)))
+        error = float(np.interp(half, frequency, sigma)) / abs(slope) if slope else None
+    return MtfCurve(frequency, mtf, sigma, half, error, together.edges, together.excess), ""
 
 
-def no_edge_reason(near: Sequence[MeasuredEdge], direction: str) -> str:
+def _no_edge(near: Sequence[MeasuredEdge], direction: str) -> str:
     """Why there is no MTF in a direction."""
     across = "across" if direction == "x" else "along"
     if not near:
-        return f"no edge whose normal lies within {NEAR_DEG:g}° of {direction} ({across}) was seen"
-    whys = sorted({edge.why_not for edge in near})
-    more = f" (and {len(whys) - 3} other reasons)" if len(whys) > 3 else ""
-    many = "the one edge" if len(near) == 1 else f"none of {len(near)} edges"
-    verb = "cannot be used" if len(near) == 1 else "can be used"
-    return f"{many} that would give the MTF {across} {verb}: {'; '.join(whys[:3])}{more}"
+        return (
+            f"no straight edge whose normal lies within {LARGEST_ANGLE_DEG:g}° of {direction} "
+            f"({across}) was seen"
+        )
+    reasons = sorted({edge.why_not for edge in near})
+    more = f" (and {len(reasons) - _MOST_REASONS} others)" if len(reasons) > _MOST_REASONS else ""
+    words = f"{'; '.join(reasons[:_MOST_REASONS])}{more}"
+    if len(near) == 1:
+        return f"the one edge that would give it cannot be used: {words}"
+    return f"none of the {len(near)} edges that would give it can be used: {words}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -46,31 +45,20 @@ def edges_png(measured: PictureMeasurement, preview: Preview) -> bytes:
     return out.getvalue()
 
 
-def ends_of(edge: MeasuredEdge) -> tuple[tuple[float, float], tuple[float, float]]:
-    """The two ends of an edge, column and row."""
-    angle = math.radians(edge.angle_deg)
-    along = (-math.sin(angle), math.cos(angle))
-    half = edge.length / 2.0
-    return (
-        (edge.x - half * along[0], edge.y - half * along[1]),
-        (edge.x + half * along[0], edge.y + half * along[1]),
-    )
-
-
 def _draw_edge(axis: Any, edge: MeasuredEdge, number: int | None) -> None:
     from matplotlib.patheffects import withStroke
 
-    (x0, y0), (x1, y1) = ends_of(edge)
+    xs, ys = zip(*edge.found.ends, strict=True)
     dark = [withStroke(linewidth=3.0 if edge.used else 2.0, foreground="#000000a0")]
     look: Any = (
         {"color": USED, "lw": 1.8, "ls": "-", "zorder": 3}
         if edge.used
         else {"color": REFUSED, "lw": 1.0, "ls": (0, (3, 2)), "zorder": 2}
     )
-    axis.plot((x0, x1), (y0, y1), path_effects=dark, **look)
+    axis.plot(xs, ys, path_effects=dark, **look)
     if number is not None:
         axis.annotate(
-            str(number), (edge.x, edge.y), xytext=(3, 3), textcoords="offset points",
+            str(number), (edge.found.x, edge.found.y), xytext=(3, 3), textcoords="offset points",
             fontsize=8 if edge.used else 6.5, color=look["color"], clip_on=True,
             path_effects=[withStroke(linewidth=2.0, foreground="#000000c0")], zorder=4,
         )  # fmt: skip

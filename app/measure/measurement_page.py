@@ -19,6 +19,7 @@ from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
 
 _MOST_REFUSED = 60
+_PLACE = ("edge", "column", "row", "normal (°)", "length")
 
 
 def measurement_page(measured: PictureMeasurement) -> str:
@@ -153,22 +154,20 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
     blocks: list[Block] = []
     several = measured.picture_count > 1
     if used:
-        heads = ("edge", "column", "row", "normal (°)", "length", "step", "step/noise", "MTF50")
         rows = [(*_place(edge, n, several), *_strength(edge), _half(edge)) for n, edge in used]
         blocks += [
             Heading(2, "Edges used"),
-            Grid(heads, rows, numbers=range(1, 8)),
+            Grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
             Text("MTF50 in cycles/sample along the edge's normal, with its standard error."),
         ]
     if refused:
         kinds = Counter(kind_of(edge.why_not) for _, edge in refused)
         shown = refused[:_MOST_REFUSED]
-        heads = ("edge", "column", "row", "normal (°)", "length", "why not")
-        rows = [(*_place(edge, n, several), edge.why_not) for n, edge in shown]
+        whys = [(*_place(edge, n, several), edge.why_not) for n, edge in shown]
         blocks += [
             Heading(2, "Edges not used"),
             Items(tuple(f"{count}: {kind}" for kind, count in kinds.most_common())),
-            Grid(heads, rows, numbers=range(1, 5)),
+            Grid((*_PLACE, "why not"), whys, numbers=range(1, 5)),
         ]
         if len(refused) > len(shown):
             blocks.append(Text(f"And {len(refused) - len(shown)} more."))
@@ -176,16 +175,15 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
 
 
 def _place(edge: MeasuredEdge, place: int, several: bool) -> tuple[str, ...]:
+    found = edge.found
     name = f"{place} (picture {edge.picture})" if several else str(place)
-    return (
-        name, f"{edge.x:.1f}", f"{edge.y:.1f}", f"{edge.angle_deg:.1f}".replace("-", "−"),
-        f"{edge.length:.0f}",
-    )  # fmt: skip
+    angle = f"{found.angle_deg:.1f}".replace("-", "−")
+    return name, f"{found.x:.1f}", f"{found.y:.1f}", angle, f"{found.length:.0f}"
 
 
 def _strength(edge: MeasuredEdge) -> tuple[str, str]:
-    step = edge.high - edge.low
-    share = step / edge.noise_sigma if edge.noise_sigma > 0.0 else None
+    step = edge.found.high - edge.found.low
+    share = step / edge.found.noise_sigma if edge.found.noise_sigma > 0.0 else None
     return number(_short(step)), "–" if share is None else f"{share:.3g}"
 
 

@@ -75,6 +75,7 @@ class Source:
     unit: str = ""
     interval_x_mrad: float | None = None
     interval_y_mrad: float | None = None
+    clip_levels: tuple[float, float] | None = None
 
 
 def measure_files(
@@ -109,7 +110,7 @@ def measure_files(
     source = Source(
         tuple(MeasuredFile(str(f.path), f.frames, f.taken, f.is_encoded) for f in files),
         (picture for file in files for picture in file.pictures()),
-        first.rows, first.columns, first.unit, x, y,
+        first.rows, first.columns, first.unit, x, y, first.limits,
     )  # fmt: skip
     measured = measure_pictures(source, check=check, report=report)
     if not plan.flats:
@@ -141,7 +142,9 @@ def measure_pictures(
         check()
         if number < MOST_PREVIEWS:
             previews.append(_preview(picture, number))
-        edges += edges_of(picture=picture, number=number, check=check)
+        edges += edges_of(
+            picture=picture, number=number, clip_levels=source.clip_levels, check=check
+        )
         noise, noise_reason = noise_of(picture=picture, check=check)
         noises += [noise] if noise is not None else []
         if cube is not None:

@@ -49,8 +49,8 @@ class PictureFile:
         Of the samples as the file words it, or empty.
     interval_x_mrad, interval_y_mrad : float or None
         Between samples, by the header's field of view.
-    whole_to : float or None
-        Largest number of samples that are stored as whole numbers; None of others.
+    limits : tuple of float or None
+        Least and largest number of samples that are stored as whole numbers; None of others.
     is_encoded : bool
         Whether the format's numbers usually follow the eye's response, not the light.
     """
@@ -64,7 +64,7 @@ class PictureFile:
     unit: str
     interval_x_mrad: float | None
     interval_y_mrad: float | None
-    whole_to: float | None
+    limits: tuple[float, float] | None
     is_encoded: bool
 
     def pictures(self) -> Iterator[Matrix]:
@@ -173,10 +173,12 @@ def _intervals(info: PictureInfo) -> tuple[float | None, float | None]:
     return x, y
 
 
-def _numbers(dtype: np.dtype[Any], kind: str) -> tuple[float | None, bool]:
-    """Largest whole number that can be stored, and whether numbers follow the eye's response."""
-    whole_to = float(np.iinfo(dtype).max) if dtype.kind in "ui" else None
-    return whole_to, dtype == np.uint8 and kind in _ENCODED
+def _numbers(dtype: np.dtype[Any], kind: str) -> tuple[tuple[float, float] | None, bool]:
+    """Ends of the whole numbers that can be stored, and whether they follow the eye's response."""
+    limits = None
+    if dtype.kind in "ui":
+        limits = float(np.iinfo(dtype).min), float(np.iinfo(dtype).max)
+    return limits, dtype == np.uint8 and kind in _ENCODED
 
 
 def same_size(files: Sequence[PictureFile]) -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from core.physics.measurement.edges.edge_found import FoundEdge
+from core.physics.measurement.edges.edge_mtf import EdgeMtf
+from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG
 from core.physics.measurement.levels.flat_field import FlatField
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer
 from core.physics.noise.noise_cube import MeasuredNoise
@@ -17,14 +19,12 @@ Vector = NDArray[np.float64]
 
 FREQUENCIES = tuple(step / 64.0 for step in range(65))
 """Cycles per sample at which every MTF is given: of 64 samples, and up to the samples' own."""
-NEAR_DEG = 30.0
-"""Of a normal from an axis, within which an edge counts for it."""
 BY_HAND = "removed by hand"
 
 
 @dataclass(frozen=True, eq=False)
 class MtfCurve:
-    """An MTF against frequency, with its standard error.
+    """An MTF against frequency, pooled over edges, with its standard error.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class MtfCurve:
     edges : int
         Edges that it is made of.
     scatter : float
-        How many times the edges differ by their own errors; 1 of a single edge.
+        How many times more the edges differ than their own errors allow; 1 where they agree.
     """
 
     frequency: Vector
@@ -44,8 +44,8 @@ class MtfCurve:
     sigma: Vector
     mtf50: float | None
     mtf50_sigma: float | None
-    edges: int = 1
-    scatter: float = 1.0
+    edges: int
+    scatter: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,32 +56,17 @@ class MeasuredEdge:
     ----------
     picture : int
         Number of the picture among those measured, from 0.
-    x, y : float
-        Middle of the edge: column and row.
-    angle_deg : float
-        Of the normal, from across towards down, to the brighter side.
-    length, reach : float
-        Samples along the edge, and on either side of it.
-    low, high : float
-        Levels beside it.
-    noise_sigma : float
-        Of a sample beside it.
-    curve : MtfCurve or None
-        Along the normal; None where it was not measured.
+    found : FoundEdge
+        Where it is, and what of the picture belongs to it.
+    curve : EdgeMtf or None
+        MTF along the normal; None where it was not measured.
     why_not : str
         Why it is not used; empty where it is.
     """
 
     picture: int
-    x: float
-    y: float
-    angle_deg: float
-    length: float
-    reach: float
-    low: float
-    high: float
-    noise_sigma: float
-    curve: MtfCurve | None
+    found: FoundEdge
+    curve: EdgeMtf | None
     why_not: str
 
     @property
@@ -92,14 +77,15 @@ class MeasuredEdge:
     @property
     def direction(self) -> str:
         """The axis that its normal lies near, ``x`` or ``y``; empty of one between both."""
-        away = abs((self.angle_deg + 90.0) % 180.0 - 90.0)
-        return "x" if away <= NEAR_DEG else "y" if away >= 90.0 - NEAR_DEG else ""
+        away = abs((self.found.angle_deg + 90.0) % 180.0 - 90.0)
+        if away <= LARGEST_ANGLE_DEG:
+            return "x"
+        return "y" if away >= 90.0 - LARGEST_ANGLE_DEG else ""
 
     @property
     def stretch(self) -> float:
         """What a frequency along the normal is multiplied by to be that along the axis."""
-        angle = math.radians(self.angle_deg)
-        return max(abs(math.cos(angle)), abs(math.sin(angle)))
+        return max(abs(part) for part in self.found.normal)
 
 
 @dataclass(frozen=True, eq=False)
