@@ -85,6 +85,11 @@ class Settings:
         return 2 if self.quick else 5
 
     @property
+    def starts(self) -> int:
+        """Processes of which each takes the time of a start."""
+        return 1 if self.quick else 5
+
+    @property
     def threads(self) -> int:
         """Threads of a round trip, as many as the engine takes."""
         return Policy().workers

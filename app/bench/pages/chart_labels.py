@@ -64,7 +64,7 @@ def place_labels(
         Of the letters, points.
     """
     canvas = axis.figure.canvas
-    canvas.draw()  # settles the layout
+    axis.figure.draw_without_rendering()  # settles the layout
     renderer = canvas.get_renderer()
     marks = axis.transData.transform(np.asarray(points, float).reshape(-1, 2))
     taken = [np.array([x - MARK_PX, y - MARK_PX, x + MARK_PX, y + MARK_PX]) for x, y in marks]

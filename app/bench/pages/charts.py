@@ -72,7 +72,7 @@ def _error_png(chart: Chart, rows: Sequence[Row], title: str) -> bytes:
         axis.set_xticks(ticks := plain_ticks(*axis.get_xlim()), [f"{tick:g}" for tick in ticks])
         axis.minorticks_off()
         guides = _guides(axis, chart, points)
-        drawn.canvas.draw()  # settles the layout, by which the words are placed
+        drawn.draw_without_rendering()  # settles the layout, by which the words are placed
         names, words = [], []
         for number, (group, places) in enumerate(curves.items()):
             colour = COLOURS[number % len(COLOURS)]

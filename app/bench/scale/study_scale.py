@@ -45,8 +45,8 @@ def studies(settings: Settings) -> list[Table]:
     # Processes take longer to start than a quick study of small pictures to compute.
     several = [cores] if has_dask() and cores > 1 and side >= _LEAST_SIDE else []
     return [
-        points_table(side, 20 if settings.quick else 100, (1, *several)),
-        scenes_table(side, 50 if settings.quick else 1000, (1, *several)),
+        points_table(side, 8 if settings.quick else 100, (1, *several)),
+        scenes_table(side, 20 if settings.quick else 1000, (1, *several)),
     ]
 
 

@@ -162,7 +162,7 @@ def fresh_process(settings: Settings) -> list[Table]:
         if settings.size != SHIPPED_SIZE:
             words += ["--set", f"scene.width={settings.size}"]
             words += ["--set", f"scene.height={settings.size}"]
-        for _ in range(3 if settings.quick else 5):
+        for _ in range(settings.starts):
             took.append(
                 seconds(
                     lambda: subprocess.run(

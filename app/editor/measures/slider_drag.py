@@ -1,7 +1,7 @@
 """A slider dragged by the mouse in the window: pictures a second, and gaps of the event loop.
 
-Given the side of the pictures, and if wanted the seconds of a drag, how many drags, the node and
-its parameter.
+Given the side of the pictures, and if wanted the seconds of a drag, how many drags, and nodes with
+their parameters (node.parameter), one after the other.
 """
 
 from __future__ import annotations
@@ -50,14 +50,13 @@ class Gaps:
         self._last = now
 
 
-def main(
-    size: int, duration_s: float, times: int, node: str = NODE, parameter: str = PARAMETER
-) -> None:
-    """Drag a slider of the Kodak chain on a picture of size², each time anew, and count."""
+def main(size: int, duration_s: float, times: int, *sliders: str) -> None:
+    """Drag sliders of the Kodak chain on a picture of size², each time anew, and count."""
     with trial_window() as (_, window):
-        for _ in range(times):
-            slider = open_slider(window, size, node, parameter)
-            print(json.dumps({"size": size, **measured(window, slider, duration_s)}))
+        for slider in sliders or (f"{NODE}.{PARAMETER}",):
+            for _ in range(times):
+                handle = open_slider(window, size, *slider.split("."))
+                print(json.dumps({"size": size, **measured(window, handle, duration_s)}))
 
 
 def measured(window: MainWindow, slider: QSlider, duration_s: float) -> dict[str, float]:
