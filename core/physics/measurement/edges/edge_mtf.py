@@ -12,12 +12,14 @@ from core.errors import DataError
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_samples import EdgeSamples, edge_samples
 from core.physics.measurement.edges.slanted_edge import falls_to
+from core.physics.measurement.edges.spread_basis import line_transform
 from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
 
 Vector = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Matrix = NDArray[np.float64]
 
-_GROUPS = 24  # pieces of the edge, from whose differences the error follows
+_GROUPS = 24  # pieces of the edge, whose differences enter the error
+_NEAR = 0.05  # cycles per sample, over which their variances are averaged
 _LARGEST_GAP = 0.75  # samples between distances, above which nothing is supersampled
 _LEAST_SAMPLES = 60
 
@@ -115,29 +117,52 @@ def measure_edge(
 def _modulus(
     samples: EdgeSamples, fit: SpreadFit, edge: FoundEdge, frequency: Vector
 ) -> tuple[Vector, Vector]:
-    """Modulus, 1 at zero, and standard error."""
-    transform = fit.spline.transform(frequency)
-    step = fit.coefficients[-1] - fit.coefficients[0]
-    whole = transform @ fit.coefficients / step
-    away = samples.along / (edge.length / 2.0)
-    values, which = fit.spline.at(samples.distance - fit.turn * away - fit.bend * away**2)
-    size = fit.spline.size
-    group = np.clip(((away + 1.0) / 2.0 * _GROUPS).astype(np.intp), 0, _GROUPS - 1)
-    scores = np.zeros(_GROUPS * size)
-    for k in range(4):
-        scores += np.bincount(group * size + which[k], values[k] * fit.residual, _GROUPS * size)
-    moved = scores.reshape(_GROUPS, size) @ fit.inverse  # of the coefficients, by each group
-    steps = moved[:, -1] - moved[:, 0]
-    parts = (moved @ transform.T - steps[:, np.newaxis] * whole) / step
-    modulus = np.abs(whole)
-    phase = np.where(modulus > 0.0, np.conj(whole) / np.maximum(modulus, 1e-300), 1.0)
-    aligned = parts * phase * np.sqrt(_GROUPS / (_GROUPS - 1.0))
-    along = np.sqrt(np.sum(aligned.real**2, axis=0))
-    across = np.sqrt(np.sum(aligned.imag**2, axis=0))
-    least = np.maximum(modulus - 3.0 * along, 0.0)
-    longer = across * np.minimum(1.0, across / np.maximum(2.0 * least, 1e-300))
+    """Modulus, 1 at zero, and standard error.
+
+    Notes
+    -----
+    Noise square to the transform H lengthens it: |H + i·n| is longer than |H| by n²/(2|H|), which
+    is taken off. What cannot be is an error: n²/(2|H|), at most n, for an |H| that is three errors
+    less than what was measured.
+    """
+    transform = line_transform(spline=fit.spline, frequency=np.concatenate([[0.0], frequency]))
+    whole = transform @ fit.coefficients
+    step, whole = whole[0].real, whole[1:] / whole[0]
+    length = np.abs(whole)
+    phase = np.where(length > 0.0, np.conj(whole) / np.maximum(length, 1e-300), 1.0)
+    # What a unit of each normal equation's right side does to the aligned transform.
+    effect = (transform[1:] - transform[:1] * whole[:, np.newaxis]) @ fit.inverse
+    effect = effect * (phase / step)[:, np.newaxis]
+    along = _variance(effect.real, samples, fit, edge, frequency)
+    across = _variance(effect.imag, samples, fit, edge, frequency)
+    modulus = np.sqrt(np.maximum(length**2 - across, 0.0))
+    least = np.maximum(modulus - 3.0 * np.sqrt(along), 0.0)
+    longer = np.minimum(across, (across / np.maximum(2.0 * least, 1e-150)) ** 2)
     blurred = modulus * 2.0 * (np.pi * frequency * fit.turn_error) ** 2 / 3.0
-    return modulus, np.asarray(np.sqrt(along**2 + longer**2 + blurred**2), np.float64)
+    return modulus, np.asarray(np.sqrt(along + longer + blurred**2), np.float64)
+
+
+def _variance(
+    effect: Matrix, samples: EdgeSamples, fit: SpreadFit, edge: FoundEdge, frequency: Vector
+) -> Vector:
+    """Variance of sums of the normal equations' right sides.
+
+    Notes
+    -----
+    Of samples that are independent, it follows from their residuals (White, 1980). Where the
+    noise hangs together, pieces of the edge differ by more (Liang and Zeger, 1986); their few
+    differences are averaged over neighbouring frequencies before they are believed.
+    """
+    alone = np.sum((effect @ fit.basis.normal_matrix(fit.residual**2)) * effect, axis=1)
+    place = samples.along / edge.length + 0.5
+    group = np.clip((place * _GROUPS).astype(np.intp), 0, _GROUPS - 1)
+    scores = fit.basis.onto_groups(fit.residual, group, _GROUPS)
+    pieces = np.sum((effect @ scores.T) ** 2, axis=1) * _GROUPS / (_GROUPS - 1.0)
+    near = np.exp(-0.5 * (np.subtract.outer(frequency, frequency) / _NEAR) ** 2)
+    excess = (near @ pieces) / np.maximum(near @ alone, 1e-300)
+    degrees = len(fit.residual) / max(1.0, len(fit.residual) - fit.basis.size)
+    assumed = np.sum((effect @ fit.prior.T) ** 2, axis=1)
+    return np.asarray(alone * degrees * np.maximum(1.0, excess) + assumed, np.float64)
 
 
 def _half_error(frequency: Vector, mtf: Vector, sigma: Vector, half: float) -> float | None:

@@ -178,8 +178,6 @@ def _settled(
     half_length = edge.length / 2.0
     fit = fit_spread(samples=samples, reach=edge.reach, half_length=half_length)
     edge = _on_course(edge, fit)
-    low, high = fit.levels
-    edge = replace(edge, low=low, high=high)
     off = _off_course(samples, fit, half_length)
     if off > _OFF_COURSE:
         return replace(edge, why_not=f"not straight: parts of it lie {off:.2g} samples off")
@@ -199,9 +197,7 @@ def _on_course(edge: FoundEdge, fit: SpreadFit) -> FoundEdge:
     """The edge turned, bent and moved as the fit has it, through the middle of the step."""
     across_x, across_y = edge.normal
     place = np.linspace(-edge.reach / 2.0, edge.reach / 2.0, 801)
-    values, which = fit.spline.at(place)
-    spread = sum(values[k] * fit.coefficients[which[k]] for k in range(4))
-    above = np.flatnonzero(spread > sum(fit.levels) / 2.0)
+    above = np.flatnonzero(fit.at(place) > sum(fit.levels) / 2.0)
     shift = float(place[above[0]]) if len(above) else 0.0
     return replace(
         edge,
@@ -216,7 +212,7 @@ def _off_course(samples: EdgeSamples, fit: SpreadFit, half_length: float) -> flo
     """Largest distance, less three standard errors, of a piece of an edge from its course."""
     away = samples.along / half_length
     distance = samples.distance - fit.turn * away - fit.bend * away**2
-    slope = fit.spline.slopes(distance, fit.coefficients)
+    slope = fit.slopes(distance)
     pieces = max(3, round(2.0 * half_length / _PIECE))
     piece = np.clip(((away + 1.0) / 2.0 * pieces).astype(np.intp), 0, pieces - 1)
     square = np.bincount(piece, slope**2, pieces)

@@ -13,7 +13,7 @@ Index = NDArray[np.intp]
 Complex = NDArray[np.complex128]
 
 _QUADRATURE = 6  # points an interval: exact to 1e-9 for two radians
-_FINE = 4.0  # samples from the middle to where intervals begin to widen
+_FINE = 2.5  # samples from the middle to where intervals begin to widen
 
 
 @dataclass(frozen=True)

@@ -9,38 +9,60 @@ from numpy.typing import NDArray
 
 from core.physics.measurement.edges.edge_samples import EdgeSamples
 from core.physics.measurement.edges.graded_spline import GradedSpline, graded_spline
+from core.physics.measurement.edges.spread_basis import (
+    BEND,
+    OTHERS,
+    TAIL,
+    TURN,
+    SpreadBasis,
+    line_spread,
+    spread_basis,
+)
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 FINEST = 0.25  # samples between the spline's breaks
-_LEVEL_FROM = 0.8  # of the reach, beyond which the spread is taken as level
-_TURNS = 4
+_COARSE = 1.0  # so much, it cannot follow what a wrong turn does to neighbouring rows
+_LEVEL_FROM = 0.8  # of the reach, beyond which the spline is level
+_COARSE_TURNS, _FINE_TURNS = 2, 2
+_FIRST_SLOPE = 1.5  # samples, width of the step assumed to begin with
+
+_TAIL = (0.08, 0.1)  # share of the step in the tail, and its doubt, before looking
+_RAMP = 0.002  # of the step, by which a side may change a sample
+_COURSE = 0.3  # samples, doubt of the ends to begin with
+_SETTLED_COURSE = 0.05  # after the coarse fit, beside its own error
 
 
 @dataclass(frozen=True)
 class SpreadFit:
-    """Spread of an edge as a spline, with what is needed for its errors.
+    """Spread of an edge as a sum of functions, with what is needed for its errors.
 
     Parameters
     ----------
-    spline, coefficients
-        The spread.
+    basis : SpreadBasis
+        The functions.
+    coefficients : ndarray
+        Of the functions.
     inverse : ndarray
         Of the normal equations' matrix.
+    prior : ndarray
+        What the doubt of each assumption adds to their right side, one a row.
     residual : ndarray
         Of each sample.
     turn, bend : float
-        By how many samples both ends of the edge were moved: in opposite directions, and alike.
+        By how many samples both ends of the edge were moved towards the brighter side: in
+        opposite directions, and alike.
     turn_error, bend_error : float
         Their standard errors.
     gap : float
         Largest distance near the edge between neighbouring samples.
     """
 
-    spline: GradedSpline
+    basis: SpreadBasis
     coefficients: Vector
     inverse: Matrix
+    prior: Matrix
     residual: Vector
     turn: float
     bend: float
@@ -49,9 +71,29 @@ class SpreadFit:
     gap: float
 
     @property
+    def spline(self) -> GradedSpline:
+        """The spline of the spread."""
+        return self.basis.spline
+
+    @property
     def levels(self) -> tuple[float, float]:
         """Levels on both sides."""
-        return float(self.coefficients[0]), float(self.coefficients[-1])
+        size = self.spline.size
+        tail = float(self.coefficients[size + TAIL])
+        low, high = float(self.coefficients[0]), float(self.coefficients[size - 1])
+        return low - tail / 2.0, high + tail / 2.0
+
+    def at(self, distance: Vector) -> Vector:
+        """The spread at distances, without ramps."""
+        nothing = np.zeros(len(distance))
+        basis = spread_basis(spline=self.spline, distance=distance, away=nothing, slope=nothing)
+        level = self.coefficients.copy()
+        level[self.spline.size + TAIL + 1 :] = 0.0
+        return basis.spread(level)
+
+    def slopes(self, distance: Vector) -> Vector:
+        """The line spread at distances."""
+        return line_spread(spline=self.spline, coefficients=self.coefficients, distance=distance)
 
 
 def largest_gap(*, distance: Vector, within: float = 3.0) -> float:
@@ -61,37 +103,7 @@ def largest_gap(*, distance: Vector, within: float = 3.0) -> float:
     return float(np.max(np.diff(near)))
 
 
-def solve_spread(
-    *, spline: GradedSpline, distance: Vector, value: Vector
-) -> tuple[Vector, Matrix, Vector]:
-    """Coefficients of the spline through samples, inverse normal matrix, residuals.
-
-    Notes
-    -----
-    A thousand-millionth of the matrix's trace on third differences only settles what no sample
-    determines.
-    """
-    values, which = spline.at(distance)
-    size = spline.size
-    matrix = np.zeros(size * size)
-    for a in range(4):
-        for b in range(4):
-            place = which[a] * size + which[b]
-            matrix += np.bincount(place, values[a] * values[b], size * size)
-    right = np.zeros(size)
-    for a in range(4):
-        right += np.bincount(which[a], values[a] * value, size)
-    smooth = np.diff(np.eye(size), 3, axis=0)
-    normal = matrix.reshape(size, size) + 1e-9 * len(value) / size * (smooth.T @ smooth)
-    inverse = np.asarray(np.linalg.inv(normal), np.float64)
-    coefficients = inverse @ right
-    fitted = sum(values[a] * coefficients[which[a]] for a in range(4))
-    return coefficients, inverse, np.asarray(value - fitted, np.float64)
-
-
-def fit_spread(
-    *, samples: EdgeSamples, reach: float, half_length: float, turns: int = _TURNS
-) -> SpreadFit:
+def fit_spread(*, samples: EdgeSamples, reach: float, half_length: float) -> SpreadFit:
     """Fit the spread of an edge, and by how much its course is to be turned and bent.
 
     Parameters
@@ -102,8 +114,6 @@ def fit_spread(
         Of the samples across the edge.
     half_length : float
         Of the edge.
-    turns : int
-        Times the course is adjusted; 0 leaves it as it is.
 
     Returns
     -------
@@ -112,37 +122,75 @@ def fit_spread(
 
     Notes
     -----
-    Gauss–Newton by turns: a spline through the samples by their distance, then the turn and bend
-    that make the residuals along its slope least. The distance cannot be told from the spread.
+    Gauss–Newton: the functions of the spread and what a turn and a bend would change are fitted
+    together. First with a coarse spline, since a fine one follows each row by itself where the
+    edge crosses few columns, whatever its turn. The distance is not fitted: it cannot be told
+    from the spread.
     """
     away = samples.along / half_length
-    centre = samples.value.mean()
+    centre = float(samples.value.mean())
     value = samples.value - centre
-    turn = bend = 0.0
-    for step in range(turns + 1):
-        distance = samples.distance - turn * away - bend * away**2
+    outer = np.abs(samples.distance) > reach / 2.0
+    bright = samples.distance > 0.0
+    step = float(value[outer & bright].mean() - value[outer & ~bright].mean())
+    noise = float(value[outer & bright].std() + value[outer & ~bright].std()) / 2.0
+    course, doubt, assumed = np.zeros(2), np.full(2, _COURSE), np.zeros(2)
+    error = doubt
+    distance = samples.distance
+    slope = step * np.exp(-0.5 * (distance / _FIRST_SLOPE) ** 2) / (_FIRST_SLOPE * 2.5066)
+    for turn in range(_COARSE_TURNS + _FINE_TURNS + 1):
+        if turn == _COARSE_TURNS:
+            assumed = course.copy()
+            doubt = np.hypot(_SETTLED_COURSE, error)
+        distance = samples.distance - course[0] * away - course[1] * away**2
         gap = largest_gap(distance=distance)
-        spline = graded_spline(half_width=_LEVEL_FROM * reach, spacing=max(FINEST, gap))
-        coefficients, inverse, residual = solve_spread(
-            spline=spline, distance=distance, value=value
-        )
-        slope = spline.slopes(distance, coefficients)
-        design = np.stack([slope * away, slope * (away**2 - np.mean(away**2))])
-        normal = design @ design.T
-        inverse_course = np.linalg.pinv(normal)
-        if step < turns:
-            moved = -inverse_course @ (design @ residual)
-            turn, bend = turn + float(moved[0]), bend + float(moved[1])
-    scatter = (design * residual) @ (design * residual).T
-    error = np.sqrt(np.maximum(np.diag(inverse_course @ scatter @ inverse_course), 0.0))
+        finest = _COARSE if turn < _COARSE_TURNS else FINEST
+        spline = graded_spline(half_width=_LEVEL_FROM * reach, spacing=max(finest, gap))
+        basis = spread_basis(spline=spline, distance=distance, away=away, slope=slope)
+        coefficients, inverse, prior = _solved(basis, value, step, noise, assumed - course, doubt)
+        residual = value - basis.spread(coefficients)
+        noise = float(np.sqrt(np.mean(residual**2)))
+        places = spline.size + np.array([TURN, BEND])
+        error = noise * np.sqrt(np.diag(inverse)[places])
+        slope = line_spread(spline=spline, coefficients=coefficients, distance=distance)
+        if turn < _COARSE_TURNS + _FINE_TURNS:
+            course = course + coefficients[places]
+    coefficients[: spline.size] += centre
     return SpreadFit(
-        spline=spline,
-        coefficients=coefficients + centre,
+        basis=basis,
+        coefficients=coefficients,
         inverse=inverse,
+        prior=prior,
         residual=residual,
-        turn=turn,
-        bend=bend,
+        turn=float(course[0]),
+        bend=float(course[1]),
         turn_error=float(error[0]),
         bend_error=float(error[1]),
         gap=gap,
     )
+
+
+def _solved(
+    basis: SpreadBasis, value: Vector, step: float, noise: float, course: Vector, doubt: Vector
+) -> tuple[Vector, Matrix, Matrix]:
+    """Coefficients, inverse normal matrix, and the doubts of what is assumed.
+
+    Notes
+    -----
+    What is assumed of tail, ramps and course is a measurement like others, in the noise's units.
+    A thousand-millionth on third differences only settles what no sample determines.
+    """
+    size = basis.spline.size
+    normal, right = basis.normal_matrix(), basis.onto(value)
+    smooth = np.diff(np.eye(size), 3, axis=0)
+    normal[:size, :size] += 1e-9 * len(value) / size * (smooth.T @ smooth)
+    doubts = np.array([_TAIL[1] * step, _RAMP * step, _RAMP * step, *doubt])
+    assumed = np.array([_TAIL[0] * step, 0.0, 0.0, *course])
+    weights = max(noise, 1e-6 * abs(step)) ** 2 / doubts**2
+    places = np.arange(size, size + OTHERS)
+    normal[places, places] += weights
+    right[places] += weights * assumed
+    inverse = np.asarray(np.linalg.inv(normal), np.float64)
+    prior = np.zeros((OTHERS, basis.size))
+    prior[np.arange(OTHERS), places] = weights * doubts
+    return inverse @ right, inverse, prior
