@@ -103,7 +103,8 @@ def test_of_scipy_only_fft_and_special(layer):
         for name in imports(path)
         if name.startswith("scipy.") and name.split(".")[1] not in ("fft", "special")
     }
-    assert not wrong
+    # The fit's optimizer; imported in a function, as test_loaded_modules sees to.
+    assert wrong <= {"app/fit/chain_fit.py: scipy.optimize.least_squares"}
 
 
 @pytest.mark.parametrize("layer", ["core", "nodes"])

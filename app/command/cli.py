@@ -7,10 +7,14 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 from app.options.stopping import Stop, Stopped, stoppable
 from app.options.terminal_streams import discard, print_error, usable_streams
 from core.errors import Cancelled, ImagechainError, Suspended
+
+if TYPE_CHECKING:
+    from app.options.command_options import Options
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -114,11 +118,21 @@ def _carry_out(words: list[str], stop: Stop) -> None:
 
         _stop_if(stop)
         solve_readout(options, stop)
-    elif options.command == "measure":
+    else:
+        _measure_or_look_up(options, stop)
+
+
+def _measure_or_look_up(options: Options, stop: Stop) -> None:
+    if options.command == "measure":
         from app.command.measure_command import measure
 
         _stop_if(stop)
         measure(options, stop)
+    elif options.command == "fit":
+        from app.command.fit_command import fit_network
+
+        _stop_if(stop)
+        fit_network(options, stop)
     elif options.command == "photon-transfer":
         from app.command.photon_transfer_command import measure_photon_transfer
 

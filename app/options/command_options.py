@@ -13,6 +13,7 @@ from typing import Any, Literal, NoReturn, cast
 from app.options.command_words import (
     bench_words,
     edit_words,
+    fit_words,
     handbook_words,
     measure_words,
     network_words,
@@ -32,6 +33,7 @@ from app.options.option_values import (
     finite_number,
     named_path,
     output_path,
+    page_path,
     report_path,
     save_target,
     size_in_bytes,
@@ -68,7 +70,7 @@ class Options:
     """What the command line gives."""
 
     command: Literal[
-        "edit", "run", "check", "tradeoff", "study", "solve", "measure", "photon-transfer",
+        "edit", "run", "check", "tradeoff", "study", "solve", "measure", "fit", "photon-transfer",
         "modules", "networks", "bench", "handbook",
     ]  # fmt: skip
     network: str = ""
@@ -101,6 +103,11 @@ class Options:
     offset_dn: float | None = None
     solve_for: str = ""
     until: str = ""
+    free: tuple[str, ...] = ()
+    known_scene: bool = False
+    fit_json: Path | None = None
+    fit_output: Path | None = None
+    fit_report: Path | None = None
     precision: Precision = "single"
     seed: int | None = None
     tolerance: float | None = None
@@ -210,6 +217,8 @@ def parse(argv: list[str]) -> Options:
         )
     if arguments.command == "study":
         return _study(arguments, common)
+    if arguments.command == "fit":
+        return _fit(arguments, common)
     return _solve_or_run(arguments, common)
 
 
@@ -263,6 +272,20 @@ def _study(arguments: argparse.Namespace, common: dict[str, Any]) -> Options:
         jobs=whole_number("--jobs", arguments.jobs),
         scheduler=arguments.scheduler or "",
         fresh=arguments.fresh,
+        **common,
+    )
+
+
+def _fit(arguments: argparse.Namespace, common: dict[str, Any]) -> Options:
+    return Options(
+        "fit",
+        arguments.network,
+        pictures=file_paths("--to", arguments.to),
+        free=tuple(word for words in arguments.free for word in words),
+        known_scene=arguments.known_scene,
+        fit_json=file_path("--json", arguments.json),
+        fit_output=file_path("--output", arguments.output),
+        fit_report=page_path("--report", arguments.report),
         **common,
     )
 
@@ -381,6 +404,7 @@ _COMMANDS: Mapping[str, tuple[str, Callable[[argparse.ArgumentParser], object]]]
         "study": ("figures and pictures at many points, over many scenes", study_words),
         "solve": ("the value of a parameter at which a read-out is as wanted", solve_words),
         "measure": ("edges, MTF and noise of pictures of a camera", measure_words),
+        "fit": ("the parameters with which a network gives a real picture's edges", fit_words),
         "photon-transfer": (
             "gain, read noise and full well from frames of flat fields",
             photon_transfer_words,

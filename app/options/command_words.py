@@ -177,6 +177,47 @@ def solve_words(parser: argparse.ArgumentParser) -> None:
     _numerical_words(parser)
 
 
+def fit_words(parser: argparse.ArgumentParser) -> None:
+    """``imagechain fit``."""
+    parser.description = (
+        "Fit parameters of a network to pictures that a real camera has taken. Ideal edges take "
+        "the place of the network's source where the pictures have edges; the chain's spread of "
+        "them is compared with the samples, and every free parameter is given with its standard "
+        "error. One sample of a picture is one of the network's final picture."
+    )
+    network_words(parser)
+    add: Any = parser.add_argument
+    add(
+        "--to",
+        nargs="+",
+        required=True,
+        metavar="PICTURE",
+        help="one or more pictures of the camera; linear, as the sensor gives them",
+    )
+    add(
+        "--free",
+        action="append",
+        nargs="+",
+        required=True,
+        metavar="NODE.PARAM[=LOW:HIGH]",
+        help="a parameter that is fitted, in its own range or the one given; may be repeated",
+    )
+    add(
+        "--known-scene",
+        action="store_true",
+        help="the network's source is the scene of the picture: fit the whole picture to it",
+    )
+    add("--json", action=Once, metavar="FILE", help="write parameters, errors and correlations")
+    add("--output", action=Once, metavar="FILE", help="write the network with the fitted values")
+    add(
+        "--report",
+        action=Once,
+        metavar="FILE",
+        help="write a page of the fit, .html: patches side by side, edges overlaid, residuals",
+    )
+    _numerical_words(parser)
+
+
 def tradeoff_words(parser: argparse.ArgumentParser) -> None:
     """``imagechain tradeoff``."""
     network_words(parser)

@@ -116,6 +116,11 @@ def report_path(text: str) -> Path:
     return _with_suffix("--report", text, REPORTS)
 
 
+def page_path(option: str, text: str | None) -> Path | None:
+    """The file of a page."""
+    return None if text is None else _with_suffix(option, text, (HTML,))
+
+
 def output_path(text: str) -> Path:
     """The file of a trade-off."""
     return _with_suffix("--output", text, OUTPUTS)

@@ -165,7 +165,7 @@ def test_a_page(name, tmp_path, monkeypatch, background):
 def test_commands_of_all_kinds_are_shown():
     lines = "\n".join(TEXTS.values())
     shown = set(re.findall(r"^imagechain ([a-z-]+)", lines, re.MULTILINE))
-    assert {"run", "edit", "check", "tradeoff", "solve", "photon-transfer"} <= shown
+    assert {"run", "edit", "check", "tradeoff", "solve", "fit", "photon-transfer"} <= shown
     assert {"networks", "modules", "bench", "handbook"} <= shown
 
 

@@ -1,0 +1,1 @@
+"""Parameters of a chain, fitted to a picture that a camera has taken."""

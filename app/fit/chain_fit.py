@@ -1,0 +1,290 @@
+"""A chain's free parameters fitted to the samples of edges by weighted least squares.
+
+Standard errors are those of the linearized model at the solution (Bates and Watts 1988, Nonlinear
+Regression Analysis, section 2). Where the residuals still have the shape of an edge, the chain is
+not the camera's: errors are then widened by the root of that excess.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.fit.chain_transfer import ChainAt, EdgeTransfer
+from app.fit.edge_fit import EdgeAt, EdgeFits
+from app.fit.free_parameter import FreeParameter
+from app.fit.parameter_search import starts
+from app.fit.patch import Patch
+from app.fit.spread_table import SpreadTable, period_for
+from core.errors import Cancelled, DataError, ImagechainError
+from core.evaluation.work import Work
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+_THIN = 240  # samples of an edge while a start is sought
+_STARTS = 3
+_SEED = 1996
+_STEP = 1e-3  # of a parameter's scale, for differences
+_FINE_STEP = 2e-3  # of the same, to both sides
+_BIN = 0.25  # samples of distance, in which residuals are averaged
+_IN_BIN = 12
+_CERTAIN = 4.0  # standard deviations, from which on an excess counts
+_AT_END = 1e-3  # of the scale
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """How well the chain's edges lie in the samples.
+
+    Parameters
+    ----------
+    chi2, degrees
+        Sum of the squared residuals in units of their noise, and degrees of freedom.
+    shape_chi2, shape_degrees
+        The same of residuals averaged at equal distances from the edge.
+    """
+
+    chi2: float
+    degrees: int
+    shape_chi2: float
+    shape_degrees: int
+
+    @property
+    def chi2_per_degree(self) -> float:
+        """1 where the residuals are noise."""
+        return self.chi2 / max(1, self.degrees)
+
+    @property
+    def shape_per_degree(self) -> float:
+        """1 where what is left of the edges has no shape."""
+        return self.shape_chi2 / max(1, self.shape_degrees)
+
+    @property
+    def excess(self) -> float:
+        """By which variances are widened: 1 unless there is a misfit."""
+        worst = 1.0
+        for value, degrees in (
+            (self.chi2_per_degree, self.degrees),
+            (self.shape_per_degree, self.shape_degrees),
+        ):
+            if degrees > 0 and value > 1.0 + _CERTAIN * math.sqrt(2.0 / degrees):
+                worst = max(worst, value)
+        return worst
+
+
+@dataclass(frozen=True)
+class ChainFit:
+    """The best fit.
+
+    Parameters
+    ----------
+    free : tuple of FreeParameter
+        What was fitted.
+    values : ndarray
+        Their values.
+    jacobian : ndarray
+        Derivatives of the residuals, shape (samples, parameters).
+    patches : tuple of Patch
+        The edges' samples.
+    edges : tuple of EdgeAt
+        Each as fitted.
+    table : SpreadTable
+        Their spreads.
+    misfit : Misfit
+        How well it fits.
+    at_end : tuple of str
+        For each parameter ``low`` or ``high`` where it lies at that end of its range, else empty.
+    evaluations : int
+        How often the chain was evaluated.
+    """
+
+    free: tuple[FreeParameter, ...]
+    values: Vector
+    jacobian: Matrix
+    patches: tuple[Patch, ...]
+    edges: tuple[EdgeAt, ...]
+    table: SpreadTable
+    misfit: Misfit
+    at_end: tuple[str, ...]
+    evaluations: int
+
+
+class EdgeProblem:
+    """The residuals of a network's edges as functions of its free parameters."""
+
+    def __init__(
+        self,
+        chain: ChainAt,
+        work: Work,
+        free: Sequence[FreeParameter],
+        patches: Sequence[Patch],
+    ) -> None:
+        self.free = tuple(free)
+        self.patches = tuple(patches)
+        self.evaluations = 0
+        self._chain = chain
+        period = period_for(reach=max(patch.reach for patch in patches))
+        angles = [patch.angle_deg for patch in patches]
+        self._transfer = EdgeTransfer(work, angles, period)
+        self._fits = EdgeFits(self.patches)
+        self._last: tuple[Vector, SpreadTable, tuple[EdgeAt, ...]] | None = None
+
+    def table(self, values: Vector) -> SpreadTable:
+        """Spreads of all edges."""
+        self.evaluations += 1
+        return self._transfer.table(self._chain.image([float(v) for v in values]))
+
+    def thinned(self) -> EdgeProblem:
+        """The same with fewer samples."""
+        other = object.__new__(EdgeProblem)
+        other.__dict__.update(self.__dict__)
+        other.patches = tuple(patch.thinned(_THIN) for patch in self.patches)
+        other._fits = EdgeFits(other.patches)
+        other._last = None
+        return other
+
+    @property
+    def degrees(self) -> int:
+        """Degrees of freedom."""
+        return self._fits.degrees - len(self.free)
+
+    def fitted(self, values: Vector) -> tuple[SpreadTable, tuple[EdgeAt, ...]]:
+        """Spreads, and edges fitted with them."""
+        if self._last is None or not np.array_equal(self._last[0], values):
+            table = self.table(values)
+            self._last = np.array(values), table, self._fits.at(table)
+        return self._last[1], self._last[2]
+
+    def freeze(self, values: Vector) -> None:
+        """Take the weights that belong to these values from now on."""
+        table, edges = self.fitted(values)
+        self._fits.freeze(edges, table)
+        self.patches = self._fits.patches
+        self._last = None
+
+    def residual(self, values: Vector) -> Vector:
+        """Of all samples, in standard deviations."""
+        _, edges = self.fitted(values)
+        return np.concatenate([edge.residual for edge in edges])
+
+    def cost(self, values: Vector) -> float:
+        """Sum of squares; infinite for values that are not allowed."""
+        try:
+            return float(sum(edge.cost for edge in self.fitted(values)[1]))
+        except Cancelled:
+            raise
+        except ImagechainError:
+            return math.inf
+
+    def derivative(self, values: Vector, index: int, other: float) -> Vector:
+        """Residuals' change as one parameter takes another value."""
+        table, edges = self.fitted(values)
+        changed = values.copy()
+        changed[index] = other
+        return self._fits.derivative(edges, table, self.table(changed))
+
+    def jacobian(self, values: Vector, scales: Vector, *, fine: bool = False) -> Matrix:
+        """Derivatives of the residuals by differences within the ranges."""
+        columns = []
+        for index, parameter in enumerate(self.free):
+            step = (_FINE_STEP if fine else _STEP) * scales[index]
+            here = float(values[index])
+            up, down = min(here + step, parameter.high), max(here - step, parameter.low)
+            if fine and up > here > down:
+                difference = self.derivative(values, index, up)
+                difference = difference - self.derivative(values, index, down)
+                columns.append(difference / (up - down))
+                continue
+            there = up if up - here >= here - down else down
+            columns.append(self.derivative(values, index, there) / (there - here))
+        return np.column_stack(columns)
+
+
+def fit_chain(problem: EdgeProblem) -> ChainFit:
+    """Find the parameters that fit best.
+
+    Raises
+    ------
+    DataError
+        If no values at all can be evaluated.
+    """
+    from scipy.optimize import least_squares
+
+    free = problem.free
+    thin = problem.thinned()
+    begin = starts(free, thin.cost, count=_STARTS, seed=_SEED)
+    if not begin:
+        raise DataError("no values of the free parameters are allowed together")
+    lows = np.array([parameter.low for parameter in free])
+    highs = np.array([parameter.high for parameter in free])
+
+    def solved(on: EdgeProblem, start: Vector, most: int) -> tuple[Vector, float]:
+        scales = scales_of(free, start)
+        inside = np.clip(start, lows + 1e-9 * scales, highs - 1e-9 * scales)
+        result = least_squares(
+            on.residual,
+            inside,
+            jac=lambda v: on.jacobian(v, scales_of(free, v)),
+            bounds=(lows, highs),
+            x_scale="jac",
+            xtol=1e-7,
+            ftol=1e-9,
+            max_nfev=most,
+        )
+        return np.asarray(result.x, np.float64), float(result.cost)
+
+    thin.freeze(begin[0])
+    best = min((solved(thin, start, 25) for start in begin), key=lambda pair: pair[1])[0]
+    problem.freeze(best)
+    values, _ = solved(problem, best, 25)
+    scales = scales_of(free, values)
+    table, edges = problem.fitted(values)
+    jacobian = problem.jacobian(values, scales, fine=True)
+    return ChainFit(
+        free,
+        values,
+        jacobian,
+        problem.patches,
+        edges,
+        table,
+        misfit_of(edges, problem),
+        tuple(_end(p, float(v), float(s)) for p, v, s in zip(free, values, scales, strict=True)),
+        problem.evaluations + thin.evaluations,
+    )
+
+
+def scales_of(free: Sequence[FreeParameter], values: Vector) -> Vector:
+    """How much of each parameter counts as a change."""
+    scales = []
+    for parameter, value in zip(free, values, strict=True):
+        width = parameter.high - parameter.low
+        least = 1e-2 * width if math.isfinite(width) else 1e-2 * abs(parameter.present or 1.0)
+        scales.append(max(abs(float(value)), least))
+    return np.array(scales)
+
+
+def misfit_of(edges: Sequence[EdgeAt], problem: EdgeProblem) -> Misfit:
+    """How much is left beyond noise, and how much of that has the shape of edges."""
+    chi2 = sum(edge.cost for edge in edges)
+    shape, bins = 0.0, 0
+    for edge in edges:
+        order = np.argsort(edge.distance, kind="stable")
+        places = np.floor(edge.distance[order] / _BIN)
+        ends = np.flatnonzero(np.diff(places)) + 1
+        groups = [g for g in np.split(edge.residual[order], ends) if len(g) >= _IN_BIN]
+        shape += sum(float(group.sum()) ** 2 / len(group) for group in groups)
+        bins += len(groups) - min(len(groups), edge.basis.shape[1])
+    return Misfit(chi2, problem.degrees, shape, bins - len(problem.free))
+
+
+def _end(parameter: FreeParameter, value: float, scale: float) -> str:
+    if value - parameter.low <= _AT_END * scale:
+        return "low"
+    if parameter.high - value <= _AT_END * scale:
+        return "high"
+    return ""

@@ -1,0 +1,206 @@
+"""What a network does to an ideal edge: its complex transfer function along the edge's normal.
+
+The edge takes the place of the network's source. It is drawn by no samples, so nothing blurs it
+before the chain does, and filters count at their true frequencies, beyond the Nyquist frequency of
+the source's samples too. Where the chain makes its pixels by combining the source's samples, or
+has no detector that averages over an area, the samples' area is the pixel's: it counts then.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.fit.spread_table import HIGHEST, SpreadTable, frequencies, spread_table
+from app.run.output import find_output, how_to_choose
+from core.chain.engine import Engine, Plan
+from core.chain.wires import Image
+from core.errors import DataError, UsageError
+from core.evaluation.work import Work
+from core.lineage.linear_change import PlaceDependent
+from core.lineage.step_lineage import lineage_of
+from core.physics.detector.detector_aperture import aperture_mtf
+from core.physics.numerics.sinc import sinc
+from core.physics.sampling.interpolation import block_mean_mtf
+from core.transfer.factors import Factor, Planar, Separable
+from nodes.analysis.lineage import ImageTransfer, transfer_of
+
+Vector = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+_BLOCKS = ((0, 1), (1, 2), (2, 4), (4, 8), (8, HIGHEST))  # cycles per sample
+_NOTHING = 1e-6  # of an edge's step: waves that carry less are left out
+_MOST_VALUES = 400  # factors over a block of frequencies that are held
+
+
+def final_image(plan: Plan) -> Image:
+    """The network's final picture.
+
+    Raises
+    ------
+    ImagechainError
+        If it has none, or the node that makes it has a fault.
+    """
+    output = find_output(plan)
+    if output.port is None:
+        raise UsageError(how_to_choose(output) or output.missing)
+    image = plan.output(output.port)
+    assert isinstance(image, Image)
+    return image
+
+
+def transfer_known(image: Image) -> ImageTransfer:
+    """Every transfer function from the source to the picture.
+
+    Raises
+    ------
+    DataError
+        If a step on the way is none; it is named.
+    """
+    passed = transfer_of(image)
+    source = passed.source
+    if lineage_of(source) is None:
+        raise DataError(
+            f"{source.node or 'a node'}: what it does to a picture is not known as a transfer "
+            "function, so no edge can be followed through it: mark a picture before it with "
+            "--final NODE.PORT, or disable it"
+        )
+    return passed
+
+
+def has_area(passed: ImageTransfer) -> bool:
+    """Whether the area of the source's samples is the pixel's."""
+    functions = {law.function for factor in passed.factors for law in factor.laws}
+    return passed.area_means and (block_mean_mtf in functions or aperture_mtf not in functions)
+
+
+class EdgeTransfer:
+    """Spreads of edges behind a chain; what did not change since is not computed again.
+
+    Parameters
+    ----------
+    work : Work
+        Evaluates what laws are bound to.
+    angles_deg : sequence of float
+        Of the edges' normals.
+    period : int
+        Samples of the spreads' period.
+    """
+
+    def __init__(self, work: Work, angles_deg: Sequence[float], period: int) -> None:
+        self._work = work
+        self._period = period
+        angle = np.radians(np.asarray(angles_deg, np.float64))[:, np.newaxis]
+        self._normal = np.cos(angle), np.sin(angle)
+        self._held: OrderedDict[tuple[Any, ...], Complex] = OrderedDict()
+
+    def table(self, image: Image) -> SpreadTable:
+        """The spreads of all edges in that picture."""
+        passed = transfer_known(image)
+        area = has_area(passed)
+        blocks = []
+        for first, end in _BLOCKS:
+            self._work.check()
+            blocks.append(self._block(passed, area, first, end))
+            left = float(np.abs(blocks[-1]).max())
+            if first > 0 and left / (math.pi * first) < _NOTHING:
+                break
+        return spread_table(transfer=np.concatenate(blocks, axis=1), period=self._period)
+
+    def _block(self, passed: ImageTransfer, area: bool, first: int, end: int) -> Complex:
+        f = frequencies(period=self._period, first=first, end=end)[np.newaxis, :]
+        across, along = self._normal
+        grid, scene = passed.grid, passed.source_grid
+        xi = f * across / grid.interval_x_mrad
+        eta = f * along / grid.interval_y_mrad
+        place = (grid.interval_x_mrad, grid.interval_y_mrad, first)
+        total = np.ones(xi.shape, np.complex128)
+        if area:
+            total = total * sinc(xi * scene.interval_x_mrad) * sinc(eta * scene.interval_y_mrad)
+        for factor in passed.factors:
+            key = (factor.key, *place)
+            values = self._held.get(key)
+            if values is None:
+                values = _complex_at(self._work, factor, xi, eta)
+                self._held[key] = values
+                if len(self._held) > _MOST_VALUES:
+                    self._held.popitem(last=False)
+            else:
+                self._held.move_to_end(key)
+            total = total * values
+        return total
+
+
+def _complex_at(work: Work, factor: Factor, xi: Vector, eta: Vector) -> Complex:
+    """What a factor multiplies a wave by, at pairs of frequencies."""
+    if isinstance(factor, Planar):
+        return np.asarray(np.broadcast_to(factor.transfer(work, xi, eta), xi.shape), np.complex128)
+    assert isinstance(factor, Separable)
+    total: Any = np.ones(xi.shape) if factor.part == "mtf" else np.zeros(xi.shape)
+    for law, frequency in ((factor.x, xi), (factor.y, eta)):
+        if law is None:
+            continue
+        flat = frequency.ravel()
+        if isinstance(factor, PlaceDependent):
+            values = factor.mean_over(law, flat, 1.0)
+        else:
+            made = factor.axis(work, law, flat)
+            assert made is not None
+            values = made
+        values = values.reshape(xi.shape)
+        total = total * values if factor.part == "mtf" else total + values
+    if factor.part == "ptf":
+        total = np.exp(1j * total)
+    return np.asarray(total, np.complex128)
+
+
+class ChainAt:
+    """A network's final picture as its free parameters take other values.
+
+    Each is planned from the one before: what has not changed is taken over.
+
+    Parameters
+    ----------
+    engine : Engine
+        Plans, over a store that keeps what values have in common.
+    plan : Plan
+        The network as it stands.
+    names : sequence of (node, parameter)
+        What is free.
+    """
+
+    def __init__(self, engine: Engine, plan: Plan, names: Sequence[tuple[str, str]]) -> None:
+        self.engine = engine
+        self._names = tuple(names)
+        self._last = plan
+
+    def plan(self, values: Sequence[float]) -> Plan:
+        """The network planned with these values.
+
+        Raises
+        ------
+        ImagechainError
+            If a value is not allowed.
+        """
+        from app.tradeoff.evaluated_points import with_value
+
+        network = self._last.network
+        for (node, name), value in zip(self._names, values, strict=True):
+            if network.nodes[node].params.get(name) != float(value):
+                network = with_value(network, self.engine, node, name, float(value))
+        self._last = self.engine.plan(network, folder=self._last.folder, previous=self._last)
+        return self._last
+
+    def image(self, values: Sequence[float]) -> Image:
+        """The final picture with these values."""
+        return final_image(self.plan(values))
+
+    @property
+    def held(self) -> Mapping[str, Any]:
+        """Nodes as they were last planned."""
+        return self._last.nodes

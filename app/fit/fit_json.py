@@ -1,0 +1,29 @@
+"""A fit's result as a JSON file."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from app.fit.fit_result import FitResult
+
+
+def fit_json(result: FitResult) -> str:
+    """The text of the file; what is not known is null."""
+    content: dict[str, Any] = {
+        "format": "imagechain-fit",
+        "version": 1,
+        "parameters": {
+            p.port: {"value": p.value, "sigma": p.sigma, "unit": p.unit} for p in result.parameters
+        },
+        "correlation": [[_number(value) for value in row] for row in result.correlation],
+        "chi2_per_degree": _number(result.chi2_per_degree),
+        "warnings": list(result.warnings),
+        "notes": list(result.notes),
+    }
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

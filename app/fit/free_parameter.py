@@ -1,0 +1,107 @@
+"""``--free NODE.PARAM[=LOW:HIGH]``: a parameter that the picture is to determine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from app.options.option_values import assignment
+from app.options.overrides import behind, named_parameter
+from core.errors import UsageError
+from core.modules.library_type import Library
+from core.modules.parameters import Parameter
+from core.network.network import EXPRESSION, Network
+
+FREE = "--free"
+_FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"
+
+
+@dataclass(frozen=True)
+class FreeParameter:
+    """A parameter that is fitted.
+
+    Parameters
+    ----------
+    port : str
+        ``NODE.PARAM`` as it was given.
+    node, name : str
+        Where it is, inside a macro too.
+    low, high : float
+        Between what; infinite where the parameter has no end.
+    present : float or None
+        Its value in the network; None where it is empty there.
+    unit : str
+        Of the parameter.
+    """
+
+    port: str
+    node: str
+    name: str
+    low: float
+    high: float
+    present: float | None
+    unit: str
+
+    @property
+    def target(self) -> tuple[str, str]:
+        """Node and parameter."""
+        return self.node, self.name
+
+
+def free_parameters(
+    texts: Sequence[str], network: Network, library: Library
+) -> tuple[FreeParameter, ...]:
+    """The parameters that are named.
+
+    Raises
+    ------
+    UsageError
+        If there is no such parameter, it is no number, or its range is none.
+    """
+    free = tuple(_one(text, network, library) for text in texts)
+    seen: set[tuple[str, str]] = set()
+    for parameter in free:
+        if parameter.target in seen:
+            raise UsageError(f"{FREE} {parameter.port} is given more than once")
+        seen.add(parameter.target)
+    return free
+
+
+def _one(text: str, network: Network, library: Library) -> FreeParameter:
+    given = assignment(FREE, text if "=" in text else f"{text}=", _FORM)
+    target = behind(given, network)
+    declared = named_parameter(FREE, target, network, library=library)
+    if declared is None:
+        raise UsageError(f"{FREE} {given.port}: the node's module is unknown")
+    option = f"{FREE} {given.port}"
+    if declared.kind != "number":
+        raise UsageError(
+            f"{option}: {declared.name} is {declared.allowed()}; only a number that may lie "
+            "between others can be fitted"
+        )
+    raw = network.nodes[target.node].params.get(target.name, declared.default)
+    if isinstance(raw, Mapping) and EXPRESSION in raw:
+        raise UsageError(f"{option}: it follows others by an expression; free those it follows")
+    low, high = _range(declared, target.text, option)
+    present = float(raw) if isinstance(raw, int | float) else None
+    return FreeParameter(
+        given.port, target.node, target.name, low, high, present, declared.param.unit
+    )
+
+
+def _range(declared: Parameter, text: str, option: str) -> tuple[float, float]:
+    own_low = -math.inf if declared.param.low is None else float(declared.param.low)
+    own_high = math.inf if declared.param.high is None else float(declared.param.high)
+    if not text:
+        return own_low, own_high
+    first, colon, last = text.partition(":")
+    try:
+        low, high = float(first), float(last)
+    except ValueError:
+        low = high = math.nan
+    if not (colon and math.isfinite(low) and math.isfinite(high) and low < high):
+        raise UsageError(f"{option}={text:.80}: write {FREE} NODE.PARAM=LOW:HIGH, LOW below HIGH")
+    if low < own_low or high > own_high:
+        raise UsageError(f"{option}={text:.80}: {declared.name} is {declared.allowed()}")
+    return low, high

@@ -1,0 +1,101 @@
+"""Where the fit begins: places over the whole range of each free parameter, the best of them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.fit.free_parameter import FreeParameter
+
+Vector = NDArray[np.float64]
+Cost = Callable[[Vector], float]
+
+_PLACES = 13
+_WIDE = 30.0  # an end over the other, from which on places are equal factors apart
+_DECADES_KNOWN, _DECADES_UNKNOWN = 1.5, 4.0  # about the present value, or about 1
+_ROUNDS = 2
+_DRAWN = 24
+_APART = 0.3  # of a value, between starts
+
+
+def places(parameter: FreeParameter) -> Vector:
+    """Numbers over the range of a parameter."""
+    low, high, now = parameter.low, parameter.high, parameter.present
+    if math.isfinite(low) and math.isfinite(high) and (low <= 0.0 or high / low < _WIDE):
+        inside = (high - low) * 1e-3
+        return np.linspace(low + inside, high - inside, _PLACES)
+    known = now is not None and now != 0.0
+    scale = abs(now) if now else 1.0
+    decades = _DECADES_KNOWN if known else _DECADES_UNKNOWN
+    first = max(scale * 10.0**-decades, low if low > 0.0 else 0.0)
+    last = min(scale * 10.0**decades, high)
+    if last <= first:  # the whole range lies beside the present value
+        first, last = (low, high) if low > 0.0 else (1e-4 * high, high)
+    step = 10.0 ** (1.0 / 6.0)
+    count = max(_PLACES, math.ceil(math.log(last / first) / math.log(step)) + 1)
+    upper = np.geomspace(first, last, count)
+    if low < 0.0:
+        lower = -upper[(-upper >= low)]
+        return np.sort(np.concatenate([lower, upper]))
+    return upper
+
+
+def starts(free: Sequence[FreeParameter], cost: Cost, *, count: int, seed: int) -> list[Vector]:
+    """Values from which to go downhill, the best first.
+
+    Every parameter in turn takes the best of its places; sets drawn over all ranges are looked at
+    beside, as what goes downhill ends in the nearest hollow.
+    """
+    grids = [places(parameter) for parameter in free]
+    here = np.array([_begin(p, grid) for p, grid in zip(free, grids, strict=True)])
+    seen: dict[tuple[float, ...], float] = {}
+
+    def looked_at(values: Vector) -> float:
+        key = tuple(float(v) for v in values)
+        if key not in seen:
+            seen[key] = cost(values)
+        return seen[key]
+
+    looked_at(here)
+    rounds = _ROUNDS if len(free) > 1 else 1
+    for _, index in itertools.product(range(rounds), range(len(free))):
+        trials = [_with(here, index, value) for value in grids[index]]
+        here = min([here, *trials], key=looked_at)
+    if len(free) > 1:
+        generator = np.random.default_rng(seed)
+        columns = [generator.permutation(np.linspace(0, len(g) - 1, _DRAWN)) for g in grids]
+        for number in range(_DRAWN):
+            drawn = [g[round(c[number])] for g, c in zip(grids, columns, strict=True)]
+            looked_at(np.array(drawn))
+    chosen: list[Vector] = []
+    for key in sorted(seen, key=lambda k: seen[k]):
+        values = np.array(key)
+        if not math.isfinite(seen[key]):
+            break
+        if all(_is_apart(values, other) for other in chosen):
+            chosen.append(values)
+        if len(chosen) == count:
+            break
+    return chosen
+
+
+def _begin(parameter: FreeParameter, grid: Vector) -> float:
+    now = parameter.present
+    if now is not None and parameter.low < now < parameter.high:
+        return now
+    return float(grid[len(grid) // 2])
+
+
+def _with(values: Vector, index: int, value: float) -> Vector:
+    changed = values.copy()
+    changed[index] = value
+    return changed
+
+
+def _is_apart(one: Vector, other: Vector) -> bool:
+    scale = np.maximum(np.abs(one), np.abs(other)) + 1e-300
+    return bool(np.max(np.abs(one - other) / scale) > _APART)

@@ -1,0 +1,138 @@
+"""The samples about one edge, as the fit takes them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+_OUTER = 0.6  # of the reach, beyond which a side counts as level
+_SHADED = 4.0  # standard errors, from which on a slope of a side counts
+_LEAST_OUTER = 12  # samples on a level side
+_FAINT = 1e-4  # of the contrast: a noise that is less is that of rounding in a file
+
+
+@dataclass(frozen=True)
+class Patch:
+    """Samples about an edge with what their noise is.
+
+    Parameters
+    ----------
+    name : str
+        For people: where the edge is.
+    angle_deg : float
+        Of the normal, from x towards +y, to the brighter side.
+    distance, along, value : ndarray
+        Of each sample: distance along the normal, place along the edge, sample.
+    low_variance, high_variance : float
+        Of a sample's noise on each side.
+    low, high : float
+        Levels of the sides.
+    shaded : bool
+        Whether the sides are not level.
+    least_variance : float
+        What rounding in the file alone makes.
+    picture : int
+        Which of the pictures it lies in.
+    x, y : float
+        Middle of the edge.
+    """
+
+    name: str
+    angle_deg: float
+    distance: Vector
+    along: Vector
+    value: Vector
+    low_variance: float
+    high_variance: float
+    low: float
+    high: float
+    shaded: bool = False
+    least_variance: float = 0.0
+    picture: int = 0
+    x: float = 0.0
+    y: float = 0.0
+
+    @property
+    def reach(self) -> float:
+        """Largest distance of a sample."""
+        return float(np.abs(self.distance).max())
+
+    @property
+    def normal(self) -> tuple[float, float]:
+        """Unit vector (x, y) towards the brighter side."""
+        angle = math.radians(self.angle_deg)
+        return math.cos(angle), math.sin(angle)
+
+    def thinned(self, most: int) -> Patch:
+        """With no more samples than that, taken evenly over their distances."""
+        if len(self.value) <= most:
+            return self
+        order = np.argsort(self.distance, kind="stable")
+        taken = order[np.linspace(0, len(order) - 1, most).astype(np.intp)]
+        return replace(
+            self,
+            distance=self.distance[taken],
+            along=self.along[taken],
+            value=self.value[taken],
+        )
+
+
+def patch_of(
+    *,
+    name: str,
+    angle_deg: float,
+    distance: Vector,
+    along: Vector,
+    value: Vector,
+    picture: int = 0,
+    place: tuple[float, float] = (0.0, 0.0),
+) -> Patch | str:
+    """The patch of an edge's samples; or why they are no use.
+
+    The noise is that of the sides far from the edge, about a plane of their own.
+    """
+    reach = float(np.abs(distance).max(initial=0.0))
+    sides = [distance < -_OUTER * reach, distance > _OUTER * reach]
+    if min(int(np.count_nonzero(side)) for side in sides) < _LEAST_OUTER:
+        return "too few samples on a side"
+    levels, variances, shaded = [], [], False
+    for side in sides:
+        d, s, v = distance[side], along[side], value[side]
+        plane = np.column_stack([np.ones(len(v)), d - d.mean(), s - s.mean()])
+        solution, *_ = np.linalg.lstsq(plane, v, rcond=None)
+        rest = v - plane @ solution
+        variance = float(rest @ rest) / max(1, len(v) - 3)
+        levels.append(float(solution[0]))
+        variances.append(variance)
+        errors = np.sqrt(variance / np.maximum((plane**2).sum(axis=0), 1e-300))
+        shaded = shaded or bool(np.any(np.abs(solution[1:]) > _SHADED * errors[1:] + 1e-300))
+    contrast = levels[1] - levels[0]
+    if contrast <= 0.0:
+        return "no contrast"
+    # In a file of whole numbers a level side may have no noise at all, and rounds to one number.
+    least = max((_FAINT * contrast) ** 2, _rounding(value) ** 2 / 12.0)
+    return Patch(
+        name,
+        angle_deg,
+        distance,
+        along,
+        value,
+        max(variances[0], least),
+        max(variances[1], least),
+        levels[0],
+        levels[1],
+        shaded and min(variances) > least,
+        least,
+        picture,
+        *place,
+    )
+
+
+def _rounding(value: Vector) -> float:
+    """Step of whole numbers, where the samples are that; else 0."""
+    return 1.0 if np.array_equal(value, np.rint(value)) else 0.0
