@@ -84,7 +84,7 @@ def mtf_png(measured: PictureMeasurement) -> bytes:
         for axis, direction in zip(axes, ("x", "y"), strict=True):
             curve = measured.x if direction == "x" else measured.y
             words = "a. Across (x)" if direction == "x" else "b. Along (y)"
-            axis.set_title(words, pad=26 if measured.interval_x_mrad else 12)
+            axis.set_title(words, pad=4 if measured.interval_x_mrad else 12)
             axis.set_xlabel("frequency (cycles/sample)")
             axis.axhline(0.0, color="#555555", lw=0.8)
             axis.axvline(NYQUIST, color="#999999", ls=":", lw=1.2)

@@ -122,6 +122,21 @@ def _noise(noise: NoiseFigures | None, reason: str) -> Json:
         gain_error=noise.gain_error,
         read_noise_dn=noise.read_noise_dn,
         read_noise_error=noise.read_noise_error,
+        offset_dn=noise.offset_dn,
+        mean_level=noise.mean_level,
+        row_sigma=noise.row_sigma,
+        column_sigma=noise.column_sigma,
+        step=noise.step,
+        levels=[
+            {
+                "level": level.level,
+                "variance": level.variance,
+                "variance_error": level.variance_error,
+                "samples": level.samples,
+            }
+            for level in noise.levels
+        ],
+        remarks=list(noise.remarks) or None,
         reason=noise.reason or None,
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 
 from app.measure.picture_measurement import MtfCurve, NoiseFigures, PictureMeasurement
@@ -18,6 +19,7 @@ _MEANINGS = {
     "th": "of columns from frame to frame",
 }
 _MOST_REASONS = 8
+_NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]?\d+)?")
 Row = tuple[str, str, str, str]
 
 
@@ -64,12 +66,20 @@ def _noise_rows(noise: NoiseFigures, unit: str) -> list[Row]:
     rows = [
         ("sigma", with_error(noise.sigma, noise.sigma_error), unit, "noise of a sample, flat areas")
     ]
+    for name, words, value in (
+        ("row_sigma", "rows", noise.row_sigma), ("column_sigma", "columns", noise.column_sigma),
+    ):  # fmt: skip
+        if value:
+            text = number_text(float(f"{value:.3g}"))
+            rows.append((name, text, unit, f"what whole {words} have of their own"))
     if noise.gain_e_per_dn is not None:
         gain = with_error(noise.gain_e_per_dn, noise.gain_error)
         rows.append(("gain", gain, "e-/DN", "electrons of one digital number"))
     if noise.read_noise_dn is not None:
         read = with_error(noise.read_noise_dn, noise.read_noise_error)
-        rows.append(("read_noise", read, unit or "DN", "noise that no light makes"))
+        rows.append(
+            ("read_noise", read, unit or "DN", f"noise without light, at {noise.offset_dn:.6g}")
+        )
     return rows
 
 
@@ -103,8 +113,11 @@ def remarks(measured: PictureMeasurement) -> list[str]:
             lines.append(f"no MTF50 {words}: the MTF does not fall to one half")
     if measured.noise is None:
         lines.append(f"no noise: {measured.noise_reason}")
-    elif measured.noise.reason:
-        lines.append(f"no gain, no read noise: {measured.noise.reason}")
+    else:
+        lines += [
+            *measured.noise.remarks,
+            *([measured.noise.reason] if measured.noise.reason else []),
+        ]
     if measured.picture_count > 1 and measured.frames is None:
         lines.append(f"no noise from frame to frame: {measured.frames_reason}")
     if measured.flats is None and measured.flats_reason:
@@ -120,4 +133,4 @@ def refused_lines(measured: PictureMeasurement) -> list[str]:
 
 def kind_of(why_not: str) -> str:
     """A reason without its figures, which differ from edge to edge."""
-    return why_not.partition(":")[0]
+    return _NUMBER.sub("…", why_not.partition(":")[0])

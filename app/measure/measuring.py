@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.measure.edge_measuring import edges_of, pooled
-from app.measure.noise_measuring import noise_of, pooled_noise
+from app.measure.noise_measuring import pooled_noise
 from app.measure.picture_loading import open_picture, same_size
 from app.measure.picture_measurement import (
     BY_HAND,
@@ -24,6 +24,7 @@ from app.measure.picture_measurement import (
 from core.errors import DataError
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import photon_transfer
+from core.physics.measurement.noise.picture_noise import PictureNoise, noise_of_picture
 from core.physics.noise.noise_cube import MeasuredNoise, NoiseCube
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.frames.frame_reading import open_frames
@@ -76,6 +77,7 @@ class Source:
     interval_x_mrad: float | None = None
     interval_y_mrad: float | None = None
     clip_levels: tuple[float, float] | None = None
+    offset_dn: float = 0.0
 
 
 def measure_files(
@@ -111,6 +113,7 @@ def measure_files(
         tuple(MeasuredFile(str(f.path), f.frames, f.taken, f.is_encoded) for f in files),
         (picture for file in files for picture in file.pictures()),
         first.rows, first.columns, first.unit, x, y, first.limits,
+        _offset(plan, check),
     )  # fmt: skip
     measured = measure_pictures(source, check=check, report=report)
     if not plan.flats:
@@ -135,8 +138,7 @@ def measure_pictures(
     cube = NoiseCube(source.rows, source.columns) if count > 1 else None
     edges: list[MeasuredEdge] = []
     previews: list[Preview] = []
-    noises: list[NoiseFigures] = []
-    noise_reason = ""
+    noises: list[PictureNoise] = []
     for number, picture in enumerate(source.pictures):
         report(_name(source.files, number))
         check()
@@ -145,11 +147,10 @@ def measure_pictures(
         edges += edges_of(
             picture=picture, number=number, clip_levels=source.clip_levels, check=check
         )
-        noise, noise_reason = noise_of(picture=picture, check=check)
-        noises += [noise] if noise is not None else []
+        noises.append(noise_of_picture(picture=picture, offset=source.offset_dn, check=check))
         if cube is not None:
             cube.add(picture)
-    noise = pooled_noise(noises) if noises else None
+    noise, noise_reason = pooled_noise(noises, offset_dn=source.offset_dn)
     frames, frames_reason = _frames(cube, noise)
     x, reason_x = pooled(edges, "x")
     y, reason_y = pooled(edges, "y")
@@ -226,6 +227,17 @@ def _flat_curve(
     except DataError as error:
         return None, error.message
     return FlatCurve(tuple(zip(plan.flats, fields, strict=True)), curve), ""
+
+
+def _offset(plan: MeasurePlan, check: Callable[[], None]) -> float:
+    """The level without light: of the dark frames, as given, or 0."""
+    if plan.dark is None:
+        return plan.offset_dn or 0.0
+    means = []
+    for frame in open_frames(plan.dark).each():
+        check()
+        means.append(float(np.mean(frame, dtype=np.float64)))
+    return sum(means) / len(means)
 
 
 def _field(path: Path, check: Callable[[], None]) -> FlatField:

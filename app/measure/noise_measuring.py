@@ -1,42 +1,76 @@
-"""Noise of pictures: of the flat areas of one, and from frame to frame of several."""
+"""Noise in the flat areas of pictures of one camera, taken together."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Iterable, Sequence
 
 from app.measure.picture_measurement import NoiseFigures
+from core.physics.measurement.noise.picture_noise import PictureNoise
+from core.physics.measurement.noise.power_parts import LineNoise
 
-Matrix = NDArray[np.float64]
+_STANDS_OUT = 3.0  # standard errors
+_Figure = tuple[float | None, float | None]
 
 
-def noise_of(
-    *, picture: Matrix, check: Callable[[], None] = lambda: None
+def pooled_noise(
+    measured: Sequence[PictureNoise], *, offset_dn: float
 ) -> tuple[NoiseFigures | None, str]:
-    """Noise of one picture, or the reason why it could not be measured."""
-    check()
-    if min(picture.shape) < 3:
-        return None, "the picture is too small"
-    # Immerkær 1996, Computer Vision and Image Understanding 64, 300.
-    inner = (
-        picture[:-2, :-2] + picture[:-2, 2:] + picture[2:, :-2] + picture[2:, 2:]
-        - 2.0 * (picture[:-2, 1:-1] + picture[2:, 1:-1] + picture[1:-1, :-2] + picture[1:-1, 2:])
-        + 4.0 * picture[1:-1, 1:-1]
-    )  # fmt: skip
-    sigma = math.sqrt(math.pi / 2.0) / 6.0 * float(np.mean(np.abs(inner)))
+    """The noise of the pictures that show it, or the reason why none does.
+
+    Parameters
+    ----------
+    measured : sequence of PictureNoise
+        One of each picture.
+    offset_dn : float
+        The level without light that they were measured with.
+
+    Notes
+    -----
+    Variances are averaged; gain and read noise are means weighted by their errors.
+    """
+    known = [(one, one.sigma, one.sigma_error) for one in measured]
+    good = [(one, s, e) for one, s, e in known if s is not None and e is not None]
+    if not good:
+        return None, "; ".join(_once(one.sigma_reason for one in measured))
+    noises = [one for one, _, _ in good]
+    sigma = math.sqrt(math.fsum(s**2 for _, s, _ in good) / len(good))
+    error = math.sqrt(math.fsum((s * e) ** 2 for _, s, e in good)) / (sigma * len(good))
+    gain, gain_error = _weighted((one.gain_e_per_dn, one.gain_error) for one in noises)
+    read, read_error = _weighted((one.read_noise_dn, one.read_noise_error) for one in noises)
+    reasons = [f"no gain: {one.gain_reason}" for one in noises if gain is None]
+    reasons += [f"no read noise: {one.read_noise_reason}" for one in noises if read is None]
+    powers = [one.power for one in noises if one.power is not None]
+    steps = [one.step for one in noises if one.step is not None]
     return NoiseFigures(
-        sigma, sigma / math.sqrt(2.0 * inner.size), reason="levels not compared"
-    ), ""
+        sigma, error, math.fsum(one.mean_level for one in noises) / len(noises), gain, gain_error,
+        read, read_error, offset_dn, _lines(power.rows for power in powers),
+        _lines(power.columns for power in powers), min(steps) if steps else None,
+        tuple(level for one in noises for level in one.levels),
+        "; ".join(_once(reasons)), tuple(_once(line for one in noises for line in one.remarks)),
+    ), ""  # fmt: skip
 
 
-def pooled_noise(measured: Sequence[NoiseFigures]) -> NoiseFigures:
-    """The noise of several pictures of one camera: mean of the variances."""
-    if len(measured) == 1:
-        return measured[0]
-    count = len(measured)
-    sigma = math.sqrt(math.fsum(one.sigma**2 for one in measured) / count)
-    error = math.sqrt(math.fsum((one.sigma * one.sigma_error) ** 2 for one in measured))
-    return NoiseFigures(sigma, error / max(sigma, 1e-300) / count, reason=measured[0].reason)
+def _once(texts: Iterable[str]) -> list[str]:
+    return list(dict.fromkeys(text for text in texts if text))
+
+
+def _weighted(figures: Iterable[_Figure]) -> _Figure:
+    """Mean by inverse variances; nothing where no picture has the figure."""
+    known = [(value, error) for value, error in figures if value is not None and error]
+    if not known:
+        return None, None
+    weights = [1.0 / error**2 for _, error in known]
+    total = math.fsum(weights)
+    mean = math.fsum(w * value for w, (value, _) in zip(weights, known, strict=True)) / total
+    return mean, total**-0.5
+
+
+def _lines(lines: Iterable[LineNoise | None]) -> float | None:
+    """Deviation of what rows or columns have of their own, 0 where it does not stand out."""
+    known = [line for line in lines if line is not None]
+    if not known:
+        return None
+    variance = math.fsum(line.variance for line in known) / len(known)
+    error = math.sqrt(math.fsum(line.variance_error**2 for line in known)) / len(known)
+    return math.sqrt(variance) if variance > _STANDS_OUT * error else 0.0

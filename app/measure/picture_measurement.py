@@ -13,6 +13,7 @@ from core.physics.measurement.edges.edge_mtf import EdgeMtf
 from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG
 from core.physics.measurement.levels.flat_field import FlatField
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer
+from core.physics.measurement.noise.picture_noise import LevelVariance
 from core.physics.noise.noise_cube import MeasuredNoise
 
 Vector = NDArray[np.float64]
@@ -109,25 +110,45 @@ class Preview:
 
 @dataclass(frozen=True)
 class NoiseFigures:
-    """Noise of a sample.
+    """Noise of a sample in the flat areas of all pictures.
 
     Parameters
     ----------
     sigma, sigma_error : float
         Standard deviation in the picture's unit, and the standard error of it.
+    mean_level : float
+        Mean level of the pictures, which `sigma` is for.
     gain_e_per_dn, gain_error, read_noise_dn, read_noise_error : float or None
         By how the variance rises with the level, where levels differ enough.
+    offset_dn : float
+        The level without light, which the read noise is for.
+    row_sigma, column_sigma : float or None
+        What whole rows, and columns, have of their own; 0 where none stands out, None where it
+        could not be measured.
+    step : float or None
+        Of the converter; None where the samples show none.
+    levels : tuple of LevelVariance
+        Variance over the level.
     reason : str
         Why what is missing could not be measured.
+    remarks : tuple of str
+        What to know of the figures.
     """
 
     sigma: float
     sigma_error: float
-    gain_e_per_dn: float | None = None
-    gain_error: float | None = None
-    read_noise_dn: float | None = None
-    read_noise_error: float | None = None
-    reason: str = ""
+    mean_level: float
+    gain_e_per_dn: float | None
+    gain_error: float | None
+    read_noise_dn: float | None
+    read_noise_error: float | None
+    offset_dn: float
+    row_sigma: float | None
+    column_sigma: float | None
+    step: float | None
+    levels: tuple[LevelVariance, ...]
+    reason: str
+    remarks: tuple[str, ...]
 
 
 @dataclass(frozen=True)

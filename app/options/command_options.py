@@ -301,8 +301,6 @@ def _photon_transfer(arguments: argparse.Namespace) -> Options:
 
 
 def _measure(arguments: argparse.Namespace) -> Options:
-    if not arguments.flats and (arguments.dark or arguments.offset_dn):
-        raise UsageError("--dark and --offset-dn go with --flats, of which there are none")
     report = named_path("--report", arguments.report, HTML)
     return Options(
         "measure",

@@ -405,12 +405,17 @@ def measure_words(parser: argparse.ArgumentParser) -> None:
         help="frames of flat fields, a file for each level, for the photon transfer curve (see "
         "imagechain photon-transfer --help)",
     )
-    add("--dark", action=Once, metavar="FILE", help="with --flats: frames without light")
+    add(
+        "--dark",
+        action=Once,
+        metavar="FILE",
+        help="frames without light, of the same exposure: for the read noise",
+    )
     add(
         "--offset-dn",
         action=Once,
         metavar="DN",
-        help="with --flats: the number of no electrons, where there are no dark frames",
+        help="the number of no light, where there are no dark frames (default: 0)",
     )
 
 
