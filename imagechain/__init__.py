@@ -48,12 +48,14 @@ if TYPE_CHECKING:
     from imagechain.building.chain import Chain, networks, open
     from imagechain.building.chain_node import ChainNode
     from imagechain.building.chain_study import study
+    from imagechain.building.measure_pictures import measure
     from imagechain.parts.module_functions import part
     from imagechain.parts.module_part import Expression, Part
     from imagechain.parts.presets import preset, presets
     from imagechain.parts.scene_array import scene
     from imagechain.results.chain_picture import Picture
     from imagechain.results.chain_result import Result
+    from imagechain.results.measured_pictures import MeasuredPictures
     from imagechain.results.readout_table import ReadoutTable
     from imagechain.results.stage_curves import StageCurves
     from imagechain.results.study_table import StudyTable
@@ -73,6 +75,7 @@ __all__ = [
     "FileError",
     "ImagechainError",
     "InputError",
+    "MeasuredPictures",
     "NetworkError",
     "ParameterError",
     "Part",
@@ -86,6 +89,7 @@ __all__ = [
     "UsageError",
     "__version__",
     "expression",
+    "measure",
     "modules",
     "networks",
     "open",
@@ -110,6 +114,7 @@ _PLACES = {
     "ChainNode": "imagechain.building.chain_node",
     "CurveData": "core.chain.results",
     "Expression": "imagechain.parts.module_part",
+    "MeasuredPictures": "imagechain.results.measured_pictures",
     "Part": "imagechain.parts.module_part",
     "Picture": "imagechain.results.chain_picture",
     "ReadoutTable": "imagechain.results.readout_table",
@@ -117,6 +122,7 @@ _PLACES = {
     "StageCurves": "imagechain.results.stage_curves",
     "StudyTable": "imagechain.results.study_table",
     "TableData": "core.chain.results",
+    "measure": "imagechain.building.measure_pictures",
     "networks": "imagechain.building.chain",
     "open": "imagechain.building.chain",
     "part": "imagechain.parts.module_functions",

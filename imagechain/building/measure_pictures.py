@@ -1,0 +1,104 @@
+"""Measuring pictures: edges, MTF and noise of files and of arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.measure.measuring import MeasurePlan, Source, measure_files, measure_pictures
+from app.measure.picture_measurement import MeasuredFile, PictureMeasurement
+from core.errors import DataError, UsageError
+from core.physics.sampling.detector_sampling import interval_mrad
+from imagechain.common.plain_errors import plain_errors
+from imagechain.results.measured_pictures import MeasuredPictures
+
+File = str | PathLike[str]
+_FRAMES = 3  # dimensions
+
+
+@plain_errors
+def measure(
+    *pictures: File | NDArray[Any],
+    band: int | None = None,
+    fov_x_deg: float | None = None,
+    offset_dn: float | None = None,
+    dark: File | None = None,
+    flats: Sequence[File] = (),
+) -> MeasuredPictures:
+    """Measure edges, MTF and noise of pictures of one camera, as `imagechain measure` does.
+
+    Parameters
+    ----------
+    pictures : path or array_like
+        Files of pictures or frames; or arrays, (rows, columns) or (frames, rows, columns), all of
+        one size.
+    band : int, optional
+        Band or colour of files that have several, counted from 0.
+    fov_x_deg : float, optional
+        Field of view across, in place of the files' own.
+    offset_dn : float, optional
+        The number of no light, for the read noise; 0 if not given.
+    dark : path, optional
+        Frames without light, in its place.
+    flats : sequence of path
+        Files of frames of flat fields, each of another level, for the photon transfer curve.
+
+    Returns
+    -------
+    MeasuredPictures
+        MTF across and along, edges, noise, with errors.
+
+    Raises
+    ------
+    ImagechainError
+        A file cannot be read, an array is no picture, or they differ in size.
+    """
+    if not pictures:
+        raise UsageError("measure needs a picture: a file or an array")
+    plan = MeasurePlan(
+        (), band, fov_x_deg, tuple(Path(fspath(one)) for one in flats),
+        None if dark is None else Path(fspath(dark)), offset_dn,
+    )  # fmt: skip
+    if all(isinstance(one, str | PathLike) for one in pictures):
+        paths = tuple(Path(fspath(one)) for one in pictures)  # type: ignore[arg-type]
+        return MeasuredPictures(measure_files(replace(plan, pictures=paths)))
+    if plan.flats or plan.dark is not None or band is not None:
+        raise UsageError("band, dark and flats go with files: arrays have none")
+    return MeasuredPictures(_of_arrays(pictures, fov_x_deg, offset_dn))
+
+
+def _of_arrays(
+    pictures: Sequence[Any], fov_x_deg: float | None, offset_dn: float | None
+) -> PictureMeasurement:
+    frames: list[NDArray[np.float64]] = []
+    files = []
+    for number, picture in enumerate(pictures, 1):
+        array = np.asarray(picture)
+        if array.dtype.kind not in "buif" or array.ndim not in (2, _FRAMES) or 0 in array.shape:
+            raise DataError(
+                f"picture {number} is an array of {array.dtype} of shape {array.shape}; allowed: "
+                "real numbers, (rows, columns) or (frames, rows, columns)"
+            )
+        if not np.isfinite(array).all():
+            raise DataError(f"picture {number} has samples that are not finite")
+        own = [*array] if array.ndim == _FRAMES else [array]
+        frames += [np.asarray(frame, np.float64) for frame in own]
+        files.append(MeasuredFile(f"array {number}", len(own), "", is_encoded=False))
+    shapes = {frame.shape for frame in frames}
+    if len(shapes) > 1:
+        raise DataError(f"pictures of one camera are of one size, not {sorted(shapes)}")
+    rows, columns = frames[0].shape
+    interval = None
+    if fov_x_deg is not None:
+        interval = interval_mrad(fov_deg=fov_x_deg, samples=columns, name="fov_x_deg")
+    return measure_pictures(
+        Source(
+            tuple(files), frames, rows, columns, "", interval, interval, offset_dn=offset_dn or 0.0
+        )
+    )

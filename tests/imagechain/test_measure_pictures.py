@@ -1,0 +1,56 @@
+"""`ic.measure`: arrays and files, as the command measures them."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy.special import erf
+
+import imagechain as ic
+
+SIGMA = 0.9
+MTF50 = math.sqrt(math.log(2.0) / 2.0) / math.pi / SIGMA
+
+
+def edge(seed, angle=0.1):
+    y, x = np.mgrid[0:100, 0:120]
+    away = (x - 60.2) * math.cos(angle) + (y - 50) * math.sin(angle)
+    noise = 0.2 * np.random.default_rng(seed).standard_normal(away.shape)
+    return 80.0 + 20.0 * erf(away / (math.sqrt(2.0) * SIGMA)) + noise
+
+
+def test_arrays_and_files(tmp_path):
+    frames = np.stack([edge(1), edge(2)])
+    measured = ic.measure(frames, fov_x_deg=1.0)
+    assert measured.x.mtf50 == pytest.approx(MTF50, abs=4.0 * measured.x.mtf50_sigma)
+    assert (measured.y, measured.x.edges) == (None, 2)
+    assert "along" in measured.reason_y
+    assert measured.noise.sigma == pytest.approx(0.2, rel=0.03)
+    assert "mtf50_x" in repr(measured)
+    np.save(tmp_path / "frames.npy", frames)
+    of_file = ic.measure(tmp_path / "frames.npy", fov_x_deg=1.0)
+    assert of_file.to_dict()["mtf"] == measured.to_dict()["mtf"]
+    measured.save(tmp_path / "m.json")
+    assert json.loads((tmp_path / "m.json").read_text()) == measured.to_dict()
+    fewer = measured.without(0)
+    assert fewer.x.edges == 1
+    assert fewer.edges[0].why_not == "removed by hand"
+    assert measured.x.edges == 2
+    with pytest.raises(ic.ParameterError, match="edge = 7"):
+        measured.without(7)
+    with pytest.raises(ic.UsageError, match=r"must end in \.json, \.csv, \.html"):
+        measured.save(tmp_path / "m.txt")
+
+
+def test_what_is_no_picture():
+    with pytest.raises(ic.UsageError, match="needs a picture"):
+        ic.measure()
+    with pytest.raises(ic.DataError, match="picture 1 is an array of complex128"):
+        ic.measure(np.zeros((20, 20), complex))
+    with pytest.raises(ic.DataError, match="one size"):
+        ic.measure(np.zeros((20, 20)), np.zeros((20, 30)))
+    with pytest.raises(ic.UsageError, match="go with files"):
+        ic.measure(np.zeros((20, 20)), band=1)
