@@ -28,7 +28,7 @@ def test_run_loads_neither_qt_nor_what_only_reports_need(tmp_path):
     loaded = loaded_by(["run", "first_steps"], tmp_path)
     packages = {name.split(".")[0] for name in loaded}
     assert not packages & QT
-    assert not packages & {"matplotlib", "rich", "OpenImageIO", "PIL"}
+    assert not packages & {"matplotlib", "rich", "OpenImageIO", "PIL", "zarr"}
     of_scipy = {name.split(".")[1] for name in loaded if name.startswith("scipy.")}
     public = {name for name in of_scipy if not name.startswith("_")}
     assert public <= {"fft", "special", "version", "linalg"}
@@ -44,7 +44,7 @@ def test_a_study_loads_neither_qt_nor_what_only_pictures_need(tmp_path):
     words = ["study", "first_steps", "--vary", "blur.sigma_x_mrad=0,1", "--output", "a.csv"]
     packages = {name.split(".")[0] for name in loaded_by([*words, "--jobs", "1"], tmp_path)}
     assert not packages & (QT | {"matplotlib", "rich", "OpenImageIO", "PIL"})
-    assert not packages & {"dask", "distributed", "pandas", "pyarrow", "xarray"}
+    assert not packages & {"dask", "distributed", "pandas", "pyarrow", "xarray", "zarr"}
 
 
 def test_modules_loads_no_qt(tmp_path):

@@ -120,7 +120,7 @@ def run_words(parser: argparse.ArgumentParser) -> None:
         help=f"write what a port gives, as {' '.join(suffixes(*SAVED))}; NODE.PORT[TOP:BOTTOM,"
         "LEFT:RIGHT]=FILE writes those rows and columns of an image, counted from 0, the ends "
         "exclusive, a bound left out being the image's; all bands of an image that has some go "
-        "into a .bsq or .img (ENVI); may be repeated",
+        "into a .bsq or .img (ENVI); a picture of any size as a .zarr store, too; may be repeated",
     )
     add(
         "--frames",

@@ -17,6 +17,7 @@ from nodes.files.common.file_format import (
     JSON,
     NETCDF,
     PARQUET,
+    ZARR,
     Format,
     suffixes,
 )
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from core.evaluation.region import Region
 
 REPORTS = (JSON, HTML)
-_SAVED = (*SAVED[:-1], ENVI_FRAMES, SAVED[-1])
+_SAVED = (*SAVED[:-1], ENVI_FRAMES, ZARR, SAVED[-1])
 TRANSFERS = (CSV, JSON)
 OUTPUTS = (CSV, JSON, PNG, HTML)
 STUDIES = (CSV, PARQUET, NETCDF)

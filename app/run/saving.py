@@ -23,10 +23,11 @@ from core.evaluation.region import Region
 from core.evaluation.work import Work
 from nodes.files.arrays import write_curves, write_matrix
 from nodes.files.common.digital_numbers import integer_type
-from nodes.files.common.file_format import CSV, ENVI_FRAMES, Format, suffixes
+from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.curve_text import columns_text, is_plain
 from nodes.files.formats import PNG, SAVED, WRITTEN, written_format
 from nodes.files.read import check_finite
+from nodes.files.stores.zarr_array import check_zarr, write_store
 from nodes.files.write import write_picture
 from nodes.input_output.cube_output import Cube
 
@@ -48,13 +49,14 @@ def check_suffix(port: str, value: Any, path: Path) -> None:
         allowed = _TABLES
     elif isinstance(value, Curve):
         allowed = _CURVES
-    if ENVI_FRAMES.matches(path):
-        if isinstance(value, Image):
-            return
-        words = " ".join(ENVI_FRAMES.suffixes)
-        raise UsageError(
-            f"--save {port}={path}: pictures and their bands alone are written as {words}"
-        )
+    for kind, words in ((ENVI_FRAMES, "pictures and their bands"), (ZARR, "pictures")):
+        if kind.matches(path):
+            if isinstance(value, Image):
+                if kind is ZARR:
+                    check_zarr(path)
+                return
+            ends = " ".join(kind.suffixes)
+            raise UsageError(f"--save {port}={path}: {words} alone are written as {ends}")
     if not any(file_format.matches(path) for file_format in allowed):
         words = " ".join(suffixes(*allowed))
         raise UsageError(f"--save {port}={path}: a {value.port_type} is written as {words}")
@@ -122,7 +124,9 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
         From the writer.
     """
     kind = written_format(path)
-    if kind is None:
+    if ZARR.matches(path):
+        write_store(path, array, metadata)
+    elif kind is None:
         write_matrix(path, array)
     elif kind.stores_floats:
         whole = integer_type(array, metadata.get("unit", ""), kind.dtypes)

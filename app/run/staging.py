@@ -16,6 +16,8 @@ from core.atomic import no_regular_file
 from core.errors import FileError, ImagechainError
 from core.file_lock import FileLock, take
 from core.leftovers import FOLDER_PREFIX, LOCK, new_mark, sweep
+from nodes.files.common.file_format import ZARR
+from nodes.files.stores.store_folder import is_store
 
 Writer = Callable[[Path], None]
 Guard = Callable[[Path], None]
@@ -99,7 +101,7 @@ class Staging:
             may not be written to.
         """
         real = real_target(target)
-        if real in self._inputs:
+        if any(_overlap(real, path) for path in self._inputs):
             raise FileError(f"cannot write {target}: it is an input of this run")
         try:
             self._check_place(real, target)
@@ -288,10 +290,20 @@ def _check_existing(real: Path, target: Path) -> None:
         return
     except OSError as error:
         raise FileError(f"cannot write {target}: {error.strerror or error}") from error
-    if unfit := no_regular_file(status.st_mode):
+    unfit = no_regular_file(status.st_mode)
+    if ZARR.matches(real):
+        unfit = "" if is_store(real) else "what is there is no Zarr store; allowed: a new name"
+    if unfit:
         raise FileError(f"cannot write {target}: {unfit}")
     if not os.access(real, os.W_OK):
         raise FileError(f"cannot write {target}: the file is read-only")
+
+
+def _overlap(real: Path, path: Path) -> bool:
+    """Whether a file is the other, or one of a store and what lies in it."""
+    if real == path or (ZARR.matches(real) and real in path.parents):
+        return True
+    return path in real.parents
 
 
 def _existing(folder: Path) -> Path:
@@ -319,8 +331,13 @@ def _make_folders(folder: Path, undo: list[Callable[[], object]]) -> None:
 
 
 def _put(staged: _Staged, undo: list[Callable[[], object]]) -> None:
-    if staged.target.exists():
-        backup = staged.file.with_name(staged.file.name + ".old")
+    backup = staged.file.with_name(staged.file.name + ".old")
+    if staged.file.is_dir():  # a store: one that is there makes room, and is gone with the stage
+        if staged.target.exists():
+            staged.target.replace(backup)
+            undo.append(lambda: backup.replace(staged.target))
+        undo.append(lambda: staged.target.replace(staged.file))
+    elif staged.target.exists():
         shutil.copy2(staged.target, backup)
         staged.file.chmod(stat.S_IMODE(staged.target.stat().st_mode))
         undo.append(lambda: backup.replace(staged.target))

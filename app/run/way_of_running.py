@@ -24,12 +24,12 @@ from core.evaluation.work import Work
 from core.memory import amount_text, usable_bytes
 from core.scratch.block_run import BlockRun
 from core.scratch.scratch_disk import ScratchDisk, is_for_disk
-from nodes.files.common.file_format import ENVI_FRAMES
+from nodes.files.common.file_format import ENVI_FRAMES, ZARR
 from nodes.files.formats import NPY, TIFF
 
 Array = NDArray[Any]
-STREAMED = (NPY, TIFF, ENVI_FRAMES)
-"""Formats that are written row after row."""
+STREAMED = (NPY, TIFF, ENVI_FRAMES, ZARR)
+"""Formats that are written row after row, or chunk after chunk."""
 _PREVIEW_PX = 2048
 _SHARE = 0.5  # of what the process may use
 _SHARE_KEPT = 8  # of the budget, that values of a run in blocks may take

@@ -107,7 +107,8 @@ class Result:
         Parameters
         ----------
         path : path
-            ``.npy``, ``.exr``, ``.tif``, ``.png`` or ``.csv``; ``.img`` of a picture with bands.
+            ``.npy``, ``.exr``, ``.tif``, ``.png``, ``.csv`` or ``.zarr``; ``.img`` of a picture
+            with bands.
         port : str, optional
             ``NODE.PORT``; default the picture that the chain delivers.
         """

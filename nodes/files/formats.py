@@ -15,10 +15,12 @@ from typing import Any
 from numpy.typing import NDArray
 
 from nodes.files import arrays, pictures
-from nodes.files.common.file_format import BLANKS, CSV, Format, suffixes
+from nodes.files.common.file_format import BLANKS, CSV, ZARR, Format, suffixes
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples
 from nodes.files.headers import envi, envi_header
 from nodes.files.oiio_writing import write_by_oiio
+from nodes.files.stores import zarr_array
+from nodes.files.stores.store_folder import is_store
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,10 @@ TIFF = PictureFormat(
 PNG = PictureFormat("png", (".png",), "PNG", *_OIIO, write_by_oiio, ("uint8", "uint16"))
 # The first that claims a file reads it.
 PICTURES: tuple[PictureFormat, ...] = (
+    PictureFormat(
+        ZARR.name, ZARR.suffixes, ZARR.description, zarr_array.read_info, zarr_array.read_band,
+        recognizes=is_store,
+    ),
     NPY,
     PictureFormat("exr", (".exr",), "EXR", *_OIIO, write_by_oiio, ("float", "half")),
     TIFF,

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from core.errors import DataError
 from core.scratch.allocation import Empty
-from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import PictureInfo, Samples
 from nodes.files.formats import format_of
+from nodes.files.stores.store_folder import readable_picture
 
 _BLOCK_SAMPLES = 1 << 20
 
@@ -28,7 +28,7 @@ def read_info(path: str | os.PathLike[str]) -> PictureInfo:
     FileError
         The file is missing, a folder, empty, not readable, damaged or of an unknown format.
     """
-    file = readable_file(path)
+    file = readable_picture(path)
     return format_of(file).read_info(file)
 
 
@@ -56,7 +56,7 @@ def read_pixels(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = n
     FileError
         As `read_info`, or there is no such band.
     """
-    file = readable_file(path)
+    file = readable_picture(path)
     return format_of(file).read_band(file, band, empty=empty)
 
 

@@ -16,11 +16,11 @@ from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
 from core.modules.declaration import NodeContext
 from core.scratch.allocation import Empty
-from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.headers.envi_bands import integrate_bands
 from nodes.files.headers.envi_header import header_beside
 from nodes.files.read import check_finite, read_info, read_pixels
+from nodes.files.stores.store_folder import is_store, readable_picture, store_state
 
 Stamp = tuple[str, int, int]
 Missing = Literal["refuse", "mean", "zero"]
@@ -54,7 +54,7 @@ def picture_source(path: Path | None, here: NodeContext) -> Source:
     if path is None:
         raise ParameterError("path", None, "a picture file, relative to the network file's folder")
     # Not resolved: an ENVI header lies beside the link, not beside what the link points to.
-    file = readable_file((here.folder / path).absolute())
+    file = readable_picture((here.folder / path).absolute())
     header = header_beside(file)
     stamps = stamps_of(file, header)
     info = _described(file, stamps)
@@ -209,5 +209,8 @@ def _described(file: Path, stamps: tuple[Stamp, ...]) -> PictureInfo:
 
 
 def _stamp(file: Path) -> Stamp:
-    status = readable_file(file).stat()
+    picture = readable_picture(file)
+    if is_store(picture):
+        return str(file), *store_state(picture)
+    status = picture.stat()
     return str(file), status.st_size, status.st_mtime_ns

@@ -31,6 +31,7 @@ class Format:
 
 CSV = Format("csv", (".csv",), "numbers separated by commas")
 ENVI_FRAMES = Format("bsq", (".bsq", ".img"), "ENVI BSQ")
+ZARR = Format("zarr", (".zarr",), "Zarr")
 BLANKS = Format("txt", (".txt", ".prn"), "numbers separated by blanks")
 JSON = Format("json", (".json",), "JSON")
 HTML = Format("html", (".html",), "page")

@@ -8,6 +8,7 @@ import threading
 
 import numpy as np
 import pytest
+import zarr
 
 from app.command.run import run
 from app.options.command_options import parse
@@ -94,22 +95,28 @@ def noisy(small):
 
 @pytest.fixture
 def scene(tmp_path):
+    """As a file, and cut into chunks that are no multiples of the blocks it is read in."""
     samples = np.random.default_rng(3).uniform(5.0, 15.0, (99, 84)).astype(np.float32)
     np.save(tmp_path / "scene.npy", samples)
+    store = zarr.create_array(
+        tmp_path / "scene.zarr", shape=samples.shape, dtype="<f4", chunks=(31, 40)
+    )
+    store[...] = samples
     return samples
 
 
-@pytest.mark.parametrize("edges", ["reflect", "periodic"])
-def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, edges):
+@pytest.mark.parametrize(("edges", "file"), [("reflect", "scene.npy"), ("periodic", "scene.zarr")])
+def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, edges, file):
     network = write(noisy(small))
-    words = ["run", network, f"--set=init.edges={edges}", "--save"]
+    words = ["run", network, "--set=scene.path=scene.npy", f"--set=init.edges={edges}", "--save"]
     assert imagechain(*words, "noise.image=whole.npy", "--memory", "8GB").returncode == 0
     whole = np.load(tmp_path / "whole.npy")
-    more = [f"--save=noise.image=in.{kind}" for kind in ("tif", "img")]
+    more = [f"--save=noise.image=in.{kind}" for kind in ("tif", "img", "zarr")]
+    words[2] = f"--set=scene.path={file}"
     budget = ("--memory", "50kB", "--scratch", ".", "--report", "r.json", "--report", "r.html")
     done = imagechain(*words, "noise.image=in.npy", *more, *budget)
     assert done.returncode == 0, done.stderr
-    for kind in ("npy", "tif", "img"):
+    for kind in ("npy", "tif", "img", "zarr"):
         np.testing.assert_array_equal(read_pixels(tmp_path / f"in.{kind}"), whole)
     way = json.loads((tmp_path / "r.json").read_text())["run"]["way"]
     assert (way["way"], way["largest_rows"], way["memory_bytes"]) == ("in blocks", 99, 50_000)
@@ -125,7 +132,7 @@ def test_saved_pictures_are_streamed(imagechain, small, write, scene, tmp_path, 
         (
             ["--save", "back.image=b.png"],
             "--save back.image=b.png: a picture of 99 × 84 samples that is made in blocks is "
-            "written as .npy .tif .tiff .bsq .img",
+            "written as .npy .tif .tiff .bsq .img .zarr",
         ),
         (
             ["--save", "back.image=b.npy", "--frames", "2"],
@@ -199,5 +206,9 @@ def test_stopped_in_the_middle(small, write, scene, tmp_path, monkeypatch):
 
     with pytest.raises(Cancelled):
         run(parse(["run", network, "--memory", "50kB"]), Watch())
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["net.json", "scene.npy"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "net.json",
+        "scene.npy",
+        "scene.zarr",
+    ]
     assert free - shutil.disk_usage(tmp_path).free < 1 << 24

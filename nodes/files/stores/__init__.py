@@ -1,0 +1,1 @@
+"""Pictures in stores: folders of chunks, of which any part is read and written by itself."""

@@ -1,0 +1,117 @@
+"""Zarr stores as folders: known by what lies in them, without the library that reads them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from core.errors import FileError
+from core.file_lock import take
+from core.leftovers import FOLDER_PREFIX, LOCK, new_mark, sweep
+from nodes.files.common.paths import readable_file
+
+_ALLOWED = "allowed: a new name, or a store to replace"
+_MARKS = ("zarr.json", ".zarray", ".zgroup")  # version 3, arrays and groups of version 2
+
+
+def is_store(path: Path) -> bool:
+    """Whether a folder holds an array of Zarr, or a group of them."""
+    try:
+        return any((path / mark).is_file() for mark in _MARKS)
+    except OSError:  # a name that the system does not take
+        return False
+
+
+def readable_picture(path: str | os.PathLike[str]) -> Path:
+    """A regular, readable file that is not empty, or a Zarr store.
+
+    Raises
+    ------
+    FileError
+        It is neither, or may not be read.
+    """
+    folder = Path(path)
+    if not is_store(folder):
+        return readable_file(path)
+    if not os.access(folder, os.R_OK | os.X_OK):
+        raise FileError(f"{path}: no permission to read this folder")
+    return folder
+
+
+def store_state(folder: Path) -> tuple[int, int]:
+    """Bytes of all files of a store, and when the last of them or of its folders was changed, ns.
+
+    Raises
+    ------
+    FileError
+        It cannot be looked through.
+    """
+    size = newest_ns = 0
+    try:
+        for status in _states(folder):
+            size, newest_ns = size + status.st_size, max(newest_ns, status.st_mtime_ns)
+    except OSError as error:
+        raise FileError(f"{folder}: {error.strerror or error}") from error
+    return size, newest_ns
+
+
+@contextlib.contextmanager
+def atomic_store(path: Path) -> Iterator[Path]:
+    """Give the name of a folder, not there yet, that takes the place of `path` at the end.
+
+    When the block raises, it is removed and what was at `path` is untouched, as `atomic_file` has
+    it. What a killed process has left in the folder above is removed.
+
+    Raises
+    ------
+    FileError
+        `path` is something else than a store, or the folder above is missing or cannot be written.
+        An `OSError` from within the block is given as `FileError` too.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists() and not is_store(target):
+        raise FileError(f"cannot write {path}: what is there is no Zarr store; {_ALLOWED}")
+    if not target.parent.is_dir():
+        raise FileError(f"cannot write {path}: there is no folder {path.parent}")
+    sweep(target.parent)
+    place = target.parent / f"{FOLDER_PREFIX}{new_mark()}"
+    lock = None
+    try:
+        place.mkdir()
+        lock = take(place / LOCK)
+        yield place / "new"
+        _exchange(target, place)
+    except OSError as error:
+        raise FileError(f"cannot write {path}: {error.strerror or error}") from error
+    finally:
+        if lock is not None:
+            lock.let_go()
+        shutil.rmtree(place, ignore_errors=True)
+
+
+def _exchange(target: Path, place: Path) -> None:
+    before = place / "old"
+    if target.exists():
+        target.replace(before)
+    try:
+        (place / "new").replace(target)
+    except OSError:
+        if before.exists():
+            before.replace(target)
+        raise
+
+
+def _states(folder: Path) -> Iterator[os.stat_result]:
+    waiting = [folder]
+    while waiting:
+        current = waiting.pop()
+        yield current.stat()
+        with os.scandir(current) as entries:
+            for entry in entries:
+                if entry.is_dir(follow_symlinks=False):
+                    waiting.append(Path(entry.path))
+                else:
+                    yield entry.stat()

@@ -1,0 +1,135 @@
+"""Zarr stores against the library's own reading and writing, chunk by chunk."""
+
+import resource
+
+import numpy as np
+import pytest
+import zarr
+
+from core.errors import FileError
+from nodes.files.read import read_info, read_pixels
+from nodes.files.stores import zarr_array
+from nodes.files.stores.zarr_array import write_store
+
+RNG = np.random.default_rng(7)
+
+
+def stored(path, samples, **how):
+    """A store as the library writes it."""
+    array = zarr.create_array(path, shape=samples.shape, dtype=samples.dtype, **how)
+    array[...] = samples
+    return path
+
+
+@pytest.mark.parametrize(
+    ("kind", "how"),
+    [
+        ("<f4", {"chunks": (32, 17)}),
+        (">f8", {"chunks": (97, 5), "compressors": None}),
+        ("<u2", {"chunks": (7, 89), "zarr_format": 2}),
+        ("|i1", {"chunks": (8, 8), "shards": (32, 32)}),
+    ],
+)
+def test_read_as_it_was_stored(tmp_path, monkeypatch, kind, how):
+    monkeypatch.setattr(zarr_array, "_READ_SAMPLES", 500)  # blocks of a few chunks
+    samples = RNG.integers(0, 100, (97, 89)).astype(kind)
+    path = stored(tmp_path / "a.zarr", samples, **how)
+    info, read = read_info(path), read_pixels(path)
+    assert (info.rows, info.columns, info.bands, info.kind) == (97, 89, 1, "zarr")
+    assert info.dtype == np.dtype(kind).newbyteorder("=").name
+    assert read.dtype == (np.float64 if kind == ">f8" else np.float32)
+    np.testing.assert_array_equal(read, samples)
+
+
+@pytest.mark.parametrize(
+    ("names", "order"),
+    [(None, (0, 1, 2)), (("band", "y", "x"), (2, 0, 1)), (("lon", "lat", "t"), (1, 0, 2))],
+)
+def test_bands_by_the_names_of_dimensions(tmp_path, names, order):
+    cube = RNG.normal(size=(11, 13, 3)).astype(np.float32)  # rows, columns, bands
+    placed = np.transpose(cube, order)
+    path = stored(tmp_path / "a.zarr", placed, chunks=(4, 2, 5), dimension_names=names)
+    assert (read_info(path).rows, read_info(path).columns, read_info(path).bands) == (11, 13, 3)
+    np.testing.assert_array_equal(read_pixels(path, 2), cube[:, :, 2])
+    with pytest.raises(FileError, match="there is no band 3; allowed: 0 to 2"):
+        read_pixels(path, 3)
+
+
+def test_what_the_attributes_give(tmp_path):
+    samples = np.array([[1, 2, -9], [4, 5, 6]], np.int16)
+    attributes = {"units": "K", "fov_x_deg": 3.0, "_FillValue": -9, "scale_factor": 0.1}
+    path = stored(tmp_path / "a.zarr", samples, chunks=(2, 2), attributes=attributes)
+    info = read_info(path)
+    assert (info.unit, info.fov_x_deg, info.not_applied) == ("K", 3.0, ("scale_factor",))
+    np.testing.assert_array_equal(read_pixels(path), [[1, 2, np.nan], [4, 5, 6]])
+
+
+@pytest.mark.parametrize(("shape", "kind"), [((53, 101), "<f4"), ((1, 7), "<f8")])
+def test_written_chunk_by_chunk(tmp_path, monkeypatch, shape, kind):
+    monkeypatch.setattr(zarr_array, "_CHUNK", 16)
+    samples = RNG.normal(size=shape).astype(kind)
+    samples[:16, :7] = 0  # a chunk that the library would leave out
+    write_store(tmp_path / "a.zarr", samples, {"unit": "W/m²/sr", "fov_x_deg": 2.5})
+    there = zarr.open_array(tmp_path / "a.zarr", mode="r")
+    assert there.chunks == tuple(min(16, size) for size in shape)
+    assert there.nchunks_initialized == there.nchunks
+    np.testing.assert_array_equal(there[...], samples)
+    info = read_info(tmp_path / "a.zarr")
+    assert (info.unit, info.fov_x_deg, info.dtype) == ("W/m²/sr", 2.5, np.dtype(kind).name)
+    np.testing.assert_array_equal(read_pixels(tmp_path / "a.zarr"), samples)
+
+
+def test_groups(tmp_path):
+    group = zarr.open_group(tmp_path / "a.zarr", mode="w", attributes={"fov_x_deg": 4.0})
+    group.create_array("x", shape=(5,), dtype="f8")
+    scene = RNG.normal(size=(5, 6)).astype(np.float32)
+    group.create_array("scene", data=scene, chunks=(2, 2))
+    assert read_info(tmp_path / "a.zarr").fov_x_deg == 4.0
+    np.testing.assert_array_equal(read_pixels(tmp_path / "a.zarr"), scene)
+    group.create_array("other", data=scene + 1, chunks=(2, 2))
+    with pytest.raises(FileError, match=r"of 2 or 3 dimensions in it \(a.zarr/other, a.zarr/scene"):
+        read_info(tmp_path / "a.zarr")
+    np.testing.assert_array_equal(read_pixels(tmp_path / "a.zarr" / "other"), scene + 1)
+
+
+def test_damage_is_one_line(tmp_path):
+    samples = RNG.normal(size=(20, 20)).astype(np.float32)
+    path = stored(tmp_path / "a.zarr", samples, chunks=(10, 10), compressors=None)
+    chunk = path / "c" / "1" / "0"
+    chunk.write_bytes(chunk.read_bytes()[:100])
+    with pytest.raises(FileError, match=r"a.zarr: rows 0 to 20, columns 0 to 20 cannot be read: "):
+        read_pixels(path)
+    (path / "zarr.json").write_text('{"shape": [1')
+    with pytest.raises(FileError, match=r"a.zarr: cannot be read as a Zarr store: "):
+        read_info(path)
+    (path / "zarr.json").unlink()
+    with pytest.raises(FileError, match=r"a.zarr: is a folder, not a file"):
+        read_info(path)
+    with pytest.raises(FileError, match=r"holds an array of shape \(4,\); allowed: "):
+        read_info(stored(tmp_path / "b.zarr", np.zeros(4), chunks=(2,)))
+
+
+def test_without_the_package(tmp_path, monkeypatch):
+    path = stored(tmp_path / "a.zarr", np.zeros((2, 2)), chunks=(2, 2))
+    monkeypatch.setattr(zarr_array.importlib.util, "find_spec", lambda _: None)
+    with pytest.raises(FileError, match=r"Zarr needs the package zarr: pip install 'imagechain\[z"):
+        read_info(path)
+
+
+def test_a_store_is_replaced_whole_or_not_at_all(tmp_path):
+    path, first = tmp_path / "a.zarr", np.ones((30, 40), np.float32)
+    write_store(path, first, {})
+    write_store(path, 2 * first, {"unit": "K"})
+    np.testing.assert_array_equal(read_pixels(path), 2 * first)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4000, before[1]))  # as a disk that is full
+    try:
+        with pytest.raises(FileError, match=r"cannot write .*a\.zarr: File too large"):
+            write_store(path, 3 * first, {})
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    np.testing.assert_array_equal(read_pixels(path), 2 * first)
+    assert [one.name for one in tmp_path.iterdir()] == ["a.zarr"]
+    (tmp_path / "b.zarr").mkdir()
+    with pytest.raises(FileError, match=r"b\.zarr: what is there is no Zarr store; allowed: a new"):
+        write_store(tmp_path / "b.zarr", first, {})
