@@ -191,9 +191,9 @@ class Evaluator(QObject):
         self._inbox.stop()
         if self._thread is not None:
             self._thread.join(JOIN_S)
+            self._collector.stop(resume=not self._thread.is_alive())
             self._thread = None
             sys.setswitchinterval(self._switch_interval)
-            self._collector.stop()
         self._finished = self._generation
         self._rest()
 
@@ -250,11 +250,11 @@ class Evaluator(QObject):
         # time in place of 5.3. While numpy computes it makes no difference.
         self._switch_interval = sys.getswitchinterval()
         sys.setswitchinterval(min(SWITCH_S, self._switch_interval))
+        self._collector.start()
         self._thread = threading.Thread(
             target=self._runner.run, name="imagechain evaluation", daemon=True
         )
         self._thread.start()
-        self._collector.start()
 
     @property
     def _is_planned(self) -> bool:

@@ -242,8 +242,8 @@ class MainWindow(QMainWindow):
                 other.hide()
         self.runs.close()
         self.help.handbook.close()
-        self.evaluator.close()
         self.autosaver.close()
+        self.evaluator.close()  # last: Python may collect in any thread afterwards
 
     def _build(self, library: Library) -> None:
         self.canvas = Canvas(self.level, self.theme)
