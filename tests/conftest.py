@@ -6,6 +6,7 @@ import gc
 import os
 import resource
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -75,17 +76,32 @@ def _own_state(tmp_path_factory):
         yield
 
 
+@pytest.fixture(scope="session")
+def of_all_workers(tmp_path_factory):
+    """A folder that the processes of one run of the tests share."""
+    base = tmp_path_factory.getbasetemp()
+    return base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
+
+
+@pytest.fixture(scope="session")
+def shipped_report(of_all_workers):
+    """The reports of a network by its name, as it is shipped."""
+    from shipped_reports import reports_of
+
+    folder = of_all_workers / "shipped_reports"
+    folder.mkdir(exist_ok=True)
+    return cache(lambda network: reports_of(network, folder))
+
+
 @pytest.fixture(autouse=True, scope="session")
-def _compiled_once(tmp_path_factory):
+def _compiled_once(of_all_workers):
     """Where bytecode is not written, the processes of the tests keep theirs in a folder of ours.
 
     Without, each of hundreds compiles anew all that it imports: half the time of a short one.
     """
     with pytest.MonkeyPatch.context() as patch:
         if sys.dont_write_bytecode:
-            base = tmp_path_factory.getbasetemp()
-            run = base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
-            patch.setenv("PYTHONPYCACHEPREFIX", str(run / "bytecode"))
+            patch.setenv("PYTHONPYCACHEPREFIX", str(of_all_workers / "bytecode"))
             patch.delenv("PYTHONDONTWRITEBYTECODE", raising=False)
         yield
 

@@ -1,11 +1,9 @@
 """The shipped cameras of today, against formulas written out here and by the command line."""
 
-import json
 import math
 import re
 import subprocess
 import sys
-from functools import cache
 
 import mpmath
 import pytest
@@ -101,26 +99,9 @@ def _is_number(word):
     return True
 
 
-@pytest.fixture(scope="module")
-def reported(tmp_path_factory):
-    """The report of a camera's run, as a page and as facts; each camera runs once."""
-
-    @cache
-    def run(name):
-        folder = tmp_path_factory.mktemp(name)
-        files = [folder / "report.html", folder / "report.json"]
-        words = [f"--report={file}" for file in files]
-        code, _, err = command("run", name, *words, f"--output-dir={folder / 'out'}")
-        assert code == 0, err
-        page, facts = (file.read_text(encoding="utf-8") for file in files)
-        return page, json.loads(facts)
-
-    return run
-
-
-def test_a_pixel_of_the_satellite_is_averaged_once(reported):
+def test_a_pixel_of_the_satellite_is_averaged_once(shipped_report):
     """At the pixels' Nyquist frequency the detector's contrast is sin(π/2)/(π/2), once."""
-    _, facts = reported("satellite_tdi")
+    facts = shipped_report("satellite_tdi").facts
     sheet = facts["data_sheet"]
     mtf = {row["label"]: row["x"] for row in sheet["mtf"]["rows"]}
     assert sheet["mtf"]["nyquist_x"] == pytest.approx(625.0)
@@ -144,8 +125,8 @@ def test_a_pixel_of_the_satellite_is_averaged_once(reported):
 
 
 @pytest.mark.parametrize("name", ["mwir_camera", "microbolometer", "satellite_tdi", "dirsig_cube"])
-def test_the_report_reads_as_a_data_sheet(name, reported):
-    page, _ = reported(name)
+def test_the_report_reads_as_a_data_sheet(name, shipped_report):
+    page = shipped_report(name).page
     for words in ("Data sheet", "IFOV", "Ground sample distance", "Nyquist frequency"):
         assert words in page
     assert ">at Nyquist<" not in page  # the pixels', or the finer one of the stages' samples?
@@ -159,9 +140,9 @@ def test_the_report_reads_as_a_data_sheet(name, reported):
     assert ("Johnson" in page) == (name != "satellite_tdi")
 
 
-def test_the_ranges_of_a_picture_through_air_name_no_extinction_of_their_own(reported):
+def test_the_ranges_of_a_picture_through_air_name_no_extinction_of_their_own(shipped_report):
     """That of the network is not used then: the air's own figures stand in its place."""
-    groups = {g["title"]: g for g in reported("dirsig_cube")[1]["data_sheet"]["groups"]}
+    groups = {g["title"]: g for g in shipped_report("dirsig_cube").facts["data_sheet"]["groups"]}
     rows = {row["label"]: row["values"][0] for row in groups["Air"]["rows"]}
     assert rows["Optical depth"] == pytest.approx(-math.log(rows["Transmission"]))
     assert "Extinction of the air" not in [row["label"] for row in groups["Range"]["rows"]]

@@ -28,6 +28,7 @@ def test_the_table_has_every_network(table):
     assert list(table["runs"]) == RUNS
 
 
+@pytest.mark.thorough(but=len(RUNS) // 2)  # each network in one of the precisions
 @pytest.mark.parametrize("run", RUNS)
 def test_delivers_what_it_did(run, table, tmp_path):
     name, precision = run.split()

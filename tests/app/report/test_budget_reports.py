@@ -17,10 +17,9 @@ from budget_chain import (
 )
 
 
-def test_it_is_in_both_reports(imagechain, tmp_path):
-    done = imagechain("run", "inframetrics", "--report", "r.json", "--report", "r.html")
-    assert (done.returncode, done.stderr) == (0, "")
-    found = json.loads((tmp_path / "r.json").read_text())["budget"]
+def test_it_is_in_both_reports(shipped_report):
+    made = shipped_report("inframetrics")
+    found = made.facts["budget"]
     noise, sources = found["noise"], found["noise"]["sources"]
     names = ["photons", "gain", "bias", "detector", "amplifier", "quantization"]
     assert [each["name"] for each in sources] == names
@@ -33,7 +32,7 @@ def test_it_is_in_both_reports(imagechain, tmp_path):
     (bias,) = [each for each in sources if each["name"] == "bias"]
     assert (bias["fixed"], bias["temporal"]) == (0.0, None)
     assert abs(noise["together_mean"]) > 0.01
-    page = (tmp_path / "r.html").read_text()
+    page = made.page
     assert 'alt="shares of noise and blur"' in page
     for words in ("What contributes how much", "Quantization", "All together", "Detector MTF"):
         assert words in page
@@ -60,10 +59,8 @@ def test_a_phase_does_not_blur(imagechain, tmp_path):
     assert [each["node"] for each in found["blur"]["stages"]] == ["blur"]
 
 
-def test_abbreviations_of_noises_stay(imagechain, tmp_path):
-    done = imagechain("run", "mwir_camera", "--report", "r.html")
-    assert (done.returncode, done.stderr) == (0, "")
-    page = (tmp_path / "r.html").read_text()
+def test_abbreviations_of_noises_stay(shipped_report):
+    page = shipped_report("mwir_camera").page
     assert ">PRNU<" in page
     assert ">DSNU<" in page
     assert "Prnu" not in page

@@ -160,20 +160,17 @@ def test_names_that_are_no_text(imagechain, write, small, tmp_path):
     assert "scene\\udcff.npy" in (tmp_path / "r.html").read_text()
 
 
-def test_total_with_electronics_at_nyquist(imagechain, tmp_path):
-    imagechain("run", "inframetrics", "--report", "r.json", "--report", "r.html")
-    found = json.loads((tmp_path / "r.json").read_text())["transfer"]["at_nyquist"]
+def test_total_with_electronics_at_nyquist(shipped_report):
+    made = shipped_report("inframetrics")
+    found = made.facts["transfer"]["at_nyquist"]
     wanted = found["total.mtf_nyquist_x"] * found["electronics.mtf_nyquist_x"]
     assert found["total_with_electronics.mtf_nyquist_x"] == pytest.approx(wanted, rel=1e-12)
-    page = (tmp_path / "r.html").read_text()
-    assert "<td>Total with electronics</td><td></td>" in page
-    assert not re.search(r"\de-1[0-9]", re.sub(r"base64,[^\"]*", "", page))
+    assert "<td>Total with electronics</td><td></td>" in made.page
+    assert not re.search(r"\de-1[0-9]", re.sub(r"base64,[^\"]*", "", made.page))
 
 
-def test_pupils(imagechain, tmp_path):
-    done = imagechain("run", "pupils", "--report", "r.html")
-    assert (done.returncode, done.stderr) == (0, "")
-    page = (tmp_path / "r.html").read_text()
+def test_pupils(shipped_report):
+    page = shipped_report("pupils").page
     assert "<h2>Pupils</h2>" in page
     assert 'alt="exit pupils and autocorrelations"' in page
 

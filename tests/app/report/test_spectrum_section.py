@@ -8,26 +8,28 @@ import numpy as np
 import pytest
 
 from app.report.spectrum_section import spectra_png, spectrum
+from command_line import run_here
 from cube_network import BANDS, write_cube_network
 from nodes.library import standard_library
 
 QE = "wavelength_um,qe\n3.0,0.4\n4.0,0.8\n5.0,0.2\n"
 
 
-@pytest.fixture
-def reported(imagechain, tmp_path):
+@pytest.fixture(scope="module")
+def reported(tmp_path_factory):
     """The cube, its wavelengths, the report's facts and its page."""
-    (tmp_path / "qe.csv").write_text(QE)
+    folder = tmp_path_factory.mktemp("reported")
+    (folder / "qe.csv").write_text(QE)
     given = {"response": "qe.csv", "cut_on_um": 3.4, "cut_off_um": 4.7}
     library = standard_library()
     cube, wavelengths, width = write_cube_network(
-        tmp_path, library, focal_plane=given, aperture_mm=100.0
+        folder, library, focal_plane=given, aperture_mm=100.0
     )
     reports = ("--report", "r.json", "--report", "r.html")
-    done = imagechain("run", "cube.json", "--tolerance", "1e-3", *reports)
+    done = run_here("run", "cube.json", "--tolerance", "1e-3", *reports, folder=folder)
     assert (done.returncode, done.stderr) == (0, "")
-    facts = json.loads((tmp_path / "r.json").read_text())
-    return cube, wavelengths, width, facts, (tmp_path / "r.html").read_text()
+    facts = json.loads((folder / "r.json").read_text())
+    return cube, wavelengths, width, facts, (folder / "r.html").read_text()
 
 
 def test_the_facts(reported):

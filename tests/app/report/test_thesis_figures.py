@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from child_process import ROOT, finished
-from command_line import run_here
 
 FIGURES = {
     "inframetrics": ("fig. 5.26", "fig. 5.27", "figs. 5.56 and 5.57"),
@@ -44,14 +43,10 @@ class Page(HTMLParser):
         self._open = ""
 
 
-@pytest.fixture(scope="module", params=FIGURES)
-def report(request, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("report")
-    words = ["run", request.param, "--report", "r.json", "--report", "r.html"]
-    done = run_here(*words, folder=folder)
-    assert (done.returncode, done.stderr) == (0, "")
-    facts = json.loads((folder / "r.json").read_text(encoding="utf-8"))
-    return request.param, facts, Page((folder / "r.html").read_text(encoding="utf-8"))
+@pytest.fixture(params=FIGURES)
+def report(request, shipped_report):
+    made = shipped_report(request.param)
+    return request.param, made.facts, Page(made.page)
 
 
 def test_the_figures_are_there(report):
@@ -121,12 +116,11 @@ def test_other_networks_name_no_thesis(imagechain, write, small, tmp_path):
     assert "measured and expected MTF" in [alt for alt, _, _ in page.figures]
 
 
-def test_a_network_that_cannot_be_measured_says_why(imagechain, tmp_path):
-    done = imagechain("run", "poisson_two_panel", "--report", "r.json", "--report", "r.html")
-    assert (done.returncode, done.stderr) == (0, "")
-    reason = json.loads((tmp_path / "r.json").read_text())["judged"]["reason"]
+def test_a_network_that_cannot_be_measured_says_why(shipped_report):
+    made = shipped_report("poisson_two_panel")
+    reason = made.facts["judged"]["reason"]
     assert reason.startswith("no chain of transfer functions leads to the final picture")
-    page = re.sub(r"<[^>]*>", " ", (tmp_path / "r.html").read_text())
+    page = re.sub(r"<[^>]*>", " ", made.page)
     assert f"Not measured: {reason}." in page
 
 

@@ -34,6 +34,7 @@ FULL = {
 }  # fmt: skip
 
 
+@pytest.mark.thorough(but=len(NAMES))
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(
     ("size", "edges", "precision"),
