@@ -12,7 +12,7 @@ from core.errors import DataError
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_samples import EdgeSamples, edge_samples
 from core.physics.measurement.edges.slanted_edge import falls_to
-from core.physics.measurement.edges.spread_basis import line_transform
+from core.physics.measurement.edges.spread_basis import TAIL, line_transform
 from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
 
 Vector = NDArray[np.float64]
@@ -36,6 +36,8 @@ class EdgeMtf:
         Cycles per sample along the edge's normal.
     mtf, sigma : ndarray
         Modulus, 1 at zero, and its standard error.
+    shared_sigma : ndarray
+        Part of `sigma` that all edges of a picture share: what is assumed of the spread's tails.
     mtf50, mtf50_sigma : float or None
         Lowest frequency at which the MTF falls to one half, and its standard error; None where it
         does not in `frequency`.
@@ -45,6 +47,7 @@ class EdgeMtf:
     frequency: Vector
     mtf: Vector
     sigma: Vector
+    shared_sigma: Vector
     mtf50: float | None
     mtf50_sigma: float | None
 
@@ -102,13 +105,14 @@ def measure_edge(
             f"at most {_LARGEST_GAP:g}"
         )
     check()
-    mtf, sigma = _modulus(samples, fit, edge, np.asarray(frequency, np.float64))
+    mtf, sigma, shared = _modulus(samples, fit, edge, np.asarray(frequency, np.float64))
     half = falls_to(frequency=frequency, mtf=mtf, level=0.5)
     return EdgeMtf(
         edge=edge,
         frequency=np.asarray(frequency, np.float64),
         mtf=mtf,
         sigma=sigma,
+        shared_sigma=shared,
         mtf50=half,
         mtf50_sigma=None if half is None else _half_error(frequency, mtf, sigma, half),
     )
@@ -116,8 +120,8 @@ def measure_edge(
 
 def _modulus(
     samples: EdgeSamples, fit: SpreadFit, edge: FoundEdge, frequency: Vector
-) -> tuple[Vector, Vector]:
-    """Modulus, 1 at zero, and standard error.
+) -> tuple[Vector, Vector, Vector]:
+    """Modulus, 1 at zero, standard error, and the part of it from what is assumed of the tail.
 
     Notes
     -----
@@ -139,7 +143,8 @@ def _modulus(
     least = np.maximum(modulus - 3.0 * np.sqrt(along), 0.0)
     longer = np.minimum(across, (across / np.maximum(2.0 * least, 1e-150)) ** 2)
     blurred = modulus * 2.0 * (np.pi * frequency * fit.turn_error) ** 2 / 3.0
-    return modulus, np.asarray(np.sqrt(along + longer + blurred**2), np.float64)
+    sigma = np.asarray(np.sqrt(along + longer + blurred**2), np.float64)
+    return modulus, sigma, np.abs(effect.real @ fit.prior[TAIL])
 
 
 def _variance(

@@ -1,4 +1,4 @@
-"""MTF across and along a picture, pooled over the edges of each direction."""
+"""MTF across and down a picture, pooled over its edges."""
 
 from __future__ import annotations
 
@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 from core.physics.measurement.edges.edge_mtf import EdgeMtf
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 Axis = Literal["x", "y"]
 
 LARGEST_ANGLE_DEG = 30.0
+_DIRECTIONS = 0.3  # of 1 − MTF, by which directions may differ
+_LEAST_VARIANCE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -27,12 +30,12 @@ class PooledMtf:
     frequency : ndarray
         Cycles per sample along the axis.
     mtf, sigma : ndarray
-        Weighted mean over the edges, and its standard error, widened by `excess`.
+        Of the edges together, and its standard error, widened by `excess`.
     edges : int
-        How many there are.
+        How many lie within `largest_angle_deg` of the axis.
     excess : float
-        Root of χ² per degree of freedom of the edges about their mean; 1 where they agree within
-        their errors, and for one edge.
+        Root of the mean square of all edges' departures over their errors; 1 where they agree
+        within their errors, and for one edge.
     """
 
     frequency: Vector
@@ -45,64 +48,77 @@ class PooledMtf:
 def pooled_mtf(
     *, edges: Sequence[EdgeMtf], axis: Axis, largest_angle_deg: float = LARGEST_ANGLE_DEG
 ) -> PooledMtf | None:
-    """Pool the MTFs of the edges whose normals lie near an axis.
+    """Pool the MTFs of a picture's edges to that along an axis.
 
     Parameters
     ----------
     edges : sequence of EdgeMtf
-        Measured edges.
+        Measured edges of any direction, all at the same frequencies.
     axis : {'x', 'y'}
         Across the picture, or down it.
     largest_angle_deg : float
-        Between an edge's normal and the axis.
+        Between the axis and a normal, within which at least one edge must lie.
 
     Returns
     -------
     PooledMtf or None
-        None if there is no such edge.
+        None if no edge lies near the axis.
 
     Notes
     -----
-    A frequency f along a normal at an angle φ to the axis is f·cos φ along the axis. Means are
-    weighted by inverse variances. Where the edges differ by more than their errors, a common
-    variance is added to all (DerSimonian and Laird, Meta-analysis in clinical trials, 1986).
+    At a frequency f along a normal at an angle φ to the axis, the MTF is taken as
+    M + A·sin²φ + B·sin φ·cos φ, which is what blurs, motion and pixels do to second order in f: a
+    round blur has A = B = 0, and an edge off the axis is then as good as one on it. A and B are
+    assumed to be about 0.3·(1 − M) at most, and follow from the edges where these have several
+    directions. What all edges share (what is assumed of their tails) is not made smaller by
+    their number. Where the edges differ by more than their errors, a common variance is added to
+    all (DerSimonian and Laird, Meta-analysis in clinical trials, 1986).
     """
-    chosen = [edge for edge in edges if _off_axis(edge, axis) <= largest_angle_deg]
-    if not chosen:
+    angles = np.array([_off_axis(edge, axis) for edge in edges])
+    near = np.abs(angles) <= math.radians(largest_angle_deg)
+    if not near.any():
         return None
-    frequency = chosen[0].frequency
-    mtf, variance = [], []
-    for edge in chosen:
-        along_axis = edge.frequency * math.cos(math.radians(_off_axis(edge, axis)))
-        mtf.append(np.interp(frequency, along_axis, edge.mtf, right=np.nan))
-        variance.append(np.interp(frequency, along_axis, edge.sigma, right=np.nan) ** 2)
-    return _combined(frequency, np.array(mtf), np.array(variance))
+    mtf = np.array([edge.mtf for edge in edges])
+    shared = np.array([edge.shared_sigma for edge in edges])
+    own = np.maximum(np.array([edge.sigma for edge in edges]) ** 2 - shared**2, _LEAST_VARIANCE)
+    design = np.stack([np.ones(len(angles)), np.sin(angles) ** 2, np.sin(2 * angles) / 2], axis=1)
+    weight = near[:, np.newaxis] / own
+    rough = np.sum(weight * mtf, axis=0) / np.sum(weight, axis=0)
+    doubt = np.maximum(_DIRECTIONS * (1.0 - rough), 1e-6)
+    value, variance, part = _fitted(design, mtf, own, doubt)
+    chi2 = np.sum((mtf - part) ** 2 / own, axis=0)
+    degrees = max(0, len(edges) - 3)
+    common = np.zeros(len(chi2))
+    if degrees:
+        spare = np.sum(1.0 / own, axis=0) * (1.0 - 3.0 / len(edges))
+        common = np.maximum(chi2 - degrees, 0.0) / spare
+        value, variance, part = _fitted(design, mtf, own + common, doubt)
+    excess = math.sqrt(float(np.mean(chi2[1:])) / degrees) if degrees else 1.0
+    share = np.sum(shared / (own + common), axis=0) / np.sum(1.0 / (own + common), axis=0)
+    return PooledMtf(
+        frequency=edges[0].frequency,
+        mtf=value,
+        sigma=np.sqrt(variance + share**2),
+        edges=int(near.sum()),
+        excess=max(1.0, excess),
+    )
 
 
 def _off_axis(edge: EdgeMtf, axis: Axis) -> float:
-    """Angle between an edge's normal and an axis, 0 to 90°."""
-    across_x, across_y = edge.edge.normal
-    return math.degrees(math.acos(min(1.0, abs(across_x if axis == "x" else across_y))))
+    """Angle from an axis to an edge's normal, radians, −π/2 to π/2."""
+    angle = edge.edge.angle_deg - (0.0 if axis == "x" else 90.0)
+    return math.radians((angle + 90.0) % 180.0 - 90.0)
 
 
-def _combined(
-    frequency: Vector, mtf: NDArray[np.float64], variance: NDArray[np.float64]
-) -> PooledMtf:
-    known = np.isfinite(mtf)
-    weight = np.where(known, 1.0 / np.maximum(variance, 1e-12), 0.0)
-    values = np.where(known, mtf, 0.0)
-    total = np.maximum(weight.sum(axis=0), 1e-300)
-    mean = (weight * values).sum(axis=0) / total
-    degrees = np.maximum(known.sum(axis=0) - 1, 0)
-    chi2 = (weight * (values - mean) ** 2).sum(axis=0)
-    spare = total - (weight**2).sum(axis=0) / total
-    common = np.where(degrees > 0, np.maximum(chi2 - degrees, 0.0) / np.maximum(spare, 1e-300), 0.0)
-    weight = np.where(known, 1.0 / (np.maximum(variance, 1e-12) + common), 0.0)
-    total = weight.sum(axis=0)
-    covered = total > 0.0
-    mean = np.where(covered, (weight * values).sum(axis=0) / np.where(covered, total, 1.0), np.nan)
-    sigma = np.where(covered, 1.0 / np.sqrt(np.where(covered, total, 1.0)), np.nan)
-    counted = (degrees > 0) & (frequency > 0.0)
-    excess = float(np.sqrt(np.mean(chi2[counted] / degrees[counted]))) if counted.any() else 1.0
-    last = int(np.flatnonzero(covered)[-1]) + 1
-    return PooledMtf(frequency[:last], mean[:last], sigma[:last], len(mtf), max(1.0, excess))
+def _fitted(
+    design: Matrix, mtf: Matrix, variance: Matrix, doubt: Vector
+) -> tuple[Vector, Vector, Matrix]:
+    """Value on the axis, its variance, and the fit at the edges; by frequency."""
+    weighted = design.T[:, :, np.newaxis] / variance  # terms, edges, frequencies
+    normal = np.einsum("aef,eb->fab", weighted, design)
+    normal[:, 1, 1] += 1.0 / doubt**2
+    normal[:, 2, 2] += 1.0 / doubt**2
+    right = np.einsum("aef,ef->fa", weighted, mtf)
+    inverse = np.linalg.inv(normal)
+    terms = np.einsum("fab,fb->fa", inverse, right)
+    return terms[:, 0], inverse[:, 0, 0], design @ terms.T

@@ -16,11 +16,11 @@ Matrix = NDArray[np.float64]
 
 LARGEST_REACH = 20
 LEAST_REACH = 5
-LEAST_LENGTH = 14.0
+LEAST_LENGTH = 11.0
 LEAST_CONTRAST = 6.0  # of the noise
 _REACHES = (20, 16, 13, 10, 8, 6, 5)
 _ENOUGH_REACH = 16.0  # beyond which more reach is worth no length
-_CELL = 4.0  # samples along the edge
+_CELL = 3.0  # samples along the edge
 _LEVEL = 0.04  # of the contrast, by which a level side may differ across it
 _ALIKE = 0.06  # of the contrast, by which pieces of the edge may differ
 _OVERSHOOT = 0.35  # of the contrast, beyond the levels
@@ -201,8 +201,14 @@ def _sides(
                 f"{reach} samples from it a side is not level: it changes by "
                 f"{change / contrast:.0%} of the contrast"
             )
+    away = np.arange(-reach, reach + 1)
     part = (profile[wide - reach : wide + reach + 1] - levels[0]) / contrast
-    excess = max(float(part.max()) - 1.0, -float(part.min()))
-    if excess > _OVERSHOOT:
-        return f"another edge within {reach} samples"
+    doubt = _SURE * noise / contrast / math.sqrt(max(1.0, len(value) / (2.0 * reach + 1.0)))
+    off = np.abs(part - (away > 0))
+    beyond = off[np.abs(away) > reach / 2.0]
+    inside = np.maximum(part - 1.0, -part)[np.abs(away) <= reach / 2.0]
+    if beyond.max() > _ALIKE + doubt or inside.max() > _OVERSHOOT + doubt:
+        others = np.flatnonzero(off > _ALIKE + doubt)
+        outer = np.abs(away[others])
+        return f"another edge about {int(outer.max())} samples away"
     return levels[0], levels[1], noise
