@@ -15,20 +15,33 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from core.physics.measurement.noise.picture_blocks import COARSE, FINE, PictureBlocks
+from core.physics.measurement.noise.picture_blocks import (
+    COARSE,
+    FINE,
+    MIDDLE,
+    MIDDLE_DOWN,
+    PictureBlocks,
+)
+from core.physics.measurement.noise.structure_share import (
+    StructureShare,
+    mean_below,
+    structure_share,
+)
 from core.physics.measurement.noise.variance_line import VarianceLine, variance_line
 
 Vector = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-FREEDOM = int(FINE.sum())  # of a block's variance
-_COARSE = int(COARSE.sum())
-_SHARE = 0.98  # of the blocks with nothing but noise that are chosen
+_FINE, _COARSE, _MIDDLE = (int(waves.sum()) for waves in (FINE, COARSE, MIDDLE))
+_SHARES = 0.98, 0.8, 0.5  # of the blocks with nothing but noise that are chosen
 _QUIETEST = 0.3  # of the blocks at a level, to begin with
 _BINS = 12
-_LEAST_IN_BIN = 8
+_LEAST_BLOCKS = 8
 _ROUNDS = 12
 _UNEVEN = 1.25  # scatter of blocks beyond which the noise is not of one kind
+_LOUDER_SHARE, _MANY_LOUDER = 0.8, 0.3  # of the louder blocks that are seen; of the chosen
+_LITTLE, _LITTLE_MIDDLE = 0.1, 0.01  # structure that leaves the middle waves to be used too
+_FROM_END = 5.0  # deviations from a clipped end within which noise is cut
 
 
 @dataclass(frozen=True)
@@ -40,96 +53,185 @@ class FlatBlocks:
     chosen : ndarray of bool, shape (blocks,)
         Blocks of noise alone.
     variance : ndarray, shape (blocks,)
-        Of each block, chosen or not.
+        Of each block, chosen or not, less what its coarse power lets expect of structure.
+    freedom : int
+        Waves that a block's variance is of.
     line : VarianceLine
         Variance over the level of the chosen.
-    coarse_ratio, coarse_error : float
-        Power of the coarse waves of the chosen over that of the fine ones, less what the choice
-        does, and its standard error: 1 of white noise.
+    structure : StructureShare
+        What of the power is no noise.
+    lean, lean_error : float
+        By how much middle waves that are finer down have more power than those finer across, over
+        that of the fine ones, and its standard error: 0 of white noise.
     even : bool
         Whether the noise is of one kind, but for the level.
     """
 
     chosen: Mask
     variance: Vector
+    freedom: int
     line: VarianceLine
-    coarse_ratio: float
-    coarse_error: float
+    structure: StructureShare
+    lean: float
+    lean_error: float
     even: bool
 
 
-def flat_blocks(*, blocks: PictureBlocks) -> FlatBlocks | None:
-    """Choose the flat blocks; None where there are too few to begin with."""
-    fine = blocks.mean_power(FINE)
-    coarse = blocks.mean_power(COARSE)
-    even = _by_level(blocks.level, fine, coarse)
-    if even is not None and even.line.scatter < _UNEVEN:
-        return even
-    return _by_itself(blocks.level, fine, coarse) or even
+@dataclass(frozen=True)
+class _Waves:
+    """Level of blocks, power of their waves, the least variance that shows, the clipped ends."""
+
+    level: Vector
+    coarse: Vector
+    middle: Vector
+    middle_down: Vector
+    fine: Vector
+    least: float
+    low: float | None
+    high: float | None
+
+    def clear(self, variance: Vector) -> Mask:
+        """Blocks whose noise does not reach a clipped end."""
+        reach = _FROM_END * np.sqrt(variance)
+        free = np.ones(len(self.level), bool)
+        if self.low is not None:
+            free &= self.level - reach > self.low
+        if self.high is not None:
+            free &= self.level + reach < self.high
+        return free
 
 
-def _by_level(level: Vector, fine: Vector, coarse: Vector) -> FlatBlocks | None:
+def flat_blocks(
+    *,
+    blocks: PictureBlocks,
+    least: float = 0.0,
+    low: float | None = None,
+    high: float | None = None,
+) -> FlatBlocks | None:
+    """Choose the flat blocks; None where there are too few to begin with.
+
+    Parameters
+    ----------
+    blocks
+        Of the picture.
+    least : float
+        Variance that rounding hides.
+    low, high : float, optional
+        Where samples are clipped.
+    """
+    waves = _Waves(
+        blocks.level,
+        blocks.mean_power(COARSE),
+        blocks.mean_power(MIDDLE),
+        blocks.mean_power(MIDDLE_DOWN),
+        blocks.mean_power(FINE),
+        least,
+        low,
+        high,
+    )
+    first = None
+    for share in _SHARES:
+        even = _by_level(waves, share)
+        if even is not None and _scatter(waves, even) < _UNEVEN:
+            if _louder(waves, even):
+                break
+            return even
+        first = first or even
+    return _by_itself(waves) or first
+
+
+def _louder(waves: _Waves, flat: FlatBlocks) -> bool:
+    """Whether many blocks have noise alone, by their own fine waves, yet more than their level."""
+    limit = float(special.fdtri(_COARSE, _FINE, _LOUDER_SHARE))
+    model = flat.line.over(waves.level)
+    others = ~flat.chosen & waves.clear(model) & (model >= waves.least)
+    many = np.count_nonzero(others & (waves.coarse <= limit * waves.fine)) / _LOUDER_SHARE
+    return bool(many > _MANY_LOUDER * np.count_nonzero(flat.chosen))
+
+
+def _scatter(waves: _Waves, flat: FlatBlocks) -> float:
+    """Variance among the chosen blocks' fine powers over that of normal noise of their level."""
+    model = flat.line.over(waves.level[flat.chosen])
+    relative = waves.fine[flat.chosen] / model
+    return float(np.var(relative / relative.mean())) * _FINE / 2.0
+
+
+def _by_level(waves: _Waves, share: float) -> FlatBlocks | None:
     """Blocks whose coarse power is no more than that of the noise at their level."""
-    chosen = _quietest(level, coarse)
-    if np.count_nonzero(chosen) < _LEAST_IN_BIN:
-        return None
-    limit = 2.0 * float(special.gammaincinv(_COARSE / 2.0, _SHARE)) / _COARSE
-    line = variance_line(level=level[chosen], variance=fine[chosen], freedom=FREEDOM)
+    chosen = _quietest(waves)
+    limit = 2.0 * float(special.gammaincinv(_COARSE / 2.0, share)) / _COARSE
+    variance = waves.fine
+    structure = None
     for _ in range(_ROUNDS):
-        before = chosen
-        chosen = coarse <= limit * line.over(level)
-        if np.count_nonzero(chosen) < _LEAST_IN_BIN:
+        if np.count_nonzero(chosen) < _LEAST_BLOCKS:
             return None
-        line = variance_line(level=level[chosen], variance=fine[chosen], freedom=FREEDOM)
+        line = variance_line(level=waves.level[chosen], variance=variance[chosen], freedom=_FINE)
+        if not line.middle > 0.0:
+            return None
+        before, model = chosen, line.over(waves.level)
+        shown = waves.clear(model) & (model >= waves.least)
+        chosen = shown & (waves.coarse <= limit * model)
+        if np.count_nonzero(chosen) < _LEAST_BLOCKS:
+            return None
+        relative = model[chosen]
+        structure = structure_share(
+            coarse=waves.coarse[chosen] / relative,
+            middle=waves.middle[chosen] / relative,
+            fine=waves.fine[chosen] / relative,
+            limit=limit,
+            freedom=_COARSE,
+        )
+        cut = mean_below(limit=limit, freedom=_COARSE)
+        variance = waves.fine - structure.removal * (waves.coarse / cut - waves.fine)
         if np.array_equal(chosen, before):
             break
-    # The mean of a χ² cut at its quantile.
-    cut = float(special.gammainc(_COARSE / 2.0 + 1.0, limit * _COARSE / 2.0)) / _SHARE
-    return _measured(level, fine, coarse, chosen, line, cut, even=True)
+    assert structure is not None
+    freedom = _FINE
+    if structure.coarse < _LITTLE and structure.middle < _LITTLE_MIDDLE:
+        freedom = _MIDDLE + _FINE
+        variance = (_MIDDLE * waves.middle + _FINE * waves.fine) / freedom
+    line = variance_line(level=waves.level[chosen], variance=variance[chosen], freedom=freedom)
+    return FlatBlocks(
+        chosen, variance, freedom, line, structure, *_lean(waves, chosen, relative), even=True
+    )
 
 
-def _quietest(level: Vector, coarse: Vector) -> Mask:
+def _lean(waves: _Waves, chosen: Mask, model: Vector) -> tuple[float, float]:
+    """Power of middle waves finer down less that of those finer across, over the noise's."""
+    more = 2.0 * (waves.middle_down[chosen] - waves.middle[chosen]) / model
+    return float(more.mean()), float(more.std()) / math.sqrt(len(more))
+
+
+def _quietest(waves: _Waves) -> Mask:
     """The blocks of the least coarse power, of all levels."""
-    chosen = np.zeros(len(level), bool)
-    order = np.argsort(level)
+    clear = np.flatnonzero(waves.clear(waves.fine))
+    chosen = np.zeros(len(waves.level), bool)
+    order = clear[np.argsort(waves.level[clear])]
     for part in np.array_split(order, _BINS):
         many = math.ceil(_QUIETEST * len(part))
         if many:
-            chosen[part[np.argpartition(coarse[part], many - 1)[:many]]] = True
+            chosen[part[np.argpartition(waves.coarse[part], many - 1)[:many]]] = True
     return chosen
 
 
-def _by_itself(level: Vector, fine: Vector, coarse: Vector) -> FlatBlocks | None:
+def _by_itself(waves: _Waves) -> FlatBlocks | None:
     """Blocks whose coarse power is no more than their own fine waves' noise explains."""
-    limit = float(special.fdtri(_COARSE, FREEDOM, _SHARE))
-    chosen = (coarse <= limit * fine) & (fine > 0.0)
-    if np.count_nonzero(chosen) < _LEAST_IN_BIN:
+    limit = float(special.fdtri(_COARSE, _FINE, _SHARES[0]))
+    chosen = (waves.coarse <= limit * waves.fine) & (waves.fine > 0.0) & waves.clear(waves.fine)
+    if np.count_nonzero(chosen) < _LEAST_BLOCKS:
         return None
-    # Mean of the fine, and of the coarse, power of the blocks below the limit, by two more degrees.
-    ratio = limit * _COARSE / FREEDOM
+    # Mean fine power of the blocks below the limit, by two more degrees of freedom.
+    ratio = limit * _COARSE / _FINE
     share = ratio / (1.0 + ratio)
-    fine_cut = float(special.betainc(_COARSE / 2.0, FREEDOM / 2.0 + 1.0, share)) / _SHARE
-    coarse_cut = float(special.betainc(_COARSE / 2.0 + 1.0, FREEDOM / 2.0, share)) / _SHARE
-    variance = fine / fine_cut
-    line = variance_line(level=level[chosen], variance=variance[chosen], freedom=FREEDOM)
-    cut = coarse_cut / fine_cut
-    return _measured(level, variance, coarse / fine_cut, chosen, line, cut, even=False)
-
-
-def _measured(
-    level: Vector,
-    fine: Vector,
-    coarse: Vector,
-    chosen: Mask,
-    line: VarianceLine,
-    cut: float,
-    *,
-    even: bool,
-) -> FlatBlocks:
-    """The ratio of coarse and fine power, at levels alike."""
-    many = int(np.count_nonzero(chosen))
-    model = line.over(level[chosen])
-    up, down = coarse[chosen] / model / cut, fine[chosen] / model
-    ratio = float(up.mean() / down.mean()) if down.any() else 1.0
-    error = float(np.std(up - ratio * down)) / math.sqrt(many) if many > 1 else math.inf
-    return FlatBlocks(chosen, fine, line, ratio, error, even)
+    cut = float(special.betainc(_COARSE / 2.0, _FINE / 2.0 + 1.0, share)) / _SHARES[0]
+    variance = waves.fine / cut
+    line = variance_line(level=waves.level[chosen], variance=variance[chosen], freedom=_FINE)
+    # Middle waves are not chosen by, fine ones came out higher by the choice.
+    mean = float(variance[chosen].mean())
+    excess = float(waves.middle[chosen].mean()) / mean - 1.0
+    off = waves.middle[chosen] - (1.0 + excess) * variance[chosen]
+    error = float(np.std(off)) / (math.sqrt(len(off)) * mean)
+    coarse = float(waves.coarse[chosen].mean()) / mean - 1.0
+    structure = StructureShare(max(coarse, 0.0), 0.0, 0.0, excess, error, 0.0)
+    lean = _lean(waves, chosen, np.full(len(off), mean))
+    return FlatBlocks(chosen, variance, _FINE, line, structure, *lean, even=False)

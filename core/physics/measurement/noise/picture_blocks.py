@@ -25,7 +25,9 @@ _ORDER = np.arange(SIDE)
 _DOWN, _ACROSS = (order.ravel() for order in np.meshgrid(_ORDER, _ORDER, indexing="ij"))
 _BOTH = (_DOWN > 0) & (_ACROSS > 0)  # neither a row's nor a column's own offset
 FINE = (_DOWN >= SIDE // 2) & (_ACROSS >= SIDE // 2)  # where the scene's power is least
-COARSE = _BOTH & (_DOWN + _ACROSS >= 3) & (_DOWN + _ACROSS <= 7)
+COARSE = _BOTH & (_DOWN + _ACROSS >= 3) & (_DOWN + _ACROSS <= 6)
+MIDDLE = _BOTH & (_DOWN + _ACROSS >= 7) & ~FINE
+MIDDLE_DOWN = MIDDLE & (_DOWN > _ACROSS)  # as many as the others, those finer across
 _WAVES_DOWN = (_ACROSS == 0) & (_DOWN >= 1)
 _WAVES_ACROSS = (_DOWN == 0) & (_ACROSS >= 1)
 WAVES = SIDE - 2  # of rows or columns; the first one is mostly shading

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +34,15 @@ _LEAST_BLOCKS = 24
 _COARSE_STEPS = 0.45  # deviations of the noise in steps, below which rounding does not add 1/12
 _LEVELS = 16
 _LEAST_IN_LEVEL = 12
-_RISES = 5.0  # standard errors by which the variance must rise for a gain
+_RISES = 3.0  # standard errors by which the variance must rise for a gain
+_UNSURE = 0.06  # standard error over gain, beyond which there is none
+_UNSURE_READ = 0.3
 _STILL, _STILL_SHARE = 1e-6, 0.05  # of the level: what single precision leaves; blocks with less
-_PILE = 3.0  # as many samples at the last value as at its neighbour: clipped
+_WHITE = 0.1  # by which middle waves may exceed fine ones
+_STRUCTURE = 0.12  # of the variance, that may be taken off for structure
+_LEAST_UNEVEN = 0.3  # of the blocks, where the noise of one place does not vouch for another's
+_COARSE_UNEVEN = 0.5  # by which coarse waves may exceed fine ones there
+_UNREACHED = 0.1  # standard error over sigma, beyond which the levels do not reach the mean
 
 
 @dataclass(frozen=True)
@@ -143,7 +150,8 @@ def noise_of_picture(
             f"noise needs a picture of at least {SIDE} × {SIDE} samples, not "
             f"{' × '.join(map(str, picture.shape))}"
         )
-    good = _good(picture, avoid)
+    low, high = _ends(picture)
+    good = _good(picture, avoid, low, high)
     blocks = picture_blocks(picture=picture, good=good, check=check)
     check()
     mean = float(picture.mean() if good is None else picture[good].mean()) if _any(good) else 0.0
@@ -152,7 +160,10 @@ def noise_of_picture(
     enough = len(blocks.level) >= _LEAST_BLOCKS
     if enough and _still(blocks):
         return _nothing(_hidden(step), mean, step, blocks)
-    flat = flat_blocks(blocks=blocks) if enough else None
+    flat = None
+    if enough:
+        hidden = 0.0 if step is None else (_COARSE_STEPS**2 + 1.0 / 12.0) * step**2
+        flat = flat_blocks(blocks=blocks, least=hidden, low=low, high=high)
     if flat is None or np.count_nonzero(flat.chosen) < _LEAST_BLOCKS:
         return _nothing(
             f"{0 if flat is None else np.count_nonzero(flat.chosen)} blocks of {SIDE} × {SIDE} "
@@ -167,7 +178,8 @@ def noise_of_picture(
 def _still(blocks: PictureBlocks) -> bool:
     """Whether a share of the blocks have no noise at all."""
     least = (_STILL * float(np.abs(blocks.level).max())) ** 2
-    return float(np.mean(blocks.mean_power(FINE) <= least)) > _STILL_SHARE
+    still = np.count_nonzero(blocks.mean_power(FINE) <= least)
+    return bool(still > _STILL_SHARE * len(blocks.level))
 
 
 def _hidden(step: float | None) -> str:
@@ -180,30 +192,42 @@ def _any(good: Mask | None) -> bool:
     return good is None or bool(good.any())
 
 
-def _good(picture: Matrix, avoid: Mask | None) -> Mask | None:
-    """Samples that count: not avoided, and not piled up at the first or last value."""
+def _ends(picture: Matrix) -> tuple[float | None, float | None]:
+    """Lowest and highest value where samples pile up there: clipped."""
     low, high = float(picture.min()), float(picture.max())
     if not (math.isfinite(low) and math.isfinite(high)):
         raise DataError("the picture has samples that are not finite numbers: noise needs finite")
-    good = None if avoid is None else ~avoid
-    for end, inside in ((low, 1.0), (high, -1.0)):
-        if _piled_up(picture, end, inside):
-            free = picture != end
-            good = free if good is None else good & free
-    return good
+    if low == high:
+        return None, None
+    return (
+        low if _piled_up(picture, low, np.min) else None,
+        high if _piled_up(picture, high, np.max) else None,
+    )
 
 
-def _piled_up(picture: Matrix, end: float, inside: float) -> bool:
-    """Whether the end of the values holds more samples than what lies next to it."""
+def _piled_up(picture: Matrix, end: float, nearest: Callable[[Matrix], Any]) -> bool:
+    """Whether the end of the values holds at least as many samples as what lies next to it.
+
+    Noise has tails: its last value is a rare one.
+    """
     at_end = picture == end
     many = int(np.count_nonzero(at_end))
     if many < SIDE * SIDE:
         return False
     others = picture[~at_end]
-    if not len(others):
-        return False
-    neighbour = float(others.min() if inside > 0.0 else others.max())
-    return many > _PILE * int(np.count_nonzero(others == neighbour))
+    return many >= int(np.count_nonzero(others == nearest(others)))
+
+
+def _good(
+    picture: Matrix, avoid: Mask | None, low: float | None, high: float | None
+) -> Mask | None:
+    """Samples that count: not avoided, and not clipped; None where all do."""
+    good = None if avoid is None else ~avoid
+    for end in (low, high):
+        if end is not None:
+            free = picture != end
+            good = free if good is None else good & free
+    return good
 
 
 def _measured(
@@ -222,9 +246,17 @@ def _measured(
     else:
         at_mean = float(variance.mean())
         error = float(variance.std()) / math.sqrt(len(variance))
-    hidden = step is not None and at_mean - rounding < (_COARSE_STEPS * step) ** 2
-    if hidden or not at_mean > 0.0:
-        return _nothing(_hidden(step), mean, step, blocks)
+    refusal = _refusal(blocks, flat)
+    if not refusal and (at_mean <= 0.0 or error > 2.0 * _UNREACHED * at_mean):
+        refusal = (
+            f"the flat areas, of level {level.min():.4g} to {level.max():.4g}, do not lead to the "
+            f"picture's mean level, {mean:.4g}"
+        )
+    if not refusal and step is not None and at_mean - rounding < (_COARSE_STEPS * step) ** 2:
+        refusal = _hidden(step)
+    if refusal:
+        return _nothing(refusal, mean, step, blocks)
+    error = math.hypot(error, flat.structure.doubt * at_mean)
     remarks = []
     if flat.even:
         gain = _gain(flat.line, level)
@@ -255,32 +287,61 @@ def _measured(
     )
 
 
+def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
+    """Why the flat blocks' noise is not to be trusted."""
+    structure = flat.structure
+    falls = structure.middle > _WHITE + 3.0 * structure.middle_error
+    if falls or structure.fine > _STRUCTURE:
+        return (
+            "the noise of the flattest areas falls towards fine waves (coarse, middle and fine "
+            f"ones have power {1 + structure.coarse:.2f} : {1 + structure.middle:.2f} : 1): it was "
+            "blurred after it arose, or texture is everywhere"
+        )
+    if abs(flat.lean) > _WHITE + 3.0 * flat.lean_error:
+        first, then = ("rows", "columns") if flat.lean > 0.0 else ("columns", "rows")
+        return (
+            f"the noise of the flattest areas falls along the {first} more than along the {then} "
+            f"(their middle waves differ by {abs(flat.lean):.2f} of the fine ones' power): it was "
+            f"blurred along the {first} after it arose, or texture is everywhere"
+        )
+    share = np.count_nonzero(flat.chosen) / math.prod(blocks.grid)
+    if not flat.even and (share < _LEAST_UNEVEN or structure.coarse > _COARSE_UNEVEN):
+        return (
+            f"no areas of even noise: {share:.0%} of the picture seem flat, and their coarse waves "
+            f"have {1 + structure.coarse:.2f} times the power of the fine: texture is everywhere"
+        )
+    return ""
+
+
 Figure = tuple[float | None, float | None, str]
 
 
 def _gain(line: VarianceLine, level: Vector) -> Figure:
     """Electrons of one unit, and the standard error, where the variance rises with the level."""
+    between = f"between levels {level.min():.4g} and {level.max():.4g}"
     if line.slope <= _RISES * line.slope_error:
-        return (
-            None,
-            None,
+        reason = (
             f"the variance does not rise clearly with the level: by {line.slope:.3g} ± "
-            f"{line.slope_error:.2g} between levels {level.min():.4g} and {level.max():.4g}",
+            f"{line.slope_error:.2g} a unit {between}"
         )
-    return 1.0 / line.slope, line.slope_error / line.slope**2, ""
+        return None, None, reason
+    gain, error = 1.0 / line.slope, line.slope_error / line.slope**2
+    if error > _UNSURE * gain:
+        reason = f"the levels do not lead to a gain: {gain:.4g} ± {error:.2g} {between}"
+        return None, None, reason
+    return gain, error, ""
 
 
 def _read_noise(line: VarianceLine, rounding: float, offset: float) -> Figure:
     """Where the line meets the level without light."""
     variance, error = line.at(offset)
     variance -= rounding
-    if variance <= 2.0 * error:
-        return (
-            None,
-            None,
+    if variance <= 0.0 or error > 2.0 * _UNSURE_READ * variance:
+        reason = (
             f"the variance at level {offset:.4g}, without light, is {variance:.3g} ± {error:.2g} "
-            "less rounding: dark areas are missing, or that is not the level without light",
+            "less rounding: dark areas are missing, or that is not the level without light"
         )
+        return None, None, reason
     return math.sqrt(variance), error / (2.0 * math.sqrt(variance)), ""
 
 

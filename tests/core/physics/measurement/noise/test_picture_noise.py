@@ -84,6 +84,51 @@ def test_clipped_and_avoided_samples_do_not_count(scene):
     assert not noise.flat[:5, :5].any()
 
 
+def box(picture, axis):
+    """Mean of a sample and the one before along an axis: noise that was blurred later."""
+    return 0.6 * picture + 0.4 * np.roll(picture, 1, axis)
+
+
+def test_noise_blurred_after_it_arose(scene):
+    picture = Sensor(bits=None).picture(scene, seed=9)
+    along_rows = noise_of_picture(picture=box(picture, 1))
+    assert along_rows.sigma is None
+    both = noise_of_picture(picture=box(box(picture, 0), 1))
+    assert both.sigma is None
+    doubled = picture.copy()
+    doubled[1::2] = doubled[::2]
+    assert noise_of_picture(picture=doubled).sigma is None
+    for noise in (along_rows, both, noise_of_picture(picture=doubled)):
+        assert "blurred" in noise.sigma_reason or "texture" in noise.sigma_reason
+
+
+def test_texture_is_no_noise():
+    random = np.random.default_rng(10)
+    rows, columns = 240, 320
+    y, x = np.fft.fftfreq(rows)[:, None], np.fft.rfftfreq(columns)
+    radius = np.hypot(x, y)
+    radius[0, 0] = np.inf
+    # 1/f² power behind optics and pixel that leave next to nothing at Nyquist's corner.
+    fall = np.exp(-8 * radius**2) / radius
+    texture = np.fft.irfft2(fall * np.fft.rfft2(random.standard_normal((rows, columns))))
+    texture /= texture.std()
+    noise = random.standard_normal((rows, columns))
+    for amplitude in (1.0, 5.0):
+        measured = noise_of_picture(picture=200 + amplitude * texture + 3 * noise)
+        assert measured.sigma == pytest.approx(3.0, rel=0.03)
+        assert abs(measured.sigma - 3.0) < 3 * measured.sigma_error
+    assert noise_of_picture(picture=200 + 20 * texture + 3 * noise).sigma is None
+
+
+def test_noise_that_differs_from_place_to_place():
+    random = np.random.default_rng(11)
+    place = np.where(np.arange(320) < 160, 2.0, 5.0)
+    noise = noise_of_picture(picture=300 + place * random.standard_normal((240, 320)))
+    assert noise.sigma == pytest.approx(math.sqrt((4 + 25) / 2), rel=0.03)
+    assert "differs from place to place" in noise.remarks[0]
+    assert noise.gain_e_per_dn is None
+
+
 def test_refusals():
     with pytest.raises(DataError, match="at least 8 × 8 samples, not 7 × 90"):
         noise_of_picture(picture=np.zeros((7, 90)))
