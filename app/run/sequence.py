@@ -17,6 +17,8 @@ from core.evaluation.policy import Policy
 from core.evaluation.recipes import number_bits
 from core.evaluation.region import Region
 from core.evaluation.work import Work
+from core.scratch.scratch_disk import is_on_disk
+from nodes.files.formats import TIFF
 from nodes.files.frames.frame_series import FrameSeries
 from nodes.files.frames.frame_writing import (
     FrameFormat,
@@ -25,6 +27,7 @@ from nodes.files.frames.frame_writing import (
     write_frames,
 )
 from nodes.files.read import check_finite
+from nodes.files.tiff.tiled_tiff import write_tiled_tiff
 
 MOST_FRAMES = 1_000_000
 
@@ -88,4 +91,11 @@ def save_frames(
             check_finite(frame, port)
             yield frame
 
+    if frames == 1 and TIFF.matches(path):
+        (frame,) = made()
+        if is_on_disk(frame):
+            write_tiled_tiff(path, series, frame)
+            return
+        write_frames(path, kind, series, [frame], done)
+        return
     write_frames(path, kind, series, made(), done)

@@ -26,34 +26,29 @@ def needs_bigtiff(series: FrameSeries) -> bool:
 def tiff_head(series: FrameSeries, *, big: bool | None = None) -> bytes:
     """What stands before the first page: header and description."""
     big = needs_bigtiff(series) if big is None else big
-    text = _description(series)
-    first = (16 if big else 8) + len(text)
-    header = struct.pack("<2sHHHQ", b"II", 43, 8, 0, first) if big else b""
-    return (header or struct.pack("<2sHI", b"II", 42, first)) + text
+    text = tiff_description(series)
+    return tiff_header((16 if big else 8) + len(text), big=big) + text
+
+
+def tiff_header(first: int, *, big: bool) -> bytes:
+    """The first bytes of a file whose first directory is at that place."""
+    if big:
+        return struct.pack("<2sHHHQ", b"II", 43, 8, 0, first)
+    return struct.pack("<2sHI", b"II", 42, first)
 
 
 def tiff_page(series: FrameSeries, number: int, *, big: bool | None = None) -> bytes:
     """The directory before the samples of a page, counted from 0; that of the next one named."""
     big = needs_bigtiff(series) if big is None else big
     head = tiff_head(series, big=big)
-    text = _description(series)
     word = _LONG8 if big else _LONG
     kinds = [
+        *directory_entries(series, len(head)),
         (254, _LONG, 1, _PAGE_OF_SEVERAL),
-        (256, _LONG, 1, series.columns),
-        (257, _LONG, 1, series.rows),
-        (258, _SHORT, 1, 8 * series.dtype.itemsize),
-        (259, _SHORT, 1, 1),
-        (262, _SHORT, 1, 1),
         (273, word, 1, 0),
-        (277, _SHORT, 1, 1),
         (278, _LONG, 1, series.rows),
         (279, word, 1, series.frame_bytes),
-        (284, _SHORT, 1, 1),
-        (339, _SHORT, 1, _SAMPLE_FORMATS[series.dtype.kind]),
     ]
-    if text:
-        kinds.append((270, _ASCII, len(text.rstrip(b"\0")) + 1, len(head) - len(text)))
     directory = (16 if big else 6) + (20 if big else 12) * len(kinds)
     page = directory + series.frame_bytes
     start = len(head) + number * page
@@ -67,12 +62,30 @@ def tiff_page(series: FrameSeries, number: int, *, big: bool | None = None) -> b
     return struct.pack("<H", len(kinds)) + entries + struct.pack("<I", following)
 
 
+def directory_entries(series: FrameSeries, first: int) -> list[tuple[int, int, int, int]]:
+    """Size, type and description of a page, whose text ends where the first directory begins."""
+    text = tiff_description(series)
+    entries = [
+        (256, _LONG, 1, series.columns),
+        (257, _LONG, 1, series.rows),
+        (258, _SHORT, 1, 8 * series.dtype.itemsize),
+        (259, _SHORT, 1, 1),
+        (262, _SHORT, 1, 1),
+        (277, _SHORT, 1, 1),
+        (284, _SHORT, 1, 1),
+        (339, _SHORT, 1, _SAMPLE_FORMATS[series.dtype.kind]),
+    ]
+    if text:
+        entries.append((270, _ASCII, len(text.rstrip(b"\0")) + 1, first - len(text)))
+    return entries
+
+
 def _entry(tag: int, kind: int, count: int, value: int, *, big: bool) -> bytes:
     # Little-endian, so a short value stands first in its field, zeros behind it.
     return struct.pack("<HHQQ" if big else "<HHII", tag, kind, count, value)
 
 
-def _description(series: FrameSeries) -> bytes:
+def tiff_description(series: FrameSeries) -> bytes:
     """The metadata as a text that ends in a zero; of an even length, as directories begin."""
     lines = metadata_lines(series)
     if not lines:
