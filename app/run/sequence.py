@@ -26,8 +26,8 @@ from nodes.files.frames.frame_writing import (
     frame_suffixes,
     write_frames,
 )
+from nodes.files.frames.tiled_tiff import write_tiled_tiff
 from nodes.files.read import check_finite
-from nodes.files.tiff.tiled_tiff import write_tiled_tiff
 
 MOST_FRAMES = 1_000_000
 

@@ -7,8 +7,8 @@ import OpenImageIO
 import pytest
 
 from nodes.files.frames.frame_series import FrameSeries
+from nodes.files.frames.tiled_tiff import tiled_head, write_tiled_tiff
 from nodes.files.read import read_info, read_pixels
-from nodes.files.tiff.tiled_tiff import tiled_head, write_tiled_tiff
 
 
 @pytest.mark.parametrize("shape", [(53, 101), (600, 1031), (1, 7), (512, 512)])
