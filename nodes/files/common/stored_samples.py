@@ -21,6 +21,7 @@ SAMPLE_TYPES: Mapping[str, np.dtype[Any]] = MappingProxyType(
         "uint16": np.dtype(np.uint16),
     }
 )
+_BLOCK_ROWS = 256
 
 
 def as_picture(array: ArrayLike) -> NDArray[Any]:
@@ -70,7 +71,12 @@ def as_stored(
     """
     kind = SAMPLE_TYPES[dtype]
     if kind.kind == "u":
-        return _as_integers(samples, kind, low, high)
+        stored = np.empty(samples.shape, kind)
+        for top in range(0, len(samples), _BLOCK_ROWS):  # as doubles they take four times as much
+            stored[top : top + _BLOCK_ROWS] = _as_integers(
+                samples[top : top + _BLOCK_ROWS], kind, low, high, top
+            )
+        return stored
     if low is not None or high is not None:
         raise ParameterError("low, high", (low, high), f"none with dtype {dtype}: uint8 or uint16")
     return _as_floats(samples, kind)
@@ -93,20 +99,23 @@ def _as_floats(samples: NDArray[Any], dtype: np.dtype[Any]) -> NDArray[Any]:
 
 
 def _as_integers(
-    samples: NDArray[Any], dtype: np.dtype[Any], low: float | None, high: float | None
+    samples: NDArray[Any], dtype: np.dtype[Any], low: float | None, high: float | None, first: int
 ) -> NDArray[Any]:
+    """The rows from the `first` on."""
     top = np.iinfo(dtype).max
     values = samples.astype(np.float64)
     if not np.isfinite(values).all():
         row, column, _ = np.argwhere(~np.isfinite(values))[0]
-        raise DataError(f"sample at row {row}, column {column} is not finite: no {dtype} for it")
+        raise DataError(
+            f"sample at row {first + row}, column {column} is not finite: no {dtype} for it"
+        )
     if low is None and high is None:
         wrong = (values != np.rint(values)) | (values < 0) | (values > top)
         if wrong.any():
             row, column, _ = np.argwhere(wrong)[0]
             raise DataError(
-                f"sample {values[row, column].ravel()[0]:g} at row {row}, column {column} is no "
-                f"{dtype} (whole, 0 to {top}); give low and high to scale"
+                f"sample {values[row, column].ravel()[0]:g} at row {first + row}, column {column} "
+                f"is no {dtype} (whole, 0 to {top}); give low and high to scale"
             )
         return values.astype(dtype)
     if low is None or high is None or not (math.isfinite(low) and math.isfinite(high - low)):

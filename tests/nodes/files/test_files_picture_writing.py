@@ -1,10 +1,12 @@
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
 
 from child_process import kill_program, run_program
 from core.errors import DataError, FileError, ParameterError
+from nodes.files.common.stored_samples import as_stored
 from nodes.files.pictures import read_band, read_info
 from nodes.files.read import read_pixels
 from nodes.files.write import write_picture
@@ -31,6 +33,22 @@ def test_floats_read_back_bit_for_bit(tmp_path, name, dtype, numpy_type):
     assert read.dtype == (np.float64 if dtype == "double" else np.float32)
     assert np.array_equal(read.astype(numpy_type).view(bits), truth.view(bits))
     assert list(tmp_path.iterdir()) == [tmp_path / name]
+
+
+def test_whole_numbers_are_made_block_by_block():
+    """Of 1003 rows of 100 doubles, 0.8 MB, the copies that scaling takes are those of 256."""
+    samples = np.random.default_rng(0).normal(size=(1003, 100, 1))
+    tracemalloc.start()
+    try:
+        stored = as_stored(samples, "uint16", -1.0, 1.0)
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert most < stored.nbytes + 4 * 8 * 256 * 100
+    np.testing.assert_array_equal(stored, np.rint((samples.clip(-1, 1) + 1) / 2 * 65535))
+    samples[700, 3] = np.nan
+    with pytest.raises(DataError, match="sample at row 700, column 3 is not finite"):
+        as_stored(samples, "uint16", -1.0, 1.0)
 
 
 @pytest.mark.parametrize("name", ["a.tif", "a.exr"])
