@@ -16,6 +16,7 @@ from app.permission.state_folder import state_folder
 from core.atomic import write_text
 from core.errors import FileError
 from core.file_lock import in_turn
+from nodes.files.stores.store_folder import is_store
 
 FORMAT, VERSION = "imagechain-writes", 1
 _DAMAGED = (OSError, ValueError, TypeError, AttributeError, LookupError, RecursionError)
@@ -49,6 +50,8 @@ class WriteRecord:
         known = self.written.get(file, ())
         with contextlib.suppress(OSError):
             status = file.lstat()
+            if is_store(file):
+                return not file.is_symlink() and fingerprint(file) in known
             alike = any(entry[0] == status.st_size for entry in known)
             return alike and stat.S_ISREG(status.st_mode) and fingerprint(file) in known
         return False
@@ -120,7 +123,12 @@ def changing(network: Path) -> Iterator[None]:
 
 
 def fingerprint(file: Path) -> Print:
-    """Size and hash of what a file holds."""
+    """Size and hash of what a file holds, or a store of files with their names."""
+    if is_store(file):
+        parts = sorted(part for part in file.rglob("*") if not part.is_dir())
+        prints = [(part.relative_to(file).as_posix(), fingerprint(part)) for part in parts]
+        whole = json.dumps(prints).encode()
+        return sum(size for _, (size, _) in prints), hashlib.sha256(whole).hexdigest()
     with file.open("rb") as opened:
         digest = hashlib.file_digest(opened, "sha256").hexdigest()
         return opened.tell(), digest

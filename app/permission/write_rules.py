@@ -22,6 +22,7 @@ from app.run.shipped import Place
 from app.run.staging import Staging, real_target
 from core.errors import FileError, ImagechainError, UsageError
 from core.names import shown
+from nodes.files.stores.store_folder import is_store
 
 OPTION = "--allow-writes-to"
 
@@ -79,7 +80,7 @@ class WriteRules:
         leads = f" (a link to {real})" if target.is_symlink() else ""
         if not any(_within(real, folder) for folder in self.folders):
             why = "it lies outside the network's folder and the output folder"
-        elif real.is_file() and not self._has_written(real):  # `Staging` refuses all but files
+        elif (real.is_file() or is_store(real)) and not self._has_written(real):
             why = "the file that is there was not written by this network, or has changed since"
         else:
             return

@@ -20,11 +20,12 @@ from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.files.common.digital_numbers import DIGITAL_NUMBER, integer_type
-from nodes.files.common.file_format import ENVI_FRAMES, suffixes
+from nodes.files.common.file_format import ENVI_FRAMES, ZARR, suffixes
 from nodes.files.common.picture_info import MetadataValue
 from nodes.files.formats import WRITTEN, written_format
 from nodes.files.frames.frame_writing import frame_format, header_beside_frames, refuse_without_room
 from nodes.files.read import check_finite
+from nodes.files.stores.zarr_array import check_zarr, write_store
 from nodes.files.write import write_picture
 from nodes.input_output.cube_output import Cube
 
@@ -33,7 +34,7 @@ Files = list[tuple[Path, Callable[[Path], None]]]
 
 _BY_SUFFIX = "by_suffix"
 _CUBE = "envi"
-_CUBE_DTYPES: dict[str, np.dtype[Any]] = {
+_FLOATS: dict[str, np.dtype[Any]] = {
     "float": np.dtype(np.float32),
     "double": np.dtype(np.float64),
 }
@@ -51,7 +52,7 @@ class WriteImage(
 
     All bands of a picture that has some go into an ENVI file (`.img`, `.bsq`, or `format` envi), as
     floats in W/m²/sr/µm, one after the other: the cube is never in memory. Into every other format
-    goes their sum, which the picture is.
+    goes their sum, which the picture is. A Zarr store (`.zarr`) is written chunk by chunk.
     """
 
     formulas = (
@@ -98,6 +99,8 @@ class WriteImage(
         if ENVI_FRAMES.matches(target) and image.bands is None:
             allowed = f"a name that ends in {', '.join(suffixes(*WRITTEN))}, as the picture has no"
             raise ParameterError("path", target.name, f"{allowed} bands of wavelength")
+        if ZARR.matches(target):
+            check_zarr(target)
         held = _dtypes(target)
         if self.dtype not in ("automatic", *held):
             allowed = f"automatic, or what a {target.suffix.lower()} file holds: {', '.join(held)}"
@@ -115,6 +118,8 @@ class WriteImage(
             allowed = "a file name, relative to the network file's folder"
             raise ParameterError("path", None, allowed)
         path, known = here.folder / self.path, written_format(self.path)
+        if self.format == _BY_SUFFIX and ZARR.matches(self.path):
+            return path
         if self.format in (_BY_SUFFIX, _CUBE) and ENVI_FRAMES.matches(self.path):
             return path
         if self.format == _CUBE:
@@ -123,7 +128,7 @@ class WriteImage(
             raise ParameterError("format", self.format, f"by_suffix, or that of {self.path.name}")
         if self.format == _BY_SUFFIX:
             if known is None:
-                endings = ", ".join(suffixes(*WRITTEN, ENVI_FRAMES))
+                endings = ", ".join(suffixes(*WRITTEN, ENVI_FRAMES, ZARR))
                 allowed = f"a name that ends in {endings}; or choose a format"
                 raise ParameterError("path", self.path.as_posix(), allowed)
             return path
@@ -142,6 +147,10 @@ class WriteImage(
             return self._cube_files(image, target, work)
         samples = realize(image, work)
         check_finite(samples, target.name)
+        if ZARR.matches(target):
+            kind = _FLOATS.get(self.dtype, samples.dtype)
+            store = partial(write_store, samples=samples, metadata=_metadata(image), dtype=kind)
+            return [(target, store)]
         dtype = self._stored(_dtypes(target), samples, image.unit)
         low, high = (None, None)
         if dtype.startswith("uint") and not self._as_they_are(image.unit):
@@ -153,7 +162,7 @@ class WriteImage(
 
     def _cube_files(self, image: Image, target: Path, work: Work) -> Files:
         """The data file, made band by band as it is written, and its header."""
-        dtype = _CUBE_DTYPES.get(self.dtype, np.dtype(work.policy.dtype))
+        dtype = _FLOATS.get(self.dtype, np.dtype(work.policy.dtype))
         cube = Cube(image, dtype, _metadata(image))
         kind = frame_format(target)
         assert kind is not None
@@ -188,8 +197,8 @@ class WriteImage(
 
 
 def _dtypes(path: Path) -> tuple[str, ...]:
-    if ENVI_FRAMES.matches(path):
-        return tuple(_CUBE_DTYPES)
+    if ENVI_FRAMES.matches(path) or ZARR.matches(path):
+        return tuple(_FLOATS)
     kind = written_format(path)
     return kind.dtypes if kind is not None else ()
 

@@ -132,7 +132,12 @@ def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.
     return samples
 
 
-def write_store(path: Path, samples: Array, metadata: Mapping[str, MetadataValue]) -> None:
+def write_store(
+    path: Path,
+    samples: Array,
+    metadata: Mapping[str, MetadataValue],
+    dtype: np.dtype[Any] | None = None,
+) -> None:
     """Write a picture as a Zarr array of version 3, not packed, whole or not at all.
 
     Parameters
@@ -143,6 +148,8 @@ def write_store(path: Path, samples: Array, metadata: Mapping[str, MetadataValue
         (rows, columns), perhaps on disk.
     metadata
         Attributes: what `read_info` finds again.
+    dtype
+        Of the stored samples, by default their own.
 
     Raises
     ------
@@ -157,7 +164,7 @@ def write_store(path: Path, samples: Array, metadata: Mapping[str, MetadataValue
             folder,
             shape=samples.shape,
             chunks=chunk,
-            dtype=samples.dtype.newbyteorder("<"),
+            dtype=(dtype or samples.dtype).newbyteorder("<"),
             compressors=None,  # noise packs by a tenth, in many times the time
             attributes={"units" if key == "unit" else key: it for key, it in metadata.items()},
             dimension_names=("y", "x"),

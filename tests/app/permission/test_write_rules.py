@@ -111,6 +111,20 @@ def test_an_existing_file_is_refused_unless_allowed_or_written_before(
     assert CHANGED in refused(net)
 
 
+def test_a_store_is_refused_unless_written_before(network, run, refused, tmp_path):
+    path, store = network("a.zarr"), tmp_path / "nets" / "a.zarr"
+    for _ in range(2):
+        code, _, line = run("run", path)
+        assert (code, line) == (0, "")
+    first = read_pixels(store)
+    assert run("run", path, "--memory", "40kB")[0] == 0
+    np.testing.assert_array_equal(read_pixels(store), first)
+    (store / "c" / "0" / "0").write_bytes(b"other")
+    assert CHANGED in refused(path)
+    (store / "zarr.json").unlink()
+    assert "what is there is no Zarr store; allowed: a new name" in refused(path)
+
+
 def test_another_network_s_file_is_refused(network, run, refused, tmp_path):
     assert run("run", network("a.tif"))[0] == 0
     (tmp_path / "nets/net.json").rename(tmp_path / "nets/other.json")
