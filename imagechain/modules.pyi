@@ -41,9 +41,9 @@ def read_image(
     Parameters
     ----------
     path : str | PathLike[str] | None
-        picture file, relative to the network file's folder: .npy, EXR, TIFF, PNG, JPEG, JPEG 2000,
-        BMP, FITS, ENVI, HDR, plain text and others by their content: a file name or empty; default
-        empty
+        picture file, relative to the network file's folder: Zarr, .npy, EXR, TIFF, PNG, JPEG, JPEG
+        2000, BMP, FITS, ENVI, HDR, plain text and others by their content: a file name or empty;
+        default empty
     band : int | Expression
         band or channel, counted from 0: a whole number of at least 0; default 0
     bands : Literal['one', 'all']
@@ -159,7 +159,7 @@ def write_image(
 
     All bands of a picture that has some go into an ENVI file (`.img`, `.bsq`, or `format` envi), as
     floats in W/m²/sr/µm, one after the other: the cube is never in memory. Into every other format
-    goes their sum, which the picture is.
+    goes their sum, which the picture is. A Zarr store (`.zarr`) is written chunk by chunk.
 
     Parameters
     ----------
