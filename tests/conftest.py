@@ -27,8 +27,9 @@ LEFT_OUT = pytest.StashKey[int]()
 
 # No example fails for taking long.
 settings.register_profile(
-    "any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    "thorough", deadline=None, suppress_health_check=[HealthCheck.too_slow], max_examples=100
 )
+settings.register_profile("any machine", settings.get_profile("thorough"), max_examples=40)
 settings.load_profile("any machine")
 
 pytest.register_assert_rewrite(*sorted(path.stem for path in SUPPORT.glob("*.py")))
@@ -48,9 +49,11 @@ def pytest_addoption(parser):
     parser.addoption("--thorough", action="store_true", help="run every variation of every check")
 
 
-def pytest_configure():
+def pytest_configure(config):
     from child_process import let_children_be_stopped
 
+    if config.option.thorough:
+        settings.load_profile("thorough")
     let_children_be_stopped()
 
 

@@ -28,7 +28,8 @@ def test_the_table_has_every_network(table):
     assert list(table["runs"]) == RUNS
 
 
-@pytest.mark.thorough(but=len(RUNS) // 2)  # each network in one of the precisions
+# Each network in one of the precisions, and one in both.
+@pytest.mark.thorough(but=len(RUNS) // 2, always=("kodak_kir310 double",))
 @pytest.mark.parametrize("run", RUNS)
 def test_delivers_what_it_did(run, table, tmp_path):
     name, precision = run.split()

@@ -14,6 +14,7 @@ from core.errors import ParameterError
 from core.evaluation.content_key import content_key
 from core.modules.parameters import plain
 from library_battery import DECLARED, LIBRARY, assert_clear
+from thorough import examples
 
 
 @pytest.mark.parametrize("key", LIBRARY)
@@ -59,7 +60,7 @@ class TestParameters:
                 assert len(keys) == 1, (parameter.name, whole)
             assert allowed, parameter.name
 
-    @settings(max_examples=25, deadline=None, derandomize=True)
+    @settings(max_examples=examples(25), deadline=None, derandomize=True)
     @given(data=st.data())
     def test_any_value_is_taken_or_refused_in_one_line(self, key, data):
         anything = st.one_of(

@@ -28,6 +28,7 @@ from library_battery import (
 
 @pytest.mark.parametrize("key", LIBRARY)
 class TestRuns:
+    @pytest.mark.thorough(but=52)
     @pytest.mark.parametrize("precision", ["single", "double"])
     def test_example_gives_finite_outputs(self, key, precision, folder):
         engine = Engine(LIBRARY)

@@ -26,6 +26,7 @@ from library_battery import (
     double,
     planned,
 )
+from thorough import examples
 
 XI = np.concatenate([[0.0], np.geomspace(1e-6, 40.0, 23)])
 ETA = np.concatenate([[0.0], np.geomspace(3e-6, 30.0, 17)])
@@ -108,7 +109,7 @@ def drawn_value(parameter) -> st.SearchStrategy[Any]:
 
 @pytest.mark.parametrize("key", [k for k in FILTERS if k != "exit_pupil_mtf"])
 @settings(
-    max_examples=40,
+    max_examples=examples(40),
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.filter_too_much],

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
 import pytest
+from hypothesis import settings
 
 Case = TypeVar("Case")
 
@@ -26,6 +27,11 @@ def some_of(cases: Sequence[Case], count: int) -> list[Case]:
         return list(cases[:count])
     last = len(cases) - 1
     return [cases[round(at * last / (count - 1))] for at in range(count)]
+
+
+def examples(count: int) -> int:
+    """How many examples hypothesis draws where a thorough run draws so many: two fifths."""
+    return max(1, count * settings.default.max_examples // 100)
 
 
 def parted(items: Iterable[pytest.Item]) -> tuple[list[pytest.Item], list[pytest.Item]]:

@@ -49,6 +49,7 @@ def report(request, shipped_report):
     return request.param, made.facts, Page(made.page)
 
 
+@pytest.mark.thorough(but=2)
 def test_the_figures_are_there(report):
     name, facts, page = report
     stages, total, judged = FIGURES[name]
@@ -65,6 +66,7 @@ def test_the_figures_are_there(report):
     assert "Judged by measurement" in page.heads
 
 
+@pytest.mark.thorough(but=2)
 def test_measured_and_expected_agree(report):
     """To what pixels alias that are too far apart for what they see."""
     name, facts, _ = report
@@ -85,6 +87,7 @@ def test_measured_and_expected_agree(report):
         assert each["frequency_cyc_per_sample"][-1] == pytest.approx(0.5, abs=0.01)
 
 
+@pytest.mark.thorough(but=2)
 def test_what_the_thesis_says_of_its_curves(report):
     """Fig. 5.27: the horizontal MTF falls earlier. Fig. 5.54: nearly identical, it slightly so."""
     name, facts, _ = report

@@ -33,6 +33,7 @@ NETWORKS = {
 }
 
 
+@pytest.mark.thorough(but=5)
 @pytest.mark.parametrize("precision", ["single", "double"])
 @pytest.mark.parametrize("name", NETWORKS)
 def test_shipped_networks_to_the_bit(imagechain, tmp_path, name, precision):

@@ -129,6 +129,7 @@ class TestEdges:
         assert np.abs(got - expected).max() <= TOLERANCE[precision] * np.abs(expected).max()
 
 
+@pytest.mark.thorough(but=32)
 @pytest.mark.parametrize("edges", ["periodic", "reflect"])
 @pytest.mark.parametrize("chain", CHAINS)
 @pytest.mark.parametrize(

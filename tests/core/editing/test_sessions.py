@@ -13,6 +13,7 @@ from core.errors import ImagechainError
 from core.network.file import format_network, parse_network
 from core.network.network import Network
 from edited_networks import DRAGS, MAKERS, Editor, drawn_network
+from thorough import examples
 
 LIMITS = settings(
     deadline=None,
@@ -108,7 +109,7 @@ def test_sessions_on_shipped_networks(library, shipped):
         played(seed, network, library, OPERATIONS // 4)
 
 
-@settings(LIMITS, max_examples=40)
+@settings(LIMITS, max_examples=examples(40))
 @given(seed=SEEDS)
 def test_each_operation_alone_is_undone_by_its_inverse(seed, library):
     random = Random(seed)

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from core.errors import ImagechainError
 from core.network.file import format_network, load_network, parse_network, save_network
 from core.network.network import Link, Network, Node
+from thorough import examples
 
 LIMITS = settings(
-    max_examples=200,
+    max_examples=examples(200),
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )

@@ -78,6 +78,7 @@ def told(power):
     return [m.sample, m.row_mean, m.column_mean, m.frame_mean]
 
 
+@pytest.mark.thorough(but=12)
 @pytest.mark.parametrize("edges", ["reflect", "periodic"])
 @pytest.mark.parametrize("chain", CHAINS)
 @pytest.mark.parametrize("factors", [(1, 1), (3, 2), (5, 1), (1, 3)])
@@ -139,6 +140,7 @@ def test_samples_of_different_variances(work):
     )
 
 
+@pytest.mark.thorough(but=11)
 @pytest.mark.parametrize("order", [0, 1, 3])
 @pytest.mark.parametrize("new", [(11, 9), (5, 12), (16, 30)])
 @pytest.mark.parametrize("edges", ["reflect", "periodic", None])

@@ -42,6 +42,7 @@ def scene(shape):
     return 1.0 + np.sin(rows) * np.cos(0.3 * columns) + 3.0 * ((rows == 2) & (columns == 1))
 
 
+@pytest.mark.thorough(but=6)
 @pytest.mark.parametrize("shape", [(1, 1), (1, 9), (7, 5), (13, 12)])
 @pytest.mark.parametrize("sigma", [2.5, 4.0, 30.0])
 def test_mean_and_variance_of_every_sample_are_the_local_mean(shape, sigma):

@@ -71,6 +71,7 @@ def on_disk(image, disk, policy):
     )
 
 
+@pytest.mark.thorough(but=9)
 @pytest.mark.parametrize("precision", ["single", "double"])
 @pytest.mark.parametrize("edges", ["reflect", "periodic"])
 @pytest.mark.parametrize("factors", FACTORS)

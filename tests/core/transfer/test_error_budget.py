@@ -14,6 +14,7 @@ from core.evaluation.work import Work
 from core.transfer.error_budget import spend, stage_bound
 from core.transfer.factors import Law, Planar, Separable
 from core.transfer.grid import Grid
+from thorough import examples
 
 
 def samples(work, *, seed, rows, columns):
@@ -53,7 +54,7 @@ def picture(work, mtf, ptf, edges, shape=(24, 31), seed=1):
 small = st.floats(1e-4, 0.3)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=examples(60), deadline=None, derandomize=True)
 @given(
     sigmas=st.lists(st.tuples(small, small), min_size=1, max_size=4),
     shift=small,

@@ -56,6 +56,7 @@ def evaluated(factor, grid, axes, rows=slice(None)):
 SINGLE_ERROR = SINGLE_TOLERANCE + 2.5e-7  # thin matrices are rounded to single before their product
 
 
+@pytest.mark.thorough(but=13)
 @pytest.mark.parametrize("axes", ["mirrored", "periodic"])
 @pytest.mark.parametrize("size_cm", [25.6, 5.0, 0.6])
 @pytest.mark.parametrize("name", SHAPES)
@@ -65,6 +66,7 @@ def test_single_precision_planes_are_within_their_tolerance(name, size_cm, axes)
     assert np.abs(got - evaluated(factor, grid, axes)).max() <= SINGLE_ERROR
 
 
+@pytest.mark.thorough(but=21)
 @pytest.mark.parametrize("axes", ["mirrored", "periodic"])
 @pytest.mark.parametrize("shape", [(200, 257), (720, 810)])
 @pytest.mark.parametrize("size_cm", [25.6, 5.0, 1.2, 0.6, 0.05])
@@ -75,6 +77,7 @@ def test_tables_and_thin_matrices_are_within_the_tolerance(hole, ratio, size_cm,
     assert np.abs(got - evaluated(factor, grid, axes)).max() <= SINGLE_ERROR
 
 
+@pytest.mark.thorough(but=17)
 @pytest.mark.parametrize("axes", ["mirrored", "periodic"])
 @pytest.mark.parametrize("size_cm", [5.0, 1.2, 0.6, 0.001])
 @pytest.mark.parametrize("name", SHAPES)

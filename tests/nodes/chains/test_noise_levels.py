@@ -104,6 +104,7 @@ class TestDetectorAndAmplifier:
 SEEDS = range(400)
 
 
+@pytest.mark.thorough(but=7)
 @pytest.mark.parametrize("model", ["per_pixel", "published"])
 @pytest.mark.parametrize("platform", ["line", "push", "array"])
 @pytest.mark.parametrize(("gain", "bias"), [(4.0, 0.0), (0.0, 3.0), (4.0, 3.0)])

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from chain_runs import picture_of, run
 from drawn_chains import SIZES, chains, extreme, ordinary
+from thorough import examples
 
 KINDS = ("scene", "constant", "zero", "huge", "tiny", "wide", "negative", "below zero", "point",
          "edge of single", "edge of double", "least")  # fmt: skip
@@ -20,14 +21,14 @@ SETTINGS = settings(
 )  # fmt: skip
 
 
-@settings(SETTINGS, max_examples=150)
+@settings(SETTINGS, max_examples=examples(150))
 @given(drawn=chains(ordinary), precision=st.sampled_from(["double", "single"]))
 def test_ordinary_parameters(folder, drawn, precision):
     size, chain = drawn
     run(chain, picture_of("scene", size), folder, precision)
 
 
-@settings(SETTINGS, max_examples=100)
+@settings(SETTINGS, max_examples=examples(100))
 @given(drawn=chains(extreme, sizes=SIZES[2:9]), precision=st.sampled_from(["double", "single"]))
 def test_extreme_parameters(folder, drawn, precision):
     size, chain = drawn
@@ -35,7 +36,7 @@ def test_extreme_parameters(folder, drawn, precision):
 
 
 @pytest.mark.parametrize("kind", KINDS[1:])
-@settings(SETTINGS, max_examples=25)
+@settings(SETTINGS, max_examples=examples(25))
 @given(drawn=chains(ordinary), precision=st.sampled_from(["double", "single"]))
 def test_extreme_pictures(folder, kind, drawn, precision):
     size, chain = drawn

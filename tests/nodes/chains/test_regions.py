@@ -25,6 +25,7 @@ from drawn_chains import SIZES, chains, ordinary
 from noise_bench import BAND, NOISY, network
 from region_checks import LIBRARY, assert_parts, image_ports, places
 from small_networks import SHIPPED, small_network
+from thorough import examples
 
 NAMES = sorted(path.stem for path in SHIPPED.glob("*.json"))
 PRECISIONS = ["single", "double"]
@@ -61,6 +62,7 @@ def test_a_microbolometer_of_several_blocks_of_deviates(precision):
     assert_parts(document, ["bolometer.image"], SHIPPED, precision=precision, where=where)
 
 
+@pytest.mark.thorough(but=27)
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("edges", ["reflect", "periodic"])
 @pytest.mark.parametrize("chain", ["whole chain", "symmetric", "optics and delay"])
@@ -77,6 +79,7 @@ def test_delivered_and_combined(tmp_path, chain, edges, size, factors, precision
     assert_parts(document, [f"{last}.image"], tmp_path, precision=precision)
 
 
+@pytest.mark.thorough(but=7)
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("platform", ["line", "push", "array"])
 @pytest.mark.parametrize(
@@ -101,6 +104,7 @@ def test_noise(tmp_path, platform, given_range, model, precision):
     assert_parts(document, ports, tmp_path, precision=precision, where=where, threads=2)
 
 
+@pytest.mark.thorough(but=15)
 @pytest.mark.parametrize("order", [0, 1, 3])
 @pytest.mark.parametrize(
     ("width", "height"), [(40, 31), (17, 60), (50, 90), (5, 4), (1, 1), (17, None), (None, 80)]
@@ -130,7 +134,7 @@ def test_periodic_noise_and_differences(tmp_path):
 @settings(
     deadline=None,
     derandomize=True,
-    max_examples=60,
+    max_examples=examples(60),
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much,
                            HealthCheck.data_too_large],
 )  # fmt: skip

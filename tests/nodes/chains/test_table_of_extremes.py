@@ -229,6 +229,7 @@ def test_a_background_near_absolute_zero_has_no_slope(tmp_path, precision):
 # ---------------------------------------------------------------- radiance
 
 
+@pytest.mark.thorough(but=11)
 @pytest.mark.parametrize(("precision", "tolerance"), [("double", 1e-12), ("single", 1e-7)])
 @pytest.mark.parametrize("wavelength_times_temperature", [10.0**n for n in range(2, 13)])
 def test_ten_decades_of_wavelength_times_temperature(

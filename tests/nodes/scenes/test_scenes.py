@@ -80,6 +80,7 @@ def test_airfields_roads_are_straight_and_even():
         assert picture[int(0.795 * 2048), int(x * 2048)] == pytest.approx(road, rel=1e-11)
 
 
+@pytest.mark.thorough(but=8)
 @pytest.mark.parametrize("delta", [-170.0, -60.0, 0.0, 40.0, 110.0])
 @pytest.mark.parametrize("band_um", [(8.0, 12.0), (3.0, 5.0), (0.9, 1.7)])
 def test_dormitory_stays_positive_at_any_contrast(delta, band_um):

@@ -9,6 +9,7 @@ from analytic_stages import CHAINS, INTERVAL_X, INTERVAL_Y
 from delivered_chains import FOLD_ERROR, PRECISIONS, delivered, scene
 
 
+@pytest.mark.thorough(but=27)
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("edges", ["reflect", "periodic"])
 @pytest.mark.parametrize("chain", CHAINS)

@@ -28,6 +28,7 @@ from delivered_chains import (
 SIZES = [(31, 17), (24, 10), (32, 32), (9, 20), (1, 16), (13, 1), (2, 2), (1, 1)]
 
 
+@pytest.mark.thorough(but=22)
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("chain", CHAINS)
 @pytest.mark.parametrize("size", SIZES, ids=str)

@@ -62,6 +62,7 @@ def test_waves_between_samples(tmp_path, edges, ratio_x, ratio_y, offset, offset
     assert image.interval_y_mrad == pytest.approx(INTERVAL_Y * ratio_y, rel=1e-14)
 
 
+@pytest.mark.thorough(but=13)
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("edges", ["reflect", "periodic"])
 @pytest.mark.parametrize("chain", CHAINS)
@@ -76,6 +77,7 @@ def test_odd_whole_ratios_keep_samples(tmp_path, size, ratios, chain, edges, pre
     assert np.abs(found - expected).max() <= FOLD_ERROR[precision] * np.abs(expected).max()
 
 
+@pytest.mark.thorough(but=8)
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("edges", ["reflect", "periodic"])
 @pytest.mark.parametrize("chain", CHAINS)
@@ -232,6 +234,7 @@ def test_a_region_is_the_wholes(tmp_path, edges):
     assert np.array_equal(part, whole[region.slices])
 
 
+@pytest.mark.thorough(but=19)
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("edges", ["reflect", "periodic"])
 @pytest.mark.parametrize("chain", CHAINS)

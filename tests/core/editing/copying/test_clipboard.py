@@ -14,6 +14,7 @@ from core.editing.document import Document
 from core.errors import NetworkError
 from core.network.file import format_network
 from core.network.network import Link, Network, Node
+from thorough import examples
 
 NAMES = ("detector", "charge", "back")
 
@@ -198,7 +199,7 @@ def test_duplicates_of_what_lies_far_away_come_to_an_end(library):
     assert duplicated(network, ["a"], library)[0] == ("a_2",)
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(150), deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_a_damaged_clipboard_pastes_soundly_or_not_at_all(data, kodak, library):
     text = copied(kodak, NAMES, library)

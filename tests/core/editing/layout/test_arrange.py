@@ -13,6 +13,7 @@ from core.editing.layout.arrange import arranged
 from core.editing.layout.layers import columns_of, crossings, rows_of
 from core.editing.nodes import Move
 from core.network.network import Link, Network, Node
+from thorough import examples
 
 SIZES = {"small": (150.0, 60.0), "large": (240.0, 190.0)}
 
@@ -53,7 +54,7 @@ def assert_sound(network, sizes):
             assert not overlap(one, other)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 @given(seed=st.integers(0, 2**32), count=st.integers(0, 25), wires=st.integers(0, 60))
 def test_wires_lead_to_the_right_and_nothing_overlaps(seed, count, wires):
     random = Random(seed)

@@ -12,10 +12,11 @@ from core.errors import ImagechainError
 from core.network.file import parse_network
 from edited_networks import Editor, drawn_network
 from macro_edits import MACRO_DRAGS, MACRO_MAKERS
+from thorough import examples
 
 LIMITS = settings(
     deadline=None,
-    max_examples=25,
+    max_examples=examples(25),
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 OPERATIONS = 60

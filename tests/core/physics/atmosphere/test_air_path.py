@@ -47,6 +47,7 @@ def test_published_transmissions(case):
     assert band.path_radiance == 0.0
 
 
+@pytest.mark.thorough(but=5)
 @pytest.mark.parametrize(("low", "high", "source_K"), [(0.4, 0.9, 5800), (3, 5, 300), (8, 12, 250)])
 @pytest.mark.parametrize("q", [0.6, 1.3, -1.0])
 def test_a_haze_weighted_by_a_black_body(low, high, source_K, q):

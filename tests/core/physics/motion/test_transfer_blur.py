@@ -120,6 +120,7 @@ def _vibration_truth(size: float, periods: float) -> complex:
         return complex(total / edges[-1])
 
 
+@pytest.mark.thorough(but=14)
 @pytest.mark.parametrize("periods", [1e-9, 0.1, 0.25, 0.2501, 0.5, 0.7499, 0.9, 1.3, 2.75])
 @pytest.mark.parametrize("size", [0.3, 5.0, 33.0, 48.0])
 def test_vibration_equals_its_time_average(size: float, periods: float) -> None:

@@ -178,6 +178,7 @@ CURVES = {
 }  # fmt: skip
 
 
+@pytest.mark.thorough(but=7)
 @pytest.mark.parametrize("name", CURVES)
 @pytest.mark.parametrize("rho", [0.7, 6.0, 13.0, 22.0, 28.0])
 def test_a_source_behind_a_response(name, rho):

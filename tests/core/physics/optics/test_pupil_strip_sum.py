@@ -81,6 +81,7 @@ def test_sum_is_the_boundary_integral(shape):
     np.testing.assert_allclose(found, expected, rtol=0, atol=2e-14)
 
 
+@pytest.mark.thorough(but=23)
 @pytest.mark.parametrize("shape", SHAPES, ids=named)
 @pytest.mark.parametrize("size", [(1, 300), (300, 1), (150, 290)])
 @pytest.mark.parametrize("reach", [2.1, 0.2])

@@ -71,6 +71,7 @@ def relative_error(got, truth):
     return float(abs(mpf(float(got)) / truth - 1))
 
 
+@pytest.mark.thorough(but=59)
 @pytest.mark.parametrize(
     ("function", "truth"),
     [

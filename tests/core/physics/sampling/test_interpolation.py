@@ -19,6 +19,7 @@ def kernel(order, x):
     return ((-x / 2 + mpmath.mpf(5) / 2) * x - 4) * x + 2 if x < 2 else mpmath.mpf(0)
 
 
+@pytest.mark.thorough(but=12)
 @pytest.mark.parametrize("order", [0, 1, 3])
 @pytest.mark.parametrize("frequency", [0.0, 1e-4, 0.01, 0.0333, 0.0334, 0.1, 0.333, 0.5, 1.0, 2.7])
 def test_very_many_places_make_the_transform_of_the_kernel(order, frequency):
@@ -35,6 +36,7 @@ def test_very_many_places_make_the_transform_of_the_kernel(order, frequency):
     )[0] == pytest.approx(1.0, rel=1e-13)
 
 
+@pytest.mark.thorough(but=11)
 @pytest.mark.parametrize("order", [0, 1, 3])
 @pytest.mark.parametrize(
     ("old", "new"), [(2, 5), (80, 200), (3, 3), (7, 4), (170, 512), (8, 4), (12, 3), (4, 3)]

@@ -27,12 +27,14 @@ SCANS = ["x", "y"]
 class TestSumsWrittenOut:
     """The frame extended, each column at its own interval, every sum a loop in the test."""
 
+    @pytest.mark.thorough(but=29)
     def test_direct(self, tmp_path, size, chain, edges, scan):
         picture = scene(*size)
         expected = column_by_column(picture, [ANALYTIC[s] for s in CHAINS[chain]], edges, scan)
         (found,) = values(tmp_path, picture, CHAINS[chain], edges=edges, scan=scan, method="direct")
         assert np.abs(found - expected).max() <= 1e-12 * expected.max()
 
+    @pytest.mark.thorough(but=29)
     def test_nodes(self, tmp_path, size, chain, edges, scan):
         """As far off as the module says, which for factors that separate is not at all."""
         picture = scene(*size)
@@ -56,6 +58,7 @@ class TestSumsWrittenOut:
 @pytest.mark.parametrize("scan", SCANS)
 @pytest.mark.parametrize("method", METHODS)
 class TestEvenSampling:
+    @pytest.mark.thorough(but=47)
     def test_is_the_whole_image_way(self, tmp_path, size, chain, edges, scan, method):
         """An array samples evenly: both ways agree to 1e-12."""
         found, whole, gap, table = values(
@@ -69,6 +72,7 @@ class TestEvenSampling:
         assert told["max_percent"] <= 1e-10
 
 
+@pytest.mark.thorough(but=11)
 @pytest.mark.parametrize("edges", EDGES)
 @pytest.mark.parametrize("scan", SCANS)
 @pytest.mark.parametrize("chain", DEFAULT_CHAINS)

@@ -65,6 +65,7 @@ REFUSED = [
 ]
 
 
+@pytest.mark.thorough(but=39)
 @pytest.mark.parametrize("model", ["flir92", "ratches_1976"])
 @pytest.mark.parametrize(
     ("merit", "given"), [*((each, {}) for each in MERIT), *(({}, each) for each in SENSORS)]

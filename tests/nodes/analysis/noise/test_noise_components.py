@@ -35,6 +35,7 @@ def simulated(folder, kinds, **settings):
     return np.array(found), np.array([total.variance(name) for name in COMPONENTS])
 
 
+@pytest.mark.thorough(but=14)
 @pytest.mark.parametrize("setting", SETTINGS)
 @pytest.mark.parametrize("kinds", [*((kind,) for kind in KINDS), ALL], ids=[*KINDS, "all"])
 def test_prediction_is_the_mean_of_estimates(tmp_path, setting, kinds):

@@ -78,6 +78,7 @@ def analysed(network: Drawn, random: Random) -> dict:
     return document
 
 
+@pytest.mark.thorough(but=3)
 @pytest.mark.parametrize("chunk", range(8))
 def test_noise_is_told_or_refused_in_words(bench, chunk):
     folder, names = bench

@@ -119,6 +119,7 @@ CHAINS = {
 }
 
 
+@pytest.mark.thorough(but=23)
 @pytest.mark.parametrize("edges", EDGES)
 @pytest.mark.parametrize("chain", CHAINS)
 @pytest.mark.parametrize("size", SIZES, ids=str)
@@ -139,6 +140,7 @@ def test_single_precision(tmp_path, chain):
     assert np.abs(found - exact).max() <= 2e-6 * exact.max()
 
 
+@pytest.mark.thorough(but=29)
 @pytest.mark.parametrize("chain", [name for name in CHAINS if name != "nothing"])
 @pytest.mark.parametrize("edges", EDGES)
 @pytest.mark.parametrize(

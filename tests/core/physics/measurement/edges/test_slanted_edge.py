@@ -25,6 +25,7 @@ def error_of(picture, angle, sigma, **settings):
     return np.max(np.abs(found.mtf - edge_mtf(FREQUENCY, angle, sigma)))
 
 
+@pytest.mark.thorough(but=14)
 @pytest.mark.parametrize("sigma", [0.3, 0.5, 1, 2])
 @pytest.mark.parametrize("angle", ANGLES)
 def test_mtf_of_a_noise_free_edge(angle, sigma):
