@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from app.measure.edge_looks import REFUSED, USED
 from app.measure.picture_measurement import MeasuredEdge, MtfCurve, PictureMeasurement, Preview
 from app.report.drawing.picture_drawing import COLOURS, figure
 from app.run.png import robust_limits
 
-USED, REFUSED = "#e69f00", "#56b4e9"
-"""Okabe and Ito's orange and sky blue, which all kinds of sight tell apart, on grey too."""
 NYQUIST = 0.5
 _MOST_NUMBERED = 60
 _MOST_CURVES = 40

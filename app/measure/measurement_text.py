@@ -36,7 +36,7 @@ def figure_rows(measured: PictureMeasurement) -> list[Row]:
     """The figures of most use: name, value with its error, unit, meaning."""
     used = sum(edge.used for edge in measured.edges)
     rows: list[Row] = [
-        ("edges used", str(used), "", f"of {len(measured.edges)} that were seen"),
+        ("edges", str(used), "", f"edges in use, of {len(measured.edges)} that were seen"),
         *_mtf_rows("x", "across", measured.x, measured.interval_x_mrad),
         *_mtf_rows("y", "along", measured.y, measured.interval_y_mrad),
     ]
@@ -56,9 +56,8 @@ def _mtf_rows(name: str, words: str, curve: MtfCurve | None, interval: float | N
     ]  # fmt: skip
     if interval is not None:
         angular = None if error is None else error / interval
-        rows.append(
-            (f"mtf50_{name}", with_error(value / interval, angular), "cyc/mrad", "the same")
-        )
+        meaning = f"MTF of one half {words}, in angle"
+        rows.append((f"mtf50_{name}", with_error(value / interval, angular), "cyc/mrad", meaning))
     return rows
 
 

@@ -33,6 +33,7 @@ from app.editor.window.docks.first_views import FirstViews
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import Docks, LayoutName
+from app.editor.window.docks.measure_dock import MeasureDock
 from app.editor.window.docks.snapshot_dock import SnapshotDock
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.docks.window_layout import WindowLayout, first_size
@@ -146,6 +147,7 @@ class MainWindow(QMainWindow):
         self.viewers.set_theme(theme)
         self.kept.set_theme(theme)
         self.runs.set_theme(theme)
+        self.measuring.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
 
     def toggle_light(self) -> None:
@@ -183,7 +185,8 @@ class MainWindow(QMainWindow):
     def go_to_part(self, step: int) -> None:
         """Give the focus to the next part of the window that is there, for the keyboard."""
         beside = (self.viewers.plot, self.viewers.tradeoff, self.kept.view)
-        viewers = [*self.viewers.images.values(), *beside, self.runs.view, self.history]
+        viewers = [*self.viewers.images.values(), *beside, self.runs.view, self.measuring.view]
+        viewers.append(self.history)
         card, sides = self.tour.card, (self.library_view, self.panels)
         go_to_next([self.welcome, self.canvas, card, *sides, *viewers], step)
 
@@ -241,6 +244,7 @@ class MainWindow(QMainWindow):
             if other.isWindow():
                 other.hide()
         self.runs.close()
+        self.measuring.close()
         self.help.handbook.close()
         self.autosaver.close()
         self.evaluator.close()  # last: Python may collect in any thread afterwards
@@ -274,6 +278,7 @@ class MainWindow(QMainWindow):
         self.history_dock.hide()
         self.kept = SnapshotDock(self.session, self.evaluator, self.theme, self.viewers, self)
         self.runs = BackgroundRuns(self.session, self.theme, self, self.finish_typing)
+        self.measuring = MeasureDock(self.session, self.theme, self.viewers, self)
 
     def _docks(self) -> Docks:
         viewers = self.viewers
@@ -285,13 +290,15 @@ class MainWindow(QMainWindow):
             snapshots=self.kept.dock,
             runs=self.runs.dock,
             history=self.history_dock,
+            measuring=self.measuring.dock,
             viewers=tuple(viewers.docks.values()),
             picture=viewers.images[1],
         )
 
     def _add_dock_toggles(self) -> None:
         viewers = self.viewers
-        docks = (self.library_dock, self.panel_dock, viewers.plot_dock, *viewers.docks.values())
+        sides = (self.library_dock, self.panel_dock, viewers.plot_dock)
+        docks = (*sides, self.measuring.dock, *viewers.docks.values())
         add_dock_toggles(self.menus["&View"], docks, viewers)
         named = {
             "trade_off": viewers.tradeoff_dock,
@@ -395,6 +402,7 @@ class MainWindow(QMainWindow):
     def cancel(self) -> None:
         """Stop the computation, and leave the tour."""
         self.evaluator.cancel()
+        self.measuring.cancel()
         self.tour.leave()
 
     def _warn(self, text: str) -> None:

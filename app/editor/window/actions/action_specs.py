@@ -238,6 +238,13 @@ ACTIONS: tuple[ActionSpec, ...] = (
         checkable=True,
     ),
     ActionSpec("add_run", "&Run", "&Add to the Queue…", "Queue a sweep, frames, or pictures"),
+    ActionSpec(
+        "measure",
+        "&Run",
+        "&Measure Picture",
+        "Measure edges, MTF and noise of the picture that a viewer shows, or of a file",
+        ("Ctrl+M",),
+    ),
     ActionSpec("cancel", "&Run", "&Cancel", "Stop the computation", ("Esc",)),
     ActionSpec(
         "keep_snapshot",

@@ -19,6 +19,7 @@ from app.editor.window.background.background_runs import BackgroundRuns
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import DEFAULT, LayoutName
+from app.editor.window.docks.measure_dock import MeasureDock
 from app.editor.window.docks.snapshot_dock import SnapshotDock
 from app.editor.window.docks.viewer_docks import ViewerDocks
 from app.editor.window.documents.files import Files
@@ -47,6 +48,7 @@ class Window(Protocol):
     tour: FirstTour
     history: HistoryList
     runs: BackgroundRuns
+    measuring: MeasureDock
 
     def show_welcome(self) -> None:
         """Show the first page."""
@@ -126,6 +128,7 @@ def targets(window: Window) -> dict[str, Target]:
         "generate": window.generate,
         "runs": window.runs.toggle,
         "add_run": window.runs.add,
+        "measure": window.measuring.measure,
         "cancel": window.cancel,
         "keep_snapshot": partial(_typed_first, window, window.kept.comparing.keep),
         "flip": window.kept.snapshots.flip,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 from PySide6.QtCore import Qt
@@ -27,7 +28,7 @@ class Docks:
 
     Parameters
     ----------
-    library, history, panels, curves, tradeoff, snapshots, runs : QDockWidget
+    library, history, panels, curves, tradeoff, snapshots, runs, measuring : QDockWidget
         One of each.
     viewers : sequence of QDockWidget
         Those of pictures, by number.
@@ -42,13 +43,14 @@ class Docks:
     tradeoff: QDockWidget
     snapshots: QDockWidget
     runs: QDockWidget
+    measuring: QDockWidget
     viewers: Sequence[QDockWidget]
     picture: ImageViewer
 
     @property
     def all(self) -> tuple[QDockWidget, ...]:
         """Every dock."""
-        return (self.library, self.panels, *self.viewers, *self.beside)
+        return (self.library, self.panels, *self.viewers, self.measuring, *self.beside)
 
     @property
     def beside(self) -> tuple[QDockWidget, ...]:
@@ -61,7 +63,7 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
 
     Which of the other docks are open stays.
     """
-    others = (*docks.viewers[1:], *docks.beside[1:])
+    others = (*docks.viewers[1:], docks.measuring, *docks.beside[1:])
     was_open = [dock for dock in others if not dock.isHidden()]
     for dock in docks.all:
         dock.setFloating(False)
@@ -84,7 +86,8 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
         window.splitDockWidget(*way)
     for before, dock in zip(docks.beside, docks.beside[1:], strict=False):
         window.tabifyDockWidget(before, dock)
-    for before, dock in zip(docks.viewers, docks.viewers[1:], strict=False):
+    pictures = (*docks.viewers, docks.measuring)
+    for before, dock in pairwise(pictures):
         window.tabifyDockWidget(before, dock)
     for dock in (docks.library, docks.panels, first, docks.curves, *was_open):
         dock.show()

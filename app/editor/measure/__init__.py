@@ -1,0 +1,1 @@
+"""Measuring a picture in the window: its edges, MTF and noise."""

@@ -1,0 +1,338 @@
+"""The picture that was measured, with its edges to be clicked."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import (
+    QColor,
+    QHelpEvent,
+    QImage,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import QToolTip, QWidget
+
+from app.editor.theme import Theme
+from app.measure.edge_looks import REFUSED, REMOVED, USED
+
+if TYPE_CHECKING:
+    from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement, Preview
+
+_NEAR_PX = 12.0  # of a click from an edge
+_MOST_ZOOM = 64.0
+_HINT = (
+    "Measure Viewer takes the picture of a viewer, File… any picture file. Edges are searched for, "
+    "and the MTF measured across each."
+)
+
+
+class EdgeCanvas(QWidget):
+    """Draws one picture of a measurement and its edges.
+
+    Signals
+    -------
+    chosen(place)
+        An edge was clicked: its place among those of the measurement; -1 beside all.
+    stepped(by)
+        A key goes to the next edge, or the one before.
+    switched
+        A key removes the chosen edge, or uses it again.
+    """
+
+    chosen = Signal(int)
+    stepped = Signal(int)
+    switched = Signal()
+
+    def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("measure.picture")
+        self.setAccessibleName("Picture with its edges; arrow keys go from edge to edge")
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setMouseTracking(True)
+        self._theme = theme
+        self._measured: PictureMeasurement | None = None
+        self._preview: Preview | None = None
+        self._image: QImage | None = None
+        self._current = -1
+        self._all = True
+        self._zoom = 1.0
+        self._middle: QPointF | None = None
+        self._drag: tuple[QPointF, QPointF] | None = None
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self._theme = theme
+        self.update()
+
+    def show_measured(self, measured: PictureMeasurement | None, picture: int = 0) -> None:
+        """Show a picture of a measurement, by its number; None shows the hint."""
+        preview = None
+        if measured is not None and measured.previews:
+            preview = measured.previews[min(picture, len(measured.previews) - 1)]
+        if preview is not self._preview:
+            self._image = None if preview is None else _grey_image(preview)
+            self.fit()
+        self._measured, self._preview = measured, preview
+        self.setAccessibleDescription("" if preview is not None else _HINT)
+        self.update()
+
+    def show_unused(self, on: bool) -> None:
+        """Draw edges that cannot be used, too, or leave them out."""
+        self._all = on
+        self.update()
+
+    def choose(self, place: int) -> None:
+        """Mark an edge; -1 marks none."""
+        if place != self._current:
+            self._current = place
+            self._keep_in_sight()
+            self.update()
+
+    def fit(self) -> None:
+        """Show all of the picture."""
+        self._zoom, self._middle = 1.0, None
+        self.update()
+
+    def zoom_by(self, factor: float, about: QPointF | None = None) -> None:
+        """Enlarge, about a point of the widget that stays where it is."""
+        if self._preview is None:
+            return
+        about = QPointF(self.rect().center()) if about is None else about
+        there = self._sample_at(about)
+        self._zoom = min(max(self._zoom * factor, 1.0), _MOST_ZOOM)
+        if self._zoom == 1.0:
+            self._middle = None
+        else:
+            scale = self._scale()
+            away = about - QPointF(self.rect().center())
+            self._middle = there - away / scale
+        self.update()
+
+    def point_of(self, place: int) -> QPointF:
+        """Where the middle of an edge lies on the widget."""
+        assert self._measured is not None
+        found = self._measured.edges[place].found
+        return self._point(found.x, found.y)
+
+    def sizeHint(self) -> QSize:
+        """Room for a picture."""
+        line = self.fontMetrics().height()
+        return QSize(24 * line, 18 * line)
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for a small one."""
+        line = self.fontMetrics().height()
+        return QSize(8 * line, 6 * line)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the picture and its edges, or the hint."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(self._theme.base))
+        preview = self._preview
+        if preview is None or self._image is None or self._measured is None:
+            painter.setPen(QColor(self._theme.faint_text))
+            flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+            painter.drawText(self.rect().adjusted(12, 8, -12, -8), int(flags), _HINT)
+            painter.end()
+            return
+        factor = preview.factor
+        rows, columns = preview.samples.shape
+        corner = self._point(-0.5, -0.5)
+        far = self._point(columns * factor - 0.5, rows * factor - 0.5)
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, self._scale() * factor < 1)
+        painter.drawImage(QRectF(corner, far), self._image)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        own = [
+            (place, edge)
+            for place, edge in enumerate(self._measured.edges)
+            if edge.picture == preview.picture and self._is_shown(place)
+        ]
+        # What is in use, and the marked one, on top.
+        for place, edge in sorted(own, key=lambda one: (one[0] == self._current, one[1].used)):
+            self._paint_edge(painter, edge, place == self._current)
+        painter.end()
+
+    def event(self, event: QEvent) -> bool:
+        """Show, at the mouse, what an edge is and why it is not used."""
+        if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
+            place = self._edge_at(QPointF(event.pos()))
+            text = "" if place < 0 or self._measured is None else self._words(place)
+            QToolTip.showText(event.globalPos(), text, self) if text else QToolTip.hideText()
+            return True
+        return super().event(event)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Take hold of the picture, or an edge."""
+        if event.button() == Qt.MouseButton.LeftButton and self._preview is not None:
+            self._drag = event.position(), self._middle or self._whole_middle()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Drag an enlarged picture."""
+        if self._drag is not None and self._zoom > 1.0:
+            start, middle = self._drag
+            self._middle = middle - (event.position() - start) / self._scale()
+            self.update()
+            return
+        over = self._edge_at(event.position()) >= 0
+        shape = Qt.CursorShape.PointingHandCursor if over else Qt.CursorShape.ArrowCursor
+        self.setCursor(shape)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Choose the edge there, unless the picture was dragged."""
+        if self._drag is None or event.button() != Qt.MouseButton.LeftButton:
+            return
+        moved = QPointF(event.position() - self._drag[0]).manhattanLength()
+        self._drag = None
+        if moved < _NEAR_PX / 2:
+            self.chosen.emit(self._edge_at(event.position()))
+
+    def mouseDoubleClickEvent(self, _event: QMouseEvent) -> None:
+        """Show all of the picture."""
+        self.fit()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Enlarge or shrink about the mouse."""
+        self.zoom_by(1.25 ** (event.angleDelta().y() / 120.0), event.position())
+        event.accept()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Go through the edges by the arrows, remove one by Del; +, -, 0 and F as in a viewer."""
+        key = Qt.Key(event.key())
+        step = {
+            Qt.Key.Key_Right: 1, Qt.Key.Key_Down: 1, Qt.Key.Key_Left: -1, Qt.Key.Key_Up: -1,
+        }.get(key)  # fmt: skip
+        if step is not None:
+            self.stepped.emit(step)
+        elif key in (Qt.Key.Key_Delete, Qt.Key.Key_Backspace):
+            self.switched.emit()
+        elif key in (Qt.Key.Key_Plus, Qt.Key.Key_Equal):
+            self.zoom_by(1.25)
+        elif key == Qt.Key.Key_Minus:
+            self.zoom_by(0.8)
+        elif key in (Qt.Key.Key_0, Qt.Key.Key_F):
+            self.fit()
+        else:
+            super().keyPressEvent(event)
+            return
+        event.accept()
+
+    # --- places ------------------------------------------------------------------------------
+
+    def _whole_middle(self) -> QPointF:
+        assert self._preview is not None
+        rows, columns = self._preview.samples.shape
+        factor = self._preview.factor
+        return QPointF((columns * factor - 1) / 2.0, (rows * factor - 1) / 2.0)
+
+    def _scale(self) -> float:
+        """Dots of the widget that a sample takes."""
+        assert self._preview is not None
+        rows, columns = (size * self._preview.factor for size in self._preview.samples.shape)
+        whole = min(self.width() / columns, self.height() / rows)
+        return float(max(whole, 1e-6) * self._zoom)
+
+    def _point(self, x: float, y: float) -> QPointF:
+        middle = self._middle or self._whole_middle()
+        scale = self._scale()
+        return QPointF(
+            self.width() / 2.0 + (x - middle.x()) * scale,
+            self.height() / 2.0 + (y - middle.y()) * scale,
+        )
+
+    def _sample_at(self, point: QPointF) -> QPointF:
+        middle = self._middle or self._whole_middle()
+        scale = self._scale()
+        return QPointF(
+            middle.x() + (point.x() - self.width() / 2.0) / scale,
+            middle.y() + (point.y() - self.height() / 2.0) / scale,
+        )
+
+    def _keep_in_sight(self) -> None:
+        """Move an enlarged picture so that the chosen edge is seen."""
+        measured = self._measured
+        if measured is None or self._preview is None or not self._current >= 0:
+            return
+        if self._zoom > 1.0 and not self.rect().contains(self.point_of(self._current).toPoint()):
+            found = measured.edges[self._current].found
+            self._middle = QPointF(found.x, found.y)
+
+    def _edge_at(self, point: QPointF) -> int:
+        """The edge nearest to a point of the widget, used ones first; -1 where none is near."""
+        if self._measured is None or self._preview is None:
+            return -1
+        nearest = (math.inf, -1)
+        for place, edge in enumerate(self._measured.edges):
+            if edge.picture != self._preview.picture or not self._is_shown(place):
+                continue
+            start, end = (self._point(x, y) for x, y in edge.found.ends)
+            far = _distance(point, start, end) + (0.0 if edge.used else 2.0)
+            nearest = min(nearest, (far, place))
+        return nearest[1] if nearest[0] <= _NEAR_PX else -1
+
+    def _is_shown(self, place: int) -> bool:
+        """Whether an edge is drawn: those that cannot be used are, if wanted, or chosen."""
+        assert self._measured is not None
+        return self._all or place == self._current or self._measured.edges[place].curve is not None
+
+    def _words(self, place: int) -> str:
+        assert self._measured is not None
+        edge = self._measured.edges[place]
+        curve = edge.curve
+        if not edge.used:
+            return f"Edge {place + 1}: not used: {edge.why_not}"
+        if curve is None or curve.mtf50 is None:
+            return f"Edge {place + 1}"
+        return f"Edge {place + 1}: MTF50 {curve.mtf50:.3g} cycles/sample"
+
+    def _paint_edge(self, painter: QPainter, edge: MeasuredEdge, current: bool) -> None:
+        colour, style, width = edge_look(edge)
+        points = [self._point(x, y) for x, y in edge.found.ends]
+        if current:
+            painter.setPen(_pen("#ffffff", width + 5.0, Qt.PenStyle.SolidLine))
+            painter.drawLine(*points)
+        dark = QColor(0, 0, 0, 170 if edge.used or current else 90)
+        painter.setPen(QPen(dark, width + 1.6, Qt.PenStyle.SolidLine, Qt.PenCapStyle.FlatCap))
+        painter.drawLine(*points)
+        painter.setPen(_pen(colour, width, style))
+        painter.drawLine(*points)
+
+
+def edge_look(edge: MeasuredEdge) -> tuple[str, Qt.PenStyle, float]:
+    """Colour, style and width of an edge's line: full in use, dashed not, dotted by hand."""
+    if edge.used:
+        return USED, Qt.PenStyle.SolidLine, 2.6
+    if edge.curve is not None:
+        return REMOVED, Qt.PenStyle.DotLine, 2.0
+    return REFUSED, Qt.PenStyle.DashLine, 1.3
+
+
+def _pen(colour: str, width: float, style: Qt.PenStyle) -> QPen:
+    return QPen(QColor(colour), width, style, Qt.PenCapStyle.FlatCap)
+
+
+def _distance(point: QPointF, start: QPointF, end: QPointF) -> float:
+    """Of a point from a line between two others."""
+    along, to = end - start, point - start
+    square = QPointF.dotProduct(along, along)
+    share = min(1.0, max(0.0, QPointF.dotProduct(to, along) / square)) if square else 0.0
+    away = to - along * share
+    return math.hypot(away.x(), away.y())
+
+
+def _grey_image(preview: Preview) -> QImage:
+    """The picture in greys between its 0.1 % quantiles."""
+    from app.run.png import grey_levels, robust_limits
+
+    low, high = robust_limits(preview.samples)
+    grey = np.ascontiguousarray(grey_levels(low, high, preview.samples))
+    rows, columns = grey.shape
+    image = QImage(grey.data, columns, rows, columns, QImage.Format.Format_Grayscale8)
+    return image.copy()  # it has no part in the array

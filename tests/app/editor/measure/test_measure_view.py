@@ -1,0 +1,143 @@
+"""The measuring dock: edges are clicked, removed, used again; results written, work stopped."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from scipy.special import erf
+
+from app.editor.measure.edge_canvas import edge_look
+from app.editor.measure.measure_view import MeasureView
+from app.editor.theme import DARK, LIGHT
+from app.measure.edge_looks import REFUSED, REMOVED, USED
+
+SIGMA = (0.8, 1.6)  # of the two halves
+
+
+@pytest.fixture(scope="module")
+def two_edges(tmp_path_factory):
+    """Two edges beside one another, the second half as sharp; and a corner that is not usable."""
+    y, x = np.mgrid[0:160, 0:240]
+    picture = np.full(x.shape, 50.0)
+    for middle, sigma, sign in ((60.2, SIGMA[0], 1.0), (180.4, SIGMA[1], -1.0)):
+        away = (x - middle) * math.cos(0.1) + (y - 80) * math.sin(0.1)
+        picture += sign * 20.0 * (1.0 + erf(away / (math.sqrt(2.0) * sigma)))
+    picture += np.random.default_rng(2).normal(0.0, 0.3, x.shape)
+    path = tmp_path_factory.mktemp("pictures") / "two.npy"
+    np.save(path, picture)
+    return path
+
+
+@pytest.fixture
+def view(qtbot):
+    made = MeasureView(DARK)
+    qtbot.addWidget(made)
+    made.resize(1000, 420)
+    made.show()
+    qtbot.waitExposed(made)
+    yield made
+    made.close_worker()
+
+
+@pytest.fixture
+def measured(view, qtbot, two_edges):
+    view.measure_file(two_edges)
+    assert view.stop.isEnabled()
+    qtbot.waitUntil(lambda: view.measured is not None)
+    return view
+
+
+def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
+    view = measured
+    used = [place for place, edge in enumerate(view.measured.edges) if edge.used]
+    assert len(used) == 2
+    both = view.measured.x
+    assert both.edges == 2
+    soft = max(used, key=lambda place: view.measured.edges[place].found.x)
+    qtbot.mouseClick(
+        view.canvas, Qt.MouseButton.LeftButton, pos=view.canvas.point_of(soft).toPoint()
+    )
+    assert view.current == soft
+    assert f"edge {soft + 1}" in view.status.title.text()
+    assert view.table.currentItem().text(0) == str(soft + 1)
+    qtbot.keyClick(view.canvas, Qt.Key.Key_Delete)
+    # What is left is the sharp one: a Gaussian of 0.8 samples, MTF50 = √(ln 2 / 2) / (π σ).
+    truth = math.sqrt(math.log(2.0) / 2.0) / math.pi / SIGMA[0]
+    assert view.measured.x.mtf50 == pytest.approx(truth, abs=4.0 * view.measured.x.mtf50_sigma)
+    assert edge_look(view.measured.edges[soft])[0] == REMOVED
+    assert view.remove.text() == "Use Edge Again"
+    qtbot.keyClick(view.table, Qt.Key.Key_Space)
+    assert view.measured.x.mtf50 == both.mtf50
+    assert edge_look(view.measured.edges[soft])[0] == USED
+    qtbot.keyClick(view.canvas, Qt.Key.Key_Right)
+    assert view.current == (soft + 1) % len(view.measured.edges)
+    qtbot.mouseClick(view.canvas, Qt.MouseButton.LeftButton, pos=QPoint(3, 3))
+    assert view.current == -1
+
+
+def test_the_looks_differ_to_every_sight_and_by_their_lines(measured):
+    refused = [edge for edge in measured.measured.edges if edge.curve is None]
+    looks = [edge_look(edge) for edge in (*refused[:1], measured.measured.edges[0])]
+    assert len({style for _, style, _ in looks}) == len(looks)
+    assert len({USED, REFUSED, REMOVED}) == 3
+    measured.set_theme(LIGHT)
+    assert not measured.grab().isNull()
+
+
+def test_results_are_written_and_what_fails_is_said(measured, qtbot, tmp_path):
+    view = measured
+    with qtbot.waitSignal(view.message) as said:
+        view.export(tmp_path / "m.json")
+    assert said.args == ["note", f"wrote {tmp_path / 'm.json'}"]
+    facts = json.loads((tmp_path / "m.json").read_text())
+    assert facts["mtf"]["x"]["mtf50"] == view.measured.x.mtf50
+    view.export(tmp_path / "m.txt")
+    qtbot.waitUntil(lambda: "must end in" in view.status.title.text())
+    view.measure_file(tmp_path / "none.npy")
+    qtbot.waitUntil(lambda: "no such file" in view.status.title.text())
+    assert view.measured.x.edges == 2
+
+
+def test_work_is_stopped_and_shows_nothing(view, qtbot):
+    begun, ended = threading.Event(), threading.Event()
+
+    def job(check, _report):
+        begun.set()
+        try:
+            while True:
+                check()
+        finally:
+            ended.set()
+
+    view.worker.start(job)
+    assert begun.wait(20)
+    qtbot.keyClick(view, Qt.Key.Key_Escape)
+    assert ended.wait(20)
+    assert view.status.title.text() == "Stopped"
+    assert not view.worker.busy
+    assert view.measured is None
+
+
+def test_the_window_measures_what_a_viewer_shows(window, qtbot):
+    window.open_first("first_steps")
+    viewer = window.viewers.images[1]
+    qtbot.waitUntil(lambda: viewer.picture is not None and viewer.picture.reduced == 1)
+    window.actions_by_name["measure"].trigger()
+    view = window.measuring.view
+    assert view.isVisible()
+    qtbot.waitUntil(lambda: view.measured is not None)
+    assert view.measured.files[0].name.startswith("viewer 1: ")
+    assert view.measured.rows == viewer.picture.facts.rows
+    interval = view.measured.interval_x_mrad
+    assert interval == viewer.picture.value.interval_x_mrad
+    window.measuring.view.viewer.menu().aboutToShow.emit()
+    listed = [action.text() for action in view.viewer.menu().actions()]
+    assert any(text.startswith("Viewer &1: ") for text in listed)
+    for button in (view.viewer, view.file, view.stop, view.remove, view.unused, view.write):
+        assert button.toolTip()
+        assert button.accessibleName()
