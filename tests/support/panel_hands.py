@@ -125,7 +125,7 @@ def choose_below(field):
 
 
 def drag(slider, share):
-    """Take the handle and pull it by a share of the slider's width, in ten movements."""
+    """Take the handle and pull it by a share of the slider's width, in four movements."""
     option = QStyleOptionSlider()
     slider.initStyleOption(option)
     handle = slider.style().subControlRect(
@@ -133,8 +133,8 @@ def drag(slider, share):
     )
     start = handle.center()
     QTest.mousePress(slider, LEFT, pos=start)
-    for step in range(1, 11):
-        QTest.mouseMove(slider, start + QPoint(round(share * slider.width() * step / 10), 0))
+    for step in range(1, 5):
+        QTest.mouseMove(slider, start + QPoint(round(share * slider.width() * step / 4), 0))
         QApplication.processEvents()
     QTest.mouseRelease(slider, LEFT, pos=start + QPoint(round(share * slider.width()), 0))
 

@@ -40,6 +40,8 @@ from lens_files import write_lens_files
 from panel_hands import let_go
 
 ILLUSTRATED = [key for key in LIBRARY if illustration_of(key) is not None]
+# The first module of each kind of illustration.
+OF_EACH_KIND = tuple({illustration_of(key): key for key in reversed(ILLUSTRATED)}.values())
 INIT = {"detector_x_um": 60.0, "detector_y_um": 60.0, "focal_length_mm": 50.0, "f_number": 2.0}
 MOVING = {"range_m": 1000.0, "integration_time_s": 0.01}
 
@@ -179,6 +181,7 @@ def test_a_node_that_is_not_connected_says_what_is_missing(bench, key):
         assert missing == ("context", "magnitude")
 
 
+@pytest.mark.thorough(but=9, always=OF_EACH_KIND)
 @pytest.mark.parametrize("key", ILLUSTRATED)
 @pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
 def test_it_can_be_narrow_and_wide_and_large_in_both_looks(bench, tmp_path, key, theme):
@@ -198,6 +201,7 @@ def test_it_can_be_narrow_and_wide_and_large_in_both_looks(bench, tmp_path, key,
     assert (grey_pixels(widget).mean() > shown.mean()) == (theme is DARK)
 
 
+@pytest.mark.thorough(always=OF_EACH_KIND)
 @pytest.mark.parametrize("key", ILLUSTRATED)
 def test_it_goes_with_its_panel(qtbot, session, bench, tmp_path, key):
     np.save(tmp_path / "one.npy", np.eye(64))
@@ -311,6 +315,7 @@ def test_small_temperatures_are_in_millikelvin():
     assert pair(1.0, 1.0001) == "1"
 
 
+@pytest.mark.thorough(always=OF_EACH_KIND)
 @pytest.mark.parametrize("key", ILLUSTRATED)
 def test_another_module_under_its_name_does_not_trouble_it(bench, session, key):
     """A document may be opened while the panel of a node of the same name is still there."""

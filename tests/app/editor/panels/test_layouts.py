@@ -123,7 +123,7 @@ SCENE = {"width": 24, "height": 16}
 SCENES = {"measured_mtf": {"kind": "slanted_edge", "width": 32, "height": 32}}
 
 
-def made(key, params, folder):
+def made(engine, key, params, folder):
     """All that a node makes of a small scene, as arrays; errors as their text."""
     nodes = {
         "scene": Node("scene", "test_scene", SCENES.get(key, SCENE)),
@@ -141,7 +141,6 @@ def made(key, params, folder):
         if port.name in sources
     ]
     network = Network(nodes=nodes, links=tuple(links), seed=1)
-    engine = Engine(LIBRARY)
     plan = engine.plan(network, folder=folder)
     planned = plan.node("node")
     if planned.error is not None:
@@ -175,15 +174,19 @@ def test_parameters_that_are_not_shown_change_nothing(key, section, tmp_path):
     name, values = section.shown_when
     hidden = [c for c in declared.parameter(name).choices if c not in values]
     assert hidden
+    others = [
+        {inside: value}
+        for inside in section.parameters
+        for value in other_values(declared.parameter(inside))
+    ]
+    assert {name for other in others for name in other} == set(section.parameters)
+    engine = Engine(LIBRARY)
     for choice in hidden:
-        always = ENOUGH.get(key, {}) | ENOUGH_WITH.get((key, choice), {})
-        before = made(key, {**always, name: choice}, tmp_path)
+        always = ENOUGH.get(key, {}) | ENOUGH_WITH.get((key, choice), {}) | {name: choice}
+        before = made(engine, key, always, tmp_path)
         assert "error" not in before
-        for inside in section.parameters:
-            others = other_values(declared.parameter(inside))
-            assert others
-            for value in others:
-                after = made(key, {**always, name: choice, inside: value}, tmp_path)
-                assert before.keys() == after.keys()
-                for port in before:
-                    np.testing.assert_array_equal(before[port], after[port], f"{inside}: {port}")
+        for other in others:
+            after = made(engine, key, always | other, tmp_path)
+            assert before.keys() == after.keys()
+            for port in before:
+                np.testing.assert_array_equal(before[port], after[port], f"{other}: {port}")

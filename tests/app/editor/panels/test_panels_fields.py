@@ -35,6 +35,38 @@ RANGED, NUMBERED = (
 )
 
 
+# Together they have every kind of parameter and of section.
+EVERY_KIND = (
+    "electronics_noise",
+    "read_image",
+    "measured_mtf",
+    "exit_pupil",
+    "figures_of_merit",
+    "atmosphere_mtf",
+    "line_by_line",
+)
+variations = pytest.mark.thorough(but=4, always=EVERY_KIND)
+
+
+def kinds(key):
+    """What fields and sections of a panel differ in, other than their words."""
+    declared = declaration(LIBRARY[key])
+    for parameter in declared.parameters:
+        param = parameter.param
+        yield parameter.kind, param.unit != ""
+        bounds = (param.low is not None, param.high is not None, param.above, param.below)
+        yield parameter.kind, *bounds
+        yield parameter.kind, parameter.required, parameter.empty, param.zero_is_empty
+    for section in declared.panel:
+        yield bool(section.title), bool(section.shown_when), bool(section.offer), section.page != ""
+
+
+def test_those_of_every_run_have_every_kind():
+    assert {kind for key in EVERY_KIND for kind in kinds(key)} == {
+        kind for key in LIBRARY for kind in kinds(key)
+    }
+
+
 def stored(session, name):
     return thaw(session.network.nodes["node"].params[name])
 
@@ -49,6 +81,7 @@ def outside(parameter):
         yield int(param.high) if param.below else int(param.high) + 1
 
 
+@variations
 @pytest.mark.parametrize("key", LIBRARY)
 def test_every_parameter_is_changed_by_its_widget_and_undone(qtbot, session, key):
     area = panel_area(qtbot, session)
@@ -68,6 +101,7 @@ def test_every_parameter_is_changed_by_its_widget_and_undone(qtbot, session, key
     assert not any(field.changed for field in area.panels["node"].body.sections.fields)
 
 
+@variations
 @pytest.mark.parametrize("key", LIBRARY)
 def test_every_parameter_says_what_it_is(qtbot, session, key):
     area = panel_area(qtbot, session)
@@ -98,6 +132,7 @@ def test_every_parameter_says_what_it_is(qtbot, session, key):
     assert "" not in names
 
 
+@variations
 @pytest.mark.parametrize("key", RANGED)
 def test_what_is_out_of_range_is_marked_and_refused(qtbot, session, key):
     area = panel_area(qtbot, session)
@@ -127,6 +162,7 @@ def test_what_is_out_of_range_is_marked_and_refused(qtbot, session, key):
         assert session.document.text() == before, name
 
 
+@variations
 @pytest.mark.parametrize("key", NUMBERED)
 def test_a_drag_of_the_slider_is_one_step(qtbot, session, key):
     area = panel_area(qtbot, session)
@@ -147,6 +183,7 @@ def test_a_drag_of_the_slider_is_one_step(qtbot, session, key):
         assert session.document.text() == before, name
 
 
+@variations
 @pytest.mark.parametrize("key", NUMBERED)
 def test_arrow_keys_step_up_and_down(qtbot, session, key):
     area = panel_area(qtbot, session)

@@ -20,6 +20,7 @@ def change_what_is_shown(panel):
             change(field)
 
 
+@pytest.mark.thorough(but=6, always=("electronics_noise", "read_image", "exit_pupil"))
 @pytest.mark.parametrize("key", LIBRARY)
 def test_no_widget_outlives_its_panel(qtbot, session, key):
     area = panel_area(qtbot, session)
@@ -50,6 +51,7 @@ def test_the_area_goes_with_all_it_has(qtbot, session):
     session.do(set_parameter("node", "bits", 8))  # nobody listens any more
 
 
+@pytest.mark.thorough(always=("300-dark", "480-light"))
 @pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
 @pytest.mark.parametrize("width", [300, 480])
 def test_nothing_is_clipped(qtbot, session, width, theme):
