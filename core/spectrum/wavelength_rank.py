@@ -9,8 +9,9 @@ fit all others in least squares with Σ_j p_j = 1, so that a uniform picture sta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -130,9 +131,10 @@ def few_wavelengths(fitted: Array, judged: Array, *, tolerance: float) -> Wavele
         Largest error wanted; where not even all but one column reach it, all are taken.
     """
     count = fitted.shape[1]
-    order = _pivots(fitted)
-    for size in range(1, count):
-        chosen = np.sort(order[:size])
+    order: list[int] = []
+    for furthest in islice(_pivots(fitted), count - 1):
+        order.append(furthest)
+        chosen = np.sort(order)
         shares = _shares(fitted, chosen)
         error = max(
             float(np.abs(table - table[:, chosen] @ shares).max()) for table in (fitted, judged)
@@ -142,21 +144,23 @@ def few_wavelengths(fitted: Array, judged: Array, *, tolerance: float) -> Wavele
     return WavelengthRank(tuple(range(count)), np.eye(count), 0.0)
 
 
-def _pivots(table: Array) -> Array:
-    """Columns in the order in which each is furthest from all before, by Gram and Schmidt."""
+def _pivots(table: Array) -> Iterator[int]:
+    """Columns in the order in which each is furthest from all before, by Gram and Schmidt.
+
+    One at a time: of a thousand bands a few are wanted.
+    """
     rest = table.copy()
-    order = np.zeros(table.shape[1], np.intp)
     left = np.ones(table.shape[1], bool)
-    for place in range(len(order)):
+    for _ in range(len(left)):
         sizes = np.where(left, np.linalg.norm(rest, axis=0), -1.0)
-        order[place] = furthest = int(np.argmax(sizes))
+        furthest = int(np.argmax(sizes))
+        yield furthest
         left[furthest] = False
         if sizes[furthest] <= 0.0:
             continue
         along = rest[:, furthest] / sizes[furthest]
         for _ in range(2):  # once more for what rounding has left
             rest -= np.multiply.outer(along, along.conj() @ rest)
-    return order
 
 
 def _shares(table: Array, chosen: Array) -> Array:

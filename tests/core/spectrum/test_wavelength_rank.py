@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.linalg import qr
 
 from core.spectrum.wavelength_rank import few_wavelengths
 from cube_files import centres, disc_otf
@@ -49,3 +50,14 @@ def test_complex_functions_are_fitted_in_both_parts():
 def test_equal_functions_need_one():
     same = np.repeat(np.linspace(1, 0, 100)[:, np.newaxis], 7, axis=1)
     assert len(few_wavelengths(same[::2], same[1::2], tolerance=1e-6).chosen) == 1
+
+
+def test_as_many_steps_as_wavelengths_and_those_of_lapack(monkeypatch):
+    """A step over a thousand bands takes as long as all else that is done to choose a few."""
+    norms, norm = [], np.linalg.norm
+    monkeypatch.setattr(np.linalg, "norm", lambda *a, **k: norms.append(a) or norm(*a, **k))
+    fitted, judged = table(12.0)[::2], table(12.0)[1::2]
+    rank = few_wavelengths(fitted, judged, tolerance=1e-4)
+    assert len(norms) == len(rank.chosen) < len(WAVELENGTHS) / 2
+    *_, order = qr(fitted, mode="economic", pivoting=True)
+    assert rank.chosen == tuple(sorted(order[: len(rank.chosen)]))
