@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import count
 from typing import Any
 
 from core.modules.declaration import declaration
@@ -120,11 +121,15 @@ def fixed_chain(key: str, values: dict[str, Any]) -> Chain:
     return Chain(document, last, keeps)
 
 
-def each_extreme(key: str):
-    """Settings, and the precisions to try them in: samples overflow sooner in single."""
+def each_extreme(key: str, *, thorough: bool):
+    """Settings, and the precisions to try them in: samples overflow sooner in single.
+
+    Each value goes with one of what is switched on beside it, in turn; if `thorough`, with all.
+    """
+    bases, turn = ACTIVE.get(key, [{}]), count()
     for parameter in declaration(LIBRARY[key]).parameters:
-        for base in ACTIVE.get(key, [{}]):
-            for value in extremes(parameter):
+        for value in extremes(parameter):
+            for base in bases if thorough else [bases[next(turn) % len(bases)]]:
                 far = isinstance(value, float) and not 1e-200 < abs(value) < 1e200
                 precisions = ("double",) if key not in PICTURE else ("single", "double")[: 1 + far]
                 for precision in precisions:

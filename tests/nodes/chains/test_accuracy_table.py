@@ -118,6 +118,7 @@ def sampled(folder, pupil, precision="double", **how):
 DISC = {"shape": "clear", "radius": 256.0}
 
 
+@pytest.mark.thorough(but=3)
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("w20", [0.25, 1.0, -2.0])
 def test_wavefront_of_defocus(tmp_path, w20, precision):

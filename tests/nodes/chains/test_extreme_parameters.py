@@ -35,12 +35,12 @@ def test_faults_in_worker_threads_are_errors_too(folder):
 
 
 @pytest.mark.parametrize("key", [*SPECTRUM, *PICTURE, "init_trans", "exit_pupil"])
-def test_each_parameter_at_its_extremes(folder, key):
+def test_each_parameter_at_its_extremes(folder, key, request):
     """One engine for all settings, as in the window: what they do not change is made once."""
     picture = picture_of("scene", (3, 4))
     np.save(folder / "in.npy", picture)
     engine, faults = Engine(LIBRARY), []
-    for values, precision in each_extreme(key):
+    for values, precision in each_extreme(key, thorough=request.config.option.thorough):
         try:
             run_on_file(fixed_chain(key, values), picture, folder, precision, engine)
         except (ArithmeticError, AssertionError, ValueError, Warning) as fault:

@@ -59,6 +59,7 @@ def cascades(plan):
     return found
 
 
+@pytest.mark.thorough(but=1)
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_one_cascade_changes_by_less_than_its_tolerance(tmp_path, chunk):
     """rms ≤ t·(max − min) of the picture that came in."""
@@ -87,6 +88,7 @@ def test_one_cascade_changes_by_less_than_its_tolerance(tmp_path, chunk):
     assert skipping > NETWORKS / 3
 
 
+@pytest.mark.thorough(but=1)
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_each_cascade_of_a_network_has_the_tolerance_for_its_own_picture(tmp_path, chunk):
     """One after the other: rms ≤ Σ t·(max − min) of what comes into each.

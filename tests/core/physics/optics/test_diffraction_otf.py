@@ -78,6 +78,7 @@ def test_in_focus_is_o_neills_annulus(inner):
         assert np.abs(found - expected).max() <= 3e-14 / (1 - inner**2)
 
 
+@pytest.mark.thorough(but=3)
 @pytest.mark.parametrize(
     ("inner", "w20"), [(0.0, 0.7), (0.3, 0.5), (0.3, 3.0), (0.6, 1.2), (0.9, 9)]
 )
