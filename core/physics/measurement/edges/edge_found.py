@@ -30,6 +30,9 @@ class FoundEdge:
         Why not; empty when used.
     bend : float
         Samples, towards the brighter side, by which both ends lie off the line through the middle.
+    softness : float
+        Standard deviation of the Gaussian with the line spread's height, samples, the height taken
+        after a blur of one sample; 0 where it was not measured.
     """
 
     x: float
@@ -43,6 +46,7 @@ class FoundEdge:
     used: bool
     why_not: str = ""
     bend: float = 0.0
+    softness: float = 0.0
 
     @property
     def contrast(self) -> float:

@@ -12,13 +12,14 @@ from core.errors import DataError
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_samples import EdgeSamples, edge_samples
 from core.physics.measurement.edges.slanted_edge import falls_to
-from core.physics.measurement.edges.spread_basis import TAIL, line_transform
+from core.physics.measurement.edges.splines.spread_basis import TAIL, line_transform
 from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 _GROUPS = 24  # pieces of the edge, whose differences enter the error
+_ALIKE = 8  # neighbouring pieces, over which texture may hang together
 _NEAR = 0.05  # cycles per sample, over which their variances are averaged
 _LARGEST_GAP = 0.75  # samples between distances, above which nothing is supersampled
 _LEAST_SAMPLES = 60
@@ -155,14 +156,18 @@ def _variance(
     Notes
     -----
     Of samples that are independent, it follows from their residuals (White, 1980). Where the
-    noise hangs together, pieces of the edge differ by more (Liang and Zeger, 1986); their few
-    differences are averaged over neighbouring frequencies before they are believed.
+    noise or texture hangs together, pieces of the edge differ by more, and neighbours alike (Newey
+    and West, 1987); their few differences are averaged over neighbouring frequencies before they
+    are believed.
     """
     alone = np.sum((effect @ fit.basis.normal_matrix(fit.residual**2)) * effect, axis=1)
     place = samples.along / edge.length + 0.5
     group = np.clip((place * _GROUPS).astype(np.intp), 0, _GROUPS - 1)
     scores = fit.basis.onto_groups(fit.residual, group, _GROUPS)
-    pieces = np.sum((effect @ scores.T) ** 2, axis=1) * _GROUPS / (_GROUPS - 1.0)
+    apart = np.abs(np.subtract.outer(np.arange(_GROUPS), np.arange(_GROUPS)))
+    together = np.maximum(0.0, 1.0 - apart / _ALIKE)
+    moved = effect @ scores.T
+    pieces = np.sum((moved @ together) * moved, axis=1) * _GROUPS / (_GROUPS - _ALIKE / 2.0)
     near = np.exp(-0.5 * (np.subtract.outer(frequency, frequency) / _NEAR) ** 2)
     excess = (near @ pieces) / np.maximum(near @ alone, 1e-300)
     degrees = len(fit.residual) / max(1.0, len(fit.residual) - fit.basis.size)

@@ -15,24 +15,28 @@ from core.physics.measurement.edges.edge_samples import (
     edge_samples,
     rectangle_samples,
 )
+from core.physics.measurement.edges.edge_softness import without_soft
 from core.physics.measurement.edges.edge_surroundings import (
+    BEYOND,
     LARGEST_REACH,
-    LEAST_CONTRAST,
     LEAST_LENGTH,
     LEAST_REACH,
     Surroundings,
     frame_reach,
+    least_contrast,
     surroundings,
 )
-from core.physics.measurement.edges.ridge_points import SMOOTHING, ridge_points, rough_noise
+from core.physics.measurement.edges.ridges.ridge_points import SMOOTHING, ridge_points, rough_noise
+from core.physics.measurement.edges.ridges.straight_pieces import Piece, straight_pieces
 from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
-from core.physics.measurement.edges.straight_pieces import Piece, straight_pieces
 
 _ENDS = 1.0  # samples left off at both ends, where corners are rounded
 _CLIPPED_SHARE = 0.02
 _PILED_SHARE = 0.1
 _LARGEST_GAP = 0.75
 _BENT_REACH = 4.0  # least radius of a bent edge, in its reaches
+_BLURRED = 2.0  # times a step's contrast may be what its gradient says, for its blur
+_LEAST_SOFTNESS = 0.5  # samples, below which none is softer than another
 _PIECE = 5.0  # samples, of an edge whose places are compared
 _OFF_COURSE = 0.15  # samples
 
@@ -79,6 +83,7 @@ def find_edges(
     for piece in pieces:
         check()
         found.append(_examined(picture, piece, noise, clip_levels))
+    found = without_soft(edges=found)
     found.sort(key=lambda edge: (not edge.used, -edge.length * edge.contrast))
     return tuple(found)
 
@@ -103,17 +108,16 @@ def _examined(
         used=False,
         bend=piece.bend,
     )
-    if least < LEAST_CONTRAST * noise / 2.0:
-        times = least / noise
+    if _BLURRED * least < least_contrast(piece.length) * noise:
         return replace(
             rough,
-            why_not=f"too little contrast: {times:.2g} times the noise, of at least "
-            f"{LEAST_CONTRAST:g}",
+            why_not=f"too little contrast: about {least / noise:.2g} times the noise, of at "
+            f"least {least_contrast(piece.length):.2g} for its length",
         )
     room = frame_reach(piece=piece, shape=picture.shape)
     if room < LEAST_REACH:
         return replace(rough, why_not=f"too near to the frame's side: {room:.1f} samples")
-    reach = min(room, float(LARGEST_REACH))
+    reach = min(room, float(LARGEST_REACH + BEYOND))
     samples = rectangle_samples(
         picture=picture,
         middle=(piece.x, piece.y),
@@ -196,15 +200,21 @@ def _settled(
 def _on_course(edge: FoundEdge, fit: SpreadFit) -> FoundEdge:
     """The edge turned, bent and moved as the fit has it, through the middle of the step."""
     across_x, across_y = edge.normal
-    place = np.linspace(-edge.reach / 2.0, edge.reach / 2.0, 801)
-    above = np.flatnonzero(fit.at(place) > sum(fit.levels) / 2.0)
-    shift = float(place[above[0]]) if len(above) else 0.0
+    place = np.linspace(-edge.reach, edge.reach, 801)
+    low, high = fit.levels
+    spread = (fit.at(place) - low) / (high - low)
+    middle = float(place[int(np.argmax(spread > 0.5))])
+    near = place[np.abs(place) < 3.0]
+    blur = -near * np.exp(-0.5 * near**2) / math.sqrt(2.0 * math.pi) * (place[1] - place[0])
+    height = float(np.max(np.convolve(spread, blur, mode="valid")))
+    softness = math.sqrt(max(1.0 / (2.0 * math.pi * height**2) - 1.0, 0.0)) if height > 0 else 9.0
     return replace(
         edge,
-        x=edge.x + shift * across_x,
-        y=edge.y + shift * across_y,
+        x=edge.x + middle * across_x,
+        y=edge.y + middle * across_y,
         angle_deg=_turned(edge.angle_deg - math.degrees(math.atan(fit.turn / (edge.length / 2.0)))),
         bend=edge.bend + fit.bend,
+        softness=max(softness, _LEAST_SOFTNESS),
     )
 
 

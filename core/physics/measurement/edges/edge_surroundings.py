@@ -9,15 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.edges.edge_samples import EdgeSamples
-from core.physics.measurement.edges.straight_pieces import Piece
+from core.physics.measurement.edges.ridges.straight_pieces import Piece
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 LARGEST_REACH = 20
+BEYOND = 2  # samples beyond the reach that are looked at, for a neighbour's blur
 LEAST_REACH = 5
 LEAST_LENGTH = 11.0
-LEAST_CONTRAST = 6.0  # of the noise
+LEAST_CONTRAST = 5.0  # of the noise, for the longest edges
+_CONTRAST_OF_16 = 10.0  # the same for one of 16 samples
 _REACHES = (20, 16, 13, 10, 8, 6, 5)
 _ENOUGH_REACH = 16.0  # beyond which more reach is worth no length
 _CELL = 3.0  # samples along the edge
@@ -25,6 +27,7 @@ _LEVEL = 0.04  # of the contrast, by which a level side may differ across it
 _ALIKE = 0.06  # of the contrast, by which pieces of the edge may differ
 _OVERSHOOT = 0.35  # of the contrast, beyond the levels
 _SURE = 4.0  # standard errors
+_STEEP = 2  # samples beside an edge where its level changes fast
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,7 @@ def surroundings(
     the noise) to a reach, the one of the largest length times reach is chosen; its sides must be
     level within 4 %.
     """
-    wide = int(min(reach, LARGEST_REACH))
+    wide = int(min(reach, LARGEST_REACH + BEYOND))
     cells = max(3, round(length / _CELL))
     column = np.rint(samples.distance).astype(np.intp) + wide
     row = np.clip(((samples.along / length + 0.5) * cells).astype(np.intp), 0, cells - 1)
@@ -106,18 +109,19 @@ def surroundings(
     high = float(np.median(profile[wide + near : wide + far + 1]))
     contrast = high - low
     nothing = Surroundings(-length / 2, length / 2, float(wide), low, high, noise_sigma)
-    if not contrast > LEAST_CONTRAST * noise_sigma:
-        return _refused(nothing, _contrast_reason(contrast, noise_sigma))
+    if not contrast > least_contrast(length) * noise_sigma:
+        return _refused(nothing, _contrast_reason(contrast, noise_sigma, length))
     residual = value - np.interp(distance, np.arange(-wide, wide + 1), profile)
     count = np.bincount(row * size + column, minlength=cells * size).reshape(cells, size)
     total = np.bincount(row * size + column, residual, cells * size).reshape(cells, size)
     off = np.abs(total) / np.maximum(count, 1)
-    steep = np.abs(np.gradient(profile))
     doubt = _SURE * noise_sigma / np.sqrt(np.maximum(count, 1))
-    good = off <= _ALIKE * contrast + 0.3 * steep + doubt
+    good = off <= _ALIKE * contrast + doubt
+    good[:, wide - _STEEP : wide + _STEEP + 1] = True  # there a mean depends on the phase
     best, reasons = None, {}
     for reach_now in sorted({r for r in _REACHES if r <= wide}, reverse=True):
-        within = good[:, wide - reach_now : wide + reach_now + 1]
+        seen = min(reach_now + BEYOND, wide)
+        within = good[:, wide - seen : wide + seen + 1]
         first, last = _longest_run(np.asarray(within.all(axis=1)))
         piece_length = (last - first) * length / cells
         if piece_length < LEAST_LENGTH:
@@ -127,7 +131,9 @@ def surroundings(
             )
             continue
         chosen = (row >= first) & (row < last)
-        sides = _sides(distance[chosen], value[chosen], reach_now, noise_sigma, profile, wide)
+        sides = _sides(
+            distance[chosen], value[chosen], reach_now, noise_sigma, profile, wide, piece_length
+        )
         if isinstance(sides, str):
             reasons[reach_now] = sides
             continue
@@ -146,19 +152,30 @@ def _refused(about: Surroundings, reason: str) -> Surroundings:
     )
 
 
-def _contrast_reason(contrast: float, noise_sigma: float) -> str:
+def least_contrast(length: float) -> float:
+    """Contrast over the noise that an edge of a length needs."""
+    return max(LEAST_CONTRAST, _CONTRAST_OF_16 * math.sqrt(16.0 / length))
+
+
+def _contrast_reason(contrast: float, noise_sigma: float, length: float) -> str:
     times = contrast / max(noise_sigma, 1e-300)
-    return f"too little contrast: {times:.2g} times the noise, of at least {LEAST_CONTRAST:g}"
+    return (
+        f"too little contrast: {times:.2g} times the noise, of at least "
+        f"{least_contrast(length):.2g} for its length"
+    )
 
 
 def _medians(place: NDArray[np.intp], value: Vector, cells: int, size: int) -> Vector:
     """Median over the cells along the edge of the mean at each distance."""
     count = np.bincount(place, minlength=cells * size).reshape(cells, size)
     total = np.bincount(place, value, cells * size).reshape(cells, size)
-    means = np.where(count > 0, total / np.maximum(count, 1), np.nan)
-    empty = ~(count > 0).any(axis=0)
-    means[:, empty] = np.median(value)
-    return np.asarray(np.nanmedian(means, axis=0), np.float64)
+    means = np.where(count > 0, total / np.maximum(count, 1), np.inf)
+    means.sort(axis=0)
+    known = np.sum(count > 0, axis=0)
+    columns = np.arange(size)
+    lower = means[np.maximum(known - 1, 0) // 2, columns]
+    upper = means[np.minimum(known // 2, np.maximum(known - 1, 0)), columns]
+    return np.asarray(np.where(known > 0, (lower + upper) / 2.0, np.median(value)), np.float64)
 
 
 def _longest_run(agree: NDArray[np.bool_]) -> tuple[int, int]:
@@ -178,6 +195,7 @@ def _sides(
     noise_sigma: float,
     profile: Vector,
     wide: int,
+    length: float,
 ) -> tuple[float, float, float] | str:
     """Levels and noise of the outer halves of both sides, or why they are not level."""
     levels, variances, steps = [], [], []
@@ -193,22 +211,22 @@ def _sides(
         steps.append((abs(float(outer.mean() - inner.mean())), error))
     contrast = levels[1] - levels[0]
     noise = math.sqrt(sum(variances) / 2.0)
-    if not contrast > LEAST_CONTRAST * max(noise, noise_sigma):
-        return _contrast_reason(contrast, max(noise, noise_sigma))
+    if not contrast > least_contrast(length) * max(noise, noise_sigma):
+        return _contrast_reason(contrast, max(noise, noise_sigma), length)
     for change, error in steps:
         if change > _LEVEL * contrast + 3.0 * error:
             return (
                 f"{reach} samples from it a side is not level: it changes by "
                 f"{change / contrast:.0%} of the contrast"
             )
-    away = np.arange(-reach, reach + 1)
-    part = (profile[wide - reach : wide + reach + 1] - levels[0]) / contrast
+    seen = min(reach + BEYOND, wide)
+    place = np.arange(-seen, seen + 1)
+    part = (profile[wide - seen : wide + seen + 1] - levels[0]) / contrast
     doubt = _SURE * noise / contrast / math.sqrt(max(1.0, len(value) / (2.0 * reach + 1.0)))
-    off = np.abs(part - (away > 0))
-    beyond = off[np.abs(away) > reach / 2.0]
-    inside = np.maximum(part - 1.0, -part)[np.abs(away) <= reach / 2.0]
+    off = np.abs(part - (place > 0))
+    beyond = off[np.abs(place) > reach / 2.0]
+    inside = np.maximum(part - 1.0, -part)[np.abs(place) <= reach / 2.0]
     if beyond.max() > _ALIKE + doubt or inside.max() > _OVERSHOOT + doubt:
-        others = np.flatnonzero(off > _ALIKE + doubt)
-        outer = np.abs(away[others])
-        return f"another edge about {int(outer.max())} samples away"
+        farthest = int(np.abs(place[off > _ALIKE + doubt]).max())
+        return f"another edge about {farthest} samples away"
     return levels[0], levels[1], noise

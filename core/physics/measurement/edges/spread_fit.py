@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.edges.edge_samples import EdgeSamples
-from core.physics.measurement.edges.graded_spline import GradedSpline, graded_spline
-from core.physics.measurement.edges.spread_basis import (
+from core.physics.measurement.edges.splines.graded_spline import GradedSpline, graded_spline
+from core.physics.measurement.edges.splines.spread_basis import (
     BEND,
     OTHERS,
     TAIL,

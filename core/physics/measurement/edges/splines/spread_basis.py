@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.graded_spline import GradedSpline
+from core.physics.measurement.edges.splines.graded_spline import GradedSpline
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

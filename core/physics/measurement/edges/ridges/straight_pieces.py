@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.ridge_points import RidgePoints
+from core.physics.measurement.edges.ridges.ridge_points import RidgePoints
 
 Vector = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -16,6 +17,8 @@ _SECTOR_DEG = 40.0
 _LARGEST_TURN_DEG = 25.0  # between neighbours
 _OFF = 0.8  # samples that a point may lie off its piece's parabola
 _LARGEST_BEND = 2.5  # samples, of a piece's ends
+_POINTS = 0.7  # a sample of length, at least: one row or column each, at 45°
+_INNER = 0.9  # of a chain's length, where it may be parted
 _SHARED = 0.3  # of its points, above which a piece repeats a longer one
 _NEIGHBOURS = [(0, 1), (1, -1), (1, 0), (1, 1), (0, 2), (1, -2), (1, 2), (2, -1), (2, 0), (2, 1)]
 
@@ -119,7 +122,7 @@ def _chains(pairs: tuple[Index, Index], sector: Index, least_length: float) -> l
     order = np.argsort(label, kind="stable")
     count = np.bincount(label)
     ends = np.cumsum(count)
-    enough = np.flatnonzero(count >= 0.7 * least_length)
+    enough = np.flatnonzero(count >= _POINTS * least_length)
     return [order[ends[k] - count[k] : ends[k]] for k in enough]
 
 
@@ -128,42 +131,39 @@ def _parted(points: RidgePoints, chain: Index, least_length: float) -> list[Piec
     waiting, pieces = [chain], []
     while waiting:
         part = waiting.pop()
-        if len(part) < 0.7 * least_length:
+        if len(part) < _POINTS * least_length:
             continue
         x, y = points.x[part], points.y[part]
-        middle_x, middle_y = x.mean(), y.mean()
+        middle_x, middle_y = float(x.mean()), float(y.mean())
+        x, y = x - middle_x, y - middle_y
         angle = np.radians(points.angle_deg[part])
-        direction = np.arctan2(np.sin(angle).sum(), np.cos(angle).sum())
-        for _ in range(2):
-            across_x, across_y = np.cos(direction), np.sin(direction)
-            along = across_x * (y - middle_y) - across_y * (x - middle_x)
-            away = across_x * (x - middle_x) + across_y * (y - middle_y)
-            direction -= np.arctan(np.polyfit(along, away, 1)[0])
-        across_x, across_y = np.cos(direction), np.sin(direction)
-        along = across_x * (y - middle_y) - across_y * (x - middle_x)
-        away = across_x * (x - middle_x) + across_y * (y - middle_y)
+        direction = math.atan2(float(np.sin(angle).sum()), float(np.cos(angle).sum()))
+        for _ in range(3):
+            across_x, across_y = math.cos(direction), math.sin(direction)
+            along, away = across_x * y - across_y * x, across_x * x + across_y * y
+            direction -= math.atan(float(along @ away) / max(float(along @ along), 1e-300))
+        across_x, across_y = math.cos(direction), math.sin(direction)
+        along, away = across_x * y - across_y * x, across_x * x + across_y * y
         start, end = float(along.min()), float(along.max())
-        length = end - start
+        length, centre = end - start, (start + end) / 2.0
         if length < least_length:
             continue
-        place = (along - (start + end) / 2.0) / (length / 2.0)
-        curve = np.polyfit(place, away, 2)
-        off = np.abs(away - np.polyval(curve, place))
-        if off.max() > _OFF or abs(curve[0]) > _LARGEST_BEND:
-            chord = np.abs(away - np.polyval(np.polyfit(place, away, 1), place))
-            inner = np.abs(place) < 0.9
-            at = along[np.argmax(np.where(inner, chord, -1.0))]
+        place = (along - centre) / (length / 2.0)
+        powers = np.stack([np.ones(len(place)), place, place**2])
+        offset, tilt, bend = np.linalg.solve(powers @ powers.T, powers @ away)
+        off = np.abs(away - offset - tilt * place - bend * powers[2])
+        if float(off.max()) > _OFF or abs(bend) > _LARGEST_BEND:
+            chord = np.where(np.abs(place) < _INNER, np.abs(away), -1.0)
+            at = along[np.argmax(chord)]
             waiting.extend([part[along < at], part[along >= at]])
             continue
-        shift = float(np.polyval(curve, 0.0))
-        centre = (start + end) / 2.0
         pieces.append(
             Piece(
-                x=float(middle_x + shift * across_x - centre * across_y),
-                y=float(middle_y + shift * across_y + centre * across_x),
-                angle_deg=float(np.degrees(direction)),
+                x=middle_x + offset * across_x - centre * across_y,
+                y=middle_y + offset * across_y + centre * across_x,
+                angle_deg=math.degrees(direction - math.atan(tilt / (length / 2.0))),
                 length=length,
-                bend=float(curve[0]),
+                bend=float(bend),
                 strength=float(np.median(points.strength[part])),
                 points=part,
             )

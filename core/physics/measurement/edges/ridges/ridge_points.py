@@ -19,7 +19,7 @@ _MARGIN = 8  # rows beyond a strip that its results depend on
 _BLOCK = 16  # samples, side of the blocks in which noise is looked at
 _QUIET = 0.25  # share of the blocks taken as free of texture
 _SHARE_OF_RANGE = 0.004  # of the picture's range, a step below which is no edge in any noise
-_ABOVE_NOISE = 5.0
+_ABOVE_NOISE = 8.0
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""Ridges of a picture's gradient, and their straight pieces."""

@@ -1,0 +1,1 @@
+"""Splines that the spread of an edge is made of."""
