@@ -78,7 +78,14 @@ def find_edges(
     noise = rough_noise(picture=picture) if noise_sigma is None else noise_sigma
     check()
     points = ridge_points(picture=picture, noise_sigma=noise, check=check)
-    pieces = straight_pieces(points=points, shape=picture.shape, least_length=LEAST_LENGTH)
+    steep = noise / (_BLURRED * SMOOTHING * math.sqrt(2.0 * math.pi))
+    pieces = straight_pieces(
+        points=points,
+        shape=picture.shape,
+        least_length=LEAST_LENGTH,
+        least_strength=steep * least_contrast(1e9),
+        strength_of_16=steep * least_contrast(16.0),
+    )
     found = []
     for piece in pieces:
         check()

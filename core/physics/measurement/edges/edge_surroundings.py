@@ -25,6 +25,7 @@ _ENOUGH_REACH = 16.0  # beyond which more reach is worth no length
 _CELL = 3.0  # samples along the edge
 _LEVEL = 0.04  # of the contrast, by which a level side may differ across it
 _ALIKE = 0.06  # of the contrast, by which pieces of the edge may differ
+_NEIGHBOUR = 0.2  # of the contrast, that the level just beyond the reach may differ by
 _OVERSHOOT = 0.35  # of the contrast, beyond the levels
 _SURE = 4.0  # standard errors
 _STEEP = 2  # samples beside an edge where its level changes fast
@@ -120,14 +121,13 @@ def surroundings(
     good[:, wide - _STEEP : wide + _STEEP + 1] = True  # there a mean depends on the phase
     best, reasons = None, {}
     for reach_now in sorted({r for r in _REACHES if r <= wide}, reverse=True):
-        seen = min(reach_now + BEYOND, wide)
-        within = good[:, wide - seen : wide + seen + 1]
+        within = good[:, wide - reach_now : wide + reach_now + 1]
         first, last = _longest_run(np.asarray(within.all(axis=1)))
         piece_length = (last - first) * length / cells
         if piece_length < LEAST_LENGTH:
             reasons[reach_now] = (
-                f"its sides differ along it by {np.max(off[:, wide - 5 : wide + 6]):.2g}"
-                f" of a contrast of {contrast:.3g}"
+                f"its sides or its contrast differ along it by "
+                f"{_beside(off, wide, reach_now) / contrast:.0%} of the contrast"
             )
             continue
         chosen = (row >= first) & (row < last)
@@ -144,6 +144,12 @@ def surroundings(
     if best is None:
         return _refused(nothing, reasons[min(reasons)] if reasons else "too near to the frame")
     return best[1]
+
+
+def _beside(off: Matrix, wide: int, reach: int) -> float:
+    """Largest departure of a cell beside the edge, within its reach."""
+    near = np.abs(np.arange(-wide, wide + 1))
+    return float(off[:, (near > _STEEP) & (near <= reach)].max())
 
 
 def _refused(about: Surroundings, reason: str) -> Surroundings:
@@ -224,8 +230,11 @@ def _sides(
     part = (profile[wide - seen : wide + seen + 1] - levels[0]) / contrast
     doubt = _SURE * noise / contrast / math.sqrt(max(1.0, len(value) / (2.0 * reach + 1.0)))
     off = np.abs(part - (place > 0))
-    beyond = off[np.abs(place) > reach / 2.0]
+    beyond = off[(np.abs(place) > reach / 2.0) & (np.abs(place) <= reach)]
     inside = np.maximum(part - 1.0, -part)[np.abs(place) <= reach / 2.0]
+    neighbour = off[np.abs(place) > reach]
+    if neighbour.max(initial=0.0) > _NEIGHBOUR + doubt:
+        return f"another edge about {reach + BEYOND} samples away"
     if beyond.max() > _ALIKE + doubt or inside.max() > _OVERSHOOT + doubt:
         farthest = int(np.abs(place[off > _ALIKE + doubt]).max())
         return f"another edge about {farthest} samples away"

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 Index = NDArray[np.intp]
 Picture = NDArray[np.floating]
+Single = NDArray[np.float32]
 
 SMOOTHING = 1.5  # samples, of the Gaussian whose derivative is taken
 _STRIP = 512  # rows worked on at once
@@ -93,8 +94,6 @@ def ridge_points(
     place between samples. White noise gives that gradient a standard deviation of
     σ/(√(8π)·1.5²).
     """
-    from scipy import ndimage
-
     level = float(np.median(picture[:: max(1, picture.shape[0] // 256)]))
     low, high = np.quantile(picture[:: max(1, picture.shape[0] // 512)], [0.001, 0.999])
     least = _ABOVE_NOISE * noise_sigma / (math.sqrt(8.0 * math.pi) * SMOOTHING**2)
@@ -107,11 +106,7 @@ def ridge_points(
         check()
         first, last = max(0, top - _MARGIN), min(rows, top + _STRIP + _MARGIN)
         part = (picture[first:last] - level).astype(np.float32)
-        slope_x = ndimage.gaussian_filter1d(part, SMOOTHING, axis=0, truncate=3.0)
-        slope_x = ndimage.gaussian_filter1d(slope_x, SMOOTHING, axis=1, order=1, truncate=3.0)
-        slope_y = ndimage.gaussian_filter1d(part, SMOOTHING, axis=1, truncate=3.0)
-        slope_y = ndimage.gaussian_filter1d(slope_y, SMOOTHING, axis=0, order=1, truncate=3.0)
-        found = _ridges(slope_x, slope_y, least)
+        found = _ridges(_slope(part), _slope(part.T).T, least)
         own = (found.row + first >= top) & (found.row + first < top + _STRIP)
         strips.append(
             RidgePoints(
@@ -126,6 +121,27 @@ def ridge_points(
     return RidgePoints(
         *(np.concatenate([getattr(strip, f.name) for strip in strips]) for f in fields(RidgePoints))
     )
+
+
+def _slope(part: Single) -> Single:
+    """Derivative along the rows of a part smoothed along both, level beyond its borders."""
+    reach = math.ceil(3.0 * SMOOTHING)
+    away = np.arange(reach + 1)
+    bell = np.exp(-0.5 * (away / SMOOTHING) ** 2)
+    smooth = bell / (2.0 * bell.sum() - bell[0])
+    steps = away * bell / (2.0 * np.sum(away**2 * bell))
+    rows, columns = part.shape
+    tall = np.pad(part, ((reach, reach), (0, 0)), mode="edge")
+    down = np.float32(smooth[0]) * part
+    for k in range(1, reach + 1):
+        pair = tall[reach - k : reach - k + rows] + tall[reach + k : reach + k + rows]
+        down += np.float32(smooth[k]) * pair
+    wide = np.pad(down, ((0, 0), (reach, reach)), mode="edge")
+    slope = np.zeros_like(part)
+    for k in range(1, reach + 1):
+        pair = wide[:, reach + k : reach + k + columns] - wide[:, reach - k : reach - k + columns]
+        slope += np.float32(steps[k]) * pair
+    return slope
 
 
 def _ridges(slope_x: Picture, slope_y: Picture, least: float) -> RidgePoints:

@@ -53,7 +53,12 @@ class Piece:
 
 
 def straight_pieces(
-    *, points: RidgePoints, shape: tuple[int, ...], least_length: float
+    *,
+    points: RidgePoints,
+    shape: tuple[int, ...],
+    least_length: float,
+    least_strength: float = 0.0,
+    strength_of_16: float = 0.0,
 ) -> list[Piece]:
     """Link ridge points of like direction and part them into pieces, longest first.
 
@@ -65,6 +70,8 @@ def straight_pieces(
         Rows and columns of it.
     least_length : float
         Of a piece, samples.
+    least_strength, strength_of_16 : float
+        Of a chain of any length, and of one of 16 points; of others as the root of the number.
 
     Notes
     -----
@@ -78,7 +85,12 @@ def straight_pieces(
     pieces: list[Piece] = []
     for shift in (0.0, _SECTOR_DEG / 2.0):
         sector = ((points.angle_deg + shift) % 360.0 // _SECTOR_DEG).astype(np.intp)
-        for chain in _chains(pairs, sector, least_length):
+        label = _components(*_within(pairs, sector), len(sector))
+        count = np.bincount(label)
+        mean = np.bincount(label, points.strength) / np.maximum(count, 1)
+        needed = np.maximum(least_strength, strength_of_16 * np.sqrt(16.0 / np.maximum(count, 1)))
+        enough = (count >= _POINTS * least_length) & (mean >= needed)
+        for chain in _chains(label, count, enough):
             pieces.extend(_parted(points, chain, least_length))
     pieces.sort(key=lambda piece: -piece.length)
     claimed = np.zeros(len(points.x), np.bool_)
@@ -107,23 +119,34 @@ def _neighbours(points: RidgePoints, shape: tuple[int, ...]) -> tuple[Index, Ind
     return np.concatenate(first), np.concatenate(second)
 
 
-def _chains(pairs: tuple[Index, Index], sector: Index, least_length: float) -> list[Index]:
-    """Points that hang together within a sector, of enough points for the length."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
+def _within(pairs: tuple[Index, Index], sector: Index) -> tuple[Index, Index]:
+    """Pairs within one sector."""
     first, second = pairs
     same = sector[first] == sector[second]
-    links = coo_array(
-        (np.ones(int(same.sum()), np.int8), (first[same], second[same])),
-        shape=(len(sector), len(sector)),
-    )
-    _, label = connected_components(links, directed=False)
+    return first[same], second[same]
+
+
+def _chains(label: Index, count: Index, enough: NDArray[np.bool_]) -> list[Index]:
+    """The points of each label that is enough."""
     order = np.argsort(label, kind="stable")
-    count = np.bincount(label)
     ends = np.cumsum(count)
-    enough = np.flatnonzero(count >= _POINTS * least_length)
-    return [order[ends[k] - count[k] : ends[k]] for k in enough]
+    return [order[ends[k] - count[k] : ends[k]] for k in np.flatnonzero(enough)]
+
+
+def _components(first: Index, second: Index, size: int) -> Index:
+    """Smallest number among the points that hang together with each, by links."""
+    label = np.arange(size)
+    while len(first):
+        one, other = label[first], label[second]
+        apart = one != other
+        first, second, one, other = first[apart], second[apart], one[apart], other[apart]
+        np.minimum.at(label, np.maximum(one, other), np.minimum(one, other))
+        while True:
+            further = label[label]
+            if np.array_equal(further, label):
+                break
+            label = further
+    return label
 
 
 def _parted(points: RidgePoints, chain: Index, least_length: float) -> list[Piece]:
