@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.physics.measurement.noise.flat_blocks import FlatBlocks, flat_blocks
+from core.physics.measurement.noise.flat_blocks import FlatBlocks
+from core.physics.measurement.noise.line_removal import flat_without_lines
+from core.physics.measurement.noise.periodic_lines import PeriodicLine
 from core.physics.measurement.noise.picture_blocks import (
     FINE,
     SIDE,
@@ -42,7 +44,7 @@ _WHITE = 0.1  # by which middle waves may exceed fine ones
 _STRUCTURE = 0.12  # of the variance, that may be taken off for structure
 _LEAST_UNEVEN = 0.3  # of the blocks, where the noise of one place does not vouch for another's
 _COARSE_UNEVEN = 0.5  # by which coarse waves may exceed fine ones there
-_UNREACHED = 0.1  # standard error over sigma, beyond which the levels do not reach the mean
+_UNREACHED = 0.05  # standard error over sigma, beyond which the levels do not reach the mean
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ class PictureNoise:
     sigma_reason : str
         Why there is none.
     mean_level : float
-        Mean of the samples that count.
+        Mean of the samples that are not to be avoided.
     gain_e_per_dn, gain_error, gain_reason
         Electrons of one unit of the picture.
     read_noise_dn, read_noise_error, read_noise_reason
@@ -154,16 +156,27 @@ def noise_of_picture(
     good = _good(picture, avoid, low, high)
     blocks = picture_blocks(picture=picture, good=good, check=check)
     check()
-    mean = float(picture.mean() if good is None else picture[good].mean()) if _any(good) else 0.0
+    if avoid is not None and avoid.all():
+        return _nothing("no sample is left to measure in", math.nan, None, blocks)
+    mean = float(picture.mean() if avoid is None else picture[~avoid].mean())
     step = rounding_step(picture=picture)
     check()
     enough = len(blocks.level) >= _LEAST_BLOCKS
     if enough and _still(blocks):
         return _nothing(_hidden(step), mean, step, blocks)
+    lines: tuple[PeriodicLine, ...] = ()
     flat = None
     if enough:
         hidden = 0.0 if step is None else (_COARSE_STEPS**2 + 1.0 / 12.0) * step**2
-        flat = flat_blocks(blocks=blocks, least=hidden, low=low, high=high)
+        blocks, flat, lines = flat_without_lines(
+            picture=picture,
+            good=good,
+            blocks=blocks,
+            least=hidden,
+            low=low,
+            high=high,
+            check=check,
+        )
     if flat is None or np.count_nonzero(flat.chosen) < _LEAST_BLOCKS:
         return _nothing(
             f"{0 if flat is None else np.count_nonzero(flat.chosen)} blocks of {SIDE} × {SIDE} "
@@ -172,7 +185,7 @@ def noise_of_picture(
             step,
             blocks,
         )
-    return _measured(blocks, flat, mean, step, offset, check)
+    return _measured(blocks, flat, lines, mean, step, offset, check)
 
 
 def _still(blocks: PictureBlocks) -> bool:
@@ -186,10 +199,6 @@ def _hidden(step: float | None) -> str:
     if step is None:
         return "the flat areas have no noise"
     return f"the noise is finer than the converter's step of {step:.4g}, which hides it"
-
-
-def _any(good: Mask | None) -> bool:
-    return good is None or bool(good.any())
 
 
 def _ends(picture: Matrix) -> tuple[float | None, float | None]:
@@ -233,6 +242,7 @@ def _good(
 def _measured(
     blocks: PictureBlocks,
     flat: FlatBlocks,
+    lines: tuple[PeriodicLine, ...],
     mean: float,
     step: float | None,
     offset: float,
@@ -242,7 +252,7 @@ def _measured(
     level, variance = blocks.level[flat.chosen], flat.variance[flat.chosen]
     rounding = 0.0 if step is None else step**2 / 12.0
     if flat.even:
-        at_mean, error = flat.line.at(mean)
+        at_mean, error = flat.line.bounded(offset).at(mean)
     else:
         at_mean = float(variance.mean())
         error = float(variance.std()) / math.sqrt(len(variance))
@@ -280,7 +290,14 @@ def _measured(
         *gain,
         *read,
         _levels(level, variance),
-        noise_power(blocks=blocks, flat=flat, white=at_mean, white_error=error, check=check),
+        noise_power(
+            blocks=blocks,
+            flat=flat,
+            white=at_mean,
+            white_error=error,
+            lines=lines,
+            check=check,
+        ),
         step,
         where.reshape(blocks.grid),
         tuple(remarks),

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.noise.flat_blocks import FlatBlocks
+from core.physics.measurement.noise.periodic_lines import PeriodicLine
 from core.physics.measurement.noise.picture_blocks import SIDE, PictureBlocks
 
 Vector = NDArray[np.float64]
@@ -54,12 +55,15 @@ class NoisePower:
         Of noise of equal power at all frequencies, rounding included, and the standard error.
     rows, columns : LineNoise or None
         Offsets of rows, and of columns, that hold across the picture.
+    lines : tuple of PeriodicLine
+        Sine waves all over the picture, the strongest first.
     """
 
     white: float
     white_error: float
     rows: LineNoise | None
     columns: LineNoise | None
+    lines: tuple[PeriodicLine, ...]
 
 
 def noise_power(
@@ -68,6 +72,7 @@ def noise_power(
     flat: FlatBlocks,
     white: float,
     white_error: float,
+    lines: tuple[PeriodicLine, ...] = (),
     check: Callable[[], None] = lambda: None,
 ) -> NoisePower:
     """Tell the parts of the power in the flat blocks apart.
@@ -78,6 +83,8 @@ def noise_power(
         Of the picture, and those of noise alone.
     white, white_error : float
         Variance of the white part.
+    lines
+        Periodic ones, which the blocks are free of.
     check : callable
         Called between steps; may raise to stop.
     """
@@ -87,7 +94,7 @@ def noise_power(
     rows = line_noise(waves=blocks.rows[flat.chosen], noise=noise, line=down)
     check()
     columns = line_noise(waves=blocks.columns[flat.chosen], noise=noise, line=across)
-    return NoisePower(white, white_error, rows, columns)
+    return NoisePower(white, white_error, rows, columns, lines)
 
 
 def line_noise(

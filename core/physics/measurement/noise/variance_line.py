@@ -7,7 +7,7 @@ digital numbers, K electrons of one.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,21 @@ class VarianceLine:
             self.middle_error**2 + 2.0 * away * self.covariance + (away * self.slope_error) ** 2
         )
         return self.middle + self.slope * away, math.sqrt(max(variance, 0.0))
+
+    def bounded(self, offset: float) -> VarianceLine:
+        """The line with what physics knows of its slope, for levels it was not measured at.
+
+        From none to all of the variance is shot noise of the light above `offset`.
+        """
+        light = self.centre - offset
+        if light <= 0.0 or self.slope_error <= 0.0:
+            return self
+        half = 0.5 * self.middle / light
+        weights = 1.0 / self.slope_error**2, 1.0 / half**2
+        slope = (self.slope * weights[0] + half * weights[1]) / sum(weights)
+        share = weights[0] / sum(weights)
+        error = math.sqrt(1.0 / sum(weights))
+        return replace(self, slope=slope, slope_error=error, covariance=share * self.covariance)
 
     def over(self, level: Vector) -> Vector:
         """Variance at levels, never below a small share of the mean."""

@@ -48,6 +48,30 @@ def test_rows_and_columns(scene):
     assert not without.columns.significant
 
 
+def test_periodic_lines(scene):
+    waves = ((8.0, 0.35, -0.27), (5.0, 0.25, 0.0), (3.0, 0.2131, 0.1))
+    sensor = Sensor(read_e=40.0, lines=waves, rows=2.0)
+    noise = noise_of_picture(picture=sensor.picture(scene, seed=12))
+    assert noise.sigma == pytest.approx(sensor.sigma(scene.mean()), rel=0.03)
+    assert len(noise.power.lines) == 3
+    for line, (amplitude, across, down) in zip(noise.power.lines, waves, strict=True):
+        assert abs(line.amplitude - amplitude) < 4 * line.amplitude_error
+        assert line.across == pytest.approx(across, abs=0.1 / 320)
+        assert line.down == pytest.approx(down, abs=0.1 / 240)
+        assert line.significance > 100
+    y, x = np.indices((60, 70))
+    first = noise.power.lines[0]
+    true = 8.0 * np.cos(2 * math.pi * (0.35 * x - 0.27 * y) + 1.0)
+    assert np.abs(first.at(y, x) - true).max() < 1.0
+
+
+def test_a_grating_in_the_scene_is_no_periodic_line():
+    y, x = np.indices((240, 320))
+    bars = np.where(x < 160, 700 + 300 * np.sign(np.sin(0.7 * x + 0.1 * y)), 500)
+    picture = bars + 5 * np.random.default_rng(13).standard_normal(bars.shape)
+    assert noise_of_picture(picture=picture).power.lines == ()
+
+
 def test_one_level_has_no_gain():
     picture = 500 + 3 * np.random.default_rng(4).standard_normal((200, 240))
     noise = noise_of_picture(picture=picture)
@@ -82,6 +106,8 @@ def test_clipped_and_avoided_samples_do_not_count(scene):
     assert abs(noise.gain_e_per_dn - 4.0) < 3 * noise.gain_error
     assert max(part.level for part in noise.levels) < 4700
     assert not noise.flat[:5, :5].any()
+    nothing = noise_of_picture(picture=picture, avoid=np.ones(picture.shape, bool))
+    assert nothing.sigma_reason == "no sample is left to measure in"
 
 
 def box(picture, axis):

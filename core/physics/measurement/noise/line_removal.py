@@ -1,0 +1,109 @@
+"""Blocks of a picture free of its periodic lines, which would hide what is flat."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.physics.measurement.noise.flat_blocks import FlatBlocks, flat_blocks
+from core.physics.measurement.noise.periodic_lines import (
+    PeriodicLine,
+    fitted_lines,
+    line_frequencies,
+)
+from core.physics.measurement.noise.picture_blocks import (
+    COARSE,
+    FINE,
+    PictureBlocks,
+    picture_blocks,
+)
+
+Matrix = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Lines = tuple[PeriodicLine, ...]
+
+_QUIET = 0.4  # of the blocks, in which lines are fitted to begin with
+_EDGE = 4.0  # times the median power of waves along an axis
+_ROUNDS = 2
+
+
+def flat_without_lines(
+    *,
+    picture: Matrix,
+    good: Mask | None,
+    blocks: PictureBlocks,
+    least: float,
+    low: float | None,
+    high: float | None,
+    check: Callable[[], None],
+) -> tuple[PictureBlocks, FlatBlocks | None, Lines]:
+    """Blocks without periodic lines, the flat ones of them, and the lines.
+
+    Parameters
+    ----------
+    picture, good
+        Samples, and which of them count.
+    blocks
+        Of the picture as it is.
+    least, low, high
+        As `flat_blocks` takes them.
+    check : callable
+        Called between steps; may raise to stop.
+    """
+    lines: Lines = ()
+    frequencies = line_frequencies(picture=picture, check=check)
+    if frequencies:
+        structure = blocks.mean_power(COARSE) + blocks.axis_power()
+        quiet = structure <= np.quantile(structure, _QUIET)
+        variance = float(np.median(blocks.mean_power(FINE)[quiet]))
+        lines = _fitted(picture, blocks, quiet, frequencies, variance)
+    free = _less(picture, good, blocks, lines, check)
+    flat = flat_blocks(blocks=free, least=least, low=low, high=high)
+    for _ in range(_ROUNDS if lines else 0):
+        check()
+        if flat is None:
+            break
+        # An edge along an axis is none to the coarse waves, and all to a line's own.
+        across = free.axis_power() / flat.line.over(free.level)
+        even = flat.chosen & (across <= _EDGE * np.median(across[flat.chosen]))
+        places = tuple((line.across, line.down) for line in lines)
+        lines = _fitted(picture, free, even, places, flat.line.middle)
+        free = _less(picture, good, blocks, lines, check)
+        flat = flat_blocks(blocks=free, least=least, low=low, high=high)
+    return free, flat, lines
+
+
+def _less(
+    picture: Matrix,
+    good: Mask | None,
+    blocks: PictureBlocks,
+    lines: Lines,
+    check: Callable[[], None],
+) -> PictureBlocks:
+    """Blocks of the picture less lines."""
+    if not lines:
+        return blocks
+    rows, columns = np.ogrid[: picture.shape[0], : picture.shape[1]]
+    free = picture.copy()
+    for line in lines:
+        check()
+        free -= line.at(rows, columns)
+    return picture_blocks(picture=free, good=good, check=check)
+
+
+def _fitted(
+    picture: Matrix,
+    blocks: PictureBlocks,
+    chosen: Mask,
+    frequencies: tuple[tuple[float, float], ...],
+    variance: float,
+) -> Lines:
+    return fitted_lines(
+        picture=picture,
+        frequencies=frequencies,
+        places=blocks.place[chosen],
+        grid=blocks.grid,
+        variance=variance,
+    )
