@@ -61,13 +61,15 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
             choice = _edges(options.pictures, work.check)
             progress("parameters")
             chain = ChainAt(engine, plan, [parameter.target for parameter in free])
-            result = result_of(fit_chain(EdgeProblem(chain, work, free, choice.patches)))
+            problem = EdgeProblem(chain, work, free, choice.patches)
+            result = result_of(fit_chain(problem), problem.cost)
         if options.fit_json is not None:
             staging.write(options.fit_json, partial(write_text, content=fit_json(result)))
         if options.fit_output is not None:
             fitted = network
             for parameter, one in zip(free, result.parameters, strict=True):
-                fitted = with_value(fitted, engine, parameter.node, parameter.name, one.used)
+                if one.used is not None:
+                    fitted = with_value(fitted, engine, parameter.node, parameter.name, one.used)
             text = format_network(fitted, library=library)
             staging.write(options.fit_output, partial(write_text, content=text))
         staging.commit()

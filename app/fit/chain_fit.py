@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.chain_transfer import ChainAt, EdgeTransfer
-from app.fit.edge_fit import EdgeAt, EdgeFits
+from app.fit.edge_fit import EdgeFits, EdgesAt
 from app.fit.free_parameter import FreeParameter
 from app.fit.parameter_search import starts
 from app.fit.patch import Patch
@@ -26,15 +26,17 @@ from core.evaluation.work import Work
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-_THIN = 240  # samples of an edge while a start is sought
+_THIN, _THIN_EDGES = 240, 12  # samples of an edge, and edges, while a start is sought
 _STARTS = 3
 _SEED = 1996
 _STEP = 1e-3  # of a parameter's scale, for differences
 _FINE_STEP = 2e-3  # of the same, to both sides
 _BIN = 0.25  # samples of distance, in which residuals are averaged
 _IN_BIN = 12
+_LEVELS = 2  # of an edge, that count among its bins
 _CERTAIN = 4.0  # standard deviations, from which on an excess counts
 _AT_END = 1e-3  # of the scale
+_SAME = 1.0  # of the sum of squares
 
 
 @dataclass(frozen=True)
@@ -91,8 +93,8 @@ class ChainFit:
         Derivatives of the residuals, shape (samples, parameters).
     patches : tuple of Patch
         The edges' samples.
-    edges : tuple of EdgeAt
-        Each as fitted.
+    edges : EdgesAt
+        All as fitted.
     table : SpreadTable
         Their spreads.
     misfit : Misfit
@@ -101,17 +103,20 @@ class ChainFit:
         For each parameter ``low`` or ``high`` where it lies at that end of its range, else empty.
     evaluations : int
         How often the chain was evaluated.
+    unsigned : tuple of int
+        Places of the parameters whose sign changes nothing.
     """
 
     free: tuple[FreeParameter, ...]
     values: Vector
     jacobian: Matrix
     patches: tuple[Patch, ...]
-    edges: tuple[EdgeAt, ...]
+    edges: EdgesAt
     table: SpreadTable
     misfit: Misfit
     at_end: tuple[str, ...]
     evaluations: int
+    unsigned: tuple[int, ...] = ()
 
 
 class EdgeProblem:
@@ -127,12 +132,12 @@ class EdgeProblem:
         self.free = tuple(free)
         self.patches = tuple(patches)
         self.evaluations = 0
-        self._chain = chain
+        self._chain, self._work = chain, work
         period = period_for(reach=max(patch.reach for patch in patches))
         angles = [patch.angle_deg for patch in patches]
         self._transfer = EdgeTransfer(work, angles, period)
         self._fits = EdgeFits(self.patches)
-        self._last: tuple[Vector, SpreadTable, tuple[EdgeAt, ...]] | None = None
+        self._last: tuple[Vector, SpreadTable, EdgesAt] | None = None
 
     def table(self, values: Vector) -> SpreadTable:
         """Spreads of all edges."""
@@ -140,20 +145,18 @@ class EdgeProblem:
         return self._transfer.table(self._chain.image([float(v) for v in values]))
 
     def thinned(self) -> EdgeProblem:
-        """The same with fewer samples."""
-        other = object.__new__(EdgeProblem)
-        other.__dict__.update(self.__dict__)
-        other.patches = tuple(patch.thinned(_THIN) for patch in self.patches)
-        other._fits = EdgeFits(other.patches)
-        other._last = None
-        return other
+        """Fewer edges, of all directions, and samples."""
+        order = np.argsort([patch.angle_deg % 180.0 for patch in self.patches], kind="stable")
+        taken = np.linspace(0, len(order) - 1, min(len(order), _THIN_EDGES)).astype(np.intp)
+        patches = [self.patches[order[place]].thinned(_THIN) for place in taken]
+        return EdgeProblem(self._chain, self._work, self.free, patches)
 
     @property
     def degrees(self) -> int:
         """Degrees of freedom."""
         return self._fits.degrees - len(self.free)
 
-    def fitted(self, values: Vector) -> tuple[SpreadTable, tuple[EdgeAt, ...]]:
+    def fitted(self, values: Vector) -> tuple[SpreadTable, EdgesAt]:
         """Spreads, and edges fitted with them."""
         if self._last is None or not np.array_equal(self._last[0], values):
             table = self.table(values)
@@ -162,20 +165,19 @@ class EdgeProblem:
 
     def freeze(self, values: Vector) -> None:
         """Take the weights that belong to these values from now on."""
-        table, edges = self.fitted(values)
-        self._fits.freeze(edges, table)
-        self.patches = self._fits.patches
+        _, edges = self.fitted(values)
+        self._fits.freeze(edges)
         self._last = None
 
     def residual(self, values: Vector) -> Vector:
         """Of all samples, in standard deviations."""
         _, edges = self.fitted(values)
-        return np.concatenate([edge.residual for edge in edges])
+        return edges.residual.ravel()
 
     def cost(self, values: Vector) -> float:
         """Sum of squares; infinite for values that are not allowed."""
         try:
-            return float(sum(edge.cost for edge in self.fitted(values)[1]))
+            return self.fitted(values)[1].cost
         except Cancelled:
             raise
         except ImagechainError:
@@ -183,10 +185,10 @@ class EdgeProblem:
 
     def derivative(self, values: Vector, index: int, other: float) -> Vector:
         """Residuals' change as one parameter takes another value."""
-        table, edges = self.fitted(values)
+        _, edges = self.fitted(values)
         changed = values.copy()
         changed[index] = other
-        return self._fits.derivative(edges, table, self.table(changed))
+        return self._fits.derivative(edges, self.table(changed))
 
     def jacobian(self, values: Vector, scales: Vector, *, fine: bool = False) -> Matrix:
         """Derivatives of the residuals by differences within the ranges."""
@@ -242,6 +244,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     best = min((solved(thin, start, 25) for start in begin), key=lambda pair: pair[1])[0]
     problem.freeze(best)
     values, _ = solved(problem, best, 25)
+    values, unsigned = _positive(problem, values)
     scales = scales_of(free, values)
     table, edges = problem.fitted(values)
     jacobian = problem.jacobian(values, scales, fine=True)
@@ -255,7 +258,22 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         misfit_of(edges, problem),
         tuple(_end(p, float(v), float(s)) for p, v, s in zip(free, values, scales, strict=True)),
         problem.evaluations + thin.evaluations,
+        unsigned,
     )
+
+
+def _positive(problem: EdgeProblem, values: Vector) -> tuple[Vector, tuple[int, ...]]:
+    """Positive values where the sign changes nothing, as that of a defocus; and which these are."""
+    unsigned = []
+    for index, parameter in enumerate(problem.free):
+        if not (parameter.low < -abs(values[index]) < 0.0 and abs(values[index]) < parameter.high):
+            continue
+        other = values.copy()
+        other[index] = -other[index]
+        if abs(problem.cost(other) - problem.cost(values)) < _SAME:
+            unsigned.append(index)
+            values = values if values[index] > 0.0 else other
+    return values, tuple(unsigned)
 
 
 def scales_of(free: Sequence[FreeParameter], values: Vector) -> Vector:
@@ -268,18 +286,22 @@ def scales_of(free: Sequence[FreeParameter], values: Vector) -> Vector:
     return np.array(scales)
 
 
-def misfit_of(edges: Sequence[EdgeAt], problem: EdgeProblem) -> Misfit:
+def misfit_of(edges: EdgesAt, problem: EdgeProblem) -> Misfit:
     """How much is left beyond noise, and how much of that has the shape of edges."""
-    chi2 = sum(edge.cost for edge in edges)
     shape, bins = 0.0, 0
-    for edge in edges:
-        order = np.argsort(edge.distance, kind="stable")
-        places = np.floor(edge.distance[order] / _BIN)
-        ends = np.flatnonzero(np.diff(places)) + 1
-        groups = [g for g in np.split(edge.residual[order], ends) if len(g) >= _IN_BIN]
-        shape += sum(float(group.sum()) ** 2 / len(group) for group in groups)
-        bins += len(groups) - min(len(groups), edge.basis.shape[1])
-    return Misfit(chi2, problem.degrees, shape, bins - len(problem.free))
+    own = edges.own.shape[1] + _LEVELS
+    for weight, distance, residual in zip(
+        edges.weight, edges.distance, edges.residual, strict=True
+    ):
+        inside = weight > 0.0
+        place = np.floor(distance[inside] / _BIN).astype(np.intp)
+        place -= place.min()
+        count = np.bincount(place)
+        total = np.bincount(place, residual[inside])
+        full = count >= _IN_BIN
+        shape += float(np.sum(total[full] ** 2 / count[full]))
+        bins += max(0, int(np.count_nonzero(full)) - own)
+    return Misfit(edges.cost, problem.degrees, shape, bins - len(problem.free))
 
 
 def _end(parameter: FreeParameter, value: float, scale: float) -> str:

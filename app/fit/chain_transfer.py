@@ -139,6 +139,10 @@ class EdgeTransfer:
 def _complex_at(work: Work, factor: Factor, xi: Vector, eta: Vector) -> Complex:
     """What a factor multiplies a wave by, at pairs of frequencies."""
     if isinstance(factor, Planar):
+        if factor.radial and _is_alike(xi, eta, factor.ratios):
+            # One row stands for all: some laws take long.
+            row = factor.transfer(work, xi[:1], eta[:1])
+            return np.asarray(np.broadcast_to(row, xi.shape), np.complex128)
         return np.asarray(np.broadcast_to(factor.transfer(work, xi, eta), xi.shape), np.complex128)
     assert isinstance(factor, Separable)
     total: Any = np.ones(xi.shape) if factor.part == "mtf" else np.zeros(xi.shape)
@@ -157,6 +161,12 @@ def _complex_at(work: Work, factor: Factor, xi: Vector, eta: Vector) -> Complex:
     if factor.part == "ptf":
         total = np.exp(1j * total)
     return np.asarray(total, np.complex128)
+
+
+def _is_alike(xi: Vector, eta: Vector, ratios: tuple[float, float]) -> bool:
+    """Whether radial frequencies are the same in all rows."""
+    last = np.hypot(xi[:, -1] * ratios[0], eta[:, -1] * ratios[1])
+    return bool(np.ptp(last) <= 1e-12 * np.abs(last).max())
 
 
 class ChainAt:

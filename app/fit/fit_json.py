@@ -19,6 +19,15 @@ def fit_json(result: FitResult) -> str:
         },
         "correlation": [[_number(value) for value in row] for row in result.correlation],
         "chi2_per_degree": _number(result.chi2_per_degree),
+        "combinations": [
+            {
+                "expression": one.text,
+                "value": _number(one.value),
+                "sigma": _number(one.sigma),
+                "unit": one.unit,
+            }
+            for one in result.combinations
+        ],
         "warnings": list(result.warnings),
         "notes": list(result.notes),
     }

@@ -1,16 +1,22 @@
-"""What a fit gives: parameters with errors and correlations, and what cannot be told."""
+"""What a fit gives: parameters with errors and correlations, and what is not determined."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.chain_fit import ChainFit
+from app.fit.identifiability import Combination, Identified, identified
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+
+_UNCERTAIN = 0.5  # of a value: with a larger error it is hardly measured
+_CORRELATED = 0.98
 
 
 @dataclass(frozen=True)
@@ -23,15 +29,16 @@ class FittedParameter:
         Its name and unit.
     value, sigma : float or None
         The value and its standard error; both None where the pictures do not determine it.
-    used : float
-        What the fitted network has: of a value that is not determined one of those that fit.
+    used : float or None
+        What the fitted network has: of parameters with one effect values that fit together, of one
+        without effect what it had; None where that is empty.
     """
 
     port: str
     unit: str
     value: float | None
     sigma: float | None
-    used: float
+    used: float | None
 
 
 @dataclass(frozen=True)
@@ -46,8 +53,8 @@ class FitResult:
         In the order given.
     correlation : ndarray
         Of the parameters; NaN where there is none.
-    chi2_per_degree : float
-        Of all samples.
+    combinations : tuple of Combination
+        What is known of parameters that are not told apart.
     warnings : tuple of str
         One line each.
     notes : tuple of str
@@ -57,21 +64,127 @@ class FitResult:
     fit: ChainFit
     parameters: tuple[FittedParameter, ...]
     correlation: Matrix
-    chi2_per_degree: float
+    combinations: tuple[Combination, ...] = ()
     warnings: tuple[str, ...] = ()
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
+
+    @property
+    def chi2_per_degree(self) -> float:
+        """Of all samples."""
+        return self.fit.misfit.chi2_per_degree
 
 
-def result_of(fit: ChainFit) -> FitResult:
-    """Standard errors and correlations of a fit."""
-    information = fit.jacobian.T @ fit.jacobian
-    covariance = np.linalg.pinv(information) * fit.misfit.excess
-    sigma = np.sqrt(np.diag(covariance))
+def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
+    """Standard errors, correlations and warnings of a fit; `cost` is its sum of squares."""
+    known = identified(fit, cost)
+    undetermined = known.undetermined
     with np.errstate(all="ignore"):
-        correlation = covariance / np.outer(sigma, sigma)
-    np.fill_diagonal(correlation, 1.0)
+        sigma = np.sqrt(np.diag(known.covariance))
+        correlation = known.covariance / np.outer(sigma, sigma)
+    for index in range(len(fit.free)):
+        if index not in undetermined:
+            correlation[index, index] = 1.0
     parameters = tuple(
-        FittedParameter(p.port, p.unit, float(v), float(s), float(v))
-        for p, v, s in zip(fit.free, fit.values, sigma, strict=True)
+        FittedParameter(p.port, p.unit, None, None, _used(fit, known, i))
+        if i in undetermined
+        else FittedParameter(
+            p.port, p.unit, float(fit.values[i]), float(sigma[i]), float(fit.values[i])
+        )
+        for i, p in enumerate(fit.free)
     )
-    return FitResult(fit, parameters, correlation, fit.misfit.chi2_per_degree)
+    warnings = (
+        *_unknown(fit, known),
+        *_at_ends(fit, known),
+        *(
+            f"{fit.free[i].port}: its sign changes nothing in the edges; it is given as positive"
+            for i in fit.unsigned
+            if i not in undetermined
+        ),
+        *_weak(parameters, correlation),
+        *_misfit(fit),
+    )
+    return FitResult(fit, parameters, correlation, known.combinations, tuple(warnings))
+
+
+def _used(fit: ChainFit, known: Identified, index: int) -> float | None:
+    if index in known.without_effect:
+        return fit.free[index].present
+    return float(fit.values[index])
+
+
+def _unknown(fit: ChainFit, known: Identified) -> list[str]:
+    lines = [
+        f"{fit.free[i].port}: the edges of the picture show nothing of it; it is not determined, "
+        "and stays as it is in the network"
+        for i in known.without_effect
+    ]
+    groups: dict[frozenset[int], list[Combination]] = {}
+    for one in known.combinations:
+        shared = next((g for g in groups if g & set(one.members)), frozenset(one.members))
+        before = groups.pop(shared, [])
+        groups[shared | set(one.members)] = [*before, one]
+    for members, combinations in groups.items():
+        names = " and ".join(fit.free[i].port for i in sorted(members))
+        texts = [
+            f"{one.text} = {one.value:.6g} ± {one.sigma:.2g} {one.unit}".rstrip()
+            for one in combinations
+        ]
+        effects = "one effect" if len(combinations) == 1 else f"{len(combinations)} effects"
+        known_are = "is" if len(combinations) == 1 else "are"
+        lines.append(
+            f"{names} have {effects} on the edges and cannot be told apart: only "
+            f"{' and '.join(texts)} {known_are} determined; hold one of them, or measure it in "
+            "another way"
+        )
+    return lines
+
+
+def _at_ends(fit: ChainFit, known: Identified) -> list[str]:
+    lines = []
+    undetermined = known.undetermined
+    for index, (parameter, end) in enumerate(zip(fit.free, fit.at_end, strict=True)):
+        if not end or index in undetermined:
+            continue
+        bound = parameter.low if end == "low" else parameter.high
+        lines.append(
+            f"{parameter.port} is at the {'lower' if end == 'low' else 'upper'} end of its range, "
+            f"{bound:.6g} {parameter.unit}".rstrip()
+            + (
+                ": the standard error is how far from it the edges allow it to be"
+                if index in known.limited
+                else ": the best value may lie beyond it, and its standard error means little"
+            )
+        )
+    return lines
+
+
+def _weak(parameters: tuple[FittedParameter, ...], correlation: Matrix) -> list[str]:
+    lines = []
+    for one in parameters:
+        if one.value is None or one.sigma is None:
+            continue
+        if one.sigma > _UNCERTAIN * abs(one.value):
+            lines.append(
+                f"{one.port} is hardly determined: its standard error, {one.sigma:.2g}, is "
+                f"{100.0 * one.sigma / max(abs(one.value), 1e-300):.0f} % of its value"
+            )
+    for i, first in enumerate(parameters):
+        for j in range(i):
+            r = float(correlation[i, j])
+            if math.isfinite(r) and abs(r) > _CORRELATED:
+                lines.append(
+                    f"{parameters[j].port} and {first.port} are hardly told apart: their errors "
+                    f"have a correlation of {r:.4f}"
+                )
+    return lines
+
+
+def _misfit(fit: ChainFit) -> list[str]:
+    excess = fit.misfit.excess
+    if excess == 1.0:
+        return []
+    return [
+        f"the chain does not give these edges: what is left of them is {math.sqrt(excess):.2g} "
+        "times as large as noise alone; standard errors are widened by that, but what the chain "
+        "lacks may have moved the values further"
+    ]

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 
+_NARROW, _WIDTHS = 5.0, 2.5  # samples, and widths of the step: the fit's reach on both sides
+_LEAST_REACH = 8.0  # samples
+_ENDS, _END_SHARE = 6.0, 0.15  # samples, or of the length: what is left off where corners round it
 _OUTER = 0.6  # of the reach, beyond which a side counts as level
 _SHADED = 4.0  # standard errors, from which on a slope of a side counts
 _LEAST_OUTER = 12  # samples on a level side
@@ -94,10 +97,14 @@ def patch_of(
 ) -> Patch | str:
     """The patch of an edge's samples; or why they are no use.
 
-    The noise is that of the sides far from the edge, about a plane of their own.
+    The noise is that of the sides far from the edge, about a plane of their own. Of the rest what
+    lies near the edge counts, without its ends: corners, and what is beside in the scene, reach far
+    in faint tails, and all that is known of the blur is known near the edge.
     """
     reach = float(np.abs(distance).max(initial=0.0))
-    sides = [distance < -_OUTER * reach, distance > _OUTER * reach]
+    half = float(np.abs(along).max(initial=0.0))
+    middle = np.abs(along) <= half - min(_ENDS, 2.0 * half * _END_SHARE)
+    sides = [middle & (distance < -_OUTER * reach), middle & (distance > _OUTER * reach)]
     if min(int(np.count_nonzero(side)) for side in sides) < _LEAST_OUTER:
         return "too few samples on a side"
     levels, variances, shaded = [], [], False
@@ -116,12 +123,13 @@ def patch_of(
         return "no contrast"
     # In a file of whole numbers a level side may have no noise at all, and rounds to one number.
     least = max((_FAINT * contrast) ** 2, _rounding(value) ** 2 / 12.0)
+    near = middle & _near(distance, value, (levels[0], levels[1]))
     return Patch(
         name,
         angle_deg,
-        distance,
-        along,
-        value,
+        distance[near],
+        along[near],
+        value[near],
         max(variances[0], least),
         max(variances[1], least),
         levels[0],
@@ -131,6 +139,24 @@ def patch_of(
         picture,
         *place,
     )
+
+
+def _near(distance: Vector, value: Vector, levels: tuple[float, float]) -> NDArray[np.bool_]:
+    """Samples near the edge."""
+    reach = max(_LEAST_REACH, _NARROW + _WIDTHS * _width(distance, value, levels))
+    near: NDArray[np.bool_] = np.abs(distance) <= reach
+    return near
+
+
+def _width(distance: Vector, value: Vector, levels: tuple[float, float]) -> float:
+    """Samples from a tenth to nine tenths of the step, of means over a sample's distance."""
+    place = np.floor(distance).astype(np.intp)
+    first = int(place.min())
+    count = np.bincount(place - first)
+    mean = np.bincount(place - first, value) / np.maximum(count, 1)
+    share = (mean - levels[0]) / (levels[1] - levels[0])
+    inside = np.flatnonzero((share > 0.1) & (share < 0.9) & (count > 0))
+    return float(inside[-1] - inside[0] + 1) if len(inside) else 1.0
 
 
 def _rounding(value: Vector) -> float:

@@ -39,15 +39,17 @@ class SpreadTable:
     spread: NDArray[np.float64]
     slope: NDArray[np.float64]
 
-    def at(self, edge: int, distance: Vector) -> tuple[Vector, Vector]:
-        """Spread and slope of an edge at any distances, by cubic Hermite interpolation."""
-        count = self.spread.shape[1]
+    def at_all(self, distance: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Spread and slope at any distances, a row for each edge, by cubic Hermite polynomials."""
+        edges, count = self.spread.shape
         step = self.period / count
         place = distance * (1.0 / step) + 0.5 * count
-        below = np.clip(place.astype(np.intp), 0, count - 2)
+        below = place.astype(np.intp)
+        np.clip(below, 0, count - 2, out=below)
         t = place - below
-        f0, f1 = self.spread[edge][below], self.spread[edge][below + 1]
-        g0, g1 = self.slope[edge][below] * step, self.slope[edge][below + 1] * step
+        below += np.arange(edges)[:, np.newaxis] * count
+        spread, slopes = self.spread.ravel(), self.slope.ravel() * step
+        f0, f1, g0, g1 = spread[below], spread[below + 1], slopes[below], slopes[below + 1]
         rise = f1 - f0
         a, b = g0 + g1 - 2.0 * rise, 3.0 * rise - 2.0 * g0 - g1
         value = f0 + t * (g0 + t * (b + t * a))

@@ -43,6 +43,86 @@ def test_a_blur_is_recovered_from_an_edge_with_its_error(imagechain, files):
     assert done.stdout.startswith("blur.sigma_x_mrad")
 
 
+@pytest.fixture(scope="module")
+def crossed(tmp_path_factory):
+    """Edges across and down, and a chain with two Gaussian blurs in it and one beside it."""
+    folder = tmp_path_factory.mktemp("crossed")
+    network = blur_network(
+        blur=("gaussian_mtf", {"sigma_x_mrad": 0.04, "sigma_y_mrad": 0.04}),
+        jitter=("jitter_mtf", {"sigma_mrad": 0.03}),
+    )
+    network["nodes"]["beside"] = {"module": "jitter_mtf", "params": {}}
+    network["links"] += [
+        ["init.context", "beside.context"], ["init.magnitude", "beside.magnitude"]
+    ]  # fmt: skip
+    (folder / "net.json").write_text(json.dumps(network), encoding="utf-8")
+    for name, angle in (("across", 7.0), ("down", 98.0)):
+        picture = gaussian_edge(
+            angle_deg=angle, sigma=(0.6, 0.8), shape=(64, 64), noise=15.0, seed=int(angle)
+        )
+        np.save(folder / f"{name}.npy", picture)
+    return folder
+
+
+def fitted(folder, imagechain, *free):
+    done = imagechain(
+        "fit", folder / "net.json", "--to", folder / "across.npy", folder / "down.npy",
+        "--free", *free, "--json", folder / "fit.json", "--output", folder / "fitted.json",
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    return json.loads((folder / "fit.json").read_text(encoding="utf-8")), done.stdout
+
+
+def test_parameters_with_one_effect_are_named_with_what_is_known(imagechain, crossed):
+    result, printed = fitted(
+        crossed, imagechain, "blur.sigma_x_mrad", "blur.sigma_y_mrad", "jitter.sigma_mrad"
+    )
+    for one in result["parameters"].values():
+        assert (one["value"], one["sigma"]) == (None, None)
+    known = {one["expression"]: one for one in result["combinations"]}
+    assert set(known) == {
+        "sqrt(blur.sigma_x_mrad² + jitter.sigma_mrad²)",
+        "sqrt(blur.sigma_y_mrad² + jitter.sigma_mrad²)",
+    }
+    for one, truth in zip(known.values(), (0.06, 0.08), strict=True):
+        assert one["value"] == pytest.approx(truth, abs=3 * one["sigma"])
+        assert one["sigma"] < 0.02 * truth
+    assert "cannot be told apart" in result["warnings"][0]
+    assert result["correlation"] == [[None] * 3] * 3
+    assert "cannot be told apart" in printed
+    # The network has values that belong together.
+    network = json.loads((crossed / "fitted.json").read_text(encoding="utf-8"))
+    blur, jitter = network["nodes"]["blur"]["params"], network["nodes"]["jitter"]["params"]
+    total = np.hypot(blur["sigma_x_mrad"], jitter["sigma_mrad"])
+    assert total == pytest.approx(0.06, abs=3 * next(iter(known.values()))["sigma"])
+
+
+def test_a_parameter_without_effect_gets_no_number(imagechain, crossed):
+    result, _ = fitted(crossed, imagechain, "jitter.sigma_mrad", "beside.sigma_mrad")
+    beside = result["parameters"]["beside.sigma_mrad"]
+    assert (beside["value"], beside["sigma"]) == (None, None)
+    assert any("show nothing of it" in line for line in result["warnings"])
+    assert result["parameters"]["jitter.sigma_mrad"]["sigma"] > 0
+    # Across and down differ, and one jitter cannot do that.
+    assert any("the chain does not give these edges" in line for line in result["warnings"])
+
+
+def test_the_end_of_a_range_is_pointed_out(imagechain, crossed):
+    result, _ = fitted(crossed, imagechain, "jitter.sigma_mrad=0.2:0.3")
+    assert result["parameters"]["jitter.sigma_mrad"]["value"] == pytest.approx(0.2, rel=1e-3)
+    assert any("lower end of its range, 0.2 mrad" in line for line in result["warnings"])
+
+
+def test_an_edge_down_the_picture_alone_shows_no_blur_along_it(imagechain, crossed):
+    done = imagechain(
+        "fit", crossed / "net.json", "--to", crossed / "across.npy", "--free",
+        "blur.sigma_y_mrad=0:0.2", "--json", crossed / "along.json",
+    )  # fmt: skip
+    assert done.returncode == 0
+    result = json.loads((crossed / "along.json").read_text(encoding="utf-8"))
+    assert result["warnings"]
+
+
 @pytest.mark.parametrize(
     ("words", "why"),
     [
