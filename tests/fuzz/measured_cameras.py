@@ -1,0 +1,288 @@
+"""Random cameras, measured and fitted, judged by what is true of them.
+
+    python tests/fuzz/measured_cameras.py --family development --count 100 --workers 2
+    python tests/fuzz/measured_cameras.py --family held_out --case 17
+
+Pictures and truth come from `tests/support/oversampled_camera.py`, which shares no code with what
+is judged. `--file` writes a line for each case and leaves out those it has. Development goes by
+the scenes of `camera_scenes`; those of `held_out_scenes` are for the last word alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import multiprocessing
+import sys
+import time
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).resolve()
+sys.path[:0] = [str(HERE.parents[1] / "support"), str(HERE.parents[2])]
+
+from app.measure.edge_measuring import edges_of, pooled  # noqa: E402
+from camera_scenes import drawn_camera  # noqa: E402
+from camera_verdicts import table, worst  # noqa: E402
+from core.errors import ImagechainError  # noqa: E402
+from core.physics.measurement.noise.picture_noise import noise_of_picture  # noqa: E402
+from edge_truth import blur_network  # noqa: E402
+from oversampled_camera import take, true_mtf, true_sigma  # noqa: E402
+
+FAMILIES = {
+    "development": ("camera_scenes", "DEVELOPMENT"),
+    "held_out": ("held_out_scenes", "HELD_OUT"),
+}
+ROWS, COLUMNS = 208, 248
+LAST = 0.4  # cycles per sample: 0.8 of Nyquist
+SHORTEST, LEAST_CONTRAST = 24.0, 10.0  # samples, and noise: an edge that is to be seen
+INTERVAL_MRAD, PITCH_UM, WAVELENGTH_UM, FOCAL_MM = 0.1, 10.0, 4.0, 100.0
+
+
+def scenes(family):
+    """The scenes of a family by their names."""
+    module, name = FAMILIES[family]
+    return getattr(importlib.import_module(module), name)
+
+
+def drawn(family, number, rows=ROWS, columns=COLUMNS):
+    """Kind of scene, camera and frame of a case."""
+    kinds = scenes(family)
+    rng = np.random.default_rng([sorted(FAMILIES).index(family), number])
+    camera, full = drawn_camera(rng)
+    kind = list(kinds)[number % len(kinds)]
+    scene = kinds[kind](rng, rows, columns, full)
+    return kind, camera, take(scene, camera, rows=rows, columns=columns, seed=number)
+
+
+def judged(family, number, *, fit=True, rows=ROWS, columns=COLUMNS):
+    """What came of one case, as plain values."""
+    kind, camera, frame = drawn(family, number, rows, columns)
+    row = {"case": number, "kind": kind, "camera": asdict(camera)}
+    start = time.process_time()
+    edges = edges_of(picture=frame.picture, number=0, clip_levels=(0.0, 2.0**camera.bits - 1))
+    row |= _edges(edges, camera, frame)
+    noise = noise_of_picture(picture=frame.picture, offset=camera.offset_dn)
+    row["measure_s"] = time.process_time() - start
+    row["noise"] = _noise(noise, camera)
+    if fit and row["used"] and not (camera.motion or camera.electronics):
+        start = time.process_time()
+        row["fit"] = _fit(camera, frame.picture, np.random.default_rng([number, 9]))
+        row["fit_s"] = time.process_time() - start
+    return row
+
+
+def _edges(edges, camera, frame):
+    used = [edge for edge in edges if edge.used and edge.curve is not None]
+    curves = [_pulls(edge.curve, camera, edge.found.angle_deg) for edge in used]
+    together = []
+    for axis, angle in (("x", 0.0), ("y", 90.0)):
+        curve, _ = pooled(edges, axis)
+        if curve is not None:
+            together.append(
+                {"axis": axis, "edges": curve.edges, "mtf50": curve.mtf50}
+                | _pulls(curve, camera, angle)
+            )
+    reasons = sorted({edge.why_not for edge in edges if not edge.used})
+    return {
+        "usable": len([edge for edge in frame.edges if _is_usable(edge, camera)]),
+        "used": len(used),
+        "reasons": reasons[:8],
+        "edges": [
+            {"x": e.found.x, "y": e.found.y, "angle_deg": e.found.angle_deg,
+             "length": e.found.length, "reach": e.found.reach} | pulls
+            for e, pulls in zip(used, curves, strict=True)
+        ],
+        "pooled": together,
+    }  # fmt: skip
+
+
+def _is_usable(edge, camera):
+    bright = (edge.high - camera.offset_dn) * camera.gain_e_per_dn
+    contrast = (edge.high - edge.low) / true_sigma(camera, bright)
+    return edge.length >= SHORTEST and contrast >= LEAST_CONTRAST
+
+
+def _pulls(curve, camera, angle_deg):
+    """Departures from the truth over their errors, up to 0.8 of Nyquist."""
+    near = (curve.frequency > 0) & (curve.frequency <= LAST)
+    truth = true_mtf(camera, angle_deg, curve.frequency[near])
+    off = curve.mtf[near] - truth
+    return {
+        "pulls": np.round(off / np.maximum(curve.sigma[near], 1e-12), 3).tolist(),
+        "off": float(np.abs(off).max()),
+        "sigma": float(np.interp(0.25, curve.frequency, curve.sigma)),
+    }
+
+
+def _noise(noise, camera):
+    row = {"reason": noise.sigma_reason, "gain_reason": noise.gain_reason}
+    if noise.sigma is not None:
+        electrons = (noise.mean_level - camera.offset_dn) * camera.gain_e_per_dn
+        truth = float(true_sigma(camera, electrons))
+        row |= {
+            "sigma": noise.sigma / truth,
+            "pull": (noise.sigma - truth) / noise.sigma_error,
+            "dn": truth,
+        }
+    if noise.gain_e_per_dn is not None:
+        truth = camera.gain_e_per_dn
+        row |= {
+            "gain": noise.gain_e_per_dn / truth,
+            "gain_pull": (noise.gain_e_per_dn - truth) / noise.gain_error,
+        }
+    if noise.read_noise_dn is not None:
+        truth = camera.read_e / camera.gain_e_per_dn
+        row |= {
+            "read": noise.read_noise_dn / truth,
+            "read_pull": (noise.read_noise_dn - truth) / noise.read_noise_error,
+        }
+    return row
+
+
+def network_of(camera):
+    """The chain that is the camera, and the true values of what may be fitted."""
+    stages, truth = {}, {}
+    if camera.cutoff is not None:
+        aperture = FOCAL_MM * WAVELENGTH_UM * camera.cutoff / PITCH_UM
+        stages["optics"] = (
+            "diffraction_mtf",
+            {"aperture_mm": aperture, "wavelengths": 1, "cut_on_um": WAVELENGTH_UM - 0.01,
+             "cut_off_um": WAVELENGTH_UM + 0.01, "defocus_waves": camera.defocus,
+             "obscuration_ratio": camera.obscuration},
+        )  # fmt: skip
+        truth["optics.aperture_mm"] = aperture
+        if camera.defocus:
+            truth["optics.defocus_waves"] = camera.defocus
+    if any(camera.gaussian):
+        x, y = (sigma * INTERVAL_MRAD for sigma in camera.gaussian)
+        stages["blur"] = "gaussian_mtf", {"sigma_x_mrad": x, "sigma_y_mrad": y}
+        truth |= {"blur.sigma_x_mrad": x, "blur.sigma_y_mrad": y}
+    if camera.jitter:
+        stages["jitter"] = "jitter_mtf", {"sigma_mrad": camera.jitter * INTERVAL_MRAD}
+        if not any(camera.gaussian):
+            truth["jitter.sigma_mrad"] = camera.jitter * INTERVAL_MRAD
+    network = blur_network(interval_mrad=INTERVAL_MRAD, **stages)
+    network["nodes"]["detector"]["params"] |= {
+        "fill_x": camera.pixel[0], "fill_y": camera.pixel[1],
+    }  # fmt: skip
+    return network, truth
+
+
+def fitted(network, picture, free, clip_levels=None):
+    """A fit's result by the product's own way from the picture to the errors."""
+    from app.fit.chain_fit import EdgeProblem, fit_chain
+    from app.fit.chain_transfer import ChainAt
+    from app.fit.edges_in_picture import edges_in
+    from app.fit.fit_result import result_of
+    from app.fit.free_parameter import free_parameters
+    from core.chain.engine import Engine
+    from core.errors import DataError
+    from core.evaluation.policy import Policy
+    from core.network.parsing import parse_network
+    from nodes.library import standard_library
+
+    library = standard_library()
+    made = parse_network(json.dumps(network), library=library, name_of_source="drawn")
+    parameters = free_parameters(free, made, library)
+    engine = Engine(library)
+    choice = edges_in(pictures=[picture], clip_levels=clip_levels)
+    if not choice.patches:
+        raise DataError(f"no edge can be used: {choice.reasons}")
+    chain = ChainAt(engine, engine.plan(made), [one.target for one in parameters])
+    work = engine.work(Policy("single", None, 1))
+    problem = EdgeProblem(chain, work, parameters, choice.patches)
+    fit = fit_chain(problem)
+    try:
+        return result_of(fit, problem.cost)
+    except TypeError:  # without what tells parameters of one effect apart
+        return result_of(fit)
+
+
+def _fit(camera, picture, rng):
+    network, truth = network_of(camera)
+    if not truth:
+        return None
+    count = min(len(truth), int(rng.integers(1, 4)))
+    free = sorted(rng.choice(sorted(truth), count, replace=False).tolist())
+    for name in free:  # the search does not begin at the truth
+        node, parameter = name.split(".")
+        network["nodes"][node]["params"][parameter] = truth[name] * 10 ** rng.uniform(-0.4, 0.4)
+    try:
+        result = fitted(network, picture, free, (0.0, 2.0**camera.bits - 1))
+    except ImagechainError as error:
+        return {"refused": str(error)}
+    row = {"chi2": result.chi2_per_degree, "warnings": list(result.warnings), "parameters": {}}
+    for one in result.parameters:
+        row["parameters"][one.port] = (
+            None
+            if one.value is None
+            else {
+                "pull": (one.value - truth[one.port]) / max(one.sigma, 1e-300),
+                "ratio": one.value / truth[one.port],
+                "share": one.sigma / truth[one.port],
+            }
+        )
+    return row
+
+
+def _case(words):
+    family, number, fit = words
+    try:
+        return judged(family, number, fit=fit)
+    except Exception as error:  # a finding, not an end
+        import traceback
+
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        text = f"{type(error).__name__}: {error} ({Path(place.filename).name}:{place.lineno})"
+        return {"case": number, "fault": text}
+
+
+def _rows(words):
+    """The rows of all cases: those in the file, then the new ones as they come."""
+    done = []
+    if words.file is not None and words.file.exists():
+        done = [json.loads(line) for line in words.file.read_text().splitlines()]
+        done = [row for row in done if words.first <= row["case"] < words.first + words.count]
+    have = {row["case"] for row in done}
+    todo = [n for n in range(words.first, words.first + words.count) if n not in have]
+    jobs = [(words.family, n, not words.no_fit) for n in todo]
+    end = time.monotonic() + words.seconds
+    with multiprocessing.get_context("spawn").Pool(min(2, words.workers)) as pool:
+        for row in pool.imap(_case, jobs):
+            done.append(row)
+            if words.file is not None:
+                with words.file.open("a") as file:
+                    file.write(json.dumps(row) + "\n")
+            if time.monotonic() > end:
+                pool.terminate()
+                break
+    return done
+
+
+def main():
+    """Carry out the command line."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--family", choices=FAMILIES, default="development")
+    parser.add_argument("--count", type=int, default=40)
+    parser.add_argument("--first", type=int, default=0, help="number of the first case")
+    parser.add_argument("--seconds", type=float, default=600, help="after which no more begin")
+    parser.add_argument("--workers", type=int, default=1, help="processes, 1 or 2")
+    parser.add_argument("--no-fit", action="store_true")
+    parser.add_argument("--file", type=Path, help="of results, a line each; goes on where it ends")
+    parser.add_argument("--case", type=int, help="this one alone, in full")
+    words = parser.parse_args()
+    if words.case is not None:
+        print(json.dumps(judged(words.family, words.case, fit=not words.no_fit), indent=1))
+        return 0
+    rows = _rows(words)
+    print(table(rows))
+    print(worst(rows))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
