@@ -75,6 +75,9 @@ def planned_blocks(
         large = [on_disk[one.key] for one in recipe.inputs if one.key in on_disk]
         if recipe.key in on_disk:
             large.append(on_disk[recipe.key])
+        held = recipe.held_size
+        if held is not None and not disk.wants(held, policy.dtype):
+            continue
         if large and not recipe.in_blocks:
             raise _refusal(recipe, max(large), disk)
     return BlockRun(disk, on_disk)

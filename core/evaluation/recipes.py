@@ -90,6 +90,11 @@ class Recipe(ABC):
         """Whether pictures of any size go in and out: it holds blocks of those on disk alone."""
         return self.by_rows
 
+    @property
+    def held_size(self) -> tuple[int, int] | None:
+        """Rows and columns of what it holds of pictures on disk, of whatever size; None: all."""
+        return None
+
     def compute_part(self, work: Evaluation, region: Region) -> Any:
         """Make a region, bit-identical to the whole; by default cut from it."""
         return region.cut(work.value(self))
@@ -172,6 +177,12 @@ class Step(Recipe):
         able: Callable[..., bool] | None = getattr(self.function, "in_blocks", None)
         return super().in_blocks if able is None else able(**dict(self.parameters))
 
+    @property
+    def held_size(self) -> tuple[int, int] | None:
+        """As given to `holds_region`."""
+        size: Callable[..., tuple[int, int]] | None = getattr(self.function, "held_size", None)
+        return None if size is None else size(**dict(self.parameters))
+
     def compute_part(self, work: Evaluation, region: Region) -> Any:
         """Call the function's part, which takes what it needs of the inputs."""
         make: Callable[..., Any] = self.function.part  # type: ignore[attr-defined]
@@ -236,6 +247,22 @@ def in_blocks(able: Callable[..., bool] = lambda **_: True) -> Callable[[F], F]:
 
     def mark(function: F) -> F:
         function.in_blocks = able  # type: ignore[attr-defined]
+        return function
+
+    return mark
+
+
+def holds_region(size: Callable[..., tuple[int, int]]) -> Callable[[F], F]:
+    """Mark a step's function that cuts a region from pictures and makes no picture.
+
+    Parameters
+    ----------
+    size : callable
+        Called with the step's parameters: rows and columns of the region.
+    """
+
+    def mark(function: F) -> F:
+        function.held_size = size  # type: ignore[attr-defined]
         return function
 
     return mark

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.frame_sequence import Remaking, at_frame
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.lineage.step_lineage import Lineage, lineage_of
 
@@ -43,10 +43,13 @@ def of_uniform(picture: Recipe, seen: Recipe, *, radiance: float, node: str) -> 
     return Remaking(lambda part: flat if part.key == seen.key else None).of(picture)
 
 
+@in_blocks()
 @ends_lineage
 def uniform_like(work: Work, picture: Array, *, radiance: float) -> Array:
     """A uniform picture of the same size."""
-    return np.full(picture.shape, radiance, work.policy.dtype)
+    uniform: Array = work.empty(picture.shape)
+    uniform.fill(radiance)
+    return uniform
 
 
 @dataclass(frozen=True, eq=False)

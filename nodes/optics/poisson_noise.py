@@ -198,11 +198,13 @@ def _share_of(noise: Recipe) -> dict[str, Any]:
     return {name: how[name] for name in ("sigma_px", "percent")}
 
 
+@in_blocks()
 @ends_lineage
 def expected(work: Work, image: Array, *, sigma_px: float, percent: float) -> Array:
     """Picture and mean of the photons that are added to it."""
-    means = published_means(local_mean(work, image, sigma_px=sigma_px), percent=percent)
-    return np.add(image, means, dtype=work.policy.dtype)
+    local = local_mean(work, image, sigma_px=sigma_px)
+    means = published_means(local, percent=percent, out=local)
+    return np.add(image, means, dtype=work.policy.dtype, out=means)
 
 
 @picture_step(noise=_photons_added, looks_at=("image",), noise_free=_mean_added)

@@ -29,6 +29,7 @@ from core.physics.measurement.levels.sample_sums import (
     weighted,
 )
 from core.physics.sampling.footprints import SQUARE, Footprints, arranged
+from core.scratch.allocation import Empty
 from core.threads import ForEach, in_turn
 
 Array = NDArray[Any]
@@ -47,6 +48,7 @@ def footprint_means(
     coverage: Array | None = None,
     fill: float = 0.0,
     for_each: ForEach = in_turn,
+    empty: Empty = np.empty,
 ) -> Array:
     """Mean of the scene over each footprint.
 
@@ -66,13 +68,15 @@ def footprint_means(
         What is seen outside the scene.
     for_each : callable
         Takes some columns at a time, perhaps in threads.
+    empty : callable
+        Makes the arrays to be filled in, perhaps on disk.
 
     Returns
     -------
     ndarray, shape of `laid`
         A uniform scene stays as it is, to the bit.
     """
-    seen = np.empty((laid.lines, laid.columns), dtype)
+    seen = empty((laid.lines, laid.columns), np.dtype(dtype))
     middle = 0.5 * (float(scene.min()) + float(scene.max()))
     share = None if coverage is None else (coverage.T if laid.turned else coverage)
 
@@ -84,12 +88,15 @@ def footprint_means(
             seen[:, columns] = means + middle * share[:, columns] + fill * (1 - share[:, columns])
 
     for_each(fill_in, _blocks(laid))
-    return np.ascontiguousarray(seen.T) if laid.turned else seen
+    return _upright(seen, laid, empty)
 
 
-def footprint_coverage(*, laid: Footprints, dtype: Any, for_each: ForEach = in_turn) -> Array:
+def footprint_coverage(
+    *, laid: Footprints, dtype: Any, for_each: ForEach = in_turn, empty: Empty = np.empty
+) -> Array:
     """Share of each footprint that lies on the scene, exactly 1 where all of it does."""
-    seen = np.ones((laid.lines, laid.columns), dtype)
+    seen = empty((laid.lines, laid.columns), np.dtype(dtype))
+    seen.fill(1.0)
 
     def fill_in(columns: slice) -> None:
         within = _within(laid, columns)
@@ -98,7 +105,16 @@ def footprint_coverage(*, laid: Footprints, dtype: Any, for_each: ForEach = in_t
             seen[:, columns] = np.where(within, 1.0, share)
 
     for_each(fill_in, _blocks(laid))
-    return np.ascontiguousarray(seen.T) if laid.turned else seen
+    return _upright(seen, laid, empty)
+
+
+def _upright(seen: Array, laid: Footprints, empty: Empty) -> Array:
+    """Lines and columns in the order of the picture."""
+    if not laid.turned:
+        return seen
+    upright = empty(seen.T.shape, seen.dtype)
+    upright[...] = seen.T
+    return upright
 
 
 def _blocks(laid: Footprints) -> list[slice]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.chain.results import CurveData, Series, TableData, TableRow
-from core.evaluation.recipes import ends_lineage
+from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.physics.measurement.levels.sample_sums import Between
 from core.physics.sampling.footprint_means import footprint_coverage, footprint_means, strips_error
@@ -57,12 +57,16 @@ def _laid(camera: Camera, ground: Ground, strips: int) -> Footprints:
     )
 
 
+@in_blocks()
 @ends_lineage
 def covered(work: Work, laid: Footprints) -> Array:
     """Share of each footprint that lies on the scene."""
-    return footprint_coverage(laid=laid, dtype=work.policy.dtype, for_each=work.for_each)
+    return footprint_coverage(
+        laid=laid, dtype=work.policy.dtype, for_each=work.for_each, empty=work.empty
+    )
 
 
+@in_blocks()
 @ends_lineage
 def sampled(
     work: Work,
@@ -82,6 +86,7 @@ def sampled(
         coverage=coverage,
         fill=fill,
         for_each=work.for_each,
+        empty=work.empty,
     )
 
 
@@ -108,6 +113,7 @@ def ground_curve(_: Work, *, camera: Camera) -> CurveData:
     return CurveData("Ground sample", f"{axis} (deg)", "size (m)", tuple(series))
 
 
+@in_blocks()
 @ends_lineage
 def geometry_table(
     _: Work,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
-from core.evaluation.recipes import ends_lineage
+from core.evaluation.recipes import ends_lineage, holds_region
 from core.evaluation.work import Work
 from core.physics.measurement.edges.edge_line import Target
 from core.physics.measurement.edges.slanted_edge import (
@@ -66,6 +66,11 @@ class Measured:
     line_spread: Vector
 
 
+def _size(*, where: Rectangle, **_: Any) -> tuple[int, int]:
+    return where.height, where.width
+
+
+@holds_region(_size)
 @ends_lineage
 def measured_slanted(
     work: Work,
@@ -116,6 +121,7 @@ def measured_slanted(
     )
 
 
+@holds_region(_size)
 @ends_lineage
 def measured_rows(
     work: Work,

@@ -10,7 +10,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from core.chain.results import CurveData, Series
-from core.evaluation.recipes import ends_lineage
+from core.evaluation.recipes import ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.filtering.mirrored import MeanFree
 from core.transfer.grid import Edges, Grid
@@ -22,6 +22,7 @@ _BLOCK_SAMPLES = 1 << 18
 _ABOVE_ROUNDING = 100.0
 
 
+@in_blocks()  # numpy averages the rows as they come
 @ends_lineage
 def axes_ratio(
     work: Work, image: Array, reference: Array, *, grid: Grid, edges: Edges, unit: str

@@ -11,7 +11,7 @@ from core.chain.back_transformed import back_transform
 from core.chain.results import CurveData, Series, TableData, TableRow
 from core.chain.wires import Curve, Image, Magnitude, Phase, Table
 from core.errors import DataError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.lineage.linear_change import Filtering
 from core.lineage.step_lineage import picture_step
@@ -20,6 +20,7 @@ from core.modules.formula import Formula
 from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from core.transfer.grid import Edges, Grid
+from core.transfer.product import Product
 from nodes.analysis.space.impulse_response import (
     Cut,
     Kernel,
@@ -102,7 +103,14 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
             edges=magnitude.edges,
             cut=Cut(self.truncation, self.half_width_px, self.error),
         )
-        picture = Step.of(blurred, source.recipe, kernels, node=here.node, edges=magnitude.edges)
+        picture = Step.of(
+            blurred,
+            source.recipe,
+            kernels,
+            node=here.node,
+            edges=magnitude.edges,
+            plane=bool(Product(factors).planar),
+        )
         return SpatialOutputs(
             back_transform(magnitude, phase).with_recipe(picture),
             Curve(Step.of(response, kernels, node=here.node, grid=magnitude.grid)),
@@ -120,16 +128,17 @@ class SpatialBlur(Module, key="spatial_blur", title="Spatial Blur", group="Analy
         return Step.of(figure, outputs.table.recipe, name="error_bound")
 
 
-def _convolution(image: Recipe, kernels: Recipe, *, edges: Edges) -> Filtering:
+def _convolution(image: Recipe, kernels: Recipe, *, edges: Edges, plane: bool) -> Filtering:
     """By the transfer functions that the kernels are made of, as if they were whole."""
     assert isinstance(kernels, Step)
     how = dict(kernels.parameters)
     return Filtering(how["factors"], how["grid"], edges)
 
 
+@in_blocks(lambda plane, **_: not plane)  # which is cut from a kernel of the frame's size
 @picture_step(linear=_convolution)
-def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges) -> Array:
-    """The frame convolved.
+def blurred(work: Work, image: Array, kernels: Kernels, *, edges: Edges, plane: bool) -> Array:
+    """The frame convolved; `plane`: by a kernel in two dimensions among others.
 
     Raises
     ------

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from core.evaluation.float_guard import require_finite
 from core.evaluation.work import Work
+from core.scratch.scratch_disk import is_on_disk
 from core.transfer.grid import Edges
 from nodes.analysis.space.impulse_response import Kernel, Kernels
 
@@ -19,7 +20,7 @@ BLOCK_SAMPLES = 1 << 14
 def convolved(work: Work, image: Array, kernels: Kernels, *, edges: Edges) -> Array:
     """The frame through every kernel in turn, its mean taken off before and put back after."""
     mean = float(np.mean(image, dtype=np.float64))
-    values = np.subtract(image, mean, dtype=work.policy.dtype)
+    values: Array = np.subtract(image, mean, out=work.empty(image.shape), dtype=work.policy.dtype)
     for kernel in kernels.passes:
         values = _one_pass(work, values, kernel, edges)
     require_finite(values)
@@ -33,7 +34,7 @@ def _one_pass(work: Work, image: Array, kernel: Kernel, edges: Edges) -> Array:
     # A tap before lag 0 takes samples from after: the frame goes on by as many there.
     down = _places(rows, high - 1 - kernel.before_y, kernel.before_y, edges)
     across = _places(columns, wide - 1 - kernel.before_x, kernel.before_x, edges)
-    result = np.empty_like(image)
+    result: Array = work.empty(image.shape, image.dtype)
     taps = kernel.taps[::-1, ::-1].astype(image.dtype)
 
     def one(block: tuple[slice, slice]) -> None:
@@ -51,16 +52,21 @@ def _one_pass(work: Work, image: Array, kernel: Kernel, edges: Edges) -> Array:
                 total += np.multiply(moved, taps[row, column], out=product)
         result[block] = total
 
-    work.for_each(one, _blocks(rows, columns, along=high > wide))
+    along = high > wide
+    step = BLOCK_SAMPLES // (rows if along else columns)
+    if is_on_disk(result):  # as wide as memory has it: of a column each row is a page to be read
+        assert work.blocks is not None
+        step = work.blocks.disk.slab_rows(rows if along else columns, result.itemsize)
+    work.for_each(one, _blocks(rows, columns, step, along=along))
     return result
 
 
-def _blocks(rows: int, columns: int, *, along: bool) -> list[tuple[slice, slice]]:
+def _blocks(rows: int, columns: int, step: int, *, along: bool) -> list[tuple[slice, slice]]:
     if along:  # whole columns, for the frame to be extended once
-        step = max(16, BLOCK_SAMPLES // rows)
+        step = max(16, step)
         starts = range(0, columns, step)
         return [(slice(0, rows), slice(x, min(x + step, columns))) for x in starts]
-    step = max(1, BLOCK_SAMPLES // columns)
+    step = max(1, step)
     return [(slice(y, min(y + step, rows)), slice(0, columns)) for y in range(0, rows, step)]
 
 

@@ -52,6 +52,42 @@ def test_shipped_networks_to_the_bit(imagechain, tmp_path, name, precision):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
 
 
+def test_geometry_convolution_and_measurements(imagechain, write, tmp_path):
+    """What takes its picture as it lies on disk: footprints, tap by tap, a region, mean rows."""
+    document = json.loads(find_network("measured_mtf").path.read_text())
+    nodes, links = document["nodes"], document["links"]
+    nodes["scene"]["params"] |= {"width": 150, "height": 131}
+    nodes["measured"]["params"] |= {
+        "region_x": 60, "region_y": 32, "region_width": 32, "region_height": 64,
+    }  # fmt: skip
+    nodes["ground"] = {
+        "module": "camera_geometry",
+        "params": {
+            "kind": "framing", "altitude_m": 100.0, "fov_x_deg": 60.0, "rows": 101, "columns": 103,
+            "ground_interval_m": 1.0, "yaw_deg": 20.0, "outside": "fill",
+        },
+    }  # fmt: skip
+    nodes["photons"] = {"module": "poisson_noise"}
+    nodes["space"] = {"module": "spatial_blur", "params": {"half_width_px": 5}}
+    nodes["axes"] = {"module": "compare_images", "params": {"average": "axes"}}
+    links += [["scene.image", "ground.image"], ["scene.image", "photons.image"]]
+    links += [["detector.magnitude", "space.magnitude"], ["init.phase", "space.phase"]]
+    links += [["space.image", "axes.image"], ["scene.image", "axes.reference"]]
+    network = write(document)
+    ports = ("ground.image", "ground.coverage", "space.image")
+    saves = [f"--save={port}={{}}_{port}.npy" for port in ports]
+    saves += [f"--save={name}.curve={{}}_{name}.csv" for name in ("axes", "measured")]
+    for folder, memory in (("a", "8GB"), ("b", "150kB")):
+        words = [word.format(folder) for word in saves]
+        done = imagechain("run", network, *words, "--memory", memory, "--output-dir", folder)
+        assert done.returncode == 0, done.stderr
+        assert ("in blocks: " in done.stdout) == (folder == "b")
+    names = [word.rpartition("=")[2] for word in saves]
+    for name in ("{}/readouts.json", *names):
+        a, b = (tmp_path / name.format(folder) for folder in "ab")
+        assert a.read_bytes() == b.read_bytes()
+
+
 def test_photons_counted_behind_the_optics(imagechain, write, tmp_path):
     """Poisson deviates of every sample's own mean, bad pixels' clipping and digital numbers."""
     document = json.loads(find_network("mwir_camera").path.read_text())
