@@ -244,14 +244,12 @@ class Builder(ValuesByHand):
         history = self.window.session.document.history
         self.deselect()
         steps = history.position
-        for _ in range(steps):
-            self.hands.keys("ctrl+z")
+        self.hands.keys(*["ctrl+z"] * steps)
         wait_until(lambda: not history.undo_text, f"{steps} steps are undone")
         assert not self.network.nodes
         assert not self.network.links
         self.screenshot("6_undone")
-        for _ in range(steps):
-            self.hands.keys("ctrl+shift+z")
+        self.hands.keys(*["ctrl+shift+z"] * steps)
         wait_until(lambda: not history.redo_text, "all is done again")
         assert self.window.session.document.text() == full
         assert not self.window.session.document.modified

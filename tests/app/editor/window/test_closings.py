@@ -19,12 +19,24 @@ TRIALS = (
 )
 
 
+# In every run: each way, each answer, and a dialog open for most ways.
+THESE = (
+    "menu, modified",
+    "window manager, computing",
+    "window manager, dialog0",
+    "keys, dialog1",
+    "SIGTERM, dialog",
+    "SIGTERM twice",
+)
+
+
 @pytest.fixture(scope="module")
 def screen():
     with virtual_screen(1100, 800) as found:
         yield found
 
 
+@pytest.mark.thorough(always=THESE)
 @pytest.mark.parametrize("trial", TRIALS, ids=lambda trial: f"{trial.way}, {trial.state}")
 def test_it_ends_or_asks_and_nothing_is_lost(trial, tmp_path, screen):
     outcome = close(trial, tmp_path, screen)
