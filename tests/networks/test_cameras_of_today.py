@@ -2,15 +2,13 @@
 
 import math
 import re
-import subprocess
-import sys
 
 import mpmath
 import pytest
 from scipy import constants
 
-from app.run.own_process import environment
 from app.run.shipped import shipped_networks
+from command_line import run_here
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.file import load_network
@@ -24,13 +22,6 @@ BANDS_UM = {
     "satellite_tdi": [0.5, 0.8],
     "dirsig_cube": [3.0, 5.0],
 }
-
-
-def command(*words):
-    """What the command line prints, and its exit code."""
-    run = [sys.executable, "-P", "-m", "app", *words]
-    done = subprocess.run(run, env=environment(), capture_output=True, text=True, check=False)
-    return done.returncode, done.stdout, done.stderr
 
 
 def photon_radiance(kelvin):
@@ -76,11 +67,11 @@ def test_the_netd_of_the_cooled_camera_is_that_of_its_electrons():
     assert merit["netd_K"] == pytest.approx(found["netd_K"], rel=1e-3)
 
 
-def test_solve_gives_the_integration_time_of_a_netd():
+def test_solve_gives_the_integration_time_of_a_netd(tmp_path):
     words = ["--for", "focal_plane.integration_time_s", "--until", "focal_plane.netd_K=0.025"]
-    code, out, err = command("solve", "mwir_camera", *words, "--precision", "double")
-    assert (code, err) == (0, "")
-    value = next(line for line in out.splitlines() if "integration_time_s" in line)
+    done = run_here("solve", "mwir_camera", *words, "--precision", "double", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    value = next(line for line in done.stdout.splitlines() if "integration_time_s" in line)
     found = float(next(word for word in value.replace("=", " ").split() if _is_number(word)))
     _, plan, work = opened("mwir_camera")
     kelvin = work.value(plan.output("focal_plane.table").recipe).as_dict()["scene_K"]

@@ -6,6 +6,7 @@ import csv
 import hashlib
 import json
 import re
+from collections.abc import Sequence
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -21,12 +22,12 @@ _RUN_LINE = re.compile(r'<p class="?run"?>.*?</p>', re.DOTALL)  # versions, in t
 _SHOWN = 60
 
 
-def write_outputs(path: Path, folder: Path) -> None:
+def write_outputs(path: Path, folder: Path, *, precisions: Sequence[str] = PRECISIONS) -> None:
     """Run a network in both precisions, without and with reports.
 
     Of its pictures the final one is there in full, the others by hash and statistics.
     """
-    for precision in PRECISIONS:
+    for precision in precisions:
         run_network(path, folder / precision / PLAIN, precision=precision)
         reported = folder / precision / REPORTED
         pictures = run_with_reports(path, reported, precision=precision)

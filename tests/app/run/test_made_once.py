@@ -40,12 +40,14 @@ class Counting(TimedWork):
 
 
 def shipped(name: str) -> Network:
-    """A shipped network with a small scene."""
+    """A shipped network with a small scene, and references of few frames."""
     network = load_network(NETWORKS / f"{name}.json", library=LIBRARY)
     for node in network.nodes.values():
         if node.module == "test_scene":
             network = network.with_parameter(node.id, "width", SMALL)
             network = network.with_parameter(node.id, "height", SMALL)
+        if node.module == "nuc":
+            network = network.with_parameter(node.id, "reference_frames", 2)
     return network
 
 
