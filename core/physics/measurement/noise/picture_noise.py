@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
+from core.physics.measurement.noise.block_compression import compressed_in_blocks
 from core.physics.measurement.noise.flat_blocks import FlatBlocks
 from core.physics.measurement.noise.line_removal import flat_without_lines
 from core.physics.measurement.noise.periodic_lines import PeriodicLine
@@ -32,12 +33,16 @@ Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+_COMPRESSED = (
+    f"the picture was compressed in blocks of {SIDE} × {SIDE} samples, as JPEG does: its noise is "
+    "no longer the camera's"
+)
 _LEAST_BLOCKS = 24
 _COARSE_STEPS = 0.45  # deviations of the noise in steps, below which rounding does not add 1/12
 _LEVELS = 16
 _LEAST_IN_LEVEL = 12
 _RISES = 3.0  # standard errors by which the variance must rise for a gain
-_UNSURE = 0.06  # standard error over gain, beyond which there is none
+_UNSURE = 0.05  # standard error over gain, beyond which there is none
 _UNSURE_READ = 0.3
 _STILL, _STILL_SHARE = 1e-6, 0.05  # of the level: what single precision leaves; blocks with less
 _WHITE = 0.1  # by which middle waves may exceed fine ones
@@ -161,6 +166,8 @@ def noise_of_picture(
     mean = float(picture.mean() if avoid is None else picture[~avoid].mean())
     step = rounding_step(picture=picture)
     check()
+    if compressed_in_blocks(picture=picture):
+        return _nothing(_COMPRESSED, mean, step, blocks)
     enough = len(blocks.level) >= _LEAST_BLOCKS
     if enough and _still(blocks):
         return _nothing(_hidden(step), mean, step, blocks)
@@ -270,7 +277,7 @@ def _measured(
     remarks = []
     if flat.even:
         gain = _gain(flat.line, level)
-        read = _read_noise(flat.line, rounding, offset)
+        read = _read_noise(flat.line, level, gain[0] is not None, rounding, offset)
     else:
         reason = "the noise differs from place to place by more than its level explains"
         remarks.append(
@@ -349,8 +356,17 @@ def _gain(line: VarianceLine, level: Vector) -> Figure:
     return gain, error, ""
 
 
-def _read_noise(line: VarianceLine, rounding: float, offset: float) -> Figure:
+def _read_noise(
+    line: VarianceLine, level: Vector, with_gain: bool, rounding: float, offset: float
+) -> Figure:
     """Where the line meets the level without light."""
+    low, high = np.quantile(level, (0.01, 0.99))
+    if not with_gain and not low <= offset <= high:
+        reason = (
+            f"the flat areas, of level {level.min():.4g} to {level.max():.4g}, do not lead to the "
+            f"level without light, {offset:.4g}"
+        )
+        return None, None, reason
     variance, error = line.at(offset)
     variance -= rounding
     if variance <= 0.0 or error > 2.0 * _UNSURE_READ * variance:

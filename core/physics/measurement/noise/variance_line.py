@@ -83,7 +83,7 @@ def variance_line(*, level: Vector, variance: Vector, freedom: int) -> VarianceL
     -----
     Weights are those of normal noise of the line's own variance, iterated (a weight from a block's
     own estimate would favour those that came out low). The errors are those that hold whatever the
-    blocks' scatter (White 1980).
+    blocks' scatter (White 1980; MacKinnon and White 1985, HC3).
     """
     mean = float(variance.mean())
     if not mean > 0.0:
@@ -99,13 +99,14 @@ def variance_line(*, level: Vector, variance: Vector, freedom: int) -> VarianceL
         slope = float(weight @ (away * variance)) / spread if spread > 0.0 else 0.0
         line = middle + slope * away
         model = np.maximum(line, _LEAST * mean)
-    off = weight * (variance - line)
-    correction = len(level) / max(len(level) - 2.0, 1.0)
-    middle_error = math.sqrt(correction * float(off @ off)) / total
+    # A block that the line leans on lies nearer to it than to the truth.
+    lever = weight / total + (weight * away * away / spread if spread > 0.0 else 0.0)
+    off = weight * (variance - line) / np.maximum(1.0 - lever, _LEAST)
+    middle_error = math.sqrt(float(off @ off)) / total
     turned = off * away
     slope_error = covariance = 0.0
     if spread > 0.0:
-        slope_error = math.sqrt(correction * float(turned @ turned)) / spread
-        covariance = correction * float(off @ turned) / (total * spread)
+        slope_error = math.sqrt(float(turned @ turned)) / spread
+        covariance = float(off @ turned) / (total * spread)
     scatter = float(np.mean((variance / model - line / model) ** 2)) * freedom / 2.0
     return VarianceLine(centre, middle, slope, middle_error, slope_error, covariance, scatter)

@@ -1,5 +1,6 @@
 """Noise of single pictures whose random parts are known."""
 
+import io
 import math
 
 import numpy as np
@@ -126,6 +127,20 @@ def test_noise_blurred_after_it_arose(scene):
     assert noise_of_picture(picture=doubled).sigma is None
     for noise in (along_rows, both, noise_of_picture(picture=doubled)):
         assert "blurred" in noise.sigma_reason or "texture" in noise.sigma_reason
+
+
+def test_compressed_by_jpeg(scene):
+    image = pytest.importorskip("PIL.Image")
+    picture = Sensor(gain=120.0, read_e=300.0).picture(scene, seed=14).clip(0, 255)
+    for quality, known in ((90, False), (60, False), (None, True)):
+        numbers = picture
+        if quality is not None:
+            file = io.BytesIO()
+            image.fromarray(picture.astype(np.uint8)).save(file, "jpeg", quality=quality)
+            numbers = np.asarray(image.open(file), float)
+        noise = noise_of_picture(picture=numbers)
+        assert (noise.sigma is not None) is known
+        assert known or "compressed in blocks" in noise.sigma_reason
 
 
 def test_texture_is_no_noise():
