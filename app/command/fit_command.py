@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
 from app.command.run import input_files, open_network, policy_of
-from app.fit.chain_fit import EdgeProblem, fit_chain
-from app.fit.chain_transfer import ChainAt, final_image, transfer_known
-from app.fit.edges_in_picture import EdgeChoice, edges_in
 from app.fit.fit_json import fit_json
-from app.fit.fit_result import FitResult, result_of
+from app.fit.fit_result import FitResult, NoiseComparison
 from app.fit.free_parameter import free_parameters
-from app.measure.picture_loading import PictureFile, open_picture
+from app.fit.picture_fit import FittedPictures, fit_pictures
+from app.measure.picture_loading import open_picture
 from app.options.command_options import Options
 from app.options.progress import Progress
 from app.run.readout_tables import columns, number_text
@@ -23,7 +20,6 @@ from app.run.staging import Staging
 from app.tradeoff.evaluated_points import with_value
 from core.atomic import write_text
 from core.chain.engine import Engine
-from core.errors import DataError
 from core.names import in_line
 from core.network.file import format_network
 from nodes.library import standard_library
@@ -51,18 +47,14 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
     engine = Engine(library)
     plan = engine.plan(network, folder=place.folder)
     work = engine.work(policy_of(options), cancel=cancel)
-    transfer_known(final_image(plan))
     inputs = [place.path, *options.pictures, *input_files(plan, place.folder)]
     with Staging(None, inputs) as staging:
         for path in filter(None, (options.fit_json, options.fit_output)):
             staging.claim(path)
         with Progress(3) as progress:
-            progress("edges")
-            choice = _edges(options.pictures, work.check)
-            progress("parameters")
-            chain = ChainAt(engine, plan, [parameter.target for parameter in free])
-            problem = EdgeProblem(chain, work, free, choice.patches)
-            result = result_of(fit_chain(problem), problem.cost)
+            result = fit_pictures(
+                engine, plan, work, free=free, pictures=_pictures(options.pictures), report=progress
+            )
         if options.fit_json is not None:
             staging.write(options.fit_json, partial(write_text, content=fit_json(result)))
         if options.fit_output is not None:
@@ -76,23 +68,16 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
     _print(result)
 
 
-def _edges(paths: tuple[Path, ...], check: Callable[[], None]) -> EdgeChoice:
-    """The edges of pictures that may differ in size."""
-    files = [open_picture(path) for path in paths]
-    pictures = [picture for file in files for picture in file.pictures()]
-    choice = edges_in(pictures=pictures, clip_levels=_limits(files), check=check)
-    if not choice.patches:
-        raise DataError(f"{_listed(paths)}: no edge can be used: {choice.reasons}")
-    return choice
-
-
-def _limits(files: Sequence[PictureFile]) -> tuple[float, float] | None:
-    limits = [file.limits for file in files if file.limits is not None]
-    return limits[0] if limits else None
-
-
-def _listed(paths: tuple[Path, ...]) -> str:
-    return ", ".join(map(str, paths[:3])) + (" …" if len(paths) > 3 else "")
+def _pictures(paths: tuple[Path, ...]) -> FittedPictures:
+    """All frames of the files, which may differ in size."""
+    names, samples, limits = [], [], None
+    for path in paths:
+        file = open_picture(path)
+        limits = limits or file.limits
+        for number, picture in enumerate(file.pictures()):
+            names.append(str(path) if file.frames == 1 else f"{path}, frame {number}")
+            samples.append(picture)
+    return FittedPictures(tuple(names), tuple(samples), limits)
 
 
 def _print(result: FitResult) -> None:
@@ -111,6 +96,11 @@ def _print(result: FitResult) -> None:
         f"chi² per degree of freedom  {number_text(result.chi2_per_degree)}  "
         f"({misfit.degrees} degrees, {len(result.fit.patches)} edges)"
     )
+    if isinstance(result.noise, NoiseComparison):
+        how = "fitted too" if result.noise.fitted else "of the network as it is"
+        print(f"noise predicted over measured  {number_text(result.noise.ratio)}  ({how})")
+    elif result.noise:
+        print(in_line(result.noise))
     for line in result.notes:
         print(in_line(line))
     for line in result.warnings:

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from app.fit.chain_transfer import ChainAt, EdgeTransfer
 from app.fit.edge_fit import EdgeFits, EdgesAt
 from app.fit.free_parameter import FreeParameter
-from app.fit.parameter_search import starts
+from app.fit.noise_levels import NoiseProblem
+from app.fit.parameter_search import places, starts
 from app.fit.patch import Patch
 from app.fit.spread_table import SpreadTable, period_for
 from core.errors import Cancelled, DataError, ImagechainError
@@ -37,6 +38,10 @@ _LEVELS = 2  # of an edge, that count among its bins
 _CERTAIN = 4.0  # standard deviations, from which on an excess counts
 _AT_END = 1e-3  # of the scale
 _SAME = 1.0  # of the sum of squares
+_MUCH = 1.3  # times a value, by which it is moved to see what it changes
+_SHOWN = 1e-7  # of an edge's step, or of a standard error of noise
+_OFF = 1e4  # standard errors
+_HELD = 64  # spreads and noises that are held
 
 
 @dataclass(frozen=True)
@@ -49,12 +54,16 @@ class Misfit:
         Sum of the squared residuals in units of their noise, and degrees of freedom.
     shape_chi2, shape_degrees
         The same of residuals averaged at equal distances from the edge.
+    noise_chi2, noise_degrees
+        The same of the noise at the measured levels; part of the first two.
     """
 
     chi2: float
     degrees: int
     shape_chi2: float
     shape_degrees: int
+    noise_chi2: float = 0.0
+    noise_degrees: int = 0
 
     @property
     def chi2_per_degree(self) -> float:
@@ -68,15 +77,22 @@ class Misfit:
 
     @property
     def excess(self) -> float:
-        """By which variances are widened: 1 unless there is a misfit."""
-        worst = 1.0
-        for value, degrees in (
-            (self.chi2_per_degree, self.degrees),
-            (self.shape_per_degree, self.shape_degrees),
-        ):
-            if degrees > 0 and value > 1.0 + _CERTAIN * math.sqrt(2.0 / degrees):
-                worst = max(worst, value)
-        return worst
+        """By which variances are widened for the edges: 1 unless there is a misfit."""
+        edges = self.degrees - self.noise_degrees
+        return max(
+            _excess((self.chi2 - self.noise_chi2) / max(1, edges), edges),
+            _excess(self.shape_per_degree, self.shape_degrees),
+        )
+
+    @property
+    def noise_excess(self) -> float:
+        """The same for the noise."""
+        return _excess(self.noise_chi2 / max(1, self.noise_degrees), self.noise_degrees)
+
+
+def _excess(per_degree: float, degrees: int) -> float:
+    certain = degrees > 0 and per_degree > 1.0 + _CERTAIN * math.sqrt(2.0 / degrees)
+    return per_degree if certain else 1.0
 
 
 @dataclass(frozen=True)
@@ -90,7 +106,7 @@ class ChainFit:
     values : ndarray
         Their values.
     jacobian : ndarray
-        Derivatives of the residuals, shape (samples, parameters).
+        Derivatives of the residuals, shape (samples, parameters), over the root of their misfit.
     patches : tuple of Patch
         The edges' samples.
     edges : EdgesAt
@@ -128,8 +144,10 @@ class EdgeProblem:
         work: Work,
         free: Sequence[FreeParameter],
         patches: Sequence[Patch],
+        noise: NoiseProblem | None = None,
     ) -> None:
         self.free = tuple(free)
+        self.noise = noise
         self.patches = tuple(patches)
         self.evaluations = 0
         self._chain, self._work = chain, work
@@ -138,23 +156,84 @@ class EdgeProblem:
         self._transfer = EdgeTransfer(work, angles, period)
         self._fits = EdgeFits(self.patches)
         self._last: tuple[Vector, SpreadTable, EdgesAt] | None = None
+        every = frozenset(range(len(self.free)))
+        self.shown, self.noisy = every, every if noise is not None else frozenset()
+        self._tables: dict[tuple[float, ...], SpreadTable] = {}
+        self._noises: dict[tuple[float, ...], Vector] = {}
+
+    def sort_out(self, values: Vector) -> None:
+        """See which parameters the edges show, and which the noise; none counts for the other."""
+        table = self.table(values)
+        noise = self.noise_residual(values)
+        shown, noisy = set(), set()
+        for index, parameter in enumerate(self.free):
+            for other in (_MUCH * values[index], values[index] / _MUCH, *_inner(parameter)):
+                changed = values.copy()
+                changed[index] = other
+                if not parameter.low <= other <= parameter.high or other == values[index]:
+                    continue
+                try:
+                    spread = self.table(changed).spread
+                    if float(np.abs(spread - table.spread).max()) > _SHOWN:
+                        shown.add(index)
+                    if (
+                        float(np.abs(self.noise_residual(changed) - noise).max(initial=0.0))
+                        > _SHOWN
+                    ):
+                        noisy.add(index)
+                except Cancelled:
+                    raise
+                except ImagechainError:
+                    continue
+        self.shown, self.noisy = frozenset(shown), frozenset(noisy)
+        self._tables.clear()
+        self._noises.clear()
+        self._last = None
 
     def table(self, values: Vector) -> SpreadTable:
         """Spreads of all edges."""
-        self.evaluations += 1
-        return self._transfer.table(self._chain.image([float(v) for v in values]))
+        key = tuple(float(values[i]) for i in sorted(self.shown))
+        table = self._tables.get(key)
+        if table is None:
+            self.evaluations += 1
+            table = self._transfer.table(self._chain.image([float(v) for v in values]))
+            if len(self._tables) >= _HELD:
+                self._tables.clear()
+            self._tables[key] = table
+        return table
+
+    def noise_residual(self, values: Vector) -> Vector:
+        """Of the noise at the measured levels, in standard errors; nothing where it is not free."""
+        if self.noise is None or not self.noisy:
+            return np.zeros(0)
+        key = tuple(float(values[i]) for i in sorted(self.noisy))
+        noise = self._noises.get(key)
+        if noise is None:
+            try:
+                noise = self.noise.residual(self._chain.plan([float(v) for v in values]))
+            except Cancelled:
+                raise
+            except ImagechainError:  # no noise with these values: they are far off
+                noise = np.full(len(self.noise.measured), _OFF)
+            if len(self._noises) >= _HELD:
+                self._noises.clear()
+            self._noises[key] = noise
+        return noise
 
     def thinned(self) -> EdgeProblem:
         """Fewer edges, of all directions, and samples."""
         order = np.argsort([patch.angle_deg % 180.0 for patch in self.patches], kind="stable")
         taken = np.linspace(0, len(order) - 1, min(len(order), _THIN_EDGES)).astype(np.intp)
         patches = [self.patches[order[place]].thinned(_THIN) for place in taken]
-        return EdgeProblem(self._chain, self._work, self.free, patches)
+        thin = EdgeProblem(self._chain, self._work, self.free, patches, self.noise)
+        thin.shown, thin.noisy = self.shown, self.noisy
+        return thin
 
     @property
     def degrees(self) -> int:
         """Degrees of freedom."""
-        return self._fits.degrees - len(self.free)
+        noise = len(self.noise.measured) if self.noise is not None and self.noisy else 0
+        return self._fits.degrees + noise - len(self.free)
 
     def fitted(self, values: Vector) -> tuple[SpreadTable, EdgesAt]:
         """Spreads, and edges fitted with them."""
@@ -172,12 +251,13 @@ class EdgeProblem:
     def residual(self, values: Vector) -> Vector:
         """Of all samples, in standard deviations."""
         _, edges = self.fitted(values)
-        return edges.residual.ravel()
+        return np.concatenate([edges.residual.ravel(), self.noise_residual(values)])
 
     def cost(self, values: Vector) -> float:
         """Sum of squares; infinite for values that are not allowed."""
         try:
-            return self.fitted(values)[1].cost
+            noise = self.noise_residual(values)
+            return self.fitted(values)[1].cost + float(noise @ noise)
         except Cancelled:
             raise
         except ImagechainError:
@@ -186,9 +266,17 @@ class EdgeProblem:
     def derivative(self, values: Vector, index: int, other: float) -> Vector:
         """Residuals' change as one parameter takes another value."""
         _, edges = self.fitted(values)
+        noise = self.noise_residual(values)
         changed = values.copy()
         changed[index] = other
-        return self._fits.derivative(edges, self.table(changed))
+        samples = (
+            self._fits.derivative(edges, self.table(changed))
+            if index in self.shown
+            else np.zeros(edges.residual.size)
+        )
+        if index in self.noisy:
+            return np.concatenate([samples, self.noise_residual(changed) - noise])
+        return np.concatenate([samples, np.zeros(len(noise))])
 
     def jacobian(self, values: Vector, scales: Vector, *, fine: bool = False) -> Matrix:
         """Derivatives of the residuals by differences within the ranges."""
@@ -218,6 +306,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     from scipy.optimize import least_squares
 
     free = problem.free
+    problem.sort_out(np.array([_middle(parameter) for parameter in free]))
     thin = problem.thinned()
     begin = starts(free, thin.cost, count=_STARTS, seed=_SEED)
     if not begin:
@@ -247,7 +336,10 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     values, unsigned = _positive(problem, values)
     scales = scales_of(free, values)
     table, edges = problem.fitted(values)
+    misfit = misfit_of(edges, problem, values)
     jacobian = problem.jacobian(values, scales, fine=True)
+    jacobian[: edges.residual.size] /= math.sqrt(misfit.excess)
+    jacobian[edges.residual.size :] /= math.sqrt(misfit.noise_excess)
     return ChainFit(
         free,
         values,
@@ -255,7 +347,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         problem.patches,
         edges,
         table,
-        misfit_of(edges, problem),
+        misfit,
         tuple(_end(p, float(v), float(s)) for p, v, s in zip(free, values, scales, strict=True)),
         problem.evaluations + thin.evaluations,
         unsigned,
@@ -276,17 +368,31 @@ def _positive(problem: EdgeProblem, values: Vector) -> tuple[Vector, tuple[int, 
     return values, tuple(unsigned)
 
 
+def _middle(parameter: FreeParameter) -> float:
+    """A value well inside the range."""
+    now = parameter.present
+    if now is not None and now != 0.0 and parameter.low < now < parameter.high:
+        return now
+    grid = places(parameter)
+    return float(grid[len(grid) // 2])
+
+
+def _inner(parameter: FreeParameter) -> tuple[float, ...]:
+    grid = places(parameter)
+    return float(grid[len(grid) // 4]), float(grid[(3 * len(grid)) // 4])
+
+
 def scales_of(free: Sequence[FreeParameter], values: Vector) -> Vector:
     """How much of each parameter counts as a change."""
     scales = []
     for parameter, value in zip(free, values, strict=True):
         width = parameter.high - parameter.low
-        least = 1e-2 * width if math.isfinite(width) else 1e-2 * abs(parameter.present or 1.0)
+        least = 1e-2 * min(width, abs(parameter.present or 1.0))
         scales.append(max(abs(float(value)), least))
     return np.array(scales)
 
 
-def misfit_of(edges: EdgesAt, problem: EdgeProblem) -> Misfit:
+def misfit_of(edges: EdgesAt, problem: EdgeProblem, values: Vector) -> Misfit:
     """How much is left beyond noise, and how much of that has the shape of edges."""
     shape, bins = 0.0, 0
     own = edges.own.shape[1] + _LEVELS
@@ -301,7 +407,13 @@ def misfit_of(edges: EdgesAt, problem: EdgeProblem) -> Misfit:
         full = count >= _IN_BIN
         shape += float(np.sum(total[full] ** 2 / count[full]))
         bins += max(0, int(np.count_nonzero(full)) - own)
-    return Misfit(edges.cost, problem.degrees, shape, bins - len(problem.free))
+    noise = problem.noise_residual(values)
+    chi2 = edges.cost + float(noise @ noise)
+    shared = len(problem.free)
+    return Misfit(
+        chi2, problem.degrees, shape, bins - shared, float(noise @ noise),
+        max(0, len(noise) - len(problem.noisy)),
+    )  # fmt: skip
 
 
 def _end(parameter: FreeParameter, value: float, scale: float) -> str:

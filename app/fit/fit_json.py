@@ -6,7 +6,7 @@ import json
 import math
 from typing import Any
 
-from app.fit.fit_result import FitResult
+from app.fit.fit_result import FitResult, NoiseComparison
 
 
 def fit_json(result: FitResult) -> str:
@@ -31,6 +31,23 @@ def fit_json(result: FitResult) -> str:
         "warnings": list(result.warnings),
         "notes": list(result.notes),
     }
+    if isinstance(result.noise, NoiseComparison):
+        content["noise"] = {
+            "fitted": result.noise.fitted,
+            "levels": [
+                {
+                    "level": one.level,
+                    "variance": one.variance,
+                    "variance_error": one.variance_error,
+                    "predicted": predicted,
+                }
+                for one, predicted in zip(
+                    result.noise.measured, result.noise.predicted, strict=True
+                )
+            ],
+        }
+    elif result.noise:
+        content["noise"] = {"reason": result.noise}
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 

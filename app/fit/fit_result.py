@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from app.fit.chain_fit import ChainFit
 from app.fit.identifiability import Combination, Identified, identified
+from core.physics.measurement.noise.picture_noise import LevelVariance
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -42,6 +43,33 @@ class FittedParameter:
 
 
 @dataclass(frozen=True)
+class NoiseComparison:
+    """Noise of the pictures at their levels, and of the fitted network there.
+
+    Parameters
+    ----------
+    measured : tuple of LevelVariance
+        Of the pictures.
+    predicted : tuple of float
+        Variance of a sample by the network.
+    fitted : bool
+        Whether free parameters have been fitted to it.
+    """
+
+    measured: tuple[LevelVariance, ...]
+    predicted: tuple[float, ...]
+    fitted: bool
+
+    @property
+    def ratio(self) -> float:
+        """Predicted over measured standard deviation, the mean over levels by their samples."""
+        weights = np.array([one.samples for one in self.measured], np.float64)
+        measured = np.array([one.variance for one in self.measured])
+        shares = np.sqrt(np.array(self.predicted) / measured)
+        return float(np.average(shares, weights=weights))
+
+
+@dataclass(frozen=True)
 class FitResult:
     """The whole outcome.
 
@@ -59,6 +87,10 @@ class FitResult:
         One line each.
     notes : tuple of str
         What was assumed.
+    noise : NoiseComparison or str
+        The noise, or why it was not compared.
+    refused : tuple of str
+        Why other candidates for edges were not used.
     """
 
     fit: ChainFit
@@ -67,6 +99,8 @@ class FitResult:
     combinations: tuple[Combination, ...] = ()
     warnings: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    noise: NoiseComparison | str = ""
+    refused: tuple[str, ...] = ()
 
     @property
     def chi2_per_degree(self) -> float:
@@ -180,11 +214,19 @@ def _weak(parameters: tuple[FittedParameter, ...], correlation: Matrix) -> list[
 
 
 def _misfit(fit: ChainFit) -> list[str]:
-    excess = fit.misfit.excess
+    excess, noise = fit.misfit.excess, fit.misfit.noise_excess
+    lines = []
+    if noise > 1.0:
+        lines.append(
+            f"the network does not give this noise: what it leaves is {math.sqrt(noise):.2g} times "
+            "the measured levels' errors; standard errors of what the noise shows are widened by "
+            "that"
+        )
     if excess == 1.0:
-        return []
+        return lines
     return [
+        *lines,
         f"the chain does not give these edges: what is left of them is {math.sqrt(excess):.2g} "
         "times as large as noise alone; standard errors are widened by that, but what the chain "
-        "lacks may have moved the values further"
+        "lacks may have moved the values further",
     ]

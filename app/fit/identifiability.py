@@ -106,7 +106,7 @@ def identified(fit: ChainFit, cost: Cost) -> Identified:
     for i, reach in reaches.items():
         if reach is not None:
             covariance[i, :] = covariance[:, i] = 0.0
-            covariance[i, i] = reach**2 * fit.misfit.excess
+            covariance[i, i] = reach**2 * max(fit.misfit.excess, fit.misfit.noise_excess)
     limited = tuple(i for i in flat if reaches[i] is not None)
     if not seen:
         return Identified(covariance, limited, none, ())
@@ -114,7 +114,7 @@ def identified(fit: ChainFit, cost: Cost) -> Identified:
     _, singular, rows = np.linalg.svd(unit, full_matrices=False)
     good = singular >= _ALIKE * singular[0]
     inverse = (rows[good].T / singular[good] ** 2) @ rows[good]
-    inverse *= fit.misfit.excess / np.outer(lengths[seen], lengths[seen])
+    inverse /= np.outer(lengths[seen], lengths[seen])
     # Directions in which nothing changes, in the parameters' own units.
     blind = rows[~good] / lengths[seen]
     groups = _groups(rows[~good])

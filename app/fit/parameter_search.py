@@ -16,6 +16,7 @@ Cost = Callable[[Vector], float]
 
 _PLACES = 13
 _WIDE = 30.0  # an end over the other, from which on places are equal factors apart
+_FAR = 1000.0  # times the present value, beyond which the end of a range says nothing
 _DECADES_KNOWN, _DECADES_UNKNOWN = 1.5, 4.0  # about the present value, or about 1
 _ROUNDS = 2
 _DRAWN = 24
@@ -23,14 +24,19 @@ _APART = 0.3  # of a value, between starts
 
 
 def places(parameter: FreeParameter) -> Vector:
-    """Numbers over the range of a parameter."""
+    """Numbers over the range of a parameter: equal steps, and factors about its present value."""
     low, high, now = parameter.low, parameter.high, parameter.present
-    if math.isfinite(low) and math.isfinite(high) and (low <= 0.0 or high / low < _WIDE):
-        inside = (high - low) * 1e-3
-        return np.linspace(low + inside, high - inside, _PLACES)
-    known = now is not None and now != 0.0
     scale = abs(now) if now else 1.0
-    decades = _DECADES_KNOWN if known else _DECADES_UNKNOWN
+    if low > 0.0 and high / low >= _WIDE and high / low <= _FAR:
+        return np.geomspace(low, high, _PLACES)
+    if high - low <= _FAR * scale:
+        inside = (high - low) * 1e-3
+        grid = np.linspace(low + inside, high - inside, _PLACES)
+        if not now or low > 0.0:
+            return grid
+        about = now * np.geomspace(0.03, 30.0, _PLACES)
+        return np.unique(np.concatenate([grid, about[(about > low) & (about < high)]]))
+    decades = _DECADES_KNOWN if now else _DECADES_UNKNOWN
     first = max(scale * 10.0**-decades, low if low > 0.0 else 0.0)
     last = min(scale * 10.0**decades, high)
     if last <= first:  # the whole range lies beside the present value

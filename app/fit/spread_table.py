@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-LEAST_PERIOD = 256  # samples
+LEAST_PERIOD = 128  # samples
 _REACHES = 8  # of an edge's reach in a period, at least
 HIGHEST = 16  # cycles per sample, beyond which nothing counts
 _LEAST_HIGHEST = 8  # cycles per sample: a table's steps are half of its inverse

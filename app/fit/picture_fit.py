@@ -1,0 +1,146 @@
+"""A network fitted to pictures: their edges and noise measured, the free parameters found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.fit.chain_fit import EdgeProblem, fit_chain
+from app.fit.chain_transfer import ChainAt, final_image, has_area, transfer_known
+from app.fit.edges_in_picture import EdgeChoice, edges_in
+from app.fit.fit_result import FitResult, NoiseComparison, result_of
+from app.fit.free_parameter import FreeParameter
+from app.fit.noise_levels import NoiseLevels, NoiseProblem
+from core.chain.engine import Engine, Plan
+from core.errors import Cancelled, DataError, ImagechainError
+from core.evaluation.work import Work
+from core.physics.measurement.noise.picture_noise import LevelVariance, noise_of_picture
+
+Matrix = NDArray[np.float64]
+
+_MOST_LEVELS = 24
+
+
+@dataclass(frozen=True)
+class FittedPictures:
+    """Pictures of a camera.
+
+    Parameters
+    ----------
+    names : tuple of str
+        For messages.
+    samples : tuple of ndarray
+        Each of shape (rows, columns), finite.
+    clip_levels : tuple of float or None
+        Lowest and highest number that a sample can have.
+    """
+
+    names: tuple[str, ...]
+    samples: tuple[Matrix, ...]
+    clip_levels: tuple[float, float] | None = None
+
+    @property
+    def text(self) -> str:
+        """Their names, in one line."""
+        return ", ".join(self.names[:3]) + (" …" if len(self.names) > 3 else "")
+
+
+def fit_pictures(
+    engine: Engine,
+    plan: Plan,
+    work: Work,
+    *,
+    free: Sequence[FreeParameter],
+    pictures: FittedPictures,
+    report: Callable[[str], None] = lambda _text: None,
+) -> FitResult:
+    """Fit the free parameters of a planned network.
+
+    Parameters
+    ----------
+    engine, plan, work
+        The network as it stands, and what evaluates it.
+    free : sequence of FreeParameter
+        What is fitted.
+    pictures : FittedPictures
+        What it is fitted to.
+    report : callable
+        Gets the name of what is done next.
+
+    Raises
+    ------
+    ImagechainError
+        If no edge of the pictures can be used, or the network's steps are not known as transfer
+        functions.
+    """
+    passed = transfer_known(final_image(plan))
+    report("edges")
+    choice = edges_in(pictures=pictures.samples, clip_levels=pictures.clip_levels, check=work.check)
+    if not choice.patches:
+        raise DataError(f"{pictures.text}: no edge can be used: {choice.reasons}")
+    report("noise")
+    noise, why_none = _noise(engine, plan, work, pictures)
+    report("parameters")
+    chain = ChainAt(engine, plan, [parameter.target for parameter in free])
+    problem = EdgeProblem(chain, work, free, choice.patches, noise)
+    fit = fit_chain(problem)
+    result = result_of(fit, problem.cost)
+    comparison: NoiseComparison | str = why_none
+    if noise is not None:
+        comparison = _compared(noise, chain.plan([float(v) for v in fit.values]), problem)
+    return replace(
+        result,
+        noise=comparison,
+        refused=choice.refused,
+        notes=(*result.notes, *_notes(choice, passed_area=has_area(passed))),
+    )
+
+
+def _noise(
+    engine: Engine, plan: Plan, work: Work, pictures: FittedPictures
+) -> tuple[NoiseProblem | None, str]:
+    """What the pictures show of noise, or why it does not count."""
+    try:
+        levels = NoiseLevels(engine, plan, work)
+        measured: list[LevelVariance] = []
+        reason = ""
+        for picture in pictures.samples:
+            seen = noise_of_picture(picture=picture, check=work.check)
+            measured += seen.levels
+            reason = reason or seen.sigma_reason
+        if not measured:
+            return None, f"the noise of the picture is not known: {reason or 'no level is flat'}"
+        measured = sorted(measured, key=lambda one: -one.samples)[:_MOST_LEVELS]
+        noise = NoiseProblem(levels, measured)
+        noise.predicted(plan)
+    except Cancelled:
+        raise
+    except ImagechainError as error:
+        return None, f"the network's noise is not compared: {error}"
+    return noise, ""
+
+
+def _compared(noise: NoiseProblem, plan: Plan, problem: EdgeProblem) -> NoiseComparison | str:
+    try:
+        predicted = noise.predicted(plan)
+    except Cancelled:
+        raise
+    except ImagechainError as error:
+        return f"the network's noise is not compared: {error}"
+    return NoiseComparison(tuple(noise.measured), tuple(map(float, predicted)), bool(problem.noisy))
+
+
+def _notes(choice: EdgeChoice, *, passed_area: bool) -> list[str]:
+    many = len(choice.patches)
+    lines = [f"{many} {'edge' if many == 1 else 'edges'} fitted"]
+    if choice.refused:
+        lines[0] += f"; refused: {choice.reasons}"
+    if passed_area:
+        lines.append(
+            "the samples of the network's scene count as the pixels' areas: pixels are combined "
+            "of them, or no detector averages over an area"
+        )
+    return lines
