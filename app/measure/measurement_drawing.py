@@ -15,6 +15,7 @@ from app.run.png import robust_limits
 NYQUIST = 0.5
 _MOST_NUMBERED = 60
 _MOST_CURVES = 40
+_UNSURE = 0.25  # standard error from which on a single edge's MTF is not drawn
 
 
 def edges_png(measured: PictureMeasurement, preview: Preview) -> bytes:
@@ -113,8 +114,10 @@ def _mtf_panel(
     ]
     for place, edge in enumerate(own[:_MOST_CURVES]):
         assert edge.curve is not None
+        sure = edge.curve.sigma < _UNSURE
         axis.plot(
-            edge.curve.frequency * edge.stretch, edge.curve.mtf, color="#777777", lw=0.6, alpha=0.6,
+            (edge.curve.frequency * edge.stretch)[sure], edge.curve.mtf[sure],
+            color="#777777", lw=0.6, alpha=0.6,
             label="single edges" if place == 0 else None,
         )  # fmt: skip
     axis.fill_between(

@@ -90,21 +90,12 @@ def _mtf(measured: PictureMeasurement) -> list[Block]:
             Text(f"Not measured along: {measured.reason_y}."),
         ]
     caption = (
-        "MTF of everything from the scene to the stored samples, pooled over the edges whose "
-        "normals lie within 30° of the axis, weighted by their errors; grey: each edge. Beyond the "
-        "Nyquist frequency, 0.5 cycles/sample, the picture itself holds this contrast as alias "
+        "MTF of everything from the scene to the stored samples, pooled over the edges in use, "
+        "weighted by their errors; grey: edges whose normals lie within 30° of the axis. Beyond "
+        "the Nyquist frequency, 0.5 cycles/sample, the picture itself holds this contrast as alias "
         "only; slanted edges show it all the same."
     )
     blocks.append(Drawn(mtf_png(measured), caption, "pooled MTF"))
-    for words, curve in (("across", measured.x), ("along", measured.y)):
-        if curve is not None and curve.scatter > 1.5:
-            blocks.append(
-                Text(
-                    f"The edges {words} differ by {curve.scatter:.2g} times what their own errors "
-                    "allow: the blur differs over the picture, or some of these edges are not "
-                    "sharp in the scene. The error shown is widened by that."
-                )
-            )
     return blocks
 
 

@@ -19,6 +19,8 @@ _MEANINGS = {
     "th": "of columns from frame to frame",
 }
 _MOST_REASONS = 8
+_FEW = 2  # edges, that others do not confirm
+_SCATTERED = 1.5  # times their own errors
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]?\d+)?")
 Row = tuple[str, str, str, str]
 
@@ -108,8 +110,18 @@ def remarks(measured: PictureMeasurement) -> list[str]:
     ):
         if curve is None:
             lines.append(f"no MTF {words}: {reason}")
-        elif curve.mtf50 is None:
+            continue
+        if curve.mtf50 is None:
             lines.append(f"no MTF50 {words}: the MTF does not fall to one half")
+        if curve.edges <= _FEW:
+            many = "one edge" if curve.edges == 1 else f"{curve.edges} edges"
+            lines.append(f"the MTF {words} is that of {many}: no others confirm it, nor its error")
+        if curve.scatter > _SCATTERED:
+            lines.append(
+                f"edges differ by {curve.scatter:.2g} times what their own errors allow, {words}: "
+                "the blur differs over the picture, or some of them are not sharp in the scene; "
+                "the error is widened by that"
+            )
     if measured.noise is None:
         lines.append(f"no noise: {measured.noise_reason}")
     else:

@@ -9,7 +9,7 @@ from app.options.option_values import OUTPUTS, REPORTS, STUDIES, SUMMARIES, TRAN
 from nodes.files.common.file_format import suffixes
 from nodes.files.formats import SAVED
 
-BENCH_PARTS = ("speed", "precision", "peers", "editor", "scale")
+BENCH_PARTS = ("speed", "precision", "peers", "editor", "scale", "measure")
 SCREENSHOT_PARTS = ("window", "canvas", "panel", "curves", "picture")
 
 

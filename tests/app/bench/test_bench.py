@@ -26,6 +26,7 @@ from core.errors import FileError, UsageError
 
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
 UNDRAWN = {
+    "measure",
     "fresh_process",
     "one_thread",
     "editor",

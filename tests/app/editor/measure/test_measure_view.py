@@ -16,17 +16,17 @@ from app.editor.measure.measure_view import MeasureView
 from app.editor.theme import DARK, LIGHT
 from app.measure.edge_looks import REFUSED, REMOVED, USED
 
-SIGMA = (0.8, 1.6)  # of the two halves
+SIGMA = 0.8
 
 
 @pytest.fixture(scope="module")
 def two_edges(tmp_path_factory):
-    """Two edges beside one another, the second half as sharp; and a corner that is not usable."""
+    """Two edges beside one another."""
     y, x = np.mgrid[0:160, 0:240]
     picture = np.full(x.shape, 50.0)
-    for middle, sigma, sign in ((60.2, SIGMA[0], 1.0), (180.4, SIGMA[1], -1.0)):
+    for middle, sign in ((60.2, 1.0), (180.4, -1.0)):
         away = (x - middle) * math.cos(0.1) + (y - 80) * math.sin(0.1)
-        picture += sign * 20.0 * (1.0 + erf(away / (math.sqrt(2.0) * sigma)))
+        picture += sign * 20.0 * (1.0 + erf(away / (math.sqrt(2.0) * SIGMA)))
     picture += np.random.default_rng(2).normal(0.0, 0.3, x.shape)
     path = tmp_path_factory.mktemp("pictures") / "two.npy"
     np.save(path, picture)
@@ -58,24 +58,25 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     assert len(used) == 2
     both = view.measured.x
     assert both.edges == 2
-    soft = max(used, key=lambda place: view.measured.edges[place].found.x)
+    second = max(used, key=lambda place: view.measured.edges[place].found.x)
     qtbot.mouseClick(
-        view.canvas, Qt.MouseButton.LeftButton, pos=view.canvas.point_of(soft).toPoint()
+        view.canvas, Qt.MouseButton.LeftButton, pos=view.canvas.point_of(second).toPoint()
     )
-    assert view.current == soft
-    assert f"edge {soft + 1}" in view.status.title.text()
-    assert view.table.currentItem().text(0) == str(soft + 1)
+    assert view.current == second
+    assert f"edge {second + 1}" in view.status.title.text()
+    assert view.table.currentItem().text(0) == str(second + 1)
     qtbot.keyClick(view.canvas, Qt.Key.Key_Delete)
-    # What is left is the sharp one: a Gaussian of 0.8 samples, MTF50 = √(ln 2 / 2) / (π σ).
-    truth = math.sqrt(math.log(2.0) / 2.0) / math.pi / SIGMA[0]
+    assert view.measured.x.edges == 1
+    # A Gaussian has its MTF50 at √(ln 2 / 2) / (π σ).
+    truth = math.sqrt(math.log(2.0) / 2.0) / math.pi / SIGMA
     assert view.measured.x.mtf50 == pytest.approx(truth, abs=4.0 * view.measured.x.mtf50_sigma)
-    assert edge_look(view.measured.edges[soft])[0] == REMOVED
+    assert edge_look(view.measured.edges[second])[0] == REMOVED
     assert view.remove.text() == "Use Edge Again"
     qtbot.keyClick(view.table, Qt.Key.Key_Space)
     assert view.measured.x.mtf50 == both.mtf50
-    assert edge_look(view.measured.edges[soft])[0] == USED
+    assert edge_look(view.measured.edges[second])[0] == USED
     qtbot.keyClick(view.canvas, Qt.Key.Key_Right)
-    assert view.current == (soft + 1) % len(view.measured.edges)
+    assert view.current == (second + 1) % len(view.measured.edges)
     qtbot.mouseClick(view.canvas, Qt.MouseButton.LeftButton, pos=QPoint(3, 3))
     assert view.current == -1
 
