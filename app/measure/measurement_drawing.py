@@ -8,7 +8,13 @@ from typing import Any
 import numpy as np
 
 from app.measure.edge_looks import REFUSED, USED
-from app.measure.picture_measurement import MeasuredEdge, MtfCurve, PictureMeasurement, Preview
+from app.measure.picture_measurement import (
+    MeasuredEdge,
+    MtfCurve,
+    NoiseFigures,
+    PictureMeasurement,
+    Preview,
+)
 from app.report.drawing.picture_drawing import COLOURS, figure
 from app.run.png import robust_limits
 
@@ -97,6 +103,29 @@ def mtf_png(measured: PictureMeasurement) -> bytes:
             axis.set_ylim(-0.03, 1.25)
             _second_scale(axis, measured.interval_mrad(direction))
         axes[0].set_ylabel("MTF")
+    return out.getvalue()
+
+
+def levels_png(noise: NoiseFigures, unit: str) -> bytes:
+    """Variance against level, with the line that the gain and read noise stand for."""
+    with figure(6.6, 3.6) as (drawn, out):
+        axis = drawn.subplots()
+        level = np.array([one.level for one in noise.levels])
+        variance = np.array([one.variance for one in noise.levels])
+        error = np.array([one.variance_error for one in noise.levels])
+        axis.errorbar(
+            level, variance, error, fmt="o", ms=4, color=COLOURS[0], mfc="none", elinewidth=0.9,
+            label="flat areas, with standard error",
+        )  # fmt: skip
+        if noise.gain_e_per_dn is not None:
+            ends = np.array([level.min(), level.max()])
+            line = noise.sigma**2 + (ends - noise.mean_level) / noise.gain_e_per_dn
+            label = f"1/gain, {noise.gain_e_per_dn:.4g} e⁻/DN"
+            axis.plot(ends, line, color=COLOURS[1], lw=1.6, label=label)
+        axis.set_xlabel(f"level ({unit})" if unit else "level")
+        axis.set_ylabel(f"variance of a sample ({unit})²" if unit else "variance of a sample")
+        axis.set_ylim(bottom=0.0)
+        axis.legend(loc="upper left", fontsize=8)
     return out.getvalue()
 
 

@@ -127,6 +127,15 @@ def _noise(noise: NoiseFigures | None, reason: str) -> Json:
         row_sigma=noise.row_sigma,
         column_sigma=noise.column_sigma,
         step=noise.step,
+        lines=[
+            {
+                "frequency_x_cyc_per_sample": line.across,
+                "frequency_y_cyc_per_sample": line.down,
+                "amplitude": line.amplitude,
+                "amplitude_error": line.amplitude_error,
+            }
+            for line in noise.lines
+        ],
         levels=[
             {
                 "level": level.level,

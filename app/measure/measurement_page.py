@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
-from app.measure.measurement_drawing import edges_png, mtf_png
+from app.measure.measurement_drawing import edges_png, levels_png, mtf_png
 from app.measure.measurement_text import (
     figure_rows,
     frame_rows,
@@ -19,6 +19,7 @@ from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
 
 _MOST_REFUSED = 60
+_LEAST_LEVELS = 3
 _PLACE = ("edge", "column", "row", "normal (°)", "length")
 
 
@@ -39,6 +40,7 @@ def measurement_page(measured: PictureMeasurement) -> str:
         *([Items(tuple(f"{line[:1].upper()}{line[1:]}." for line in notes))] if notes else []),
         *_edges(measured),
         *_mtf(measured),
+        *_levels(measured),
         *_noise(measured),
         *_flats(measured.flats),
         *_edge_tables(measured),
@@ -97,6 +99,21 @@ def _mtf(measured: PictureMeasurement) -> list[Block]:
     )
     blocks.append(Drawn(mtf_png(measured), caption, "pooled MTF"))
     return blocks
+
+
+def _levels(measured: PictureMeasurement) -> list[Block]:
+    noise = measured.noise
+    blocks: list[Block] = [Heading(2, "Noise of flat areas")]
+    if noise is None:
+        return [*blocks, Text(f"Not measured: {measured.noise_reason}.")]
+    if len(noise.levels) < _LEAST_LEVELS:
+        return []
+    caption = (
+        "Variance of a sample in flat areas against their level; of shot noise it rises by one "
+        "electron for each electron."
+    )
+    drawn = levels_png(noise, measured.unit)
+    return [*blocks, Drawn(drawn, caption, "variance against level")]
 
 
 def _noise(measured: PictureMeasurement) -> list[Block]:

@@ -73,6 +73,10 @@ def _noise_rows(noise: NoiseFigures, unit: str) -> list[Row]:
         if value:
             text = number_text(float(f"{value:.3g}"))
             rows.append((name, text, unit, f"what whole {words} have of their own"))
+    for line in noise.lines:
+        where = f"{line.across:.4f} across, {line.down:.4f} down cycles/sample"
+        amplitude = with_error(line.amplitude, line.amplitude_error)
+        rows.append(("line", amplitude, unit, f"amplitude of the wave of {where}"))
     if noise.gain_e_per_dn is not None:
         gain = with_error(noise.gain_e_per_dn, noise.gain_error)
         rows.append(("gain", gain, "e-/DN", "electrons of one digital number"))

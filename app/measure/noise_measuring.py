@@ -46,6 +46,7 @@ def pooled_noise(
         sigma, error, math.fsum(one.mean_level for one in noises) / len(noises), gain, gain_error,
         read, read_error, offset_dn, _lines(power.rows for power in powers),
         _lines(power.columns for power in powers), min(steps) if steps else None,
+        next((power.lines for power in powers if power.lines), ()),
         tuple(level for one in noises for level in one.levels),
         "; ".join(_once(reasons)), tuple(_once(line for one in noises for line in one.remarks)),
     ), ""  # fmt: skip

@@ -13,6 +13,7 @@ from core.physics.measurement.edges.edge_mtf import EdgeMtf
 from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG
 from core.physics.measurement.levels.flat_field import FlatField
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer
+from core.physics.measurement.noise.periodic_lines import PeriodicLine
 from core.physics.measurement.noise.picture_noise import LevelVariance
 from core.physics.noise.noise_cube import MeasuredNoise
 
@@ -127,6 +128,8 @@ class NoiseFigures:
         could not be measured.
     step : float or None
         Of the converter; None where the samples show none.
+    lines : tuple of PeriodicLine
+        Sine waves all over the picture, of the first picture that has any.
     levels : tuple of LevelVariance
         Variance over the level.
     reason : str
@@ -146,6 +149,7 @@ class NoiseFigures:
     row_sigma: float | None
     column_sigma: float | None
     step: float | None
+    lines: tuple[PeriodicLine, ...]
     levels: tuple[LevelVariance, ...]
     reason: str
     remarks: tuple[str, ...]

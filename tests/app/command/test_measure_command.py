@@ -56,6 +56,7 @@ def test_mtf_and_noise_of_known_pictures(imagechain, pictures, tmp_path):
     noise = facts["noise"]
     assert noise["sigma"] == pytest.approx(NOISE, rel=0.03)
     assert noise["reason"]
+    assert noise["levels"]
     used = [one for one in facts["edges"] if one["used"]]
     assert {one["picture"] for one in used} == {0, 1}
     assert {round(one["angle_deg"]) for one in used} == {6, 84}
