@@ -34,7 +34,8 @@ class Scene:
     """Shapes, each over those before it, on a background with shading; texture; then points.
 
     `shading` is the relative change of the level per 100 samples across and down. `points` are x,
-    y and flux, in level times sample area.
+    y and flux, in level times sample area. With `disjoint`, shapes share sides but nothing more,
+    and a cell that two of them share has nothing of the background.
     """
 
     background: float = 1000.0
@@ -43,6 +44,7 @@ class Scene:
     texture_power: float = 2.0  # of the power spectrum, f^-p
     texture_seed: int = 0
     shading: tuple[float, float] = (0.0, 0.0)
+    disjoint: bool = False
     points: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
 
 
@@ -126,7 +128,8 @@ def render(scene, rows, columns, *, fine=8, margin=24):
             continue
         share = coverage(corners - first, last[1] - first[1], last[0] - first[0])
         place = np.s_[first[1] : last[1], first[0] : last[0]]
-        level[place] += share * (one.level - level[place])
+        below = scene.background if scene.disjoint else level[place]
+        level[place] += share * (one.level - below)
         if texture is not None:
             texture[place] += share * (one.texture - texture[place])
     if texture is not None:
