@@ -1,9 +1,10 @@
 """Which variations of one check run in every run, and which only with `--thorough`.
 
 `@pytest.mark.thorough(but=12, always=("lwir", "cube"))` on a test with parameters: of its cases
-twelve run, spread evenly from the first to the last, and besides them all whose name contains one
-of `always`: the extremes. The bare `@pytest.mark.thorough` is for a test none of whose cases run.
-With `--thorough`, and where a test is named on the command line (`FILE::TEST`), all of them do.
+twelve run, spread evenly from the first to the last, and besides them the extremes: those that are
+called as one of `always` or, where none is, whose names contain it. The bare mark is for a test
+none of whose cases run. With `--thorough`, and where a test is named on the command line
+(`FILE::TEST`), all of them do.
 
 Only for cases that go the same way through the code.
 """
@@ -48,14 +49,15 @@ def parted(items: Iterable[pytest.Item]) -> tuple[list[pytest.Item], list[pytest
 
 def _left_out(cases: list[pytest.Item]) -> list[pytest.Item]:
     mark = cases[0].get_closest_marker("thorough")
-    always = mark.kwargs.get("always", ())
-    for name in always:
-        if not any(name in _case(item) for item in cases):
-            where = cases[0].nodeid.partition("[")[0]
-            raise pytest.UsageError(f"{where}: no case is called {name!r}, as `thorough` has it")
+    names = {_case(item) for item in cases}
     chosen = {id(item) for item in some_of(cases, mark.kwargs.get("but", 0))}
-    extremes = {id(item) for item in cases if any(name in _case(item) for name in always)}
-    return [item for item in cases if id(item) not in chosen | extremes]
+    for always in mark.kwargs.get("always", ()):
+        extremes = {always} & names or {name for name in names if always in name}
+        if not extremes:
+            where = cases[0].nodeid.partition("[")[0]
+            raise pytest.UsageError(f"{where}: no case is called {always!r}, as `thorough` has it")
+        chosen |= {id(item) for item in cases if _case(item) in extremes}
+    return [item for item in cases if id(item) not in chosen]
 
 
 def _case(item: pytest.Item) -> str:
