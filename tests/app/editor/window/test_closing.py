@@ -186,6 +186,13 @@ DIALOGS = {
 }
 
 
+# In every run: each dialog, unmodified or modified.
+@pytest.mark.thorough(
+    always=(
+        *(f"unmodified-{name}" for name in list(DIALOGS)[::2]),
+        *(f"modified-{name}" for name in list(DIALOGS)[1::2]),
+    )
+)
 @pytest.mark.parametrize(("action", "name"), DIALOGS.values(), ids=DIALOGS)
 @pytest.mark.parametrize("modified", [False, True], ids=["unmodified", "modified"])
 def test_no_dialog_is_in_the_way(window, hand, qtbot, tmp_path, action, name, modified):
@@ -203,6 +210,7 @@ def test_no_dialog_is_in_the_way(window, hand, qtbot, tmp_path, action, name, mo
     assert not dialogs(window)
 
 
+@pytest.mark.thorough(but=4)
 @pytest.mark.parametrize(("action", "name"), DIALOGS.values(), ids=DIALOGS)
 def test_the_keys_to_quit_work_in_a_dialog(window, hand, qtbot, tmp_path, action, name):
     window.session.select([add(window, "test_scene")])

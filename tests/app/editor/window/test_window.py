@@ -37,12 +37,14 @@ def test_a_shipped_network_is_one_click_away(window, idle):
     assert window.viewers.images[1].choices.port is not None
 
 
-def test_every_shipped_network_opens_and_shows_a_picture(window, idle):
-    for name in shipped_networks():
-        assert window.files.open_now(name)
-        idle(window)
-        assert window.status.error == "", name
-        assert window.viewers.images[1].picture is not None, name
+@pytest.mark.thorough(but=2, always=("kodak_kir310",))
+@pytest.mark.parametrize("name", shipped_networks())
+def test_every_shipped_network_opens_and_shows_a_picture(window, idle, name):
+    """In its own size; of all of them in a small one in `test_every_panel_says…`."""
+    assert window.files.open_now(name)
+    idle(window)
+    assert window.status.error == ""
+    assert window.viewers.images[1].picture is not None
 
 
 def test_a_broken_file_leaves_the_open_network_as_it_is(window, tmp_path):
@@ -246,12 +248,11 @@ HABITS = {
 }
 
 
-@pytest.mark.parametrize(("keys", "text"), HABITS.items())
-def test_every_habit_has_its_keys_in_the_list(window, keys, text):
+def test_every_habit_has_its_keys_in_the_list(window):
     rows = {
         key: row[1] for row in window.actions_by_name.listed() for key in row[2].split("  or  ")
     }
-    assert rows[keys] == text
+    assert {keys: rows.get(keys) for keys in HABITS} == HABITS
 
 
 def test_no_keys_are_given_twice(window):

@@ -62,6 +62,7 @@ def means_of_blocks(picture, rows, columns):
 # Blocks are averaged before the chain instead of after it. What lies beyond the smaller picture's
 # band is folded before it is filtered and not after: the less the chain passes of it, the larger
 # the difference. Measured with noise off, of the range: at 2 and 4 at most these, with a tenth on.
+@pytest.mark.thorough(but=7)
 @pytest.mark.parametrize(
     ("name", "port", "rms"),
     [

@@ -88,6 +88,7 @@ def test_what_is_not_there_is_one_line(hand, page):
     assert len(actions(page)) > 40
 
 
+@pytest.mark.thorough(but=5, always=("Cancel", "Quit"))
 @pytest.mark.parametrize(
     ("key", "keys", "action"),
     [

@@ -98,15 +98,13 @@ def test_shares_are_remembered_and_a_default_stays_one(opened, make_window, idle
     assert third.panel_dock.width() == pytest.approx(wide, abs=2)
 
 
-@pytest.mark.parametrize(
-    "stored",
-    ["", "{", "[]", '{"name": "x", "shares": {}}', '{"name": "canvas_first", "shares": 3}'],
-)
-def test_a_damaged_record_counts_as_none(opened, make_window, idle, settings, stored):
-    opened.close()
-    settings._stored.setValue("layout", stored)
-    again = make_window(settings=Settings(settings.path))
-    again.files.open_now("first_steps")
-    idle(again)
-    assert again.panel_dock.isVisible()
-    assert json.loads(again.layout_in_use.state())["name"] == "picture_below"
+def test_a_damaged_record_counts_as_none(window, make_window, settings):
+    window.close()
+    damaged = ["", "{", "[]", '{"name": "x", "shares": {}}']
+    for stored in (*damaged, '{"name": "canvas_first", "shares": 3}'):
+        settings._stored.setValue("layout", stored)
+        again = make_window(settings=Settings(settings.path))
+        again.show_canvas()
+        assert again.panel_dock.isVisible(), stored
+        assert json.loads(again.layout_in_use.state())["name"] == "picture_below", stored
+        again.close()

@@ -42,17 +42,18 @@ def drawn(window, number=1):
     return across * facts.columns, down * facts.rows
 
 
-@pytest.mark.parametrize("size", SIZES)
-def test_the_picture_has_two_fifths_of_the_window(opened, idle, size):
-    opened.resize(*size)
-    idle(opened)
-    assert (opened.width(), opened.height()) == size
-    assert share(opened) >= SHARE
-    for part in (opened.canvas, opened.panels, opened.library_view, opened.viewers.plot):
-        assert part.isVisible()
-        assert part.height() >= 0.12 * opened.height()
+def test_the_picture_has_two_fifths_of_the_window(opened, idle):
+    for size in SIZES:
+        opened.resize(*size)
+        idle(opened)
+        assert (opened.width(), opened.height()) == size
+        assert share(opened) >= SHARE, size
+        for part in (opened.canvas, opened.panels, opened.library_view, opened.viewers.plot):
+            assert part.isVisible(), size
+            assert part.height() >= 0.12 * opened.height(), size
 
 
+@pytest.mark.thorough(but=3)
 @pytest.mark.parametrize("size", SIZES)
 def test_it_has_them_from_the_start(make_window, idle, size):
     window = make_window()
@@ -93,17 +94,18 @@ def test_what_is_dragged_keeps_its_share_when_the_window_grows(opened, idle):
     assert opened.panel_dock.width() == pytest.approx(1.5 * wide, abs=3)
 
 
-@pytest.mark.parametrize("name", ["picture_beside", "canvas_first", "picture_below"])
-def test_each_named_layout_can_be_chosen_and_left(opened, idle, name):
-    opened.actions_by_name[name].trigger()
-    idle(opened)
-    for part in (opened.canvas, opened.panels, opened.library_view, opened.viewers.plot):
-        assert part.isVisible()
-    assert (share(opened) >= SHARE) == (name != "canvas_first")
-    opened.actions_by_name["reset_layout"].trigger()
-    idle(opened)
-    assert share(opened) >= SHARE
-    assert canvas(opened).mapTo(opened, QPoint()).y() > opened.canvas.mapTo(opened, QPoint()).y()
+def test_each_named_layout_can_be_chosen_and_left(opened, idle):
+    for name in ("picture_beside", "canvas_first", "picture_below"):
+        opened.actions_by_name[name].trigger()
+        idle(opened)
+        for part in (opened.canvas, opened.panels, opened.library_view, opened.viewers.plot):
+            assert part.isVisible(), name
+        assert (share(opened) >= SHARE) == (name != "canvas_first"), name
+        opened.actions_by_name["reset_layout"].trigger()
+        idle(opened)
+        assert share(opened) >= SHARE, name
+        below = canvas(opened).mapTo(opened, QPoint()).y()
+        assert below > opened.canvas.mapTo(opened, QPoint()).y(), name
 
 
 def test_beside_the_chain_a_square_picture_is_larger(opened, idle):

@@ -26,6 +26,7 @@ SHOWN = {
 }
 
 
+@pytest.mark.thorough(but=3, always=("line_by_line", "first_steps"))
 @pytest.mark.parametrize("network", SHOWN)
 def test_an_analysis_shows_its_panel_its_curve_and_a_telling_picture(window, idle, network):
     node, curve, pictures, front = SHOWN[network]

@@ -201,6 +201,7 @@ def test_it_takes_no_focus_and_keys_reach_its_buttons(window, hand, qtbot):
         assert button.toolTip()
 
 
+@pytest.mark.thorough(always=("size0-dark", "size2-light"))
 @pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
 @pytest.mark.parametrize("size", [(1000, 700), (1366, 768), (2560, 1440)])
 def test_card_and_frame_at_any_size(window, hand, idle, size, theme):
