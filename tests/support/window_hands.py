@@ -7,9 +7,12 @@ from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMessageBox
 
+from app.editor.window.documents.opening import Opened, shipped_copy
 from canvas_hands import CanvasHands
 from child_process import PATIENCE_S
+from core.editing.document import Document
 from core.editing.wiring.fitting import new_node
+from small_networks import SHIPPED, small_network
 
 KEY = Qt.Key
 CTRL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
@@ -91,6 +94,16 @@ def add(window, key, at=(0.0, 0.0)):
     name, operation = new_node(window.session.network, window.session.library, key, at)
     assert window.session.do(operation)
     return name
+
+
+def show_small(window, name, size=128):
+    """Open a shipped network with a scene of fewer samples, as the copy that its card opens."""
+    document = Document(
+        small_network(name, size, size),
+        library=window.session.library,
+        path=SHIPPED / f"{name}.json",
+    )
+    window.files.show(Opened(shipped_copy(document)))
 
 
 def answer(qtbot, window, button):

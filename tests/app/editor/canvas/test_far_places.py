@@ -41,6 +41,7 @@ def test_what_is_out_of_reach_is_not_drawn_there(library, far):
     assert 0 < x < 1000 and 0 < y < 1000  # noqa: PT018
 
 
+@pytest.mark.thorough(but=2)
 @pytest.mark.parametrize("far", FAR)
 def test_a_file_with_far_places_is_drawn_and_worked_on(window, library, tmp_path, qtbot, far):
     path = tmp_path / "far.json"

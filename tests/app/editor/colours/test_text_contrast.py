@@ -24,6 +24,7 @@ from colour_sight import contrast, mixed
 from core.editing.document import Document
 from core.editing.fields import set_node_field
 from core.network.network import Network, Node
+from window_hands import show_small
 
 LEAST = 4.5
 LOOKS = pytest.mark.parametrize("theme", [DARK, LIGHT], ids=["dark", "light"])
@@ -104,7 +105,7 @@ def shown(request, make_window, settings, idle):
     """A window in that look with the network of the thesis' sensor."""
     settings.look = request.param
     window = make_window()
-    window.files.open_now("kodak_kir310")
+    show_small(window, "kodak_kir310")
     idle(window)
     return window
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from window_hands import WindowHands
+from window_hands import WindowHands, show_small
 
 
 @pytest.fixture
@@ -16,7 +16,7 @@ def hand(window):
 @pytest.fixture
 def kodak(window, idle):
     """The window with the Kodak KIR-310, its canvas with the focus."""
-    window.files.open_now("kodak_kir310")
+    show_small(window, "kodak_kir310")
     idle(window)
     window.activateWindow()
     window.canvas.setFocus()

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QMessageBox
 from app.editor.window.docks import window_layout
 from app.editor.window.docks.full_screen import FullScreenPage
 from core.editing.fields import set_parameter
+from window_hands import show_small
 
 SIZES = [(1366, 768), (1600, 900), (1920, 1080), (2560, 1440), (3840, 2160)]
 SHARE = 0.4
@@ -18,7 +19,7 @@ SHARE = 0.4
 @pytest.fixture
 def opened(window, idle):
     """The window with the network of the thesis' sensor."""
-    window.files.open_now("kodak_kir310")
+    show_small(window, "kodak_kir310")
     idle(window)
     return window
 
