@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.edges.edge_found import FoundEdge
+from core.physics.measurement.edges.edge_limits import why_clipped
 from core.physics.measurement.edges.edge_samples import (
     EdgeSamples,
     edge_samples,
@@ -26,13 +27,12 @@ from core.physics.measurement.edges.edge_surroundings import (
     least_contrast,
     surroundings,
 )
+from core.physics.measurement.edges.picture_suspicions import why_no_picture
 from core.physics.measurement.edges.ridges.ridge_points import SMOOTHING, ridge_points, rough_noise
 from core.physics.measurement.edges.ridges.straight_pieces import Piece, straight_pieces
 from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
 
 _ENDS = 1.0  # samples left off at both ends, where corners are rounded
-_CLIPPED_SHARE = 0.02
-_PILED_SHARE = 0.1
 _LARGEST_GAP = 0.75
 _BENT_REACH = 4.0  # least radius of a bent edge, in its reaches
 _BLURRED = 2.0  # times a step's contrast may be what its gradient says, for its blur
@@ -86,11 +86,15 @@ def find_edges(
         least_strength=steep * least_contrast(1e9),
         strength_of_16=steep * least_contrast(16.0),
     )
+    extremes = (float(picture.min()), float(picture.max()))
     found = []
     for piece in pieces:
         check()
-        found.append(_examined(picture, piece, noise, clip_levels))
+        found.append(_examined(picture, piece, noise, clip_levels, extremes))
     found = without_soft(edges=found)
+    reason = why_no_picture(picture=picture) if any(edge.used for edge in found) else ""
+    if reason:
+        found = [replace(edge, used=False, why_not=reason) if edge.used else edge for edge in found]
     found.sort(key=lambda edge: (not edge.used, -edge.length * edge.contrast))
     return tuple(found)
 
@@ -100,6 +104,7 @@ def _examined(
     piece: Piece,
     noise: float,
     clip_levels: tuple[float, float] | None,
+    extremes: tuple[float, float],
 ) -> FoundEdge:
     """A piece as an edge, used or not."""
     least = piece.strength * SMOOTHING * math.sqrt(2.0 * math.pi)  # of the contrast
@@ -137,7 +142,7 @@ def _examined(
     edge = _with_surroundings(rough, around)
     if around.why_not:
         return replace(edge, why_not=around.why_not)
-    return _settled(picture, edge, clip_levels)
+    return _settled(picture, edge, clip_levels, extremes)
 
 
 def _turned(angle_deg: float) -> float:
@@ -176,16 +181,16 @@ def _part_of(edge: FoundEdge, start: float, end: float) -> FoundEdge:
 
 
 def _settled(
-    picture: NDArray[np.floating], edge: FoundEdge, clip_levels: tuple[float, float] | None
+    picture: NDArray[np.floating],
+    edge: FoundEdge,
+    clip_levels: tuple[float, float] | None,
+    extremes: tuple[float, float],
 ) -> FoundEdge:
     """The edge on its fitted course, used if nothing speaks against it."""
     samples = edge_samples(picture=picture, edge=edge)
-    if clip_levels is not None:
-        share = float(
-            np.mean((samples.value <= clip_levels[0]) | (samples.value >= clip_levels[1]))
-        )
-        if share > _CLIPPED_SHARE:
-            return replace(edge, why_not=f"clipped: {share:.0%} of its samples are at a limit")
+    reason = why_clipped(samples=samples, clip_levels=clip_levels, extremes=extremes)
+    if reason:
+        return replace(edge, why_not=reason)
     half_length = edge.length / 2.0
     fit = fit_spread(samples=samples, reach=edge.reach, half_length=half_length)
     edge = _on_course(edge, fit)

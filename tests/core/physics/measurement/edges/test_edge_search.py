@@ -9,6 +9,7 @@ from core.physics.measurement.edges.edge_mtf import measure_edge
 from core.physics.measurement.edges.edge_pooling import pooled_mtf
 from core.physics.measurement.edges.edge_samples import edge_samples
 from core.physics.measurement.edges.edge_search import find_edges
+from core.physics.measurement.edges.picture_suspicions import row_shift
 from edge_pictures import edge_mtf, edge_picture
 
 FREQUENCY = np.linspace(0.0, 0.5, 26)
@@ -45,6 +46,75 @@ def test_mtf_of_the_edge_found():
     assert across is not None
     assert across.edges == 1
     assert pooled_mtf(edges=[measured], axis="y") is None
+
+
+def refused(picture, **settings):
+    """Why the strongest candidate is not used; there must be none that is."""
+    edges = find_edges(picture=picture, **settings)
+    assert not [edge for edge in edges if edge.used]
+    return edges[0].why_not
+
+
+def test_clipped_edge():
+    """Noise about a level that is the limit is cut off in half of the samples."""
+    picture = noisy_edge()
+    assert refused(picture.clip(48.0, 56.0)).startswith("clipped: ")
+    assert refused(np.minimum(picture, 55.5)).startswith("clipped: 100% of the samples on one side")
+    assert refused(picture, clip_levels=(0.0, 56.0)).startswith("clipped: ")
+    assert find_edges(picture=picture, clip_levels=(40.0, 60.0))[0].used
+
+
+def test_edge_along_the_columns_cannot_be_supersampled():
+    picture = np.repeat(noisy_edge(angle=0.0)[:1], 90, axis=0)
+    picture += np.random.default_rng(1).normal(0.0, 0.05, picture.shape)
+    assert refused(picture).startswith("not slanted enough: ")
+
+
+def test_neighbouring_edge():
+    """A bar of 4 samples: no side is level between its edges."""
+    bar = noisy_edge() - np.roll(noisy_edge(), 4, axis=1)
+    assert refused(bar[:, 10:-10])
+
+
+def test_disc():
+    """Of radius 12: what bends so much within its reach is no straight edge."""
+    y, x = np.mgrid[-40:41, -40:41]
+    disc = 50.0 + 4.0 * np.clip(12.5 - np.hypot(x, y), 0.0, 1.0)
+    disc += np.random.default_rng(2).normal(0.0, 0.02, disc.shape)
+    assert not [edge for edge in find_edges(picture=disc) if edge.used]
+
+
+def test_little_contrast():
+    assert not [edge for edge in find_edges(picture=noisy_edge(noise=3.0)) if edge.used]
+
+
+def test_soft_edge_beside_a_sharp_one():
+    picture = np.vstack([noisy_edge(sigma=0.5), noisy_edge(sigma=3.0)])
+    edges = find_edges(picture=picture)
+    assert [edge.y < 90 for edge in edges if edge.used] == [True]
+    assert [edge for edge in edges if edge.y > 90 and edge.why_not.startswith("soft in the scene")]
+
+
+def test_interlaced_picture():
+    """Odd rows half a sample to the right."""
+    picture = noisy_edge(noise=0.0)
+    picture[1::2] = (picture[1::2] + np.roll(picture[1::2], 1, axis=1)) / 2.0
+    picture = picture[:, 2:] + np.random.default_rng(1).normal(0.0, 0.05, picture[:, 2:].shape)
+    shift, error = row_shift(picture=picture)
+    assert shift == pytest.approx(0.5, abs=0.1)
+    assert shift > 10.0 * error
+    assert refused(picture).startswith("interlaced: ")
+
+
+def test_compressed_picture(tmp_path):
+    from PIL import Image
+
+    def saved(**settings):
+        picture = np.rint(noisy_edge(low=60.0, contrast=120.0, noise=2.0, size=(120, 120)))
+        Image.fromarray(picture.astype(np.uint8)).save(tmp_path / "edge.jpg", **settings)
+        return np.asarray(Image.open(tmp_path / "edge.jpg"), np.float64)
+
+    assert "JPEG" in refused(saved(quality=60))
 
 
 def test_no_edge_in_noise_or_in_nothing():

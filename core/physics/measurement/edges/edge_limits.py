@@ -1,0 +1,60 @@
+"""Whether the samples of an edge were cut off at a limit of the picture."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.physics.measurement.edges.edge_samples import EdgeSamples
+
+Vector = NDArray[np.float64]
+
+_SHARE = 0.02  # of an edge's samples, at a limit that is known
+_PILED = 0.1  # of a side's, at one that is not
+_TIMES = 3  # as often as any other value
+_OTHERS = 4  # values beside it, or a side is quantized too coarsely to know
+_QUIET = 0.1  # of the other side's noise
+_BESIDE = 3.0  # samples from the edge, where its sides begin
+
+
+def why_clipped(
+    *,
+    samples: EdgeSamples,
+    clip_levels: tuple[float, float] | None,
+    extremes: tuple[float, float],
+) -> str:
+    """Why an edge is taken as clipped; empty if it is not.
+
+    Parameters
+    ----------
+    samples : EdgeSamples
+        Of the edge.
+    clip_levels : tuple of float, optional
+        Lowest and highest level that a sample can have.
+    extremes : tuple of float
+        Lowest and highest sample of the picture.
+
+    Notes
+    -----
+    Where the limits are not known, noise that was cut off shows as many samples of a side at the
+    picture's extreme value, far more than at any other, or as a side at that value with no noise
+    while the other side has some. A picture with no noise at all shows nothing.
+    """
+    value = samples.value
+    if clip_levels is not None:
+        share = float(np.mean((value <= clip_levels[0]) | (value >= clip_levels[1])))
+        return f"clipped: {share:.0%} of its samples are at a limit" if share > _SHARE else ""
+    dark, bright = value[samples.distance < -_BESIDE], value[samples.distance > _BESIDE]
+    for side, other, limit in ((dark, bright, extremes[0]), (bright, dark, extremes[1])):
+        if len(side) == 0 or len(other) == 0:
+            continue
+        at_limit = int(np.count_nonzero(side == limit))
+        values, counts = np.unique(side[side != limit], return_counts=True)
+        piled = len(values) >= _OTHERS and at_limit > _TIMES * int(counts.max())
+        quiet = side is bright and float(side.std()) < _QUIET * float(other.std())
+        if at_limit > _PILED * len(side) and (piled or quiet):
+            return (
+                f"clipped: {at_limit / len(side):.0%} of the samples on one side have the "
+                f"picture's extreme value {limit:.6g}"
+            )
+    return ""
