@@ -231,8 +231,8 @@ def fitted_lines(
     Returns
     -------
     tuple of PeriodicLine
-        Those whose power stands out by chance of one in a thousand, and that quarters of the
-        blocks agree on.
+        Those whose power noise alone reaches in one of a thousand pictures, and that quarters of
+        the blocks agree on.
     """
     if not frequencies or not len(places):
         return ()
@@ -253,6 +253,7 @@ def fitted_lines(
             break
     weights, covariance = fit.weights(at)
     parts = fit.quarters(at)
+    limit = math.log(0.5 * picture.size / _CHANCE)  # of as many frequencies as there are
     lines = []
     for k, (across, down) in enumerate(at):
         value = complex(weights[2 * k], weights[2 * k + 1])
@@ -260,17 +261,17 @@ def fitted_lines(
         power = abs(value) ** 2
         scatter = float(np.mean(np.abs(parts[:, k] - value) ** 2))
         agreed = scatter <= _AGREE * power + 4.0 * 2.0 * _PARTS * spread
-        if not agreed or power <= 2.0 * math.log(1.0 / _CHANCE) * spread:
+        if not agreed or power <= 2.0 * limit * spread:
             continue
         amplitude = math.sqrt(power)
         # The phase was fitted about the middle of the picture.
         middle = across * fit.middle[1] + down * fit.middle[0]
         phase = math.remainder(cmath.phase(value) - 2.0 * math.pi * middle, 2.0 * math.pi)
         significance = power / (2.0 * spread)
+        # Structure of the scene makes quarters differ by more than noise does.
+        error = math.sqrt(max(spread, 0.5 * scatter / (_PARTS - 1.0)))
         lines.append(
-            PeriodicLine(
-                float(across), float(down), amplitude, math.sqrt(spread), phase, significance
-            )
+            PeriodicLine(float(across), float(down), amplitude, error, phase, significance)
         )
     return tuple(sorted(lines, key=lambda line: -line.amplitude))
 

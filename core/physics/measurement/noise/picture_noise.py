@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
 from core.physics.measurement.noise.block_compression import compressed_in_blocks
+from core.physics.measurement.noise.clipped_ends import clipped_ends, samples_that_count
 from core.physics.measurement.noise.flat_blocks import FlatBlocks
 from core.physics.measurement.noise.line_removal import flat_without_lines
 from core.physics.measurement.noise.periodic_lines import PeriodicLine
@@ -27,7 +27,12 @@ from core.physics.measurement.noise.picture_blocks import (
 )
 from core.physics.measurement.noise.power_parts import NoisePower, noise_power
 from core.physics.measurement.noise.rounding_step import rounding_step
-from core.physics.measurement.noise.variance_line import VarianceLine
+from core.physics.measurement.noise.variance_levels import (
+    LevelVariance,
+    gain_figure,
+    level_variances,
+    read_noise_figure,
+)
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]
@@ -39,35 +44,13 @@ _COMPRESSED = (
 )
 _LEAST_BLOCKS = 24
 _COARSE_STEPS = 0.45  # deviations of the noise in steps, below which rounding does not add 1/12
-_LEVELS = 16
-_LEAST_IN_LEVEL = 12
-_RISES = 3.0  # standard errors by which the variance must rise for a gain
-_UNSURE = 0.05  # standard error over gain, beyond which there is none
-_UNSURE_READ = 0.3
+_STRONG = 5.0  # amplitude over sigma, beyond which a line may be the scene's
 _STILL, _STILL_SHARE = 1e-6, 0.05  # of the level: what single precision leaves; blocks with less
 _WHITE = 0.1  # by which middle waves may exceed fine ones
 _STRUCTURE = 0.12  # of the variance, that may be taken off for structure
 _LEAST_UNEVEN = 0.3  # of the blocks, where the noise of one place does not vouch for another's
 _COARSE_UNEVEN = 0.5  # by which coarse waves may exceed fine ones there
 _UNREACHED = 0.05  # standard error over sigma, beyond which the levels do not reach the mean
-
-
-@dataclass(frozen=True)
-class LevelVariance:
-    """Noise at one level.
-
-    Parameters
-    ----------
-    level, variance, variance_error : float
-        Mean level, variance of a sample and its standard error.
-    samples : int
-        In flat areas of that level.
-    """
-
-    level: float
-    variance: float
-    variance_error: float
-    samples: int
 
 
 @dataclass(frozen=True)
@@ -157,8 +140,10 @@ def noise_of_picture(
             f"noise needs a picture of at least {SIDE} × {SIDE} samples, not "
             f"{' × '.join(map(str, picture.shape))}"
         )
-    low, high = _ends(picture)
-    good = _good(picture, avoid, low, high)
+    if avoid is not None and avoid.any() and not avoid.all():
+        picture = np.where(avoid, np.median(picture[~avoid]), picture)
+    low, high = clipped_ends(picture=picture)
+    good = samples_that_count(picture=picture, avoid=avoid, low=low, high=high)
     blocks = picture_blocks(picture=picture, good=good, check=check)
     check()
     if avoid is not None and avoid.all():
@@ -208,44 +193,6 @@ def _hidden(step: float | None) -> str:
     return f"the noise is finer than the converter's step of {step:.4g}, which hides it"
 
 
-def _ends(picture: Matrix) -> tuple[float | None, float | None]:
-    """Lowest and highest value where samples pile up there: clipped."""
-    low, high = float(picture.min()), float(picture.max())
-    if not (math.isfinite(low) and math.isfinite(high)):
-        raise DataError("the picture has samples that are not finite numbers: noise needs finite")
-    if low == high:
-        return None, None
-    return (
-        low if _piled_up(picture, low, np.min) else None,
-        high if _piled_up(picture, high, np.max) else None,
-    )
-
-
-def _piled_up(picture: Matrix, end: float, nearest: Callable[[Matrix], Any]) -> bool:
-    """Whether the end of the values holds at least as many samples as what lies next to it.
-
-    Noise has tails: its last value is a rare one.
-    """
-    at_end = picture == end
-    many = int(np.count_nonzero(at_end))
-    if many < SIDE * SIDE:
-        return False
-    others = picture[~at_end]
-    return many >= int(np.count_nonzero(others == nearest(others)))
-
-
-def _good(
-    picture: Matrix, avoid: Mask | None, low: float | None, high: float | None
-) -> Mask | None:
-    """Samples that count: not avoided, and not clipped; None where all do."""
-    good = None if avoid is None else ~avoid
-    for end in (low, high):
-        if end is not None:
-            free = picture != end
-            good = free if good is None else good & free
-    return good
-
-
 def _measured(
     blocks: PictureBlocks,
     flat: FlatBlocks,
@@ -276,8 +223,14 @@ def _measured(
     error = math.hypot(error, flat.structure.doubt * at_mean)
     remarks = []
     if flat.even:
-        gain = _gain(flat.line, level)
-        read = _read_noise(flat.line, level, gain[0] is not None, rounding, offset)
+        gain = gain_figure(line=flat.line, level=level)
+        read = read_noise_figure(
+            line=flat.line,
+            level=level,
+            with_gain=gain[0] is not None,
+            rounding=rounding,
+            offset=offset,
+        )
     else:
         reason = "the noise differs from place to place by more than its level explains"
         remarks.append(
@@ -287,6 +240,11 @@ def _measured(
         )
         gain = read = None, None, reason
     sigma = math.sqrt(at_mean)
+    if lines and lines[0].amplitude > _STRONG * sigma:
+        remarks.append(
+            f"a periodic line of {lines[0].amplitude:.3g} is far above the noise: it may be a "
+            "pattern of the scene"
+        )
     where = np.zeros(blocks.grid[0] * blocks.grid[1], bool)
     where[blocks.place[flat.chosen]] = True
     return PictureNoise(
@@ -296,7 +254,7 @@ def _measured(
         mean,
         *gain,
         *read,
-        _levels(level, variance),
+        level_variances(level=level, variance=variance),
         noise_power(
             blocks=blocks,
             flat=flat,
@@ -335,68 +293,6 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
             f"have {1 + structure.coarse:.2f} times the power of the fine: texture is everywhere"
         )
     return ""
-
-
-Figure = tuple[float | None, float | None, str]
-
-
-def _gain(line: VarianceLine, level: Vector) -> Figure:
-    """Electrons of one unit, and the standard error, where the variance rises with the level."""
-    between = f"between levels {level.min():.4g} and {level.max():.4g}"
-    if line.slope <= _RISES * line.slope_error:
-        reason = (
-            f"the variance does not rise clearly with the level: by {line.slope:.3g} ± "
-            f"{line.slope_error:.2g} a unit {between}"
-        )
-        return None, None, reason
-    gain, error = 1.0 / line.slope, line.slope_error / line.slope**2
-    if error > _UNSURE * gain:
-        reason = f"the levels do not lead to a gain: {gain:.4g} ± {error:.2g} {between}"
-        return None, None, reason
-    return gain, error, ""
-
-
-def _read_noise(
-    line: VarianceLine, level: Vector, with_gain: bool, rounding: float, offset: float
-) -> Figure:
-    """Where the line meets the level without light."""
-    low, high = np.quantile(level, (0.01, 0.99))
-    if not with_gain and not low <= offset <= high:
-        reason = (
-            f"the flat areas, of level {level.min():.4g} to {level.max():.4g}, do not lead to the "
-            f"level without light, {offset:.4g}"
-        )
-        return None, None, reason
-    variance, error = line.at(offset)
-    variance -= rounding
-    if variance <= 0.0 or error > 2.0 * _UNSURE_READ * variance:
-        reason = (
-            f"the variance at level {offset:.4g}, without light, is {variance:.3g} ± {error:.2g} "
-            "less rounding: dark areas are missing, or that is not the level without light"
-        )
-        return None, None, reason
-    return math.sqrt(variance), error / (2.0 * math.sqrt(variance)), ""
-
-
-def _levels(level: Vector, variance: Vector) -> tuple[LevelVariance, ...]:
-    """Blocks in steps of level, those with few left out."""
-    low, high = float(level.min()), float(level.max())
-    width = (high - low) / _LEVELS
-    bins = np.minimum((level - low) / width, _LEVELS - 1.0).astype(int) if width > 0.0 else None
-    parts = [np.ones(len(level), bool)] if bins is None else [bins == k for k in range(_LEVELS)]
-    measured = []
-    for part in parts:
-        many = int(np.count_nonzero(part))
-        if many < min(_LEAST_IN_LEVEL, len(level)):
-            continue
-        values = variance[part]
-        error = float(values.std(ddof=1)) / math.sqrt(many)
-        measured.append(
-            LevelVariance(
-                float(level[part].mean()), float(values.mean()), error, many * SIDE * SIDE
-            )
-        )
-    return tuple(measured)
 
 
 def _nothing(reason: str, mean: float, step: float | None, blocks: PictureBlocks) -> PictureNoise:

@@ -16,6 +16,7 @@ from core.physics.measurement.noise.picture_blocks import SIDE, PictureBlocks
 Vector = NDArray[np.float64]
 
 _LEAST_IN_ROW = 4  # flat blocks, for a median of a row of blocks
+_LEAST_ROWS = 4  # rows of blocks
 _NORMAL = 1.4826  # deviation over the median of absolute deviations, of a normal distribution
 _MEDIAN = math.pi / 2.0  # variance of a median over that of a mean
 _MEDIAN_SQUARE = 0.4549  # of a normal deviate
@@ -131,7 +132,7 @@ def line_noise(
         middles.append(np.median(waves[part], axis=0))
         density = float(np.mean(1.0 / np.sqrt(noise[part])))  # at the median, of unlike normals
         chances.append(_MEDIAN / (len(part) * density**2))
-    if len(middles) < 2:
+    if len(middles) < _LEAST_ROWS:
         return None
     # Scatter beyond the white noise, that of structure, is that of its wave all over the picture.
     scatter = np.median(spreads, axis=0)
@@ -156,7 +157,7 @@ def _common_variance(square: Vector, chance: Vector) -> tuple[float, float]:
             high = middle
     own = high
     for _ in range(_ROUNDS):
-        total = np.maximum(own + chance, 1e-3 * chance)
+        total = max(own, 0.0) + chance
         near = square < _FAR_SQUARE * total
         weight = 1.0 / total[near] ** 2
         scale = _WITHIN_FAR / _MEAN_WITHIN
@@ -164,5 +165,5 @@ def _common_variance(square: Vector, chance: Vector) -> tuple[float, float]:
         own = float(weight @ (scale * square[near] - chance[near]) / weight.sum())
         if abs(own - before) <= 1e-6 * float(total.mean()):
             break
-    total = np.maximum(own + chance, 1e-3 * chance)
+    total = max(own, 0.0) + chance
     return own, math.sqrt(2.0 / float((1.0 / total**2).sum()))

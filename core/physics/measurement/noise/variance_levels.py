@@ -1,0 +1,100 @@
+"""Variance of blocks over the level: by steps, and the gain and read noise of its line."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.physics.measurement.noise.picture_blocks import SIDE
+from core.physics.measurement.noise.variance_line import VarianceLine
+
+Vector = NDArray[np.float64]
+
+_LEVELS = 16
+_LEAST_IN_LEVEL = 12
+_RISES = 3.0  # standard errors by which the variance must rise for a gain
+_UNSURE = 0.05  # standard error over gain, beyond which there is none
+_UNSURE_READ = 0.3
+
+
+@dataclass(frozen=True)
+class LevelVariance:
+    """Noise at one level.
+
+    Parameters
+    ----------
+    level, variance, variance_error : float
+        Mean level, variance of a sample and its standard error.
+    samples : int
+        In flat areas of that level.
+    """
+
+    level: float
+    variance: float
+    variance_error: float
+    samples: int
+
+
+Figure = tuple[float | None, float | None, str]
+
+
+def gain_figure(*, line: VarianceLine, level: Vector) -> Figure:
+    """Electrons of one unit, and the standard error, where the variance rises with the level."""
+    between = f"between levels {level.min():.4g} and {level.max():.4g}"
+    if line.slope <= _RISES * line.slope_error:
+        reason = (
+            f"the variance does not rise clearly with the level: by {line.slope:.3g} ± "
+            f"{line.slope_error:.2g} a unit {between}"
+        )
+        return None, None, reason
+    gain, error = 1.0 / line.slope, line.slope_error / line.slope**2
+    if error > _UNSURE * gain:
+        reason = f"the levels do not lead to a gain: {gain:.4g} ± {error:.2g} {between}"
+        return None, None, reason
+    return gain, error, ""
+
+
+def read_noise_figure(
+    *, line: VarianceLine, level: Vector, with_gain: bool, rounding: float, offset: float
+) -> Figure:
+    """Where the line meets the level without light."""
+    low, high = np.quantile(level, (0.01, 0.99))
+    if not with_gain and not low <= offset <= high:
+        reason = (
+            f"the flat areas, of level {level.min():.4g} to {level.max():.4g}, do not lead to the "
+            f"level without light, {offset:.4g}"
+        )
+        return None, None, reason
+    variance, error = line.at(offset)
+    variance -= rounding
+    if variance <= 0.0 or error > 2.0 * _UNSURE_READ * variance:
+        reason = (
+            f"the variance at level {offset:.4g}, without light, is {variance:.3g} ± {error:.2g} "
+            "less rounding: dark areas are missing, or that is not the level without light"
+        )
+        return None, None, reason
+    return math.sqrt(variance), error / (2.0 * math.sqrt(variance)), ""
+
+
+def level_variances(*, level: Vector, variance: Vector) -> tuple[LevelVariance, ...]:
+    """Blocks in steps of level, those with few left out."""
+    low, high = float(level.min()), float(level.max())
+    width = (high - low) / _LEVELS
+    bins = np.minimum((level - low) / width, _LEVELS - 1.0).astype(int) if width > 0.0 else None
+    parts = [np.ones(len(level), bool)] if bins is None else [bins == k for k in range(_LEVELS)]
+    measured = []
+    for part in parts:
+        many = int(np.count_nonzero(part))
+        if many < min(_LEAST_IN_LEVEL, len(level)):
+            continue
+        values = variance[part]
+        error = float(values.std(ddof=1)) / math.sqrt(many)
+        measured.append(
+            LevelVariance(
+                float(level[part].mean()), float(values.mean()), error, many * SIDE * SIDE
+            )
+        )
+    return tuple(measured)

@@ -1,0 +1,55 @@
+"""Noise of frames of one scene whose random parts are known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from core.errors import DataError
+from core.physics.measurement.noise.frames_noise import SceneFrames
+
+ROWS, COLUMNS, GAIN, READ_E = 120, 160, 5.0, 30.0
+
+
+def scene():
+    """Texture everywhere, from dark to bright: one frame shows no noise of it."""
+    random = np.random.default_rng(1)
+    return np.linspace(500, 20_000, COLUMNS) * random.uniform(0.3, 1.0, (ROWS, COLUMNS))
+
+
+def measured(frames=8, *, rows=0.0, flicker=0.0, moved=False, offset=0.0, scale=1.0):
+    random = np.random.default_rng(2)
+    taken = SceneFrames(ROWS, COLUMNS)
+    electrons = scene()
+    for frame in range(frames):
+        light = np.roll(electrons, frame, axis=1) if moved else electrons
+        numbers = random.poisson(light) + READ_E * random.standard_normal(light.shape)
+        numbers = numbers / GAIN + offset + flicker * random.standard_normal()
+        numbers += rows * random.standard_normal((ROWS, 1))
+        taken.add(np.rint(numbers * scale))
+    return taken.measured(offset=offset)
+
+
+@pytest.mark.parametrize("frames", [2, 8])
+def test_gain_and_read_noise_of_a_textured_scene(frames):
+    noise = measured(frames, rows=3.0, flicker=10.0, offset=100.0)
+    mean = scene().mean()
+    truth = math.sqrt((mean + READ_E**2) / GAIN**2 + 1 / 12)
+    assert noise.sigma == pytest.approx(truth, rel=0.02)
+    assert noise.gain_e_per_dn == pytest.approx(GAIN, rel=0.05)
+    assert abs(noise.gain_e_per_dn - GAIN) < 3 * noise.gain_error
+    assert abs(noise.read_noise_dn - READ_E / GAIN) < 3 * noise.read_noise_error
+    assert noise.components.frames == frames
+    if frames > 2:
+        assert noise.components.variances.sigma("tv") == pytest.approx(3.0, rel=0.1)
+
+
+def test_what_frames_do_not_show():
+    assert "the scene change between the frames: it moves" in measured(moved=True).sigma_reason
+    assert measured(scale=0.002).sigma_reason == "rounding hides the noise"
+    one = SceneFrames(ROWS, COLUMNS)
+    one.add(scene())
+    with pytest.raises(DataError, match="2 frames or more"):
+        one.measured()
+    with pytest.raises(DataError, match="not finite"):
+        one.add(np.full((ROWS, COLUMNS), math.nan))
