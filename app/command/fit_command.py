@@ -49,7 +49,7 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
     work = engine.work(policy_of(options), cancel=cancel)
     inputs = [place.path, *options.pictures, *input_files(plan, place.folder)]
     with Staging(None, inputs) as staging:
-        for path in filter(None, (options.fit_json, options.fit_output)):
+        for path in filter(None, (options.fit_json, options.fit_output, options.fit_report)):
             staging.claim(path)
         with Progress(3) as progress:
             result = fit_pictures(
@@ -64,6 +64,12 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
                     fitted = with_value(fitted, engine, parameter.node, parameter.name, one.used)
             text = format_network(fitted, library=library)
             staging.write(options.fit_output, partial(write_text, content=text))
+        if options.fit_report is not None:
+            from app.fit.fit_page import fit_page  # matplotlib and a template: only where wanted
+
+            names = tuple(map(str, options.pictures))
+            page = fit_page(result, network=network.name or place.name, pictures=names)
+            staging.write(options.fit_report, partial(write_text, content=page))
         staging.commit()
     _print(result)
 

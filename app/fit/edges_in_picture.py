@@ -98,6 +98,7 @@ def _patch(picture: Matrix, edge: FoundEdge, number: int, *, many: bool) -> Patc
         distance=samples.distance,
         along=samples.along,
         value=samples.value,
+        bend=edge.bend * (samples.along / (edge.length / 2.0)) ** 2,
         picture=number,
         place=(edge.x, edge.y),
     )

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Near = NDArray[np.bool_]
 
 _NARROW, _WIDTHS = 5.0, 2.5  # samples, and widths of the step: the fit's reach on both sides
 _LEAST_REACH = 8.0  # samples
@@ -31,6 +33,8 @@ class Patch:
         Of the normal, from x towards +y, to the brighter side.
     distance, along, value : ndarray
         Of each sample: distance along the normal, place along the edge, sample.
+    column, row : ndarray
+        Where each sample is in its picture.
     low_variance, high_variance : float
         Of a sample's noise on each side.
     low, high : float
@@ -50,6 +54,8 @@ class Patch:
     distance: Vector
     along: Vector
     value: Vector
+    column: Indices
+    row: Indices
     low_variance: float
     high_variance: float
     low: float
@@ -82,6 +88,8 @@ class Patch:
             distance=self.distance[taken],
             along=self.along[taken],
             value=self.value[taken],
+            column=self.column[taken],
+            row=self.row[taken],
         )
 
 
@@ -92,12 +100,14 @@ def patch_of(
     distance: Vector,
     along: Vector,
     value: Vector,
+    bend: Vector | float = 0.0,
     picture: int = 0,
     place: tuple[float, float] = (0.0, 0.0),
 ) -> Patch | str:
     """The patch of an edge's samples; or why they are no use.
 
-    The noise is that of the sides far from the edge, about a plane of their own. Of the rest what
+    `bend` is how far the edge lies off its tangent at each sample, which `distance` is less by. The
+    noise is that of the sides far from the edge, about a plane of their own. Of the rest what
     lies near the edge counts, without its ends: corners, and what is beside in the scene, reach far
     in faint tails, and all that is known of the blur is known near the edge.
     """
@@ -130,6 +140,7 @@ def patch_of(
         distance[near],
         along[near],
         value[near],
+        *_places(distance + bend, along, angle_deg, place, near),
         max(variances[0], least),
         max(variances[1], least),
         levels[0],
@@ -139,6 +150,16 @@ def patch_of(
         picture,
         *place,
     )
+
+
+def _places(
+    off: Vector, along: Vector, angle_deg: float, middle: tuple[float, float], near: Near
+) -> tuple[Indices, Indices]:
+    """Columns and rows of the samples, from where they lie about the edge."""
+    angle = math.radians(angle_deg)
+    x = middle[0] + off * math.cos(angle) - along * math.sin(angle)
+    y = middle[1] + off * math.sin(angle) + along * math.cos(angle)
+    return np.rint(x[near]).astype(np.intp), np.rint(y[near]).astype(np.intp)
 
 
 def _near(distance: Vector, value: Vector, levels: tuple[float, float]) -> NDArray[np.bool_]:

@@ -1,0 +1,124 @@
+"""A fit as one page that needs no other file."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from app.fit.fit_drawing import drawn_edges, noise_png, patches_png, spreads_png
+from app.fit.fit_result import FitResult, NoiseComparison
+from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
+from app.report.drawing.printed_numbers import number
+from app.report.html_page import html_page
+
+
+def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> str:
+    """The page as HTML; `network` and `pictures` are names for its title."""
+    first = Path(pictures[0]).name
+    more = f" and {len(pictures) - 1} more" if len(pictures) > 1 else ""
+    title = f"{network} fitted to {first}{more}"
+    misfit = result.fit.misfit
+    lines = [*(f"Warning: {line}." for line in result.warnings), *(f"{n}." for n in result.notes)]
+    blocks: list[Block] = [
+        Heading(1, title),
+        Text(
+            f"{len(result.fit.patches)} edges, {misfit.degrees} degrees of freedom, χ² per degree "
+            f"{number(_short(result.chi2_per_degree))}; of what is left in the shape of edges "
+            f"{number(_short(misfit.shape_per_degree))}.",
+            "lead",
+        ),
+        Grid(
+            ("parameter", "value", "standard error", "unit"),
+            [_row(result, index) for index in range(len(result.parameters))],
+            numbers=(1, 2),
+            kind="readouts",
+        ),
+        *([Items(tuple(f"{line[:1].upper()}{line[1:]}" for line in lines))] if lines else []),
+        *_combinations(result),
+        *_correlation(result),
+        Heading(2, "Edges"),
+        Drawn(
+            patches_png(result),
+            "Patches of the picture as they are, as the fitted network gives them, and the "
+            "difference in standard deviations of the noise; above, the direction of the normal.",
+            "real and simulated patches",
+        ),
+        Drawn(
+            spreads_png(result),
+            "a: samples by their distance from the edge, from the dark level 0 to the bright one "
+            "1, with the spread of the fitted chain. b: means of what is left over a quarter of a "
+            "sample; noise alone would lie about 0 within its errors.",
+            "edges overlaid and residuals",
+        ),
+        *_edges(result),
+        *_noise(result),
+    ]
+    return html_page(title, blocks)
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.4g}")
+
+
+def _row(result: FitResult, index: int) -> tuple[str, ...]:
+    one = result.parameters[index]
+    if one.value is None or one.sigma is None:
+        return one.port, "not determined", "", one.unit
+    return one.port, number(float(f"{one.value:.6g}")), number(float(f"{one.sigma:.2g}")), one.unit
+
+
+def _combinations(result: FitResult) -> list[Block]:
+    if not result.combinations:
+        return []
+    rows = [
+        (one.text, number(float(f"{one.value:.6g}")), number(float(f"{one.sigma:.2g}")), one.unit)
+        for one in result.combinations
+    ]
+    return [
+        Heading(2, "Known of parameters that cannot be told apart"),
+        Grid(("combination", "value", "standard error", "unit"), rows, numbers=(1, 2)),
+    ]
+
+
+def _correlation(result: FitResult) -> list[Block]:
+    names = [one.port for one in result.parameters]
+    if len(names) < 2:
+        return []
+    rows = [
+        (name, *(f"{value:.3f}" if math.isfinite(value) else "" for value in row))
+        for name, row in zip(names, result.correlation, strict=True)
+    ]
+    numbers = tuple(range(1, len(names) + 1))
+    return [Heading(2, "Correlation of errors"), Grid(("", *names), rows, numbers=numbers)]
+
+
+def _edges(result: FitResult) -> list[Block]:
+    drawn = set(drawn_edges(result))
+    rows = []
+    for index, patch in enumerate(result.fit.patches):
+        chi2 = float(result.fit.edges.residual[index] @ result.fit.edges.residual[index])
+        rows.append(
+            (
+                f"{index + 1}{'' if index in drawn else ' (not drawn)'}",
+                f"{patch.x:.1f}",
+                f"{patch.y:.1f}",
+                f"{patch.angle_deg:.1f}",
+                str(len(patch.value)),
+                number(_short(float(result.fit.edges.step[index]))),
+                f"{chi2 / len(patch.value):.3f}",
+            )
+        )
+    heads = ("edge", "column", "row", "normal (°)", "samples", "step", "χ² per sample")
+    return [Grid(heads, rows, numbers=tuple(range(1, 7)))]
+
+
+def _noise(result: FitResult) -> list[Block]:
+    blocks: list[Block] = [Heading(2, "Noise")]
+    if not isinstance(result.noise, NoiseComparison):
+        return [*blocks, Text(f"{result.noise[:1].upper()}{result.noise[1:]}.")]
+    how = "fitted at once with the edges" if result.noise.fitted else "no free parameter changes it"
+    caption = (
+        "Variance of a sample in flat areas over their level, with its error, and what the "
+        f"network's noise budget predicts there ({how})."
+    )
+    return [*blocks, Drawn(noise_png(result.noise), caption, "noise over the level")]
