@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from app.measure.measurement_text import TEMPORAL
 from app.measure.picture_measurement import (
     FlatCurve,
     MeasuredEdge,
@@ -19,7 +20,6 @@ from app.measure.picture_measurement import (
     PictureMeasurement,
 )
 from core.errors import DataError
-from core.physics.noise.noise_components import COMPONENTS
 from core.physics.noise.noise_cube import MeasuredNoise
 from nodes.files.lens.mtf_table import LARGEST_MTF
 
@@ -175,8 +175,8 @@ def _frames(frames: MeasuredNoise | None, reason: str) -> Json:
         return {"reason": reason}
     return {
         "frames": frames.frames,
-        **{f"sigma_{name}": frames.variances.sigma(name) for name in COMPONENTS},
-        **{f"variance_{name}_error": frames.errors.variance(name) for name in COMPONENTS},
+        **{f"sigma_{name}": frames.variances.sigma(name) for name in TEMPORAL},
+        **{f"variance_{name}_error": frames.errors.variance(name) for name in TEMPORAL},
     }
 
 

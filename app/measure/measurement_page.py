@@ -124,8 +124,8 @@ def _noise(measured: PictureMeasurement) -> list[Block]:
         Heading(2, "Noise from frame to frame"),
         Grid(heads, frame_rows(measured), numbers=(1,)),
         Text(
-            "What stays from frame to frame holds the scene too: fixed patterns are the camera's "
-            "only where the scene is uniform."
+            "What stays from frame to frame is the scene's as well: fixed patterns need frames of "
+            "a uniform field, as --flats."
         ),
     ]
 

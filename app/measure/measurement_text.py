@@ -7,13 +7,10 @@ from collections import Counter
 
 from app.measure.picture_measurement import MtfCurve, NoiseFigures, PictureMeasurement
 from app.run.readout_tables import number_text
-from core.physics.noise.noise_components import COMPONENTS
 
-_MEANINGS = {
+# Of what changes from frame to frame: what stays is the scene's as well.
+TEMPORAL = {
     "tvh": "random from sample to sample and frame to frame",
-    "vh": "fixed from sample to sample, with the scene",
-    "v": "fixed from row to row, with the scene",
-    "h": "fixed from column to column, with the scene",
     "t": "of whole frames from one to the next",
     "tv": "of rows from frame to frame",
     "th": "of columns from frame to frame",
@@ -92,11 +89,13 @@ def frame_rows(measured: PictureMeasurement) -> list[Row]:
     """The components of noise from frame to frame."""
     if measured.frames is None:
         return []
-    return [
-        (f"sigma_{name}", number_text(float(f"{measured.frames.variances.sigma(name):.4g}")),
-         measured.unit, _MEANINGS[name])
-        for name in COMPONENTS
-    ]  # fmt: skip
+    rows = []
+    for name, meaning in TEMPORAL.items():
+        # An unbiased estimate of next to nothing comes out below zero half the time.
+        sigma = max(measured.frames.variances.sigma(name), 0.0)
+        text = number_text(float(f"{sigma:.4g}"))
+        rows.append((f"sigma_{name}", text, measured.unit, meaning))
+    return rows
 
 
 def remarks(measured: PictureMeasurement) -> list[str]:
@@ -107,6 +106,12 @@ def remarks(measured: PictureMeasurement) -> list[str]:
         "light: the MTF is that of these numbers"
         for file in measured.files
         if file.is_encoded
+    ]
+    lines += [
+        f"warning: {file.name}: compressed with loss, which changes fine detail and hides noise: "
+        "what is measured is the compressed picture, not the camera"
+        for file in measured.files
+        if file.is_lossy
     ]
     for words, curve, reason in (
         ("across", measured.x, measured.reason_x),

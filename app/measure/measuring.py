@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from app.measure.edge_measuring import edges_of, pooled
 from app.measure.noise_measuring import pooled_noise
-from app.measure.picture_loading import open_picture, same_size
+from app.measure.picture_loading import PictureFile, open_picture, same_size
 from app.measure.picture_measurement import (
     BY_HAND,
     FlatCurve,
@@ -34,6 +34,7 @@ Report = Callable[[str], None]
 _LEAST = 16  # rows and columns, below which nothing is measured
 MOST_PREVIEWS = 4
 _PREVIEW_SAMPLES = 1400  # of a side
+_LARGEST = 1e60
 _MOVED = 3.0  # times the noise of one picture, beyond which frames show different scenes
 
 
@@ -110,7 +111,7 @@ def measure_files(
         x = interval_mrad(fov_deg=plan.fov_x_deg, samples=first.columns, name="--fov-x-deg")
         y = x if y is None else y
     source = Source(
-        tuple(MeasuredFile(str(f.path), f.frames, f.taken, f.is_encoded) for f in files),
+        tuple(_named(file) for file in files),
         (picture for file in files for picture in file.pictures()),
         first.rows, first.columns, first.unit, x, y, first.limits,
         _offset(plan, check),
@@ -140,8 +141,10 @@ def measure_pictures(
     previews: list[Preview] = []
     noises: list[PictureNoise] = []
     for number, picture in enumerate(source.pictures):
-        report(_name(source.files, number))
+        name = _name(source.files, number)
+        report(name)
         check()
+        _refuse_extreme(picture, name)
         if number < MOST_PREVIEWS:
             previews.append(_preview(picture, number))
         edges += edges_of(
@@ -159,6 +162,17 @@ def measure_pictures(
         source.interval_y_mrad, tuple(edges), x, y, reason_x, reason_y, noise, noise_reason,
         frames, frames_reason, previews=tuple(previews),
     )  # fmt: skip
+
+
+def _refuse_extreme(picture: Matrix, name: str) -> None:
+    """Refuse numbers of which squares of squares cannot be had in double precision."""
+    low, high = float(picture.min()), float(picture.max())
+    most = max(abs(low), abs(high))
+    if most > _LARGEST or 0.0 < high - low < 1.0 / _LARGEST:
+        raise DataError(
+            f"{name}: samples from {low:.4g} to {high:.4g} cannot be measured; allowed: up to "
+            f"{_LARGEST:g}, that differ by {1.0 / _LARGEST:g} or more: scale them"
+        )
 
 
 def _preview(picture: Matrix, number: int) -> Preview:
@@ -191,6 +205,10 @@ def _with_reason(measured: PictureMeasurement, place: int, why: str) -> PictureM
     return measured.with_edges(tuple(edges), x, y, (reason_x, reason_y))
 
 
+def _named(file: PictureFile) -> MeasuredFile:
+    return MeasuredFile(str(file.path), file.frames, file.taken, file.is_encoded, file.is_lossy)
+
+
 def _name(files: Sequence[MeasuredFile], number: int) -> str:
     for file in files:
         if number < file.frames:
@@ -206,6 +224,8 @@ def _frames(cube: NoiseCube | None, noise: NoiseFigures | None) -> tuple[Measure
         return None, "a single picture"
     measured = cube.measured()
     random = max(measured.variances.tvh, 0.0) ** 0.5
+    if random == 0.0:
+        return None, "the pictures are the same, sample by sample"
     if noise is not None and random > _MOVED * noise.sigma:
         return None, (
             f"the pictures differ by {random:.3g}, {random / noise.sigma:.3g} times the noise of "

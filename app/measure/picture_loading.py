@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from core.errors import DataError, UsageError
 from core.physics.sampling.detector_sampling import interval_mrad
+from nodes.files.arrays import mapped_npy
 from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.formats import NPY, TIFF, format_of
@@ -23,6 +24,10 @@ Matrix = NDArray[np.float64]
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 """Shares of red, green and blue in luminance (ITU-R BT.709)."""
 _COLOURS = ("R", "G", "B")
+_WITH_ALPHA = 2  # bands
+_FLAT = 2  # dimensions of a single picture
+_STACKS = ("envi", "fits")  # formats whose bands are no colours
+_LOSSY = ("jpeg", "jpeg2000")
 _ENCODED = (
     "jpeg",
     "jpeg2000",
@@ -53,6 +58,10 @@ class PictureFile:
         Least and largest number of samples that are stored as whole numbers; None of others.
     is_encoded : bool
         Whether the format's numbers usually follow the eye's response, not the light.
+    is_lossy : bool
+        Whether the format leaves out what the eye would not miss.
+    is_stack : bool
+        Whether it holds frames, were it a single one.
     """
 
     path: Path
@@ -65,7 +74,9 @@ class PictureFile:
     interval_x_mrad: float | None
     interval_y_mrad: float | None
     limits: tuple[float, float] | None
-    is_encoded: bool
+    is_encoded: bool = False
+    is_lossy: bool = False
+    is_stack: bool = False
 
     def pictures(self) -> Iterator[Matrix]:
         """The frames in turn, in double precision.
@@ -75,7 +86,7 @@ class PictureFile:
         ImagechainError
             The file is damaged, or has samples that are not finite.
         """
-        if self.frames > 1:
+        if self.frames > 1 or self.is_stack:
             for frame in open_frames(self.path).each():
                 yield np.asarray(frame, np.float64)
             return
@@ -119,9 +130,11 @@ def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
     if band is None and not info.channels and info.wavelengths_um is None and _may_be_frames(info):
         return _of_frames(path, open_frames(file), info)
     chosen, taken = _chosen(path, info, band)
+    x, y = _intervals(info)
+    dtype = np.dtype(info.dtype)
     return PictureFile(
-        path, info.rows, info.columns, 1, chosen, taken, info.unit or "", *_intervals(info),
-        *_numbers(np.dtype(info.dtype), info.kind),
+        path, info.rows, info.columns, 1, chosen, taken, info.unit or "", x, y, _limits(dtype),
+        is_encoded=dtype == np.uint8 and info.kind in _ENCODED, is_lossy=info.kind in _LOSSY,
     )  # fmt: skip
 
 
@@ -133,10 +146,11 @@ def _may_be_frames(info: PictureInfo) -> bool:
 
 
 def _of_frames(path: Path, frames: FrameFile, info: PictureInfo | None) -> PictureFile:
-    intervals = (None, None) if info is None else _intervals(info)
+    x, y = (None, None) if info is None else _intervals(info)
     return PictureFile(
-        path, frames.rows, frames.columns, frames.frames, None, "", frames.unit or "", *intervals,
-        *_numbers(frames.dtype, frames.kind),
+        path, frames.rows, frames.columns, frames.frames, 0, "", frames.unit or "", x, y,
+        _limits(frames.dtype),
+        is_stack=frames.kind == "npy" and mapped_npy(frames.path).ndim > _FLAT,
     )  # fmt: skip
 
 
@@ -157,8 +171,8 @@ def _chosen(path: Path, info: PictureInfo, band: int | None) -> tuple[int | None
             f"{share} {name}" for share, name in zip(LUMINANCE, _COLOURS, strict=True)
         )
         return None, f"luminance, {shares}"
-    if info.channels and info.bands == 2:  # grey and its transparency
-        return 0, f"band 0 ({info.channels[0]}) of {info.bands}"
+    if info.bands == _WITH_ALPHA and not info.channels and info.kind not in _STACKS:
+        return 0, "grey, without its transparency"
     raise UsageError(
         f"{path} has {info.bands} bands: name the one to measure, --band 0 to {info.bands - 1}"
     )
@@ -173,12 +187,11 @@ def _intervals(info: PictureInfo) -> tuple[float | None, float | None]:
     return x, y
 
 
-def _numbers(dtype: np.dtype[Any], kind: str) -> tuple[tuple[float, float] | None, bool]:
-    """Ends of the whole numbers that can be stored, and whether they follow the eye's response."""
-    limits = None
-    if dtype.kind in "ui":
-        limits = float(np.iinfo(dtype).min), float(np.iinfo(dtype).max)
-    return limits, dtype == np.uint8 and kind in _ENCODED
+def _limits(dtype: np.dtype[Any]) -> tuple[float, float] | None:
+    """Ends of the whole numbers that can be stored; None of others."""
+    if dtype.kind not in "ui":
+        return None
+    return float(np.iinfo(dtype).min), float(np.iinfo(dtype).max)
 
 
 def same_size(files: Sequence[PictureFile]) -> None:

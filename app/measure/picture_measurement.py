@@ -165,12 +165,17 @@ class FlatCurve:
 
 @dataclass(frozen=True)
 class MeasuredFile:
-    """A file that was measured: its name, how many pictures, and what of it was taken."""
+    """A file that was measured: its name, how many pictures, and what of it was taken.
+
+    `is_encoded`: its numbers usually follow the eye, not the light; `is_lossy`: compressed so that
+    it is not what was taken.
+    """
 
     name: str
     frames: int
     taken: str
-    is_encoded: bool
+    is_encoded: bool = False
+    is_lossy: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -89,7 +89,7 @@ def _of_arrays(
             raise DataError(f"picture {number} has samples that are not finite")
         own = [*array] if array.ndim == _FRAMES else [array]
         frames += [np.asarray(frame, np.float64) for frame in own]
-        files.append(MeasuredFile(f"array {number}", len(own), "", is_encoded=False))
+        files.append(MeasuredFile(f"array {number}", len(own), ""))
     shapes = {frame.shape for frame in frames}
     if len(shapes) > 1:
         raise DataError(f"pictures of one camera are of one size, not {sorted(shapes)}")

@@ -86,7 +86,7 @@ def _step(away: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _measured(picture: NDArray[np.float64]) -> PictureMeasurement:
     rows, columns = picture.shape
-    file = MeasuredFile("chart", 1, "", is_encoded=False)
+    file = MeasuredFile("chart", 1, "")
     return measure_pictures(Source((file,), [picture], rows, columns))
 
 

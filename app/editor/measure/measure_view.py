@@ -71,7 +71,7 @@ class MeasureView(QWidget):
             samples = picture.samples.astype("float64")
             return measure_pictures(
                 Source(
-                    (MeasuredFile(picture.name, 1, picture.taken, is_encoded=False),), [samples],
+                    (MeasuredFile(picture.name, 1, picture.taken),), [samples],
                     rows, columns, picture.unit, picture.interval_x_mrad, picture.interval_y_mrad,
                 ),
                 check=check,

@@ -132,6 +132,8 @@ def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
          "small.npy: 20 × 9 samples are too few to be measured; at least 16 × 16 are needed"),
         (("nan.npy",), "nan.npy: 1 sample is not finite (NaN or infinite), the first (nan)"
          " at row 3, column 4"),
+        (("far.npy",), "far.npy: samples from 0 to 1e+300 cannot be measured; allowed: up to "
+         "1e+60, that differ by 1e-60 or more: scale them"),
         (("a.npy", "--json", "m.txt"), "--json 'm.txt': the file's name must end in .json"),
         (("a.npy", "--band", "1"), "a.npy has no band 1; allowed: 0 alone"),
         (("a.npy", "--json", "a.npy.json", "--csv", "none/m.csv"),
@@ -147,6 +149,8 @@ def test_what_is_refused(imagechain, tmp_path, words, line):
     np.save(tmp_path / "b.npy", np.zeros((30, 20)))
     np.save(tmp_path / "small.npy", np.zeros((9, 20)))
     bad = np.zeros((30, 20))
+    bad[3, 4] = 1e300
+    np.save(tmp_path / "far.npy", bad)
     bad[3, 4] = np.nan
     np.save(tmp_path / "nan.npy", bad)
     done = imagechain("measure", *words)
