@@ -111,7 +111,7 @@ def _what(recipe: Recipe) -> str:
         if recipe.sampled is not None and not recipe.sampled.folds:
             return "sampling by pixels that are no whole number of samples apart"
         return "filtering every band at its own wavelength"
-    name = type(recipe).__name__
+    name = recipe.in_words or type(recipe).__name__
     if isinstance(recipe, Step):
         name = getattr(recipe.function, "__name__", name)
     return name.strip("_").replace("_", " ")

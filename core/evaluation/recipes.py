@@ -91,6 +91,11 @@ class Recipe(ABC):
         return self.by_rows
 
     @property
+    def in_words(self) -> str:
+        """What it does, for a line that says so; empty where its name does."""
+        return ""
+
+    @property
     def held_size(self) -> tuple[int, int] | None:
         """Rows and columns of what it holds of pictures on disk, of whatever size; None: all."""
         return None

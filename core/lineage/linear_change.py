@@ -67,6 +67,11 @@ class Linear:
         return ""
 
     @property
+    def by_sample(self) -> bool:
+        """Whether a noise behind it is that before it times one factor, the same everywhere."""
+        return type(self).noise is Linear.noise and type(self).carried is Linear.carried
+
+    @property
     def before_camera(self) -> bool:
         """Whether it ends at the camera, whose own gains are those behind it."""
         return False

@@ -57,6 +57,8 @@ class Noises:
         What they are added to.
     leaves_change : bool
         Whether what takes its place makes the step's linear change too.
+    in_blocks : bool
+        Whether `at` is marked by `noises_in_blocks`.
     """
 
     at: Callable[[AtStep], list[Noise]]
@@ -64,6 +66,7 @@ class Noises:
     free: Callable[[Recipe], Recipe]
     picture: Recipe
     leaves_change: bool = False
+    in_blocks: bool = False
 
 
 @dataclass(frozen=True)
@@ -163,7 +166,14 @@ def picture_step(
                     return made
                 return replace(made, node=step.node)
 
-            return Noises(at, on, free, inputs[place], leaves_change=noise_free is not None)
+            return Noises(
+                at,
+                on,
+                free,
+                inputs[place],
+                leaves_change=noise_free is not None,
+                in_blocks=getattr(noise, "in_blocks", False),
+            )
 
         function.lineage = lineage  # type: ignore[attr-defined]
         return function

@@ -23,7 +23,7 @@ from core.evaluation.region import Region
 from core.evaluation.work import Work
 from core.lineage.linear_change import LevelChange, Linear
 from core.lineage.step_lineage import picture_step
-from core.lineage.step_noise import AtStep, Noise
+from core.lineage.step_noise import AtStep, Noise, noises_in_blocks
 from core.noise.noise_power import NoisePower
 from core.noise.random_fields import Stream
 from core.physics.electronics.rounding_noise import rounding_variances
@@ -57,6 +57,11 @@ class AboutLevel(Linear):
         """The change about the level."""
         return self.about
 
+    @property
+    def by_sample(self) -> bool:
+        """True: by the gain at the mean."""
+        return True
+
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         """Scaled by the gain at the mean."""
         return power.scaled(work.value(self.about).gain)
@@ -81,6 +86,11 @@ class Amplified(Linear):
     def gain(self) -> float:
         """The gain."""
         return self.factor
+
+    @property
+    def by_sample(self) -> bool:
+        """True: by the gain."""
+        return True
 
     def noise(self, work: Work, power: NoisePower) -> NoisePower:
         """Scaled."""
@@ -118,6 +128,7 @@ def expected_electrons(work: Work, image: Array, levels: ElectronLevels) -> Arra
     return _by_rows(work, image, block)
 
 
+@noises_in_blocks
 def _collected_noises(
     at: AtStep,
     mean: Recipe,
@@ -128,11 +139,14 @@ def _collected_noises(
     dsnu_e: float,
 ) -> list[Noise]:
     """Shot noise of each sample's own electrons; PRNU by its electrons, DSNU alike for all."""
-    electrons = np.maximum(np.asarray(at.work.value(mean), np.float64), 0.0)
-    noises = [at.white("shot", electrons / frames)]
+    expected = at.work.value(mean)
+    electrons = at.by_rows(lambda e: np.maximum(np.asarray(e, np.float64), 0.0), expected)
+    noises = [at.white("shot", at.by_rows(lambda e: e / frames, electrons))]
     if prnu_percent:
-        seen = np.float64(electrons.mean()) if at.uniform else electrons
-        variance = (prnu_percent / 100.0 * seen) ** 2
+        share = prnu_percent / 100.0
+        variance: float | Array = (share * np.float64(electrons.mean())) ** 2
+        if not at.uniform:
+            variance = at.by_rows(lambda e: (share * e) ** 2, electrons)
         noises.append(at.white("PRNU", variance, temporal=False))
     if dsnu_e:
         noises.append(at.white("DSNU", dsnu_e**2, temporal=False))
@@ -197,6 +211,7 @@ def bent(
     return _by_rows(work, picture, block)
 
 
+@noises_in_blocks
 def _read_noise(
     at: AtStep, picture: Recipe, *_: Recipe, sigma_e: float, full_well_e: float | None
 ) -> list[Noise]:
@@ -321,6 +336,7 @@ def counted(work: Work, picture: Array, *, gain_e_per_dn: float, offset_dn: floa
     return _by_rows(work, picture, block)
 
 
+@noises_in_blocks
 def _rounding(at: AtStep, picture: Recipe, **how: float) -> list[Noise]:
     """Rounding errors: temporal as far as temporal noise changes them, else fixed."""
     stirring = sum(noise.power.moments().sample for noise in at.before if noise.temporal)

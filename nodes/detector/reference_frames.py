@@ -73,6 +73,11 @@ class MeanFrame(Recipe):
         return self.picture.key, self.start, self.frames
 
     @property
+    def in_words(self) -> str:
+        """What takes pictures as a whole."""
+        return "the mean of reference frames"
+
+    @property
     def inputs(self) -> tuple[Recipe, ...]:
         """The first of them, and what they share: the pattern of the pixels."""
         first, next_one = (at_frame(self.picture, self.start + step) for step in (0, 1))

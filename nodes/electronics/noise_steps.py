@@ -19,7 +19,7 @@ from core.evaluation.work import Work
 from core.filtering.line_filter import filter_lines
 from core.lineage.linear_change import Filtering, Linear
 from core.lineage.step_lineage import picture_step
-from core.lineage.step_noise import AtStep, Noise
+from core.lineage.step_noise import AtStep, Noise, noises_in_blocks
 from core.noise.noise_power import NoisePower
 from core.noise.random_fields import Stream
 from core.physics.electronics.gain_bias import apply_gain_bias
@@ -162,6 +162,7 @@ def value_range(
     return lowest, highest
 
 
+@noises_in_blocks
 def _rounding(
     at: AtStep, picture: Recipe, limits: Recipe | tuple[float, float], *, bits: int
 ) -> list[Noise]:
@@ -324,6 +325,7 @@ def _detector(at: AtStep, figures: Recipe, variability_percent: float) -> list[N
     return [at.white("detector", at.work.value(figures).ner ** 2 * (1.0 + spread**2))]
 
 
+@noises_in_blocks
 def _detector_alone(
     at: AtStep, picture: Recipe, figures: Recipe, *_: Recipe, variability_percent: float
 ) -> list[Noise]:
@@ -361,6 +363,7 @@ def _detector_noise(
     return np.asarray(deviates * np.asarray(sigma, deviates.dtype))
 
 
+@noises_in_blocks
 def _amplifier(at: AtStep, picture: Recipe, table: Recipe, deviates: Recipe) -> list[Noise]:
     sigma = at.work.value(table).as_dict()["amplifier_noise"]
     return [at.white("amplifier", sigma**2)]

@@ -16,6 +16,7 @@ from core.evaluation.work import Work
 from core.lineage.linear_change import Linear
 from core.lineage.step_lineage import Lineage, lineage_of
 from core.lineage.step_noise import AtStep, Noise
+from core.memory import amount_text
 from core.noise.noise_power import Array, NoisePower
 from core.noise.noise_spectrum import spectrum_of
 from core.noise.random_fields import Stream
@@ -118,6 +119,20 @@ class NoiseOf(Recipe):
             return self.image.recipe
 
     @property
+    def in_words(self) -> str:
+        """What takes pictures as a whole."""
+        return "following noises through filters and patterns"
+
+    @property
+    def in_blocks(self) -> bool:
+        """Where no noise is filtered on its way, the power of each is a number."""
+        return not self._filtered
+
+    @cached_property
+    def _filtered(self) -> bool:
+        return not _by_samples(self.image.recipe)
+
+    @property
     def needs(self) -> tuple[Recipe, ...]:
         """What is looked at on the way to the picture too."""
         return (self._mean_of, *_needed(self.image.recipe, self.uniform))
@@ -128,7 +143,7 @@ class NoiseOf(Recipe):
 
     def compute(self, work: Work) -> ImageNoise:
         """Follow every noise to the picture."""
-        known = _Follow(work, self.uniform)
+        known = _Follow(work, self.uniform, self._filtered)
         noises = known.to(self.image.recipe, *self.image.shape)
         if any(noise.pattern for noise in noises):
             noises = self._with_patterns(work, noises)
@@ -143,6 +158,13 @@ class NoiseOf(Recipe):
     def _with_patterns(self, work: Work, noises: list[Noise]) -> list[Noise]:
         """Known patterns as they show in the picture."""
         picture = self.image.recipe
+        if work.blocks is not None and work.blocks.disk.wants(self.image.shape, np.float64):
+            names = ", ".join(dict.fromkeys(noise.name for noise in noises if noise.pattern))
+            raise DataError(
+                f"the power of a known pattern ({names}) of {self.image.rows} × "
+                f"{self.image.columns} samples is made as a whole, which --memory "
+                f"{amount_text(work.blocks.disk.memory_bytes)} does not hold"
+            )
         without = noise_free(picture)
         alone = [
             noise_free(picture, but=noise.pattern) if noise.pattern else None for noise in noises
@@ -196,9 +218,10 @@ def _needed(recipe: Recipe, uniform: bool) -> tuple[Recipe, ...]:
 class _Follow:
     """Walks up a picture's recipe, and down again with the noises on the way."""
 
-    def __init__(self, work: Work, uniform: bool = False) -> None:
+    def __init__(self, work: Work, uniform: bool = False, filtered: bool = True) -> None:
         self._work = work
         self._uniform = uniform
+        self._filtered = filtered
         self.unknown: list[str] = []
 
     def to(self, recipe: Recipe, rows: int, columns: int) -> list[Noise]:
@@ -220,7 +243,8 @@ class _Follow:
             noises = self._changed(lineage.linear, noises)
             if lineage.noise is not None:
                 assert isinstance(step, Step)
-                at = AtStep(self._work, step, rows, columns, tuple(noises), self._uniform)
+                how = self._uniform, self._filtered
+                at = AtStep(self._work, step, rows, columns, tuple(noises), *how)
                 noises = [*noises, *lineage.noise.at(at)]
         return noises
 
@@ -290,6 +314,20 @@ class _DeliveredNoise(Recipe):
         known = _Follow(work, self.uniform)
         noises = tuple(known.delivered(self.recipe))
         return _Behind(noises, tuple(known.unknown))
+
+
+def _by_samples(picture: Recipe) -> bool:
+    """Whether every noise arises behind the last filter, and all are known block by block."""
+    for recipe, lineage in _way_up(picture):
+        if lineage is None or lineage.picture is None:
+            return True
+        if lineage.noise is not None and not lineage.noise.in_blocks:
+            return False
+        if not _is_noisy(lineage.picture):
+            return True
+        if isinstance(recipe, Delivered) or not lineage.linear.by_sample:
+            return False
+    return True
 
 
 def _is_noisy(recipe: Recipe) -> bool:

@@ -89,22 +89,43 @@ def test_geometry_convolution_and_measurements(imagechain, write, tmp_path):
 
 
 def test_photons_counted_behind_the_optics(imagechain, write, tmp_path):
-    """Poisson deviates of every sample's own mean, bad pixels' clipping and digital numbers."""
+    """Poisson deviates of every sample's own mean and digital numbers; figures of their noise."""
     document = json.loads(find_network("mwir_camera").path.read_text())
     nodes = document["nodes"]
-    for name in ("slices", "budget", "merit"):
-        del nodes[name]
-    ends = [link for link in document["links"] if link[1].rpartition(".")[0] in nodes]
     nodes["camera"]["params"] |= {"pixels_x": 40, "pixels_y": 32}
     nodes["scene"]["params"] |= {"width": 80, "height": 64}
     nodes["focal_plane"]["final"] = True
     chain = {key: document[key] for key in ("format", "version", "name", "seed", "nodes")}
-    network = write({**chain, "links": ends})
+    network = write({**chain, "links": document["links"]})
     for file, memory in (("a.npy", "8GB"), ("b.npy", "50kB")):
-        done = imagechain("run", network, "--memory", memory, "--save", f"focal_plane.image={file}")
+        done = imagechain(
+            "run",
+            network,
+            "--memory",
+            memory,
+            "--save",
+            f"focal_plane.image={file}",
+            "--output-dir",
+            file[0],
+        )
         assert done.returncode == 0, done.stderr
         assert ("in blocks: " in done.stdout) == (file == "b.npy")
     np.testing.assert_array_equal(np.load(tmp_path / "a.npy"), np.load(tmp_path / "b.npy"))
+    a, b = (tmp_path / folder / "readouts.json" for folder in "ab")
+    assert a.read_bytes() == b.read_bytes()
+
+
+def test_noise_that_is_filtered_is_followed_in_memory_alone(fails, write, small):
+    """A budget behind optics of noise before them, and bad pixels, whose power is a picture's."""
+    document = json.loads(find_network("mwir_camera").path.read_text())
+    nodes = document["nodes"]
+    nodes["camera"]["params"] |= {"pixels_x": 40, "pixels_y": 32}
+    nodes["scene"]["params"] |= {"width": 80, "height": 64}
+    nodes["focal_plane"]["params"]["bad_pixel_percent"] = 1.0
+    line = fails("run", write(document), "--memory", "50kB")
+    assert line.startswith(
+        "imagechain: budget: following noises through filters and patterns takes a picture of 32"
+    )
 
 
 def noisy(small):
