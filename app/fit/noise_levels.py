@@ -22,7 +22,7 @@ from core.errors import DataError
 from core.evaluation.recipes import Step
 from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
-from core.physics.measurement.noise.picture_noise import LevelVariance
+from core.physics.measurement.noise.variance_levels import LevelVariance
 from nodes.analysis.lineage import ImageNoise, NoiseOf
 
 Vector = NDArray[np.float64]

@@ -17,7 +17,8 @@ from app.fit.noise_levels import NoiseLevels, NoiseProblem
 from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
-from core.physics.measurement.noise.picture_noise import LevelVariance, noise_of_picture
+from core.physics.measurement.noise.picture_noise import noise_of_picture
+from core.physics.measurement.noise.variance_levels import LevelVariance
 
 Matrix = NDArray[np.float64]
 

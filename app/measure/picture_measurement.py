@@ -14,7 +14,7 @@ from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG
 from core.physics.measurement.levels.flat_field import FlatField
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer
 from core.physics.measurement.noise.periodic_lines import PeriodicLine
-from core.physics.measurement.noise.picture_noise import LevelVariance
+from core.physics.measurement.noise.variance_levels import LevelVariance
 from core.physics.noise.noise_cube import MeasuredNoise
 
 Vector = NDArray[np.float64]

@@ -12,7 +12,7 @@ from core.chain.engine import Engine
 from core.errors import DataError
 from core.evaluation.policy import Policy
 from core.network.parsing import parse_network
-from core.physics.measurement.noise.picture_noise import LevelVariance
+from core.physics.measurement.noise.variance_levels import LevelVariance
 from edge_truth import blur_network
 from nodes.library import standard_library
 
