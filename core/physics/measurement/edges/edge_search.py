@@ -35,6 +35,7 @@ from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
 _ENDS = 1.0  # samples left off at both ends, where corners are rounded
 _LARGEST_GAP = 0.75
 _BENT_REACH = 4.0  # least radius of a bent edge, in its reaches
+_ENOUGH_USED, _ENOUGH_EXAMINED = 200, 1500  # edges of a picture
 _BLURRED = 2.0  # times a step's contrast may be what its gradient says, for its blur
 _LEAST_SOFTNESS = 0.5  # samples, below which none is softer than another
 _PIECE = 5.0  # samples, of an edge whose places are compared
@@ -87,10 +88,16 @@ def find_edges(
         strength_of_16=steep * least_contrast(16.0),
     )
     extremes = (float(picture.min()), float(picture.max()))
-    found = []
+    pieces.sort(key=lambda piece: -piece.strength * math.sqrt(piece.length))
+    found: list[FoundEdge] = []
+    used = 0
     for piece in pieces:
         check()
-        found.append(_examined(picture, piece, noise, clip_levels, extremes))
+        if used < _ENOUGH_USED and len(found) < _ENOUGH_EXAMINED:
+            found.append(_examined(picture, piece, noise, clip_levels, extremes))
+            used += found[-1].used
+        else:
+            found.append(replace(_rough(piece, noise), why_not=_enough(used)))
     found = without_soft(edges=found)
     reason = why_no_picture(picture=picture) if any(edge.used for edge in found) else ""
     if reason:
@@ -107,19 +114,8 @@ def _examined(
     extremes: tuple[float, float],
 ) -> FoundEdge:
     """A piece as an edge, used or not."""
-    least = piece.strength * SMOOTHING * math.sqrt(2.0 * math.pi)  # of the contrast
-    rough = FoundEdge(
-        x=piece.x,
-        y=piece.y,
-        angle_deg=_turned(piece.angle_deg),
-        length=piece.length,
-        reach=float(LEAST_REACH),
-        low=0.0,
-        high=least,
-        noise_sigma=noise,
-        used=False,
-        bend=piece.bend,
-    )
+    rough = _rough(piece, noise)
+    least = rough.contrast
     if _BLURRED * least < least_contrast(piece.length) * noise:
         return replace(
             rough,
@@ -143,6 +139,29 @@ def _examined(
     if around.why_not:
         return replace(edge, why_not=around.why_not)
     return _settled(picture, edge, clip_levels, extremes)
+
+
+def _rough(piece: Piece, noise: float) -> FoundEdge:
+    """A piece as an edge of the contrast that its gradient needs at least."""
+    return FoundEdge(
+        x=piece.x,
+        y=piece.y,
+        angle_deg=_turned(piece.angle_deg),
+        length=piece.length,
+        reach=float(LEAST_REACH),
+        low=0.0,
+        high=piece.strength * SMOOTHING * math.sqrt(2.0 * math.pi),
+        noise_sigma=noise,
+        used=False,
+        bend=piece.bend,
+    )
+
+
+def _enough(used: int) -> str:
+    """Why the rest of the candidates was not looked at."""
+    if used >= _ENOUGH_USED:
+        return f"not looked at: {used} stronger edges are enough"
+    return f"not looked at: weaker than {_ENOUGH_EXAMINED} others, of which {used} are used"
 
 
 def _turned(angle_deg: float) -> float:
@@ -192,7 +211,9 @@ def _settled(
     if reason:
         return replace(edge, why_not=reason)
     half_length = edge.length / 2.0
-    fit = fit_spread(samples=samples, reach=edge.reach, half_length=half_length)
+    fit = fit_spread(
+        samples=samples, reach=edge.reach, half_length=half_length, coarse_turns=2, fine_turns=0
+    )
     edge = _on_course(edge, fit)
     off = _off_course(samples, fit, half_length)
     if off > _OFF_COURSE:

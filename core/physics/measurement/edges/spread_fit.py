@@ -25,7 +25,6 @@ Matrix = NDArray[np.float64]
 FINEST = 0.25  # samples between the spline's breaks
 _COARSE = 1.0  # so much, it cannot follow what a wrong turn does to neighbouring rows
 _LEVEL_FROM = 0.8  # of the reach, beyond which the spline is level
-_COARSE_TURNS, _FINE_TURNS = 2, 2
 _FIRST_SLOPE = 1.5  # samples, width of the step assumed to begin with
 
 _TAIL = (0.08, 0.1)  # share of the step in the tail, and its doubt, before looking
@@ -103,7 +102,14 @@ def largest_gap(*, distance: Vector, within: float = 3.0) -> float:
     return float(np.max(np.diff(near)))
 
 
-def fit_spread(*, samples: EdgeSamples, reach: float, half_length: float) -> SpreadFit:
+def fit_spread(
+    *,
+    samples: EdgeSamples,
+    reach: float,
+    half_length: float,
+    coarse_turns: int = 1,
+    fine_turns: int = 1,
+) -> SpreadFit:
     """Fit the spread of an edge, and by how much its course is to be turned and bent.
 
     Parameters
@@ -114,6 +120,8 @@ def fit_spread(*, samples: EdgeSamples, reach: float, half_length: float) -> Spr
         Of the samples across the edge.
     half_length : float
         Of the edge.
+    coarse_turns, fine_turns : int
+        Times the course is adjusted with a coarse spline, and with the fine one.
 
     Returns
     -------
@@ -138,13 +146,13 @@ def fit_spread(*, samples: EdgeSamples, reach: float, half_length: float) -> Spr
     error = doubt
     distance = samples.distance
     slope = step * np.exp(-0.5 * (distance / _FIRST_SLOPE) ** 2) / (_FIRST_SLOPE * 2.5066)
-    for turn in range(_COARSE_TURNS + _FINE_TURNS + 1):
-        if turn == _COARSE_TURNS:
+    for turn in range(coarse_turns + fine_turns + 1):
+        if turn == coarse_turns:
             assumed = course.copy()
             doubt = np.hypot(_SETTLED_COURSE, error)
         distance = samples.distance - course[0] * away - course[1] * away**2
         gap = largest_gap(distance=distance)
-        finest = _COARSE if turn < _COARSE_TURNS else FINEST
+        finest = _COARSE if turn < coarse_turns else FINEST
         spline = graded_spline(half_width=_LEVEL_FROM * reach, spacing=max(finest, gap))
         basis = spread_basis(spline=spline, distance=distance, away=away, slope=slope)
         coefficients, inverse, prior = _solved(basis, value, step, noise, assumed - course, doubt)
@@ -153,7 +161,7 @@ def fit_spread(*, samples: EdgeSamples, reach: float, half_length: float) -> Spr
         places = spline.size + np.array([TURN, BEND])
         error = noise * np.sqrt(np.diag(inverse)[places])
         slope = line_spread(spline=spline, coefficients=coefficients, distance=distance)
-        if turn < _COARSE_TURNS + _FINE_TURNS:
+        if turn < coarse_turns + fine_turns:
             course = course + coefficients[places]
     coefficients[: spline.size] += centre
     return SpreadFit(
