@@ -27,8 +27,12 @@ from core.evaluation.work import Work
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-_THIN, _THIN_EDGES = 240, 12  # samples of an edge, and edges, while a start is sought
-_STARTS = 3
+_THIN, _THIN_EDGES = 200, 8  # samples of an edge, and edges, while a start is sought
+_STARTS, _FIRST, _LAST = 5, 10, 25  # starts; evaluations from each, and from the best
+_BEST = 3  # starts that are followed to the end
+_MANY, _HOP, _HOLD = 3, 1.7, 1e-4  # parameters, from which on others are looked for a factor away
+_DIFFERENT = 0.05  # of values, between solutions
+_RIVAL, _RIVAL_THIN = 12.0, 40.0  # of the sum of squares, within which another solution counts
 _SEED = 1996
 _STEP = 1e-3  # of a parameter's scale, for differences
 _FINE_STEP = 2e-3  # of the same, to both sides
@@ -121,6 +125,8 @@ class ChainFit:
         How often the chain was evaluated.
     unsigned : tuple of int
         Places of the parameters whose sign changes nothing.
+    rivals : tuple of ndarray
+        Values elsewhere that fit nearly as well.
     """
 
     free: tuple[FreeParameter, ...]
@@ -133,6 +139,7 @@ class ChainFit:
     at_end: tuple[str, ...]
     evaluations: int
     unsigned: tuple[int, ...] = ()
+    rivals: tuple[Vector, ...] = ()
 
 
 class EdgeProblem:
@@ -308,20 +315,26 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     free = problem.free
     problem.sort_out(np.array([_middle(parameter) for parameter in free]))
     thin = problem.thinned()
-    begin = starts(free, thin.cost, count=_STARTS, seed=_SEED)
+    begin = starts(free, thin.cost, count=_STARTS if len(free) > 1 else 1, seed=_SEED)
     if not begin:
         raise DataError("no values of the free parameters are allowed together")
     lows = np.array([parameter.low for parameter in free])
     highs = np.array([parameter.high for parameter in free])
 
-    def solved(on: EdgeProblem, start: Vector, most: int) -> tuple[Vector, float]:
+    def solved(
+        on: EdgeProblem, start: Vector, most: int, held: int | None = None
+    ) -> tuple[Vector, float]:
         scales = scales_of(free, start)
         inside = np.clip(start, lows + 1e-9 * scales, highs - 1e-9 * scales)
+        low, high = lows.copy(), highs.copy()
+        if held is not None:
+            low[held] = max(low[held], inside[held] - _HOLD * scales[held])
+            high[held] = min(high[held], inside[held] + _HOLD * scales[held])
         result = least_squares(
             on.residual,
             inside,
             jac=lambda v: on.jacobian(v, scales_of(free, v)),
-            bounds=(lows, highs),
+            bounds=(low, high),
             x_scale="jac",
             xtol=1e-7,
             ftol=1e-9,
@@ -330,9 +343,25 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         return np.asarray(result.x, np.float64), float(result.cost)
 
     thin.freeze(begin[0])
-    best = min((solved(thin, start, 25) for start in begin), key=lambda pair: pair[1])[0]
-    problem.freeze(best)
-    values, _ = solved(problem, best, 25)
+    first = sorted((solved(thin, start, _FIRST) for start in begin), key=lambda pair: pair[1])
+    for start, held in _hops(free, first[0][0]):
+        there, _ = solved(thin, start, _FIRST, held)
+        first.append(solved(thin, there, _FIRST))
+    first.sort(key=lambda pair: pair[1])
+    near = [v for v, cost in first if 2.0 * (cost - first[0][1]) < _RIVAL_THIN]
+    last = sorted(
+        (solved(thin, start, _LAST) for start in _apart(near)[:_BEST]), key=lambda pair: pair[1]
+    )
+    problem.freeze(last[0][0])
+    ends = sorted(
+        (
+            solved(problem, start, _LAST)
+            for start in _apart([v for v, cost in last if 2.0 * (cost - last[0][1]) < _RIVAL_THIN])
+        ),
+        key=lambda pair: pair[1],
+    )
+    values, best = ends[0]
+    rivals = [v for v, cost in ends if 2.0 * (cost - best) < _RIVAL]
     values, unsigned = _positive(problem, values)
     scales = scales_of(free, values)
     table, edges = problem.fitted(values)
@@ -351,7 +380,38 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         tuple(_end(p, float(v), float(s)) for p, v, s in zip(free, values, scales, strict=True)),
         problem.evaluations + thin.evaluations,
         unsigned,
+        tuple(_positive(problem, v)[0] for v in _apart(rivals)[1:]),
     )
+
+
+def _hops(free: Sequence[FreeParameter], values: Vector) -> list[tuple[Vector, int]]:
+    """Starts with one parameter away from a solution, to be held first.
+
+    The others may make up for it, and all go on from there to another solution.
+    """
+    if len(free) < _MANY:
+        return []
+    hops = []
+    for index, parameter in enumerate(free):
+        for factor in (1.0 / _HOP, _HOP):
+            other = values.copy()
+            other[index] *= factor
+            if parameter.low < other[index] < parameter.high and other[index] != values[index]:
+                hops.append((other, index))
+    return hops
+
+
+def _apart(solutions: Sequence[Vector]) -> list[Vector]:
+    """Those that differ, but for a sign, from all before them."""
+    chosen: list[Vector] = []
+    for one in solutions:
+        if all(
+            np.max(np.abs(np.abs(one) - np.abs(other)) / (np.abs(one) + np.abs(other) + 1e-300))
+            > _DIFFERENT
+            for other in chosen
+        ):
+            chosen.append(one)
+    return chosen
 
 
 def _positive(problem: EdgeProblem, values: Vector) -> tuple[Vector, tuple[int, ...]]:

@@ -18,6 +18,7 @@ Matrix = NDArray[np.float64]
 
 _UNCERTAIN = 0.5  # of a value: with a larger error it is hardly measured
 _CORRELATED = 0.98
+_RIVAL = 4.0  # standard errors, from which on a value is another one
 
 
 @dataclass(frozen=True)
@@ -111,10 +112,12 @@ class FitResult:
 def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
     """Standard errors, correlations and warnings of a fit; `cost` is its sum of squares."""
     known = identified(fit, cost)
-    undetermined = known.undetermined
+    rivals = _rivals(fit, known)
+    undetermined = known.undetermined | set(rivals)
     with np.errstate(all="ignore"):
         sigma = np.sqrt(np.diag(known.covariance))
         correlation = known.covariance / np.outer(sigma, sigma)
+    correlation[list(rivals), :] = correlation[:, list(rivals)] = np.nan
     for index in range(len(fit.free)):
         if index not in undetermined:
             correlation[index, index] = 1.0
@@ -128,6 +131,7 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
     )
     warnings = (
         *_unknown(fit, known),
+        *_other_solutions(fit, rivals),
         *_at_ends(fit, known),
         *(
             f"{fit.free[i].port}: its sign changes nothing in the edges; it is given as positive"
@@ -138,6 +142,35 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
         *_misfit(fit),
     )
     return FitResult(fit, parameters, correlation, known.combinations, tuple(warnings))
+
+
+def _rivals(fit: ChainFit, known: Identified) -> tuple[int, ...]:
+    """Parameters that have quite another value in a solution that fits nearly as well."""
+    sigma = np.sqrt(np.diag(known.covariance))
+    return tuple(
+        index
+        for index in range(len(fit.free))
+        if index not in known.undetermined
+        and any(
+            abs(float(other[index] - fit.values[index])) > _RIVAL * float(sigma[index])
+            for other in fit.rivals
+        )
+    )
+
+
+def _other_solutions(fit: ChainFit, rivals: tuple[int, ...]) -> list[str]:
+    if not rivals:
+        return []
+    sets = [
+        ", ".join(
+            f"{fit.free[i].port} = {values[i]:.4g} {fit.free[i].unit}".rstrip() for i in rivals
+        )
+        for values in (fit.values, *fit.rivals)
+    ]
+    return [
+        f"the edges are given nearly as well by {' and by '.join(sets)}: none of these is "
+        "determined; give narrower ranges, or hold one of them"
+    ]
 
 
 def _used(fit: ChainFit, known: Identified, index: int) -> float | None:

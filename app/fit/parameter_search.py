@@ -19,7 +19,7 @@ _WIDE = 30.0  # an end over the other, from which on places are equal factors ap
 _FAR = 1000.0  # times the present value, beyond which the end of a range says nothing
 _DECADES_KNOWN, _DECADES_UNKNOWN = 1.5, 4.0  # about the present value, or about 1
 _ROUNDS = 2
-_DRAWN = 24
+_DRAWN = 32  # sets for each parameter beyond the first
 _APART = 0.3  # of a value, between starts
 
 
@@ -73,8 +73,9 @@ def starts(free: Sequence[FreeParameter], cost: Cost, *, count: int, seed: int) 
         here = min([here, *trials], key=looked_at)
     if len(free) > 1:
         generator = np.random.default_rng(seed)
-        columns = [generator.permutation(np.linspace(0, len(g) - 1, _DRAWN)) for g in grids]
-        for number in range(_DRAWN):
+        count_drawn = _DRAWN * (len(free) - 1)
+        columns = [generator.permutation(np.linspace(0, len(g) - 1, count_drawn)) for g in grids]
+        for number in range(count_drawn):
             drawn = [g[round(c[number])] for g, c in zip(grids, columns, strict=True)]
             looked_at(np.array(drawn))
     chosen: list[Vector] = []
