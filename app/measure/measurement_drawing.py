@@ -115,11 +115,14 @@ def levels_png(noise: NoiseFigures, unit: str) -> bytes:
         error = np.array([one.variance_error for one in noise.levels])
         axis.errorbar(
             level, variance, error, fmt="o", ms=4, color=COLOURS[0], mfc="none", elinewidth=0.9,
-            label="flat areas, with standard error",
+            label="measured, with standard error",
         )  # fmt: skip
         if noise.gain_e_per_dn is not None:
             ends = np.array([level.min(), level.max()])
-            line = noise.sigma**2 + (ends - noise.mean_level) / noise.gain_e_per_dn
+            weight = 1.0 / np.maximum(error, 1e-300) ** 2
+            middle = float(np.sum(weight * level) / np.sum(weight))
+            height = float(np.sum(weight * variance) / np.sum(weight))
+            line = height + (ends - middle) / noise.gain_e_per_dn
             label = f"1/gain, {noise.gain_e_per_dn:.4g} e⁻/DN"
             axis.plot(ends, line, color=COLOURS[1], lw=1.6, label=label)
         axis.set_xlabel(f"level ({unit})" if unit else "level")

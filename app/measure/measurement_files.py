@@ -20,7 +20,7 @@ from app.measure.picture_measurement import (
     PictureMeasurement,
 )
 from core.errors import DataError
-from core.physics.noise.noise_cube import MeasuredNoise
+from core.physics.measurement.noise.frames_noise import FramesNoise
 from nodes.files.lens.mtf_table import LARGEST_MTF
 
 Json = dict[str, Any]
@@ -170,13 +170,15 @@ def _edge(edge: MeasuredEdge, of_several: bool) -> Json:
     }
 
 
-def _frames(frames: MeasuredNoise | None, reason: str) -> Json:
+def _frames(frames: FramesNoise | None, reason: str) -> Json:
     if frames is None:
         return {"reason": reason}
+    components = frames.components
     return {
-        "frames": frames.frames,
-        **{f"sigma_{name}": frames.variances.sigma(name) for name in TEMPORAL},
-        **{f"variance_{name}_error": frames.errors.variance(name) for name in TEMPORAL},
+        "frames": components.frames,
+        **_given(sigma=frames.sigma, sigma_error=frames.sigma_error),
+        **{f"sigma_{name}": components.variances.sigma(name) for name in TEMPORAL},
+        **{f"variance_{name}_error": components.errors.variance(name) for name in TEMPORAL},
     }
 
 

@@ -103,13 +103,13 @@ def _mtf(measured: PictureMeasurement) -> list[Block]:
 
 def _levels(measured: PictureMeasurement) -> list[Block]:
     noise = measured.noise
-    blocks: list[Block] = [Heading(2, "Noise of flat areas")]
+    blocks: list[Block] = [Heading(2, "Noise over the level")]
     if noise is None:
-        return [*blocks, Text(f"Not measured: {measured.noise_reason}.")]
+        return [*blocks, Text(f"Noise was not measured: {measured.noise_reason}.")]
     if len(noise.levels) < _LEAST_LEVELS:
         return []
     caption = (
-        "Variance of a sample in flat areas against their level; of shot noise it rises by one "
+        "Variance of a sample against the level; of shot noise it rises by one "
         "electron for each electron."
     )
     drawn = levels_png(noise, measured.unit)

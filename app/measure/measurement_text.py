@@ -61,9 +61,7 @@ def _mtf_rows(name: str, words: str, curve: MtfCurve | None, interval: float | N
 
 
 def _noise_rows(noise: NoiseFigures, unit: str) -> list[Row]:
-    rows = [
-        ("sigma", with_error(noise.sigma, noise.sigma_error), unit, "noise of a sample, flat areas")
-    ]
+    rows = [("sigma", with_error(noise.sigma, noise.sigma_error), unit, "noise of a sample")]
     for name, words, value in (
         ("row_sigma", "rows", noise.row_sigma), ("column_sigma", "columns", noise.column_sigma),
     ):  # fmt: skip
@@ -92,7 +90,7 @@ def frame_rows(measured: PictureMeasurement) -> list[Row]:
     rows = []
     for name, meaning in TEMPORAL.items():
         # An unbiased estimate of next to nothing comes out below zero half the time.
-        sigma = max(measured.frames.variances.sigma(name), 0.0)
+        sigma = max(measured.frames.components.variances.sigma(name), 0.0)
         text = number_text(float(f"{sigma:.4g}"))
         rows.append((f"sigma_{name}", text, measured.unit, meaning))
     return rows

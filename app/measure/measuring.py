@@ -10,22 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.measure.edge_measuring import edges_of, pooled
-from app.measure.noise_measuring import pooled_noise
+from app.measure.noise_measuring import pooled_noise, with_frames
 from app.measure.picture_loading import PictureFile, open_picture, same_size
 from app.measure.picture_measurement import (
     BY_HAND,
     FlatCurve,
     MeasuredEdge,
     MeasuredFile,
-    NoiseFigures,
     PictureMeasurement,
     Preview,
 )
 from core.errors import DataError
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import photon_transfer
+from core.physics.measurement.noise.frames_noise import FramesNoise, SceneFrames
 from core.physics.measurement.noise.picture_noise import PictureNoise, noise_of_picture
-from core.physics.noise.noise_cube import MeasuredNoise, NoiseCube
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.frames.frame_reading import open_frames
 
@@ -35,7 +34,6 @@ _LEAST = 16  # rows and columns, below which nothing is measured
 MOST_PREVIEWS = 4
 _PREVIEW_SAMPLES = 1400  # of a side
 _LARGEST = 1e60
-_MOVED = 3.0  # times the noise of one picture, beyond which frames show different scenes
 
 
 @dataclass(frozen=True)
@@ -136,7 +134,7 @@ def measure_pictures(
             f"measured; at least {_LEAST} × {_LEAST} are needed"
         )
     count = sum(file.frames for file in source.files)
-    cube = NoiseCube(source.rows, source.columns) if count > 1 else None
+    taken = SceneFrames(source.rows, source.columns) if count > 1 else None
     edges: list[MeasuredEdge] = []
     previews: list[Preview] = []
     noises: list[PictureNoise] = []
@@ -151,10 +149,12 @@ def measure_pictures(
             picture=picture, number=number, clip_levels=source.clip_levels, check=check
         )
         noises.append(noise_of_picture(picture=picture, offset=source.offset_dn, check=check))
-        if cube is not None:
-            cube.add(picture)
+        if taken is not None:
+            taken.add(picture)
     noise, noise_reason = pooled_noise(noises, offset_dn=source.offset_dn)
-    frames, frames_reason = _frames(cube, noise)
+    frames, frames_reason = _frames(taken, source.offset_dn)
+    if frames is not None:
+        noise, noise_reason = with_frames(noise, noise_reason, frames, source.offset_dn)
     x, reason_x = pooled(edges, "x")
     y, reason_y = pooled(edges, "y")
     return PictureMeasurement(
@@ -218,19 +218,13 @@ def _name(files: Sequence[MeasuredFile], number: int) -> str:
     return ""
 
 
-def _frames(cube: NoiseCube | None, noise: NoiseFigures | None) -> tuple[MeasuredNoise | None, str]:
-    """Components from frame to frame, if the scene stood still."""
-    if cube is None:
+def _frames(taken: SceneFrames | None, offset_dn: float) -> tuple[FramesNoise | None, str]:
+    """Noise from frame to frame, if the scene stood still."""
+    if taken is None:
         return None, "a single picture"
-    measured = cube.measured()
-    random = max(measured.variances.tvh, 0.0) ** 0.5
-    if random == 0.0:
-        return None, "the pictures are the same, sample by sample"
-    if noise is not None and random > _MOVED * noise.sigma:
-        return None, (
-            f"the pictures differ by {random:.3g}, {random / noise.sigma:.3g} times the noise of "
-            "one of them: they do not show the same scene, or it moved"
-        )
+    measured = taken.measured(offset=offset_dn)
+    if measured.sigma is None:
+        return None, measured.sigma_reason
     return measured, ""
 
 

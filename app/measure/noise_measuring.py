@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from app.measure.picture_measurement import NoiseFigures
+from core.physics.measurement.noise.frames_noise import FramesNoise
 from core.physics.measurement.noise.picture_noise import PictureNoise
 from core.physics.measurement.noise.power_parts import LineNoise
 
@@ -49,6 +50,27 @@ def pooled_noise(
         next((power.lines for power in powers if power.lines), ()),
         tuple(level for one in noises for level in one.levels),
         "; ".join(_once(reasons)), tuple(_once(line for one in noises for line in one.remarks)),
+    ), ""  # fmt: skip
+
+
+def with_frames(
+    noise: NoiseFigures | None, reason: str, frames: FramesNoise, offset_dn: float
+) -> tuple[NoiseFigures | None, str]:
+    """The noise of what changes in frames of a scene that stands still.
+
+    In one frame, fine texture and a fixed pattern look like noise; of them nothing is left here.
+    Periodic lines are those of the single pictures.
+    """
+    if frames.sigma is None or frames.sigma_error is None:
+        return noise, reason
+    missing = [] if frames.gain_e_per_dn is not None else [f"no gain: {frames.gain_reason}"]
+    if frames.read_noise_dn is None:
+        missing.append(f"no read noise: {frames.read_noise_reason}")
+    return NoiseFigures(
+        frames.sigma, frames.sigma_error, frames.mean_level, frames.gain_e_per_dn,
+        frames.gain_error, frames.read_noise_dn, frames.read_noise_error, offset_dn, None, None,
+        frames.step, () if noise is None else noise.lines, frames.levels, "; ".join(missing),
+        ("noise is that of what changes from frame to frame, without fixed patterns",),
     ), ""  # fmt: skip
 
 

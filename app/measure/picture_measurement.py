@@ -13,9 +13,9 @@ from core.physics.measurement.edges.edge_mtf import EdgeMtf
 from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG
 from core.physics.measurement.levels.flat_field import FlatField
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer
+from core.physics.measurement.noise.frames_noise import FramesNoise
 from core.physics.measurement.noise.periodic_lines import PeriodicLine
 from core.physics.measurement.noise.variance_levels import LevelVariance
-from core.physics.noise.noise_cube import MeasuredNoise
 
 Vector = NDArray[np.float64]
 
@@ -202,8 +202,8 @@ class PictureMeasurement:
         Of the flat areas of the pictures.
     noise_reason : str
         Why there is none.
-    frames : MeasuredNoise or None
-        Components of noise from frame to frame.
+    frames : FramesNoise or None
+        Noise from frame to frame.
     frames_reason : str
         Why there are none.
     flats : FlatCurve or None
@@ -227,7 +227,7 @@ class PictureMeasurement:
     reason_y: str
     noise: NoiseFigures | None
     noise_reason: str
-    frames: MeasuredNoise | None = None
+    frames: FramesNoise | None = None
     frames_reason: str = ""
     flats: FlatCurve | None = None
     flats_reason: str = ""

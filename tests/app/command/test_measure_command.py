@@ -94,16 +94,22 @@ def test_colours_are_measured_by_luminance_or_by_one_of_them(imagechain, tmp_pat
     assert heights[0] / heights[1] == pytest.approx(0.2126, rel=1e-3)
 
 
-def test_frames_of_one_scene_give_components_and_others_do_not(imagechain, tmp_path):
-    still = np.stack([edge(6.0, SIGMA_X, seed, (64, 80)) for seed in range(4)])
-    np.save(tmp_path / "still.npy", still)
+def test_frames_of_one_scene_give_gain_and_components_and_others_do_not(imagechain, tmp_path):
+    random = np.random.default_rng(6)
+    electrons = 20.0 * edge(6.0, SIGMA_X, 0, (96, 120)) * random.uniform(0.5, 1.0, (96, 120))
+    still = [random.poisson(electrons) + 15.0 * random.standard_normal((96, 120)) for _ in range(6)]
+    np.save(tmp_path / "still.npy", np.rint(np.stack(still) / 4.0).astype(np.uint16))
     moved = [edge(6.0, SIGMA_X, 9, (64, 80)), edge(84.0, SIGMA_X, 10, (64, 80))]
     np.save(tmp_path / "moved.npy", np.stack(moved))
     assert imagechain("measure", "still.npy", "--json", "s.json").returncode == 0
-    frames = json.loads((tmp_path / "s.json").read_text())["frames"]
-    assert frames["sigma_tvh"] == pytest.approx(NOISE, rel=0.03)
+    facts = json.loads((tmp_path / "s.json").read_text())
+    truth = math.sqrt((electrons.mean() + 15.0**2) / 4.0**2 + 1.0 / 12.0)
+    assert facts["frames"]["sigma_tvh"] == pytest.approx(truth, rel=0.03)
+    assert facts["noise"]["sigma"] == pytest.approx(truth, rel=0.03)
+    error = facts["noise"]["gain_error"]
+    assert facts["noise"]["gain_e_per_dn"] == pytest.approx(4.0, abs=4.0 * error)
     assert imagechain("measure", "moved.npy", "--json", "m.json").returncode == 0
-    assert "scene" in json.loads((tmp_path / "m.json").read_text())["frames"]["reason"]
+    assert "moves" in json.loads((tmp_path / "m.json").read_text())["frames"]["reason"]
 
 
 def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
