@@ -16,6 +16,7 @@ import json
 import multiprocessing
 import sys
 import time
+import traceback
 from dataclasses import asdict
 from pathlib import Path
 
@@ -38,7 +39,9 @@ FAMILIES = {
 }
 ROWS, COLUMNS = 208, 248
 LAST = 0.4  # cycles per sample: 0.8 of Nyquist
-SHORTEST, LEAST_CONTRAST = 24.0, 10.0  # samples, and noise: an edge that is to be seen
+# Samples, and noise: an edge that is to be seen. It must also cross a sample's middle: what runs
+# along the samples shows one phase of its spread only.
+SHORTEST, LEAST_CONTRAST = 24.0, 10.0
 INTERVAL_MRAD, PITCH_UM, WAVELENGTH_UM, FOCAL_MM = 0.1, 10.0, 4.0, 100.0
 
 
@@ -103,7 +106,9 @@ def _edges(edges, camera, frame):
 def _is_usable(edge, camera):
     bright = (edge.high - camera.offset_dn) * camera.gain_e_per_dn
     contrast = (edge.high - edge.low) / true_sigma(camera, bright)
-    return edge.length >= SHORTEST and contrast >= LEAST_CONTRAST
+    off_axis = abs((edge.angle_deg + 45) % 90 - 45)
+    slant = edge.length * np.sin(np.radians(off_axis))
+    return edge.length >= SHORTEST and contrast >= LEAST_CONTRAST and slant >= 1
 
 
 def _pulls(curve, camera, angle_deg):
@@ -215,6 +220,8 @@ def _fit(camera, picture, rng):
         result = fitted(network, picture, free, (0.0, 2.0**camera.bits - 1))
     except ImagechainError as error:
         return {"refused": str(error)}
+    except Exception as error:  # a finding; what was measured counts all the same
+        return {"fault": _fault(error)}
     row = {"chi2": result.chi2_per_degree, "warnings": list(result.warnings), "parameters": {}}
     for one in result.parameters:
         row["parameters"][one.port] = (
@@ -234,11 +241,12 @@ def _case(words):
     try:
         return judged(family, number, fit=fit)
     except Exception as error:  # a finding, not an end
-        import traceback
+        return {"case": number, "fault": _fault(error)}
 
-        place = traceback.extract_tb(error.__traceback__)[-1]
-        text = f"{type(error).__name__}: {error} ({Path(place.filename).name}:{place.lineno})"
-        return {"case": number, "fault": text}
+
+def _fault(error):
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{type(error).__name__}: {error} ({Path(place.filename).name}:{place.lineno})"
 
 
 def _rows(words):

@@ -15,6 +15,10 @@ def _of(values, limit):
     return share(int((values <= limit).sum()), values.size)
 
 
+def _with(values, key):
+    return sum(key in one for one in values)
+
+
 def fit_pulls(rows):
     """Pulls of every fitted parameter that was given, with its case and name."""
     return [
@@ -62,7 +66,7 @@ def table(rows):
         ("gain within 5 %", _of(gain, 0.05)),
         ("gain within 3 errors", _of(noise_pulls("gain_pull"), 3)),
         ("read noise within 3 errors", _of(noise_pulls("read_pull"), 3)),
-        ("fits, refused", f"{len(fits)}, {sum('refused' in fit for fit in fits)}"),
+        ("fits", f"{len(fits)}, refused {_with(fits, 'refused')}, faults {_with(fits, 'fault')}"),
         ("parameters given, not given", f"{len(pulls)}, {unsaid}"),
         ("parameters within 3 errors", _of(pulls, 3)),
         ("parameters within 1 error", _of(pulls, 1)),
@@ -71,6 +75,11 @@ def table(rows):
     ]
     width = max(len(name) for name, _ in lines)
     text = "\n".join(f"{name:<{width}}  {value}" for name, value in lines)
+    faults += [
+        {"case": row["case"], "fault": row["fit"]["fault"]}
+        for row in rows
+        if "fault" in (row.get("fit") or {})
+    ]
     return text + "".join(f"\nFAULT case {row['case']}: {row['fault']}" for row in faults)
 
 
