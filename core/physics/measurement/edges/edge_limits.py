@@ -13,6 +13,7 @@ _SHARE = 0.02  # of an edge's samples, at a limit that is known
 _PILED = 0.1  # of a side's, at one that is not
 _TIMES = 3  # as often as any other value
 _OTHERS = 4  # values beside it, or a side is quantized too coarsely to know
+_NOISE_MATTERS = 1e-3  # of the contrast: with less, a level side is no sign of a limit
 _QUIET = 0.1  # of the other side's noise
 _BESIDE = 3.0  # samples from the edge, where its sides begin
 
@@ -44,9 +45,13 @@ def why_clipped(
     if clip_levels is not None:
         share = float(np.mean((value <= clip_levels[0]) | (value >= clip_levels[1])))
         return f"clipped: {share:.0%} of its samples are at a limit" if share > _SHARE else ""
+    contrast = float(np.ptp(value))
     dark, bright = value[samples.distance < -_BESIDE], value[samples.distance > _BESIDE]
     for side, other, limit in ((dark, bright, extremes[0]), (bright, dark, extremes[1])):
         if len(side) == 0 or len(other) == 0:
+            continue
+        noise = float(other.std() if side is bright else bright.std())
+        if noise < _NOISE_MATTERS * contrast:
             continue
         at_limit = int(np.count_nonzero(side == limit))
         values, counts = np.unique(side[side != limit], return_counts=True)

@@ -20,6 +20,7 @@ Matrix = NDArray[np.float64]
 
 _GROUPS = 24  # pieces of the edge, whose differences enter the error
 _ALIKE = 8  # neighbouring pieces, over which texture may hang together
+_MODEL = 5e-4  # of the MTF, that the spline may not follow
 _NEAR = 0.05  # cycles per sample, over which their variances are averaged
 _LARGEST_GAP = 0.75  # samples between distances, above which nothing is supersampled
 _LEAST_SAMPLES = 60
@@ -144,7 +145,7 @@ def _modulus(
     least = np.maximum(modulus - 3.0 * np.sqrt(along), 0.0)
     longer = np.minimum(across, (across / np.maximum(2.0 * least, 1e-150)) ** 2)
     blurred = modulus * 2.0 * (np.pi * frequency * fit.turn_error) ** 2 / 3.0
-    sigma = np.asarray(np.sqrt(along + longer + blurred**2), np.float64)
+    sigma = np.asarray(np.sqrt(along + longer + blurred**2 + _MODEL**2), np.float64)
     return modulus, sigma, np.abs(effect.real @ fit.prior[TAIL])
 
 

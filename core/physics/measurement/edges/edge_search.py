@@ -33,11 +33,12 @@ from core.physics.measurement.edges.ridges.straight_pieces import Piece, straigh
 from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
 
 _ENDS = 1.0  # samples left off at both ends, where corners are rounded
-_LARGEST_GAP = 0.75
+_LARGEST_GAP = 0.7  # samples between distances; beyond 0.75 nothing can be measured
 _BENT_REACH = 4.0  # least radius of a bent edge, in its reaches
 _ENOUGH_USED, _ENOUGH_EXAMINED = 200, 1500  # edges of a picture
 _BLURRED = 2.0  # times a step's contrast may be what its gradient says, for its blur
 _LEAST_SOFTNESS = 0.5  # samples, below which none is softer than another
+_WIDTHS_IN_REACH = 5.5  # so many standard deviations, and nothing of a Gaussian is left
 _PIECE = 5.0  # samples, of an edge whose places are compared
 _OFF_COURSE = 0.15  # samples
 
@@ -123,9 +124,9 @@ def _examined(
             f"least {least_contrast(piece.length):.2g} for its length",
         )
     room = frame_reach(piece=piece, shape=picture.shape)
-    if room < LEAST_REACH:
-        return replace(rough, why_not=f"too near to the frame's side: {room:.1f} samples")
-    reach = min(room, float(LARGEST_REACH + BEYOND))
+    reach = min(float(room.max()), float(LARGEST_REACH + BEYOND))
+    if reach < LEAST_REACH:
+        return replace(rough, why_not=f"too near to the frame's side: {reach:.1f} samples")
     samples = rectangle_samples(
         picture=picture,
         middle=(piece.x, piece.y),
@@ -134,7 +135,9 @@ def _examined(
         reach=reach,
         bend=piece.bend,
     )
-    around = surroundings(samples=samples, length=piece.length, reach=reach, noise_sigma=noise)
+    around = surroundings(
+        samples=samples, length=piece.length, reach=reach, room=room, noise_sigma=noise
+    )
     edge = _with_surroundings(rough, around)
     if around.why_not:
         return replace(edge, why_not=around.why_not)
@@ -216,6 +219,12 @@ def _settled(
     )
     edge = _on_course(edge, fit)
     off = _off_course(samples, fit, half_length)
+    if edge.reach < _WIDTHS_IN_REACH * edge.softness:
+        return replace(
+            edge,
+            why_not=f"its spread, {edge.softness:.2g} samples wide, does not end within the "
+            f"{edge.reach:g} samples that belong to it",
+        )
     if off > _OFF_COURSE:
         return replace(edge, why_not=f"not straight: parts of it lie {off:.2g} samples off")
     radius = (edge.length / 2.0) ** 2 / max(2.0 * abs(edge.bend), 1e-9)

@@ -58,25 +58,30 @@ class Surroundings:
     why_not: str = ""
 
 
-def frame_reach(*, piece: Piece, shape: tuple[int, ...]) -> float:
-    """Samples beside a piece, on both sides and at both ends, to the frame's border."""
+def cells_along(length: float) -> int:
+    """Number of cells along an edge."""
+    return max(3, round(length / _CELL))
+
+
+def frame_reach(*, piece: Piece, shape: tuple[int, ...]) -> Vector:
+    """Samples on both sides of each cell along a piece to the frame's border."""
     across_x, across_y = (
         math.cos(math.radians(piece.angle_deg)),
         math.sin(math.radians(piece.angle_deg)),
     )
-    reach = math.inf
-    for end in (-0.5, 0.0, 0.5):
-        off = piece.bend * 4.0 * end**2
-        x = piece.x - end * piece.length * across_y + off * across_x
-        y = piece.y + end * piece.length * across_x + off * across_y
-        for place, across, last in ((x, across_x, shape[1] - 1), (y, across_y, shape[0] - 1)):
-            room = min(place, last - place)
-            reach = min(reach, room / abs(across) if abs(across) > 1e-3 else reach)
-    return max(reach, 0.0)
+    place = np.linspace(-0.5, 0.5, cells_along(piece.length) + 1)
+    off = piece.bend * 4.0 * place**2
+    x = piece.x - place * piece.length * across_y + off * across_x
+    y = piece.y + place * piece.length * across_x + off * across_y
+    reach = np.full(len(place), np.inf)
+    for at, across, last in ((x, across_x, shape[1] - 1), (y, across_y, shape[0] - 1)):
+        if abs(across) > 1e-3:
+            reach = np.minimum(reach, np.minimum(at, last - at) / abs(across))
+    return np.asarray(np.maximum(np.minimum(reach[1:], reach[:-1]), 0.0), np.float64)
 
 
 def surroundings(
-    *, samples: EdgeSamples, length: float, reach: float, noise_sigma: float
+    *, samples: EdgeSamples, length: float, reach: float, room: Vector, noise_sigma: float
 ) -> Surroundings:
     """Choose the length and reach over which a piece is one step between level sides.
 
@@ -86,6 +91,8 @@ def surroundings(
         Samples about the piece.
     length, reach : float
         Of the rectangle they fill.
+    room : ndarray
+        Samples beside each cell of the edge to the frame's border.
     noise_sigma : float
         Of a sample of the picture, at least.
 
@@ -97,7 +104,7 @@ def surroundings(
     level within 4 %.
     """
     wide = int(min(reach, LARGEST_REACH + BEYOND))
-    cells = max(3, round(length / _CELL))
+    cells = cells_along(length)
     column = np.rint(samples.distance).astype(np.intp) + wide
     row = np.clip(((samples.along / length + 0.5) * cells).astype(np.intp), 0, cells - 1)
     inside = (column >= 0) & (column <= 2 * wide)
@@ -122,12 +129,17 @@ def surroundings(
     best, reasons = None, {}
     for reach_now in sorted({r for r in _REACHES if r <= wide}, reverse=True):
         within = good[:, wide - reach_now : wide + reach_now + 1]
-        first, last = _longest_run(np.asarray(within.all(axis=1)))
+        in_frame = room >= reach_now - 0.5
+        first, last = _longest_run(np.asarray(within.all(axis=1)) & in_frame)
         piece_length = (last - first) * length / cells
         if piece_length < LEAST_LENGTH:
             reasons[reach_now] = (
-                f"its sides or its contrast differ along it by "
-                f"{_beside(off, wide, reach_now) / contrast:.0%} of the contrast"
+                "too near to the frame's side"
+                if not in_frame.any()
+                else (
+                    f"its sides or its contrast differ along it by "
+                    f"{_beside(off, wide, reach_now) / contrast:.0%} of the contrast"
+                )
             )
             continue
         chosen = (row >= first) & (row < last)

@@ -11,6 +11,8 @@ from core.errors import DataError
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_mtf import EdgeMtf, measure_edge
 from core.physics.measurement.edges.edge_pooling import pooled_mtf
+from core.physics.measurement.edges.edge_search import find_edges
+from edge_pictures import edge_mtf, edge_picture
 
 FREQUENCY = np.linspace(0.0, 0.4, 21)  # cycles per sample, to 0.8 of Nyquist
 
@@ -91,6 +93,21 @@ def test_rows_that_never_differ():
             edge=FoundEdge(39.8, 39.5, 0.0, 40.0, 10.0, 50.0, 90.0, 0.1, True),
             frequency=FREQUENCY,
         )
+
+
+@pytest.mark.parametrize("angle", [1.0, 7.125, 11.3, 18.435, 26.565, 40.0])
+def test_without_noise_found_anywhere(angle):
+    """To a thousandth where the blur is sampled well; the pixel alone has tails of its own."""
+    for sigma, within in ((0.3, 0.001), (1.0, 0.0005), (2.0, 0.0005), (3.0, 0.0005)):
+        picture = 100.0 + 900.0 * edge_picture(angle, sigma, (80, 80))
+        (edge,) = [edge for edge in find_edges(picture=picture) if edge.used] or [None]
+        if edge is None:  # not enough of a wide spread beside an edge across the frame
+            assert sigma == 3.0
+            continue
+        one = measure_edge(picture=picture, edge=edge, frequency=FREQUENCY)
+        off = np.abs(one.mtf - edge_mtf(FREQUENCY, angle, sigma))
+        assert np.max(off) < within
+        assert np.all(off[1:] < 3.0 * one.sigma[1:])
 
 
 def pretended(angle, mtf, sigma):
