@@ -40,7 +40,7 @@ _LEAST_BLOCKS = 8
 _ROUNDS = 12
 _UNEVEN = 1.25  # scatter of blocks beyond which the noise is not of one kind
 _LOUDER_SHARE, _MANY_LOUDER = 0.8, 0.3  # of the louder blocks that are seen; of the chosen
-_LITTLE, _LITTLE_MIDDLE = 0.1, 0.01  # structure that leaves the middle waves to be used too
+_LITTLE, _LITTLE_MIDDLE = 0.06, 0.01  # structure that leaves the middle waves to be used too
 _FROM_END = 5.0  # deviations from a clipped end within which noise is cut
 
 
@@ -60,6 +60,8 @@ class FlatBlocks:
         Variance over the level of the chosen.
     structure : StructureShare
         What of the power is no noise.
+    doubt : float
+        Standard error of what was taken off for it, over the variance.
     lean, lean_error : float
         By how much middle waves that are finer down have more power than those finer across, over
         that of the fine ones, and its standard error: 0 of white noise.
@@ -72,6 +74,7 @@ class FlatBlocks:
     freedom: int
     line: VarianceLine
     structure: StructureShare
+    doubt: float
     lean: float
     lean_error: float
     even: bool
@@ -161,7 +164,7 @@ def _by_level(waves: _Waves, share: float) -> FlatBlocks | None:
     chosen = _quietest(waves)
     limit = 2.0 * float(special.gammaincinv(_COARSE / 2.0, share)) / _COARSE
     variance = waves.fine
-    structure = None
+    structure, doubt, cut = None, 0.0, 1.0
     for _ in range(_ROUNDS):
         if np.count_nonzero(chosen) < _LEAST_BLOCKS:
             return None
@@ -182,17 +185,27 @@ def _by_level(waves: _Waves, share: float) -> FlatBlocks | None:
             freedom=_COARSE,
         )
         cut = mean_below(limit=limit, freedom=_COARSE)
-        variance = waves.fine - structure.removal * (waves.coarse / cut - waves.fine)
+        part, doubt = structure.removal(0.0)
+        variance = waves.fine - part * (waves.coarse / cut - waves.fine)
         if np.array_equal(chosen, before):
             break
     assert structure is not None
     freedom = _FINE
     if structure.coarse < _LITTLE and structure.middle < _LITTLE_MIDDLE:
         freedom = _MIDDLE + _FINE
-        variance = (_MIDDLE * waves.middle + _FINE * waves.fine) / freedom
+        part, doubt = structure.removal(_MIDDLE / freedom)
+        power = (_MIDDLE * waves.middle + _FINE * waves.fine) / freedom
+        variance = power - part * (waves.coarse / cut - power)
     line = variance_line(level=waves.level[chosen], variance=variance[chosen], freedom=freedom)
     return FlatBlocks(
-        chosen, variance, freedom, line, structure, *_lean(waves, chosen, relative), even=True
+        chosen,
+        variance,
+        freedom,
+        line,
+        structure,
+        doubt,
+        *_lean(waves, chosen, relative),
+        even=True,
     )
 
 
@@ -232,6 +245,6 @@ def _by_itself(waves: _Waves) -> FlatBlocks | None:
     off = waves.middle[chosen] - (1.0 + excess) * variance[chosen]
     error = float(np.std(off)) / (math.sqrt(len(off)) * mean)
     coarse = float(waves.coarse[chosen].mean()) / mean - 1.0
-    structure = StructureShare(max(coarse, 0.0), 0.0, 0.0, excess, error, 0.0)
+    structure = StructureShare(max(coarse, 0.0), 0.0, 0.0, 0.0, excess, error)
     lean = _lean(waves, chosen, np.full(len(off), mean))
-    return FlatBlocks(chosen, variance, _FINE, line, structure, *lean, even=False)
+    return FlatBlocks(chosen, variance, _FINE, line, structure, 0.0, *lean, even=False)

@@ -31,7 +31,7 @@ _KEPT = 0.999  # of the blocks of noise alone that count
 _MOVED = 0.3  # of the blocks with more, beyond which the scene moves
 _FROM_END = 5.0  # deviations from a clipped end within which noise is cut
 _ROUNDS = 10
-_COARSE_STEPS = 0.45  # deviations of the noise in steps, below which rounding hides it
+_COARSE_STEPS = 0.5  # deviations of the noise in steps, below which rounding hides it
 
 
 @dataclass(frozen=True)

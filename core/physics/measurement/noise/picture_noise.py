@@ -43,8 +43,9 @@ _COMPRESSED = (
     "no longer the camera's"
 )
 _LEAST_BLOCKS = 24
-_COARSE_STEPS = 0.45  # deviations of the noise in steps, below which rounding does not add 1/12
+_COARSE_STEPS = 0.5  # deviations of the noise in steps, below which rounding does not add 1/12
 _STRONG = 5.0  # amplitude over sigma, beyond which a line may be the scene's
+_HIDDEN_SHARE = 0.4  # of the blocks of noise that differs from place to place
 _STILL, _STILL_SHARE = 1e-6, 0.05  # of the level: what single precision leaves; blocks with less
 _WHITE = 0.1  # by which middle waves may exceed fine ones
 _STRUCTURE = 0.12  # of the variance, that may be taken off for structure
@@ -216,11 +217,14 @@ def _measured(
             f"the flat areas, of level {level.min():.4g} to {level.max():.4g}, do not lead to the "
             f"picture's mean level, {mean:.4g}"
         )
-    if not refusal and step is not None and at_mean - rounding < (_COARSE_STEPS * step) ** 2:
-        refusal = _hidden(step)
+    if not refusal and step is not None:
+        shown = rounding + (_COARSE_STEPS * step) ** 2
+        # Blocks scatter: of those just above the limit a third come out below it.
+        if at_mean < shown or (not flat.even and np.mean(variance < shown) > _HIDDEN_SHARE):
+            refusal = _hidden(step)
     if refusal:
         return _nothing(refusal, mean, step, blocks)
-    error = math.hypot(error, flat.structure.doubt * at_mean)
+    error = math.hypot(error, flat.doubt * at_mean)
     remarks = []
     if flat.even:
         gain = gain_figure(line=flat.line, level=level)
@@ -247,6 +251,20 @@ def _measured(
         )
     where = np.zeros(blocks.grid[0] * blocks.grid[1], bool)
     where[blocks.place[flat.chosen]] = True
+    power = noise_power(
+        blocks=blocks,
+        flat=flat,
+        white=at_mean,
+        white_error=error,
+        lines=lines,
+        check=check,
+    )
+    for name, part in (("rows", power.rows), ("columns", power.columns)):
+        if part is not None and part.significant and part.sigma > sigma:
+            remarks.append(
+                f"whole {name} differ by {part.sigma:.3g}, more than the noise of a sample: it may "
+                "be a pattern of the scene"
+            )
     return PictureNoise(
         sigma,
         error / (2.0 * sigma),
@@ -255,14 +273,7 @@ def _measured(
         *gain,
         *read,
         level_variances(level=level, variance=variance),
-        noise_power(
-            blocks=blocks,
-            flat=flat,
-            white=at_mean,
-            white_error=error,
-            lines=lines,
-            check=check,
-        ),
+        power,
         step,
         where.reshape(blocks.grid),
         tuple(remarks),

@@ -18,10 +18,10 @@ Vector = NDArray[np.float64]
 
 # Middle over coarse power of a scene, before it is measured: of 1/f² texture and edges behind the
 # optics of cameras, drawn at random; and how the fall goes on from middle to fine.
-_FALL, _FALL_ERROR = 0.12, 0.08
-_FALLS_ON = 0.5
+_FALL, _FALL_ERROR = 0.11, 0.04
+_FALLS_ON = 0.43
 _STEEPEST, _SHALLOWEST = 0.01, 0.35
-_DOUBT = 0.5
+_DOUBT = 0.7
 _WIDEST = 8.0
 
 
@@ -33,20 +33,32 @@ class StructureShare:
     ----------
     coarse, fine : float
         In the coarse waves before the choice cut them, and in the fine ones.
-    removal : float
-        Of what a block's coarse power exceeds its noise by, the part to be taken off its fine.
+    fall : float
+        What middle waves have of the structure's coarse power.
+    beyond : float
+        By how much the chosen blocks' coarse power exceeds what noise alone leaves below the limit;
+        0 where that is no more than chance, and nothing is taken off.
     middle, middle_error : float
         Excess of the middle waves over the fine ones, and its standard error.
-    doubt : float
-        Standard error of `fine`.
     """
 
     coarse: float
     fine: float
-    removal: float
+    fall: float
+    beyond: float
     middle: float
     middle_error: float
-    doubt: float
+
+    def removal(self, middle: float) -> tuple[float, float]:
+        """What to take off a block's power, as a part of its coarse excess, and the doubt of it.
+
+        Of waves of which `middle` is the share of middle ones, the others fine. The doubt is a
+        standard error over the variance of the noise.
+        """
+        fine = self.fall ** (_FALLS_ON + 1.0)
+        own = self.coarse * (middle * self.fall + (1.0 - middle) * fine) / (1.0 - fine)
+        share = own / (1.0 + own)
+        return (share / self.beyond if self.beyond > 0.0 else 0.0), _DOUBT * share
 
 
 def structure_share(
@@ -74,7 +86,7 @@ def structure_share(
     steep = _FALLS_ON + 1.0
     power = max(width - 1.0, 0.0)
     if power <= 3.0 * chance or mean <= cut:
-        return StructureShare(power, 0.0, 0.0, excess, error, _STEEPEST * power)
+        return StructureShare(max(power, chance), 0.0, _FALL, 0.0, excess, error)
     # The fall from coarse to middle, measured and as scenes have it, by weight.
     measured = min(max(excess / power, _STEEPEST), _SHALLOWEST)
     doubt = max(error / power, 1e-3)
@@ -85,9 +97,7 @@ def structure_share(
         seen = (measured * (1.0 - left) + left, _FALL)
         fall = (seen[0] * weights[0] + seen[1] * weights[1]) / sum(weights)
     left = fall**steep
-    own = power * left / (1.0 - left)
-    share = own / (1.0 + own)
-    return StructureShare(power, own, share / (mean / cut - 1.0), excess, error, _DOUBT * share)
+    return StructureShare(power, power * left / (1.0 - left), fall, mean / cut - 1.0, excess, error)
 
 
 def mean_below(*, limit: float, freedom: int) -> float:

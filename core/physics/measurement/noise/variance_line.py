@@ -49,6 +49,13 @@ class VarianceLine:
         )
         return self.middle + self.slope * away, math.sqrt(max(variance, 0.0))
 
+    def doubted(self, share: float) -> VarianceLine:
+        """The line, its slope in doubt for structure that makes up to that share of the variance.
+
+        The contrast of structure rises with the level, and its power by the square.
+        """
+        return replace(self, slope_error=math.hypot(self.slope_error, 2.0 * share * self.slope))
+
     def bounded(self, offset: float) -> VarianceLine:
         """The line with what physics knows of its slope, for levels it was not measured at.
 

@@ -71,6 +71,9 @@ def test_a_grating_in_the_scene_is_no_periodic_line():
     bars = np.where(x < 160, 700 + 300 * np.sign(np.sin(0.7 * x + 0.1 * y)), 500)
     picture = bars + 5 * np.random.default_rng(13).standard_normal(bars.shape)
     assert noise_of_picture(picture=picture).power.lines == ()
+    everywhere = noise_of_picture(picture=500 + 60 * np.sin(0.7 * x + 0.1 * y) + (picture - bars))
+    assert everywhere.sigma == pytest.approx(5.0, rel=0.03)
+    assert "may be a pattern of the scene" in everywhere.remarks[0]
 
 
 def test_one_level_has_no_gain():
@@ -103,10 +106,12 @@ def test_clipped_and_avoided_samples_do_not_count(scene):
     picture[:40, :40] += 300 * np.random.default_rng(8).standard_normal((40, 40))
     avoid = np.zeros(picture.shape, bool)
     avoid[:40, :40] = True
+    picture[3, 4] = math.nan
     noise = noise_of_picture(picture=picture, avoid=avoid)
     assert abs(noise.gain_e_per_dn - 4.0) < 3 * noise.gain_error
     assert max(part.level for part in noise.levels) < 4700
     assert not noise.flat[:5, :5].any()
+    picture[3, 4] = 0.0
     nothing = noise_of_picture(picture=picture, avoid=np.ones(picture.shape, bool))
     assert nothing.sigma_reason == "no sample is left to measure in"
 
