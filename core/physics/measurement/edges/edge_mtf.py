@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -21,6 +22,8 @@ Matrix = NDArray[np.float64]
 _GROUPS = 24  # pieces of the edge, whose differences enter the error
 _ALIKE = 8  # neighbouring pieces, over which texture may hang together
 _MODEL = 5e-4  # of the MTF, that the spline may not follow
+_TEXTURE_BLOCK, _LEAST_BLOCKS = 3.0, 8  # samples; and blocks of a side
+_TEXTURE_LENGTH = 4.0  # samples, over which texture hangs together
 _NEAR = 0.05  # cycles per sample, over which their variances are averaged
 _LARGEST_GAP = 0.75  # samples between distances, above which nothing is supersampled
 _LEAST_SAMPLES = 60
@@ -145,7 +148,8 @@ def _modulus(
     least = np.maximum(modulus - 3.0 * np.sqrt(along), 0.0)
     longer = np.minimum(across, (across / np.maximum(2.0 * least, 1e-150)) ** 2)
     blurred = modulus * 2.0 * (np.pi * frequency * fit.turn_error) ** 2 / 3.0
-    sigma = np.asarray(np.sqrt(along + longer + blurred**2 + _MODEL**2), np.float64)
+    textured = _texture(samples, fit, edge) * _texture_response(frequency, edge) / step**2
+    sigma = np.asarray(np.sqrt(along + longer + blurred**2 + textured + _MODEL**2), np.float64)
     return modulus, sigma, np.abs(effect.real @ fit.prior[TAIL])
 
 
@@ -174,6 +178,40 @@ def _variance(
     degrees = len(fit.residual) / max(1.0, len(fit.residual) - fit.basis.size)
     assumed = np.sum((effect @ fit.prior.T) ** 2, axis=1)
     return np.asarray(alone * degrees * np.maximum(1.0, excess) + assumed, np.float64)
+
+
+def _texture(samples: EdgeSamples, fit: SpreadFit, edge: FoundEdge) -> float:
+    """Variance of the texture of both sides: what blocks of samples differ by beyond the noise."""
+    place = np.floor((samples.along + edge.length / 2.0) / _TEXTURE_BLOCK).astype(np.intp)
+    across = np.floor((samples.distance + edge.reach) / _TEXTURE_BLOCK).astype(np.intp)
+    block = place * (int(across.max()) + 1) + across
+    total = 0.0
+    for side in (samples.distance < -_TEXTURE_BLOCK, samples.distance > _TEXTURE_BLOCK):
+        residual, number = fit.residual[side], block[side]
+        count = np.bincount(number)
+        sums = np.bincount(number, residual)[count > 0]
+        count = count[count > 0]
+        if len(count) < _LEAST_BLOCKS:
+            continue
+        noise = float(np.mean(residual**2))
+        ratio = float(np.mean(sums**2 / count)) / max(noise, 1e-300)
+        excess = ratio - 1.0 - 2.0 * math.sqrt(2.0 / len(count))
+        total += max(0.0, excess) * noise / float(np.mean(count))
+    return total
+
+
+def _texture_response(frequency: Vector, edge: FoundEdge) -> Vector:
+    """Variance that texture of unit variance on one side brings to the transform.
+
+    Notes
+    -----
+    A spread with texture t(d), its mean along the edge, adds 2πi·f·∫ t(d) exp(−2πi·f·d) dd. Texture
+    that hangs together over ℓ samples has the variance ℓ/length after that mean, and the integral
+    over the reach one of reach·ℓ for waves longer than ℓ.
+    """
+    wave = 2.0 * np.pi * frequency
+    seen = _TEXTURE_LENGTH**2 / edge.length * edge.reach
+    return np.asarray(wave**2 * seen / (1.0 + (wave * _TEXTURE_LENGTH / 2.0) ** 2), np.float64)
 
 
 def _half_error(frequency: Vector, mtf: Vector, sigma: Vector, half: float) -> float | None:

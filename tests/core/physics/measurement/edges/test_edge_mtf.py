@@ -71,6 +71,29 @@ def test_errors_cover_the_truth():
     assert abs(np.mean(pulls)) < 0.35
 
 
+def textured(seed, angle_deg, camera=(1.2, 0.5)):
+    """An edge of 40 above a ground whose texture, 3 rms, hangs together over some samples."""
+    rng = np.random.default_rng(seed)
+    across, down = np.meshgrid(np.fft.rfftfreq(80), np.fft.fftfreq(80))
+    field = np.fft.rfft2(rng.normal(0.0, 1.0, (80, 80)))
+    field = np.fft.irfft2(field * np.exp(-2.0 * (np.pi * 1.6) ** 2 * (across**2 + down**2)))
+    field *= 3.0 / field.std()
+    share = (edge_frame(camera, angle_deg, 0.0, 1.0, 0.0, 0)).clip(0.0, 1.0)
+    picture = 50.0 + 40.0 * share + field * (1.0 - share) + rng.normal(0.0, 0.2, field.shape)
+    edge = FoundEdge(39.5, 39.5, angle_deg, 24.0, 10.0, 50.0, 90.0, 0.9, True)
+    return measure_edge(picture=picture, edge=edge, frequency=FREQUENCY)
+
+
+def test_texture_beside_the_edge_is_in_the_error():
+    pulls = []
+    for seed in range(16):
+        angle = 7.3 + 23.1 * seed
+        one = textured(seed, angle)
+        pulls.append((one.mtf - true_mtf(FREQUENCY, (1.2, 0.5), angle))[1:] / one.sigma[1:])
+    assert np.mean(np.abs(pulls) < 3.0) >= 0.985
+    assert np.mean(np.abs(pulls) < 1.0) > 0.55
+
+
 def test_what_diffraction_leaves_beyond_the_reach_is_in_the_error():
     """Cutoff 0.6: 3 % of the step lie beyond 6 samples, and noise is a ten-thousandth."""
     one = measured((0.6, 0.0), 7.0, noise=0.004, reach=6.0)
