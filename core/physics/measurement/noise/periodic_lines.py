@@ -28,7 +28,7 @@ _BESIDE = 3  # bins round a line that are its own
 _LEAST = 64  # samples along a side
 _AGREE = 0.15  # of the power, by which quarters of the blocks may differ beyond chance
 _PARTS = 4
-_MOST_BLOCKS = 600
+_MOST_BLOCKS = 400
 _ROUNDS, _SETTLED = 4, 0.02  # rounds; bins of the spectrum
 _MOST_SIDE = 2048  # samples along a side that the lines are looked for in
 

@@ -16,7 +16,7 @@ Vector = NDArray[np.float64]
 _LEVELS = 16
 _LEAST_IN_LEVEL = 12
 _RISES = 3.0  # standard errors by which the variance must rise for a gain
-_UNSURE = 0.05  # standard error over gain, beyond which there is none
+_UNSURE = 0.04  # standard error over gain, beyond which there is none
 _UNSURE_READ = 0.3
 
 
