@@ -12,7 +12,8 @@ Matrix = NDArray[np.float64]
 _MOST_SIDE = 512  # samples along a side that are looked at
 _LEAST_BLOCKS = 60
 _DIFFERS = 0.1  # logarithm of what the blocks' waves and those of shifted blocks differ by
-_CHANCES = 5.0  # standard errors of that
+_CHANCES = 3.0  # times what two sets of shifted blocks differ by
+_SHIFTS = ((4, 4), (2, 6))  # samples down and across
 
 
 def compressed_in_blocks(*, picture: Matrix) -> bool:
@@ -27,24 +28,22 @@ def compressed_in_blocks(*, picture: Matrix) -> bool:
     -----
     The compression rounds the waves of its blocks, many to zero. The spread of a wave, and the
     shape of its distribution, by quartiles of its modulus, are then others than in blocks that lie
-    half a block further, where nothing else makes them differ.
+    part of a block further, where nothing else makes them differ.
     """
     first = [max(0, (size - _MOST_SIDE) // 2) // SIDE * SIDE for size in picture.shape]
     part = picture[first[0] : first[0] + _MOST_SIDE, first[1] : first[1] + _MOST_SIDE]
-    half = SIDE // 2
-    own, shifted = picture_blocks(picture=part), picture_blocks(picture=part[half:, half:])
-    if min(len(own.level), len(shifted.level)) < _LEAST_BLOCKS:
+    shifts = ((0, 0), *_SHIFTS)
+    sets = [picture_blocks(picture=part[down:, across:]) for down, across in shifts]
+    if min(len(blocks.level) for blocks in sets) < _LEAST_BLOCKS:
         return False
     waves = FINE | MIDDLE
-    least = (1e-6 * max(float(np.abs(own.level).max()), 1e-300)) ** 2
+    largest = float(np.abs(sets[0].level).max())
+    least = max((1e-6 * largest) ** 2, 1e-30)
     quartiles = []
-    for blocks in (own, shifted):
+    for blocks in sets:
         power = np.maximum(blocks.power[:, waves], least)
-        quartiles.append(0.5 * np.log(np.quantile(power, (0.25, 0.75), axis=0)))
-    differences = quartiles[0] - quartiles[1]
-    for difference in (differences[1], differences[1] - differences[0]):
-        mean = abs(float(difference.mean()))
-        error = float(difference.std()) / np.sqrt(len(difference))
-        if mean > _DIFFERS + _CHANCES * error * (mean < 3.0 * _DIFFERS):
-            return True
-    return False
+        quartiles.append(0.5 * np.log(np.quantile(power, (0.25, 0.75), axis=0)).mean(axis=1))
+    own, chance = quartiles[0] - quartiles[1], quartiles[2] - quartiles[1]
+    spread = abs(own[1]) > _DIFFERS + _CHANCES * abs(chance[1])
+    shape = abs(own[1] - own[0]) > _DIFFERS + _CHANCES * abs(chance[1] - chance[0])
+    return bool(spread or shape)

@@ -46,7 +46,8 @@ _LEAST_BLOCKS = 24
 _COARSE_STEPS = 0.5  # deviations of the noise in steps, below which rounding does not add 1/12
 _STRONG = 5.0  # amplitude over sigma, beyond which a line may be the scene's
 _HIDDEN_SHARE = 0.4  # of the blocks of noise that differs from place to place
-_STILL, _STILL_SHARE = 1e-6, 0.05  # of the level: what single precision leaves; blocks with less
+_STILL, _STILL_SHARE = 1e-11, 0.05  # of the power: what single precision leaves; of the blocks
+_SMALLEST, _LARGEST = 1e-12, 1e15  # numbers whose squares single precision holds
 _WHITE = 0.1  # by which middle waves may exceed fine ones
 _STRUCTURE = 0.12  # of the variance, that may be taken off for structure
 _LEAST_UNEVEN = 0.3  # of the blocks, where the noise of one place does not vouch for another's
@@ -143,6 +144,12 @@ def noise_of_picture(
         )
     if avoid is not None and avoid.any() and not avoid.all():
         picture = np.where(avoid, np.median(picture[~avoid]), picture)
+    largest = float(np.abs(picture).max())
+    if largest > _LARGEST or 0.0 < largest < _SMALLEST:
+        raise DataError(
+            f"noise needs a picture whose largest number is between {_SMALLEST:g} and "
+            f"{_LARGEST:g}, not {largest:.3g}: give it in another unit"
+        )
     low, high = clipped_ends(picture=picture)
     good = samples_that_count(picture=picture, avoid=avoid, low=low, high=high)
     blocks = picture_blocks(picture=picture, good=good, check=check)
@@ -183,7 +190,7 @@ def noise_of_picture(
 
 def _still(blocks: PictureBlocks) -> bool:
     """Whether a share of the blocks have no noise at all."""
-    least = (_STILL * float(np.abs(blocks.level).max())) ** 2
+    least = _STILL * blocks.power.mean(axis=1) + (_STILL * blocks.level) ** 2
     still = np.count_nonzero(blocks.mean_power(FINE) <= least)
     return bool(still > _STILL_SHARE * len(blocks.level))
 

@@ -182,3 +182,12 @@ def test_refusals():
     picture[3, 4] = math.nan
     with pytest.raises(DataError, match="not finite"):
         noise_of_picture(picture=picture)
+    for factor in (1e200, 1e-200):
+        with pytest.raises(DataError, match=r"between 1e-12 and 1e\+15"):
+            noise_of_picture(picture=factor * (2.0 + np.eye(50)))
+
+
+def test_noise_far_below_the_level():
+    picture = 1e8 + np.random.default_rng(15).standard_normal((160, 200))
+    assert noise_of_picture(picture=picture).sigma == pytest.approx(1.0, rel=0.03)
+    assert "no noise" in noise_of_picture(picture=np.zeros((160, 200))).sigma_reason
