@@ -10,7 +10,7 @@ from app.command.run import input_files, open_network, policy_of
 from app.fit.fit_json import fit_json
 from app.fit.fit_result import FitResult, NoiseComparison
 from app.fit.free_parameter import free_parameters
-from app.fit.picture_fit import FittedPictures, fit_pictures
+from app.fit.picture_fit import FittedPictures, fit_known_scene, fit_pictures
 from app.measure.picture_loading import open_picture
 from app.options.command_options import Options
 from app.options.progress import Progress
@@ -52,7 +52,8 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
         for path in filter(None, (options.fit_json, options.fit_output, options.fit_report)):
             staging.claim(path)
         with Progress(3) as progress:
-            result = fit_pictures(
+            fit = fit_known_scene if options.known_scene else fit_pictures
+            result = fit(
                 engine, plan, work, free=free, pictures=_pictures(options.pictures), report=progress
             )
         if options.fit_json is not None:
@@ -100,7 +101,7 @@ def _print(result: FitResult) -> None:
     misfit = result.fit.misfit
     print(
         f"chi² per degree of freedom  {number_text(result.chi2_per_degree)}  "
-        f"({misfit.degrees} degrees, {len(result.fit.patches)} edges)"
+        f"({misfit.degrees} degrees)"
     )
     if isinstance(result.noise, NoiseComparison):
         how = "fitted too" if result.noise.fitted else "of the network as it is"

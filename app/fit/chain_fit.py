@@ -113,9 +113,9 @@ class ChainFit:
         Derivatives of the residuals, shape (samples, parameters), over the root of their misfit.
     patches : tuple of Patch
         The edges' samples.
-    edges : EdgesAt
-        All as fitted.
-    table : SpreadTable
+    edges : EdgesAt or None
+        All as fitted; None where a whole picture was.
+    table : SpreadTable or None
         Their spreads.
     misfit : Misfit
         How well it fits.
@@ -133,8 +133,8 @@ class ChainFit:
     values: Vector
     jacobian: Matrix
     patches: tuple[Patch, ...]
-    edges: EdgesAt
-    table: SpreadTable
+    edges: EdgesAt | None
+    table: SpreadTable | None
     misfit: Misfit
     at_end: tuple[str, ...]
     evaluations: int
@@ -313,7 +313,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     from scipy.optimize import least_squares
 
     free = problem.free
-    problem.sort_out(np.array([_middle(parameter) for parameter in free]))
+    problem.sort_out(np.array([middle_of(parameter) for parameter in free]))
     thin = problem.thinned()
     begin = starts(free, thin.cost, count=_STARTS if len(free) > 1 else 1, seed=_SEED)
     if not begin:
@@ -377,7 +377,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         edges,
         table,
         misfit,
-        tuple(_end(p, float(v), float(s)) for p, v, s in zip(free, values, scales, strict=True)),
+        tuple(end_of(p, float(v), float(s)) for p, v, s in zip(free, values, scales, strict=True)),
         problem.evaluations + thin.evaluations,
         unsigned,
         tuple(_positive(problem, v)[0] for v in _apart(rivals)[1:]),
@@ -428,7 +428,7 @@ def _positive(problem: EdgeProblem, values: Vector) -> tuple[Vector, tuple[int, 
     return values, tuple(unsigned)
 
 
-def _middle(parameter: FreeParameter) -> float:
+def middle_of(parameter: FreeParameter) -> float:
     """A value well inside the range."""
     now = parameter.present
     if now is not None and now != 0.0 and parameter.low < now < parameter.high:
@@ -476,7 +476,8 @@ def misfit_of(edges: EdgesAt, problem: EdgeProblem, values: Vector) -> Misfit:
     )  # fmt: skip
 
 
-def _end(parameter: FreeParameter, value: float, scale: float) -> str:
+def end_of(parameter: FreeParameter, value: float, scale: float) -> str:
+    """At which end of its range a value lies: ``low``, ``high``, or neither, an empty text."""
     if value - parameter.low <= _AT_END * scale:
         return "low"
     if parameter.high - value <= _AT_END * scale:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from app.fit.edge_fit import EdgesAt
 from app.fit.fit_result import FitResult, NoiseComparison
+from app.fit.scene_match import SceneFit
 from app.report.drawing.picture_drawing import COLOURS, figure
 
 Matrix = NDArray[np.float64]
@@ -24,13 +26,39 @@ def drawn_edges(result: FitResult) -> list[int]:
     return [int(order[place]) for place in places]
 
 
+def edges_of(result: FitResult) -> EdgesAt:
+    """The edges of a fit that has some."""
+    assert result.fit.edges is not None
+    return result.fit.edges
+
+
+def scene_png(scene: SceneFit) -> bytes:
+    """The real picture, the simulated one, and their difference."""
+    rows, columns = scene.real.shape
+    with figure(10.0, min(3.6 * rows / columns, 8.0) + 0.5) as (drawn, out):
+        axes = drawn.subplots(1, 3)
+        low, high = (float(v) for v in np.quantile(scene.real, (0.001, 0.999)))
+        left = (scene.real - scene.simulated) / scene.noise_sigma
+        for axis, values, ends, words in (
+            (axes[0], scene.real, (low, high), "real"),
+            (axes[1], scene.simulated, (low, high), "simulated"),
+            (axes[2], left, (-_WIDE, _WIDE), "difference, ±4 σ"),
+        ):
+            axis.imshow(values, cmap="gray", vmin=ends[0], vmax=ends[1], interpolation="nearest")
+            axis.set_title(words, fontsize=10)
+            axis.set_xticks([])
+            axis.set_yticks([])
+            axis.grid(visible=False)
+    return out.getvalue()
+
+
 def patches_png(result: FitResult) -> bytes:
     """For each edge drawn: the real patch, the simulated one, and what is left."""
     edges = drawn_edges(result)
     with figure(1.7 * len(edges) + 0.8, 5.6) as (drawn, out):
         axes = drawn.subplots(3, len(edges), squeeze=False)
         for column, edge in enumerate(edges):
-            patch, at = result.fit.patches[edge], result.fit.edges
+            patch, at = result.fit.patches[edge], edges_of(result)
             count = len(patch.value)
             model, left = at.model[edge, :count], at.residual[edge, :count]
             low, high = float(patch.value.min()), float(patch.value.max())
@@ -58,7 +86,7 @@ def spreads_png(result: FitResult) -> bytes:
     with figure(10.0, 2.1 * len(edges) + 0.6) as (drawn, out):
         axes = drawn.subplots(len(edges), 2, squeeze=False, sharex=True)
         for row, edge in enumerate(edges):
-            patch, at = result.fit.patches[edge], result.fit.edges
+            patch, at = result.fit.patches[edge], edges_of(result)
             count = len(patch.value)
             distance, spread = at.distance[edge, :count], at.spread[edge, :count]
             rest = at.residual[edge, :count] / at.weight[edge, :count] / at.step[edge]

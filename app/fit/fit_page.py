@@ -5,7 +5,14 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from app.fit.fit_drawing import drawn_edges, noise_png, patches_png, spreads_png
+from app.fit.fit_drawing import (
+    drawn_edges,
+    edges_of,
+    noise_png,
+    patches_png,
+    scene_png,
+    spreads_png,
+)
 from app.fit.fit_result import FitResult, NoiseComparison
 from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
 from app.report.drawing.printed_numbers import number
@@ -22,9 +29,8 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
     blocks: list[Block] = [
         Heading(1, title),
         Text(
-            f"{len(result.fit.patches)} edges, {misfit.degrees} degrees of freedom, χ² per degree "
-            f"{number(_short(result.chi2_per_degree))}; of what is left in the shape of edges "
-            f"{number(_short(misfit.shape_per_degree))}.",
+            f"{_fitted(result)}, {misfit.degrees} degrees of freedom, χ² per degree "
+            f"{number(_short(result.chi2_per_degree))}.",
             "lead",
         ),
         Grid(
@@ -36,6 +42,30 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
         *([Items(tuple(f"{line[:1].upper()}{line[1:]}" for line in lines))] if lines else []),
         *_combinations(result),
         *_correlation(result),
+        *_pictures(result),
+        *_noise(result),
+    ]
+    return html_page(title, blocks)
+
+
+def _fitted(result: FitResult) -> str:
+    if result.scene is not None:
+        return "The whole picture"
+    count = len(result.fit.patches)
+    shape = number(_short(result.fit.misfit.shape_per_degree))
+    edges = "1 edge" if count == 1 else f"{count} edges"
+    return f"{edges} (what is left in their shape: χ² per degree {shape})"
+
+
+def _pictures(result: FitResult) -> list[Block]:
+    """What of the picture was fitted, beside what the network gives."""
+    if result.scene is not None:
+        caption = (
+            "The picture, the fitted network's where the picture has it, and the difference in "
+            "standard deviations of the noise."
+        )
+        return [Heading(2, "Picture"), Drawn(scene_png(result.scene), caption, "pictures compared")]
+    return [
         Heading(2, "Edges"),
         Drawn(
             patches_png(result),
@@ -50,10 +80,8 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
             "sample; noise alone would lie about 0 within its errors.",
             "edges overlaid and residuals",
         ),
-        *_edges(result),
-        *_noise(result),
+        *_table(result),
     ]
-    return html_page(title, blocks)
 
 
 def _short(value: float) -> float:
@@ -92,11 +120,11 @@ def _correlation(result: FitResult) -> list[Block]:
     return [Heading(2, "Correlation of errors"), Grid(("", *names), rows, numbers=numbers)]
 
 
-def _edges(result: FitResult) -> list[Block]:
+def _table(result: FitResult) -> list[Block]:
     drawn = set(drawn_edges(result))
     rows = []
     for index, patch in enumerate(result.fit.patches):
-        chi2 = float(result.fit.edges.residual[index] @ result.fit.edges.residual[index])
+        chi2 = float(edges_of(result).residual[index] @ edges_of(result).residual[index])
         rows.append(
             (
                 f"{index + 1}{'' if index in drawn else ' (not drawn)'}",
@@ -104,7 +132,7 @@ def _edges(result: FitResult) -> list[Block]:
                 f"{patch.y:.1f}",
                 f"{patch.angle_deg:.1f}",
                 str(len(patch.value)),
-                number(_short(float(result.fit.edges.step[index]))),
+                number(_short(float(edges_of(result).step[index]))),
                 f"{chi2 / len(patch.value):.3f}",
             )
         )
@@ -113,6 +141,8 @@ def _edges(result: FitResult) -> list[Block]:
 
 
 def _noise(result: FitResult) -> list[Block]:
+    if not result.noise:
+        return []
     blocks: list[Block] = [Heading(2, "Noise")]
     if not isinstance(result.noise, NoiseComparison):
         return [*blocks, Text(f"{result.noise[:1].upper()}{result.noise[1:]}.")]

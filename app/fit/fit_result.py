@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from app.fit.chain_fit import ChainFit
 from app.fit.identifiability import Combination, Identified, identified
+from app.fit.scene_match import SceneFit
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
 Vector = NDArray[np.float64]
@@ -92,6 +93,8 @@ class FitResult:
         The noise, or why it was not compared.
     refused : tuple of str
         Why other candidates for edges were not used.
+    scene : SceneFit or None
+        The whole pictures, where a known scene was fitted.
     """
 
     fit: ChainFit
@@ -102,6 +105,7 @@ class FitResult:
     notes: tuple[str, ...] = ()
     noise: NoiseComparison | str = ""
     refused: tuple[str, ...] = ()
+    scene: SceneFit | None = None
 
     @property
     def chi2_per_degree(self) -> float:
@@ -257,9 +261,10 @@ def _misfit(fit: ChainFit) -> list[str]:
         )
     if excess == 1.0:
         return lines
+    what = "these edges" if fit.patches else "this picture"
     return [
         *lines,
-        f"the chain does not give these edges: what is left of them is {math.sqrt(excess):.2g} "
-        "times as large as noise alone; standard errors are widened by that, but what the chain "
+        f"the chain does not give {what}: what is left is {math.sqrt(excess):.2g} times "
+        "as large as noise alone; standard errors are widened by that, but what the chain "
         "lacks may have moved the values further",
     ]

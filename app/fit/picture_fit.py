@@ -8,14 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.chain_fit import EdgeProblem, fit_chain
+from app.fit.chain_fit import EdgeProblem, fit_chain, middle_of
 from app.fit.chain_transfer import ChainAt, final_image, has_area, transfer_known
 from app.fit.edges_in_picture import EdgeChoice, edges_in
 from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.fit.free_parameter import FreeParameter
 from app.fit.noise_levels import NoiseLevels, NoiseProblem
+from app.fit.scene_fit import SceneProblem, fit_scene
 from core.chain.engine import Engine, Plan
-from core.errors import Cancelled, DataError, ImagechainError
+from core.errors import Cancelled, DataError, ImagechainError, UsageError
 from core.evaluation.work import Work
 from core.physics.measurement.noise.picture_noise import noise_of_picture
 from core.physics.measurement.noise.variance_levels import LevelVariance
@@ -98,6 +99,34 @@ def fit_pictures(
         refused=choice.refused,
         notes=(*result.notes, *_notes(choice, passed_area=has_area(passed))),
     )
+
+
+def fit_known_scene(
+    engine: Engine,
+    plan: Plan,
+    work: Work,
+    *,
+    free: Sequence[FreeParameter],
+    pictures: FittedPictures,
+    report: Callable[[str], None] = lambda _text: None,
+) -> FitResult:
+    """As `fit_pictures`, with one picture of the network's own scene as a whole.
+
+    Raises
+    ------
+    ImagechainError
+        If the picture is not of the network's size, shows another scene, or there are several.
+    """
+    if len(pictures.samples) != 1:
+        raise UsageError(
+            f"--known-scene takes one picture, not {len(pictures.samples)}: each has a place of "
+            "its own in the scene"
+        )
+    report("noise")
+    chain = ChainAt(engine, plan, [parameter.target for parameter in free])
+    problem = SceneProblem(chain, work, free, pictures.samples[0])
+    report("parameters")
+    return fit_scene(problem, np.array([middle_of(parameter) for parameter in free]))
 
 
 def _noise(

@@ -145,3 +145,26 @@ def test_a_picture_without_an_edge_is_refused(imagechain, files):
     done = imagechain("fit", "net.json", "--to", "flat.npy", "--free", "blur.sigma_x_mrad")
     assert done.returncode == 2
     assert "flat.npy: no edge can be used" in done.stderr
+
+
+def test_a_step_that_is_no_transfer_function_is_named(imagechain, files):
+    network = json.loads((files / "net.json").read_text(encoding="utf-8"))
+    network["nodes"]["smooth"] = {"module": "compare_images", "params": {}}
+    network["links"] += [["back.image", "smooth.image"], ["scene.image", "smooth.reference"]]
+    network["final"] = "smooth.image"
+    (files / "bent.json").write_text(json.dumps(network), encoding="utf-8")
+    done = imagechain("fit", "bent.json", "--to", "edge.npy", "--free", "blur.sigma_x_mrad")
+    assert done.returncode == 2
+    assert "smooth" in done.stderr
+
+
+def test_a_page_shows_patches_and_spreads(imagechain, files):
+    done = imagechain(
+        "fit", "net.json", "--to", "edge.npy", "--free", "blur.sigma_x_mrad",
+        "--report", "fit.html",
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    page = (files / "fit.html").read_text(encoding="utf-8")
+    assert "real and simulated patches" in page
+    assert "blur.sigma_x_mrad" in page
+    assert page.count("data:image/png") >= 2

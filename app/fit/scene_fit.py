@@ -1,0 +1,232 @@
+"""Free parameters fitted to a whole picture of a known scene: the network's own source stays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.fit.chain_fit import ChainFit, Misfit, end_of, scales_of
+from app.fit.chain_transfer import ChainAt
+from app.fit.fit_result import FitResult, result_of
+from app.fit.free_parameter import FreeParameter
+from app.fit.parameter_search import places
+from app.fit.scene_match import OWN, Registration, SceneFit, SceneMatch
+from core.chain.realize import realize
+from core.errors import Cancelled, DataError, ImagechainError
+from core.evaluation.work import Work
+from nodes.analysis.lineage import noise_free
+
+Matrix = NDArray[np.float64]
+Vector = NDArray[np.float64]
+
+_STEP = 2e-3  # of a parameter's scale, for differences
+_STEPS, _SETTLED = 30, 1e-4  # of the sum of squares, relative to noise
+_WEIGHTINGS = 2  # times that the noise of what is left gives new weights
+_COARSE = 2  # of the places of a parameter, every so many is looked at first
+
+
+class SceneProblem:
+    """The weighted waves of a picture less those of the network's, and their derivatives."""
+
+    def __init__(
+        self, chain: ChainAt, work: Work, free: Sequence[FreeParameter], picture: Matrix
+    ) -> None:
+        self.free = tuple(free)
+        self.match = SceneMatch(picture)
+        self.evaluations = 0
+        self._chain, self._work = chain, work
+        self._held: dict[tuple[float, ...], Matrix] = {}
+
+    def simulated(self, values: Vector) -> Matrix:
+        """The network's picture without noise.
+
+        Raises
+        ------
+        DataError
+            If it is of another size than the real one.
+        """
+        key = tuple(float(value) for value in values)
+        made = self._held.get(key)
+        if made is None:
+            self.evaluations += 1
+            image = self._chain.image(list(key))
+            shape = self.match.picture.shape
+            if image.shape != shape:
+                raise DataError(
+                    f"--known-scene: the picture has {shape[1]} × {shape[0]} samples, and the "
+                    f"network's final picture {image.columns} × {image.rows}"
+                )
+            clean = image.with_recipe(noise_free(image.recipe))
+            made = np.asarray(realize(clean, self._work), np.float64)
+            if len(self._held) >= 2 * len(key) + 2:
+                self._held.clear()
+            self._held[key] = made
+        return made
+
+    def residual(self, values: Vector, how: Registration) -> Vector:
+        """Weighted waves of the real picture less the registered one."""
+        registered = self.match.registered(self.simulated(values), how)
+        return self.match.waves(self.match.picture - registered)
+
+    def columns(self, values: Vector, how: Registration) -> list[Vector]:
+        """Derivatives of the registered waves, by the parameters within their ranges."""
+        made = []
+        here = self.match.registered(self.simulated(values), how)
+        scales = scales_of(self.free, values)
+        for index, parameter in enumerate(self.free):
+            step = _STEP * float(scales[index])
+            other = values.copy()
+            other[index] += step if values[index] + step <= parameter.high else -step
+            there = self.match.registered(self.simulated(other), how)
+            made.append(self.match.waves(there - here) / (other[index] - values[index]))
+        return made
+
+
+def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
+    """Fit a picture, from rough values on."""
+    how = problem.match.coarse(problem.simulated(start))
+    how = _settled_registration(problem, start, how)
+    values = _looked_around(problem, start, how)
+    values, how, residual = _downhill(problem, values, how)
+    for _ in range(_WEIGHTINGS):
+        registered = problem.match.registered(problem.simulated(values), how)
+        problem.match = problem.match.reweighted(problem.match.picture - registered)
+        values, how, residual = _downhill(problem, values, how)
+    scene = problem.match.columns(problem.simulated(values), how)
+    own, _ = np.linalg.qr(np.column_stack(scene))
+    jacobian = np.column_stack(problem.columns(values, how))
+    jacobian -= own @ (own.T @ jacobian)
+    chi2 = float(residual @ residual)
+    degrees = int(problem.match.samples) - len(values) - OWN
+    low, count = problem.match.low_waves(residual)
+    misfit = Misfit(chi2, degrees, low, count - len(values) - OWN)
+    jacobian /= math.sqrt(misfit.excess)
+    scales = scales_of(problem.free, values)
+    fit = ChainFit(
+        problem.free, values, -jacobian, (), None, None, misfit,
+        tuple(
+            end_of(p, float(v), float(s))
+            for p, v, s in zip(problem.free, values, scales, strict=True)
+        ),
+        problem.evaluations,
+    )  # fmt: skip
+
+    def cost(other: Vector) -> float:
+        try:
+            settled = _settled_registration(problem, other, how)
+            left = problem.residual(other, settled)
+        except Cancelled:
+            raise
+        except ImagechainError:
+            return math.inf
+        return float(left @ left)
+
+    result = result_of(fit, cost)
+    note = (
+        f"registered with a shift of {how.shift_x:.3f}, {how.shift_y:.3f} samples, a scale of "
+        f"{how.scale:.6f}, a gain of {how.gain:.6g} and an offset of {how.offset:.6g}"
+    )
+    whole = SceneFit(
+        problem.match.picture,
+        problem.match.registered(problem.simulated(values), how),
+        problem.match.noise_sigma,
+        how,
+    )
+    return replace(result, notes=(*result.notes, note), scene=whole)
+
+
+def _settled_registration(problem: SceneProblem, values: Vector, how: Registration) -> Registration:
+    """Shift, scale, gain and offset that fit best with these values."""
+    for _ in range(_STEPS):
+        residual = problem.residual(values, how)
+        columns = np.column_stack(problem.match.columns(problem.simulated(values), how))
+        step = _solved(columns, residual, 0.0)
+        how = how.moved(step)
+        gained = float((columns @ step) @ (columns @ step))
+        if gained < 1e-3:
+            break
+    return how
+
+
+def _looked_around(problem: SceneProblem, start: Vector, how: Registration) -> Vector:
+    """Each parameter in turn at the best of its places, gain and offset fitted."""
+    best = start.copy()
+
+    def cost(values: Vector) -> float:
+        try:
+            made = problem.match.registered(problem.simulated(values), replace(how, gain=1.0))
+        except Cancelled:
+            raise
+        except ImagechainError:
+            return math.inf
+        columns = np.column_stack(
+            [problem.match.waves(made), problem.match.waves(np.ones_like(made))]
+        )
+        real = problem.match.waves(problem.match.picture)
+        left = real - columns @ _solved(columns, real, 0.0)
+        return float(left @ left)
+
+    least = cost(best)
+    for index, parameter in enumerate(problem.free):
+        for place in places(parameter)[::_COARSE]:
+            other = best.copy()
+            other[index] = place
+            seen = cost(other)
+            if seen < least:
+                best, least = other, seen
+    return best
+
+
+def _downhill(
+    problem: SceneProblem, values: Vector, how: Registration
+) -> tuple[Vector, Registration, Vector]:
+    """Levenberg and Marquardt's way, parameters and registration together, within the ranges."""
+    lows = np.array([parameter.low for parameter in problem.free])
+    highs = np.array([parameter.high for parameter in problem.free])
+    count, damping = len(values), 1e-3
+    residual = problem.residual(values, how)
+    cost = float(residual @ residual)
+    for _ in range(_STEPS):
+        columns = np.column_stack(
+            [
+                *problem.columns(values, how),
+                *problem.match.columns(problem.simulated(values), how),
+            ]
+        )
+        improved = False
+        for _ in range(8):
+            step = _solved(columns, residual, damping)
+            other = np.clip(values + step[:count], lows, highs)
+            moved = how.moved(step[count:])
+            try:
+                left = problem.residual(other, moved)
+                seen = float(left @ left)
+            except Cancelled:
+                raise
+            except ImagechainError:
+                seen = math.inf
+            if seen < cost:
+                improved = True
+                break
+            damping = max(damping, 1e-6) * 8.0
+        if not improved:
+            break
+        gained = cost - seen
+        values, how, residual, cost, damping = other, moved, left, seen, damping / 8.0
+        if gained < _SETTLED * max(1.0, cost / problem.match.samples):
+            break
+    return values, how, residual
+
+
+def _solved(columns: Matrix, residual: Vector, damping: float) -> Vector:
+    """The step that takes the residual down, each column scaled to length 1 and damped."""
+    length = np.linalg.norm(columns, axis=0) + 1e-300
+    scaled = columns / length
+    matrix = scaled.T @ scaled
+    matrix[np.diag_indices_from(matrix)] += damping + 1e-12
+    solution: Vector = np.linalg.solve(matrix, scaled.T @ residual) / length
+    return solution
