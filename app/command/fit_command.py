@@ -66,7 +66,9 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
             text = format_network(fitted, library=library)
             staging.write(options.fit_output, partial(write_text, content=text))
         if options.fit_report is not None:
-            from app.fit.fit_page import fit_page  # matplotlib and a template: only where wanted
+            from app.fit.page.fit_page import (
+                fit_page,  # matplotlib and a template: only where wanted
+            )
 
             names = tuple(map(str, options.pictures))
             page = fit_page(result, network=network.name or place.name, pictures=names)

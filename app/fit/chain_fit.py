@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from app.fit.chain_transfer import ChainAt, EdgeTransfer
 from app.fit.edge_fit import EdgeFits, EdgesAt
 from app.fit.free_parameter import FreeParameter
+from app.fit.misfit import Misfit
 from app.fit.noise_levels import NoiseProblem
 from app.fit.parameter_search import places, starts
 from app.fit.patch import Patch
@@ -39,64 +40,13 @@ _FINE_STEP = 2e-3  # of the same, to both sides
 _BIN = 0.25  # samples of distance, in which residuals are averaged
 _IN_BIN = 12
 _LEVELS = 2  # of an edge, that count among its bins
-_CERTAIN = 4.0  # standard deviations, from which on an excess counts
 _AT_END = 1e-3  # of the scale
 _SAME = 1.0  # of the sum of squares
 _MUCH = 1.3  # times a value, by which it is moved to see what it changes
 _SHOWN = 1e-7  # of an edge's step, or of a standard error of noise
+_NEAR, _PLACES = 8.0, 161  # samples, and places, at which spreads are compared
 _OFF = 1e4  # standard errors
 _HELD = 64  # spreads and noises that are held
-
-
-@dataclass(frozen=True)
-class Misfit:
-    """How well the chain's edges lie in the samples.
-
-    Parameters
-    ----------
-    chi2, degrees
-        Sum of the squared residuals in units of their noise, and degrees of freedom.
-    shape_chi2, shape_degrees
-        The same of residuals averaged at equal distances from the edge.
-    noise_chi2, noise_degrees
-        The same of the noise at the measured levels; part of the first two.
-    """
-
-    chi2: float
-    degrees: int
-    shape_chi2: float
-    shape_degrees: int
-    noise_chi2: float = 0.0
-    noise_degrees: int = 0
-
-    @property
-    def chi2_per_degree(self) -> float:
-        """1 where the residuals are noise."""
-        return self.chi2 / max(1, self.degrees)
-
-    @property
-    def shape_per_degree(self) -> float:
-        """1 where what is left of the edges has no shape."""
-        return self.shape_chi2 / max(1, self.shape_degrees)
-
-    @property
-    def excess(self) -> float:
-        """By which variances are widened for the edges: 1 unless there is a misfit."""
-        edges = self.degrees - self.noise_degrees
-        return max(
-            _excess((self.chi2 - self.noise_chi2) / max(1, edges), edges),
-            _excess(self.shape_per_degree, self.shape_degrees),
-        )
-
-    @property
-    def noise_excess(self) -> float:
-        """The same for the noise."""
-        return _excess(self.noise_chi2 / max(1, self.noise_degrees), self.noise_degrees)
-
-
-def _excess(per_degree: float, degrees: int) -> float:
-    certain = degrees > 0 and per_degree > 1.0 + _CERTAIN * math.sqrt(2.0 / degrees)
-    return per_degree if certain else 1.0
 
 
 @dataclass(frozen=True)
@@ -170,7 +120,8 @@ class EdgeProblem:
 
     def sort_out(self, values: Vector) -> None:
         """See which parameters the edges show, and which the noise; none counts for the other."""
-        table = self.table(values)
+        distance = np.tile(np.linspace(-_NEAR, _NEAR, _PLACES), (len(self.patches), 1))
+        before, _ = self.table(values).at_all(distance)
         noise = self.noise_residual(values)
         shown, noisy = set(), set()
         for index, parameter in enumerate(self.free):
@@ -180,8 +131,9 @@ class EdgeProblem:
                 if not parameter.low <= other <= parameter.high or other == values[index]:
                     continue
                 try:
-                    spread = self.table(changed).spread
-                    if float(np.abs(spread - table.spread).max()) > _SHOWN:
+                    # At the same distances: how fine a table is depends on the chain's band.
+                    spread, _ = self.table(changed).at_all(distance)
+                    if float(np.abs(spread - before).max()) > _SHOWN:
                         shown.add(index)
                     if (
                         float(np.abs(self.noise_residual(changed) - noise).max(initial=0.0))

@@ -9,10 +9,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.chain_fit import ChainFit, Misfit, end_of, scales_of
+from app.fit.chain_fit import ChainFit, end_of, scales_of
 from app.fit.chain_transfer import ChainAt
 from app.fit.fit_result import FitResult, result_of
 from app.fit.free_parameter import FreeParameter
+from app.fit.misfit import Misfit
 from app.fit.parameter_search import places
 from app.fit.scene_match import OWN, Registration, SceneFit, SceneMatch
 from core.chain.realize import realize

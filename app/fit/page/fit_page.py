@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from app.fit.fit_drawing import (
+from app.fit.fit_result import FitResult, NoiseComparison
+from app.fit.page.fit_drawing import (
     drawn_edges,
     edges_of,
     noise_png,
@@ -13,7 +14,6 @@ from app.fit.fit_drawing import (
     scene_png,
     spreads_png,
 )
-from app.fit.fit_result import FitResult, NoiseComparison
 from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
