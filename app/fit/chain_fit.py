@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from app.fit.chain_transfer import ChainAt, EdgeTransfer
 from app.fit.edge_fit import EdgeFits, EdgesAt
 from app.fit.free_parameter import FreeParameter
-from app.fit.misfit import Misfit
+from app.fit.misfit import Misfit, misfit_of
 from app.fit.noise_levels import NoiseProblem
 from app.fit.parameter_search import places, starts
 from app.fit.patch import Patch
@@ -37,9 +37,6 @@ _RIVAL, _RIVAL_THIN = 12.0, 40.0  # of the sum of squares, within which another 
 _SEED = 1996
 _STEP = 1e-3  # of a parameter's scale, for differences
 _FINE_STEP = 2e-3  # of the same, to both sides
-_BIN = 0.25  # samples of distance, in which residuals are averaged
-_IN_BIN = 12
-_LEVELS = 2  # of an edge, that count among its bins
 _AT_END = 1e-3  # of the scale
 _SAME = 1.0  # of the sum of squares
 _MUCH = 1.3  # times a value, by which it is moved to see what it changes
@@ -77,6 +74,8 @@ class ChainFit:
         Places of the parameters whose sign changes nothing.
     rivals : tuple of ndarray
         Values elsewhere that fit nearly as well.
+    shown : frozenset of int
+        Places of the parameters that the edges show.
     """
 
     free: tuple[FreeParameter, ...]
@@ -90,6 +89,7 @@ class ChainFit:
     evaluations: int
     unsigned: tuple[int, ...] = ()
     rivals: tuple[Vector, ...] = ()
+    shown: frozenset[int] = frozenset()
 
 
 class EdgeProblem:
@@ -317,7 +317,8 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     values, unsigned = _positive(problem, values)
     scales = scales_of(free, values)
     table, edges = problem.fitted(values)
-    misfit = misfit_of(edges, problem, values)
+    shared = len(free), len(problem.noisy)
+    misfit = misfit_of(edges, problem.noise_residual(values), problem.degrees, shared)
     jacobian = problem.jacobian(values, scales, fine=True)
     jacobian[: edges.residual.size] /= math.sqrt(misfit.excess)
     jacobian[edges.residual.size :] /= math.sqrt(misfit.noise_excess)
@@ -333,6 +334,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         problem.evaluations + thin.evaluations,
         unsigned,
         tuple(_positive(problem, v)[0] for v in _apart(rivals)[1:]),
+        problem.shown,
     )
 
 
@@ -402,30 +404,6 @@ def scales_of(free: Sequence[FreeParameter], values: Vector) -> Vector:
         least = 1e-2 * min(width, abs(parameter.present or 1.0))
         scales.append(max(abs(float(value)), least))
     return np.array(scales)
-
-
-def misfit_of(edges: EdgesAt, problem: EdgeProblem, values: Vector) -> Misfit:
-    """How much is left beyond noise, and how much of that has the shape of edges."""
-    shape, bins = 0.0, 0
-    own = edges.own.shape[1] + _LEVELS
-    for weight, distance, residual in zip(
-        edges.weight, edges.distance, edges.residual, strict=True
-    ):
-        inside = weight > 0.0
-        place = np.floor(distance[inside] / _BIN).astype(np.intp)
-        place -= place.min()
-        count = np.bincount(place)
-        total = np.bincount(place, residual[inside])
-        full = count >= _IN_BIN
-        shape += float(np.sum(total[full] ** 2 / count[full]))
-        bins += max(0, int(np.count_nonzero(full)) - own)
-    noise = problem.noise_residual(values)
-    chi2 = edges.cost + float(noise @ noise)
-    shared = len(problem.free)
-    return Misfit(
-        chi2, problem.degrees, shape, bins - shared, float(noise @ noise),
-        max(0, len(noise) - len(problem.noisy)),
-    )  # fmt: skip
 
 
 def end_of(parameter: FreeParameter, value: float, scale: float) -> str:

@@ -118,10 +118,13 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
     known = identified(fit, cost)
     rivals = _rivals(fit, known)
     undetermined = known.undetermined | set(rivals)
+    if fit.misfit.is_hopeless:
+        undetermined = undetermined | fit.shown
     with np.errstate(all="ignore"):
         sigma = np.sqrt(np.diag(known.covariance))
         correlation = known.covariance / np.outer(sigma, sigma)
-    correlation[list(rivals), :] = correlation[:, list(rivals)] = np.nan
+    nowhere = sorted(undetermined)
+    correlation[nowhere, :] = correlation[:, nowhere] = np.nan
     for index in range(len(fit.free)):
         if index not in undetermined:
             correlation[index, index] = 1.0
@@ -261,6 +264,14 @@ def _misfit(fit: ChainFit) -> list[str]:
         )
     if excess == 1.0:
         return lines
+    if fit.misfit.is_hopeless:
+        return [
+            *lines,
+            "the edges of the picture are of another form than the chain gives with any values in "
+            f"the ranges: {100.0 * fit.misfit.material:.2g} % of a step is left, {math.sqrt(excess):.2g} times "
+            "the noise; the picture may be compressed, interlaced, sharpened or not linear, or "
+            "the chain lacks a stage: no parameter that the edges show is determined",
+        ]
     what = "these edges" if fit.patches else "this picture"
     return [
         *lines,

@@ -5,7 +5,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-_CERTAIN = 4.0  # standard deviations, from which on an excess counts
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtri
+
+from app.fit.edge_fit import EdgesAt
+
+Vector = NDArray[np.float64]
+
+_RARE = 6e-5  # probability of a sum of squares by noise alone, below which it is no noise
+_LEAST_DEGREES = 8
+_IN_GROUP = 16  # residuals of neighbouring distances that are averaged
+_NEAREST = 3.0  # samples about an edge
+_LEVELS = 4  # levels and slopes of an edge, that count among its groups
+_HOPELESS, _MATERIAL = 5.0, 0.01  # times the noise, and of the step: the chain is another one
 
 
 @dataclass(frozen=True)
@@ -20,6 +33,8 @@ class Misfit:
         The same of residuals averaged at equal distances from the edge.
     noise_chi2, noise_degrees
         The same of the noise at the measured levels; part of the first two.
+    material : float
+        What is left near the edge that is worst, beyond noise, as a share of its step.
     """
 
     chi2: float
@@ -28,6 +43,7 @@ class Misfit:
     shape_degrees: int
     noise_chi2: float = 0.0
     noise_degrees: int = 0
+    material: float = 0.0
 
     @property
     def chi2_per_degree(self) -> float:
@@ -49,11 +65,59 @@ class Misfit:
         )
 
     @property
+    def is_hopeless(self) -> bool:
+        """Whether the edges are of another form than the chain can give."""
+        return self.excess > _HOPELESS and self.material > _MATERIAL
+
+    @property
     def noise_excess(self) -> float:
         """The same for the noise."""
         return _excess(self.noise_chi2 / max(1, self.noise_degrees), self.noise_degrees)
 
 
+def misfit_of(edges: EdgesAt, noises: Vector, degrees: int, shared: tuple[int, int]) -> Misfit:
+    """How much is left beyond noise, and how much of that has the shape of edges.
+
+    Parameters
+    ----------
+    edges : EdgesAt
+        As fitted.
+    noises : ndarray
+        Residuals of the noise at the measured levels, in standard errors.
+    degrees : int
+        Of freedom, of all.
+    shared : (int, int)
+        Parameters that were fitted, and how many of them to the noise.
+    """
+    shape, groups, material = 0.0, 0, 0.0
+    own = edges.own.shape[1] + _LEVELS
+    for index, weight in enumerate(edges.weight):
+        inside = weight > 0.0
+        order = np.argsort(edges.distance[index][inside], kind="stable")
+        ends = np.arange(0, len(order) - _IN_GROUP + 1, _IN_GROUP)
+        if not len(ends):
+            continue
+        count = np.diff(np.append(ends, len(order)))
+        total = np.add.reduceat(edges.residual[index][inside][order], ends)
+        shape += float(np.sum(total**2 / count))
+        groups += max(0, len(ends) - own)
+        # What is left near the edge beyond its noise, of the step.
+        near = (
+            np.abs(np.add.reduceat(edges.distance[index][inside][order], ends) / count) < _NEAREST
+        )
+        if np.any(near):
+            noise = 1.0 / (weight[inside].mean() * abs(float(edges.step[index])) + 1e-300)
+            left = (total[near] / count[near]) ** 2 - 1.0 / count[near]
+            material = max(material, noise * math.sqrt(max(float(left.mean()), 0.0)))
+    chi2 = edges.cost + float(noises @ noises)
+    return Misfit(
+        chi2, degrees, shape, groups - shared[0], float(noises @ noises),
+        max(0, len(noises) - shared[1]), material,
+    )  # fmt: skip
+
+
 def _excess(per_degree: float, degrees: int) -> float:
-    certain = degrees > 0 and per_degree > 1.0 + _CERTAIN * math.sqrt(2.0 / degrees)
-    return per_degree if certain else 1.0
+    """What is left for each degree, where noise alone would hardly ever leave as much."""
+    if degrees < _LEAST_DEGREES:
+        return 1.0
+    return per_degree if per_degree * degrees > float(chdtri(degrees, _RARE)) else 1.0
