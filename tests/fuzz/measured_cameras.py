@@ -237,9 +237,9 @@ def _fit(camera, picture, rng):
 
 
 def _case(words):
-    family, number, fit = words
+    family, number, how = words
     try:
-        return judged(family, number, fit=fit)
+        return judged(family, number, **how)
     except Exception as error:  # a finding, not an end
         return {"case": number, "fault": _fault(error)}
 
@@ -257,7 +257,8 @@ def _rows(words):
         done = [row for row in done if words.first <= row["case"] < words.first + words.count]
     have = {row["case"] for row in done}
     todo = [n for n in range(words.first, words.first + words.count) if n not in have]
-    jobs = [(words.family, n, not words.no_fit) for n in todo]
+    how = {"fit": not words.no_fit, "rows": words.rows, "columns": words.columns}
+    jobs = [(words.family, n, how) for n in todo]
     end = time.monotonic() + words.seconds
     with multiprocessing.get_context("spawn").Pool(min(2, words.workers)) as pool:
         for row in pool.imap(_case, jobs):
@@ -280,11 +281,14 @@ def main():
     parser.add_argument("--seconds", type=float, default=600, help="after which no more begin")
     parser.add_argument("--workers", type=int, default=1, help="processes, 1 or 2")
     parser.add_argument("--no-fit", action="store_true")
+    parser.add_argument("--rows", type=int, default=ROWS, help="of a frame")
+    parser.add_argument("--columns", type=int, default=COLUMNS)
     parser.add_argument("--file", type=Path, help="of results, a line each; goes on where it ends")
     parser.add_argument("--case", type=int, help="this one alone, in full")
     words = parser.parse_args()
     if words.case is not None:
-        print(json.dumps(judged(words.family, words.case, fit=not words.no_fit), indent=1))
+        how = {"fit": not words.no_fit, "rows": words.rows, "columns": words.columns}
+        print(json.dumps(judged(words.family, words.case, **how), indent=1))
         return 0
     rows = _rows(words)
     print(table(rows))
