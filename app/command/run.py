@@ -53,8 +53,10 @@ from core.names import close, in_line, printable, shown
 from core.network.file import read_network
 from core.network.network import Network
 from core.network.validation import NetworkProblems, check_network, plain_network
+from nodes.files.common.file_format import ZARR
 from nodes.files.frames.frame_series import FrameSeries
 from nodes.files.frames.frame_writing import (
+    STORE,
     FrameFormat,
     header_beside_frames,
     refuse_without_room,
@@ -241,6 +243,9 @@ def _claim(
             files.append((path, *_bands(value, path, options, region)))
         else:
             check_suffix(save.port, value, path)
+            if ZARR.matches(path):
+                series = series_of(value, STORE, policy_of(options), frames=1, region=region)
+                files.append((path, STORE, series))
         saves.append((path, save.port, region))
         staging.claim(path)
     for path, kind, _ in files:

@@ -48,7 +48,8 @@ class FrameSeries:
     @property
     def size_text(self) -> str:
         """Number and size, in words."""
-        return f"{self.frames} {self.what} of {self.rows} × {self.columns} samples"
+        size = f"{self.rows} × {self.columns} samples"
+        return size if self.frames == 1 else f"{self.frames} {self.what} of {size}"
 
 
 def metadata_lines(series: FrameSeries) -> list[str]:

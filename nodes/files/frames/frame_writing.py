@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from core.errors import FileError
 from nodes.files.arrays import write_npy_header
-from nodes.files.common.file_format import ENVI_FRAMES, Format, suffixes
+from nodes.files.common.file_format import ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.formats import NPY, TIFF
 from nodes.files.frames.envi_frames import envi_header_text
 from nodes.files.frames.frame_series import FrameSeries
@@ -94,6 +94,11 @@ FRAME_FORMATS = (
         beside=envi_header_text,
     ),
 )
+
+STORE = FrameFormat(
+    ZARR.name, ZARR.suffixes, ZARR.description, _nothing, _nothing, whole_numbers=False
+)
+"""A picture in a store, which is written by itself: here for its size."""
 
 
 def frame_format(path: Path) -> FrameFormat | None:

@@ -12,6 +12,7 @@ from core.errors import FileError
 from nodes.files.frames.frame_series import FrameSeries
 from nodes.files.frames.frame_writing import (
     FRAME_FORMATS,
+    STORE,
     frame_format,
     header_beside_frames,
     refuse_without_room,
@@ -140,3 +141,6 @@ def test_without_room_it_is_refused_before(tmp_path):
         "8e+09 GB, and its disk has room for "
     )
     assert "\n" not in line
+    store = FrameSeries(1, 10**6, 10**7, np.dtype("<f8"))
+    with pytest.raises(FileError, match=r"a\.zarr: 1000000 × 10000000 samples take 8e\+04 GB, and"):
+        refuse_without_room([(tmp_path / "a.zarr", STORE, store)])
