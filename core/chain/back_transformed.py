@@ -218,9 +218,9 @@ class Delivered(Recipe):
 
     @property
     def in_blocks(self) -> bool:
-        """A frame of one source, filtered as one picture, by passes over rows and columns."""
-        single = self.weights is None or not self.filtered_sum.factors
-        return self.one_source and single and (self.sampled is None or self.sampled.folds)
+        """A frame of one source, by passes over rows and columns."""
+        bands = self.weights is None or not self._is_split or self.filtered_sum.sums.in_blocks
+        return self.one_source and bands and (self.sampled is None or self.sampled.folds)
 
     def share(self, region: Region, shape: tuple[int, int]) -> float:
         """All of the first half; of the second the columns if mirrored, else the rows."""

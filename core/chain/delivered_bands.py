@@ -33,6 +33,11 @@ class DeliveredBands(BandStack):
         plain = replace(delivered, weights=None)
         return cls(before.centres_um, before.widths_um, before, plain, density=before.density)
 
+    @property
+    def in_blocks(self) -> bool:
+        """Where both the filter and the bands before are."""
+        return self.before.in_blocks and self.picture(self.whole).in_blocks
+
     def _content(self) -> tuple[object, ...]:
         return self.before.key, self.delivered.key
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.evaluation.content_key import content_key
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.lineage.linear_change import LevelChange, Linear
 from core.lineage.step_lineage import picture_step
@@ -66,6 +66,11 @@ class BandStack(ABC):
             return self.widths_um
         total = sum(self.widths_um)
         return tuple(width / total for width in self.widths_um)
+
+    @property
+    def in_blocks(self) -> bool:
+        """Whether its sums may lie on disk, and are made block by block there."""
+        return False
 
     @cached_property
     def key(self) -> str:
@@ -142,6 +147,11 @@ class AttenuatedBands(BandStack):
     def _content(self) -> tuple[object, ...]:
         return self.before.key, self.gain, self.offset
 
+    @property
+    def in_blocks(self) -> bool:
+        """As those before."""
+        return self.before.in_blocks
+
     def sums(self, weights: Rows) -> Recipe:
         """Sums of the bands before, with the factors in the weights."""
         rows = tuple(self._pulled(row) for row in weights)
@@ -204,6 +214,11 @@ class SteppedBands(BandStack):
     def _content(self) -> tuple[object, ...]:
         return self.before.key, self.function, self.parameters
 
+    @property
+    def in_blocks(self) -> bool:
+        """Where both the step and the bands before are."""
+        return self.before.in_blocks and self.picture(self.whole).in_blocks
+
     def sums(self, weights: Rows) -> Recipe:
         """The step on every sum."""
         return stacked(tuple(self.picture(row) for row in weights))
@@ -236,21 +251,25 @@ def stacked(pictures: tuple[Recipe, ...]) -> Recipe:
     return Step.of(_stacked, *pictures)
 
 
+@in_blocks()
 @ends_lineage
-def _stacked(_: Work, *pictures: Array) -> Array:
-    return np.stack(pictures)
+def _stacked(work: Work, *pictures: Array) -> Array:
+    made: Array = work.empty((len(pictures), *pictures[0].shape), pictures[0].dtype)
+    return np.stack(pictures, out=made)
 
 
+@in_blocks()
 @picture_step()
 def _first(_: Work, sums: Array) -> Array:
     """The first of several sums."""
     return np.asarray(sums[0])
 
 
+@in_blocks()
 @ends_lineage
-def _with_constants(_: Work, sums: Array, *, offsets: Row) -> Array:
-    constants = np.array(offsets, sums.dtype)
-    return np.asarray(sums + constants[:, np.newaxis, np.newaxis])
+def _with_constants(work: Work, sums: Array, *, offsets: Row) -> Array:
+    constants = np.array(offsets, sums.dtype)[:, np.newaxis, np.newaxis]
+    return np.asarray(np.add(sums, constants, out=work.empty(sums.shape, sums.dtype)))
 
 
 @dataclass(frozen=True)
@@ -270,6 +289,7 @@ class _Raised(Linear):
         return True
 
 
+@in_blocks()
 @ends_lineage
 def _unraised(_: Work, picture: Array) -> LevelChange:
     mean = float(np.mean(picture, dtype=np.float64))
@@ -280,10 +300,14 @@ def _raised(before: Recipe, *, offset: float) -> Linear:
     return _Raised(before) if offset else Linear()
 
 
+@in_blocks()
 @picture_step(linear=_raised)
-def _with_constant(_: Work, picture: Array, *, offset: float) -> Array:
+def _with_constant(work: Work, picture: Array, *, offset: float) -> Array:
     """A picture and the light that is everywhere alike."""
-    return np.asarray(picture + picture.dtype.type(offset)) if offset else picture
+    if not offset:
+        return picture
+    made = work.empty(picture.shape, picture.dtype)
+    return np.asarray(np.add(picture, picture.dtype.type(offset), out=made))
 
 
 @ends_lineage

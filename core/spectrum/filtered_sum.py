@@ -18,6 +18,7 @@ from core.evaluation.recipes import Recipe, Step
 from core.evaluation.work import Work
 from core.filtering.mirrored import BLOCK_SAMPLES, MeanFree, mirrored_spectrum
 from core.filtering.periodic import periodic_spectrum
+from core.scratch.strip_array import StripArray
 from core.spectrum.band_stack import BandStack, Row, Rows
 from core.spectrum.wavelength_rank import ChosenWavelengths, WavelengthRank
 from core.transfer.factors import Factor, Planar
@@ -52,6 +53,16 @@ class ComponentSums(Recipe):
     def inputs(self) -> tuple[Recipe, ...]:
         """The choice; which sums are made depends on it."""
         return (self.wavelengths,)
+
+    @property
+    def in_blocks(self) -> bool:
+        """As the bands."""
+        return self.bands.in_blocks
+
+    @property
+    def in_words(self) -> str:
+        """What takes pictures as a whole."""
+        return "a weighted sum of bands"
 
     def compute(self, work: Work) -> Array:
         """One pass over the bands."""
@@ -117,13 +128,23 @@ class SummedSpectrum(Recipe):
         """The choice alone: how many sums there are decides how they are made."""
         return (self.sums.wavelengths,)
 
+    @property
+    def in_blocks(self) -> bool:
+        """As the sums of bands."""
+        return self.sums.in_blocks
+
+    @property
+    def in_words(self) -> str:
+        """What takes pictures as a whole."""
+        return "filtering every band at its own wavelength"
+
     def compute(self, work: Work) -> MeanFree:
         """Transform, multiply and add, one wavelength after the other."""
         rank: WavelengthRank = work.value(self.sums.wavelengths)
         pictures = self.sums.pictures(work, samples=self.grid.rows * self.grid.columns)
         factors, centres = self.sums.wavelengths.factors, self.sums.wavelengths.centres_um
         transform = mirrored_spectrum if self.axes == "mirrored" else periodic_spectrum
-        total: Array | None = None
+        total: Any = None  # an array, or strips on disk
         mean = 0.0
         for place, picture in zip(rank.chosen, pictures, strict=True):
             work.check()
@@ -134,19 +155,28 @@ class SummedSpectrum(Recipe):
         assert total is not None
         return MeanFree(total, mean)
 
-    def _added(self, work: Work, total: Array | None, values: Array, product: Product) -> Array:
-        if not product.planar:
-            return values if total is None else np.add(total, values, out=total)
-        planes = Planes(work, product, self.grid, self.axes)
+    def _added(
+        self,
+        work: Work,
+        total: Array | StripArray | None,
+        values: Array | StripArray,
+        product: Product,
+    ) -> Array | StripArray:
+        if not product.planar and total is None:
+            return values
+        planes = Planes(work, product, self.grid, self.axes) if product.planar else None
         height = max(1, BLOCK_SAMPLES // values.shape[1])
         made = values if total is None else total
 
         def one(start: int) -> None:
             rows = slice(start, start + height)
-            part = values[rows]
-            part *= planes.block(rows)
+            part = values[rows]  # a copy where strips lie on disk
+            if planes is not None:
+                part *= planes.block(rows)
             if total is not None:
                 made[rows] += part
+            elif isinstance(made, StripArray):
+                made[rows] = part
 
         work.for_each(one, range(0, len(values), height))
         return made

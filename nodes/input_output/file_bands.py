@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError, FileError, ParameterError
-from core.evaluation.recipes import Recipe, Step, ends_lineage
+from core.evaluation.recipes import Recipe, Step, ends_lineage, in_blocks
 from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
 from core.physics.electrons.spectral_photons import PHOTON_ENERGY_J_UM
 from core.physics.radiometry.radiance_units import RadianceUnit
 from core.spectrum.band_stack import BandStack, Row, Rows
 from nodes.files.common.picture_info import PictureInfo
-from nodes.files.common.size_limits import refuse_oversized
+from nodes.files.common.size_limits import oversized
 from nodes.files.headers.envi_bands import band_ends_um, band_weights_um
 from nodes.files.headers.envi_cube import band_totals, mean_spectrum, weighted_sums
 from nodes.files.headers.envi_header import EnviLayout, read_layout
@@ -75,6 +75,11 @@ class FileBands(BandStack):
         if self.missing != "mean":
             return ()
         return (Step.of(_stored_means, node=self.node, **self._source()),)
+
+    @property
+    def in_blocks(self) -> bool:
+        """True: the file is read block by block."""
+        return True
 
     def sums(self, weights: Rows) -> Recipe:
         """Sums of the bands in one pass over the file."""
@@ -147,7 +152,6 @@ def file_bands(
     Others, and errors, as `chosen_bands`; or the file is no ENVI file.
     """
     info = source.info
-    refuse_oversized(info)
     if info.kind != "envi":
         raise FileError(_no_wavelengths(info))
     chosen = chosen_bands(info, unit=unit, scale=scale, interval_um=interval_um)
@@ -269,6 +273,10 @@ def _made_sums(
     missing: Missing,
 ) -> Array:
     layout = _layout(file, stamps)
+    if work.blocks is None and (
+        reason := oversized(layout.rows, layout.columns, work.policy.dtype)
+    ):
+        raise FileError(f"{file}: {reason}")
     weights = np.zeros((len(rows), layout.bands))
     weights[:, places] = rows
     used = np.flatnonzero(np.any(weights != 0.0, axis=0))
@@ -285,18 +293,28 @@ def _made_sums(
         dtype=work.policy.dtype,
         fill=None if missing == "refuse" else fill,
         for_each=work.for_each,
+        empty=work.empty,
     )
     check_unchanged(file, stamps)
-    if not np.isfinite(sums).all():
-        # Not by a list of all places: a cube without data has more of these than samples.
-        _, row, column = np.unravel_index(np.argmin(np.isfinite(sums)), sums.shape)
-        raise DataError(
-            f"{file}: a band is not finite at row {row}, column {column}: missing = mean or zero "
-            "puts a number in the place of such samples and of those without data"
-        )
+    for picture in sums:
+        for block in work.row_slabs(picture):
+            _refuse_not_finite(picture[block], block.start, file)
     return sums
 
 
+def _refuse_not_finite(samples: Array, top: int, file: Path) -> None:
+    finite = np.isfinite(samples)
+    if finite.all():
+        return
+    # Not by a list of all places: a cube without data has more of these than samples.
+    row, column = np.unravel_index(np.argmin(finite), finite.shape)
+    raise DataError(
+        f"{file}: a band is not finite at row {top + row}, column {column}: missing = mean or zero "
+        "puts a number in the place of such samples and of those without data"
+    )
+
+
+@in_blocks()
 @ends_lineage
 def _sums(
     work: Work,
@@ -310,6 +328,7 @@ def _sums(
     return _made_sums(work, fills, file, stamps, places, weights, missing)
 
 
+@in_blocks()
 @source_step(area_means=False)  # a scene in a file may be blurred by anything
 def _sum(
     work: Work,

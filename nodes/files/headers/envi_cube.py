@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
+from core.scratch.allocation import Empty
 from core.threads import ForEach, in_turn
 from nodes.files.headers.envi_header import EnviLayout
 
@@ -57,6 +58,7 @@ def weighted_sums(
     dtype: np.dtype[Any],
     fill: Callable[[Array], None] | None = None,
     for_each: ForEach = in_turn,
+    empty: Empty = np.empty,
 ) -> Array:
     """Σ_b w_b·L_b for a few rows of weights, in one pass over the file.
 
@@ -73,6 +75,8 @@ def weighted_sums(
         place of those.
     for_each : callable
         Calls a function on every block of rows: `Work.for_each`.
+    empty : callable
+        Makes the array to be filled in, perhaps on disk.
 
     Returns
     -------
@@ -80,8 +84,9 @@ def weighted_sums(
         Not finite where a sample is not and has not been filled.
     """
     used = np.flatnonzero(np.any(weights != 0.0, axis=0))
-    sums = np.zeros((len(weights), layout.rows, layout.columns), dtype)
+    sums = empty((len(weights), layout.rows, layout.columns), dtype)
     if len(used) == 0:
+        sums.fill(0.0)
         return sums
     chosen = np.ascontiguousarray(weights[:, used].astype(dtype))
     as_stored = fill is None and layout.missing is None and layout.dtype == dtype

@@ -30,6 +30,7 @@ NETWORKS = {
     "poisson_two_panel": {"scene": (61, 67)},
     "pushbroom_banding": {"scene": (96, 81)},
     "first_steps": {"scene": (83, 96)},
+    "dirsig_cube": {},  # bands of a file, filtered each at its own wavelength
 }
 
 
