@@ -52,7 +52,7 @@ _WHITE = 0.1  # by which middle waves may exceed fine ones
 _STRUCTURE = 0.12  # of the variance, that may be taken off for structure
 _LEAST_UNEVEN = 0.3  # of the blocks, where the noise of one place does not vouch for another's
 _COARSE_UNEVEN = 0.5  # by which coarse waves may exceed fine ones there
-_UNREACHED = 0.05  # standard error over sigma, beyond which the levels do not reach the mean
+_UNREACHED = 0.03  # standard error over sigma, beyond which there is none
 
 
 @dataclass(frozen=True)
@@ -218,11 +218,14 @@ def _measured(
     else:
         at_mean = float(variance.mean())
         error = float(variance.std()) / math.sqrt(len(variance))
+    error = math.hypot(error, flat.doubt * at_mean)
     refusal = _refusal(blocks, flat)
     if not refusal and (at_mean <= 0.0 or error > 2.0 * _UNREACHED * at_mean):
+        known = f"{0.5 * error / at_mean:.1%}" if at_mean > 0.0 else "nothing"
         refusal = (
-            f"the flat areas, of level {level.min():.4g} to {level.max():.4g}, do not lead to the "
-            f"picture's mean level, {mean:.4g}"
+            f"the flat areas, {len(level)} blocks of level {level.min():.4g} to {level.max():.4g}, "
+            f"give the noise at the picture's mean level, {mean:.4g}, to {known}, of at most "
+            f"{_UNREACHED:.0%}"
         )
     if not refusal and step is not None:
         shown = rounding + (_COARSE_STEPS * step) ** 2
@@ -231,7 +234,6 @@ def _measured(
             refusal = _hidden(step)
     if refusal:
         return _nothing(refusal, mean, step, blocks)
-    error = math.hypot(error, flat.doubt * at_mean)
     remarks = []
     if flat.even:
         gain = gain_figure(line=flat.line, level=level)

@@ -68,12 +68,22 @@ def test_periodic_lines(scene):
 
 def test_a_grating_in_the_scene_is_no_periodic_line():
     y, x = np.indices((240, 320))
-    bars = np.where(x < 160, 700 + 300 * np.sign(np.sin(0.7 * x + 0.1 * y)), 500)
+    bars = np.where(x < 160, 700 + 300 * np.sign(np.sin(0.7 * x + 0.1 * y)), 700)
     picture = bars + 5 * np.random.default_rng(13).standard_normal(bars.shape)
     assert noise_of_picture(picture=picture).power.lines == ()
     everywhere = noise_of_picture(picture=500 + 60 * np.sin(0.7 * x + 0.1 * y) + (picture - bars))
     assert everywhere.sigma == pytest.approx(5.0, rel=0.03)
     assert "may be a pattern of the scene" in everywhere.remarks[0]
+
+
+def test_flat_areas_far_from_the_mean_level():
+    random = np.random.default_rng(16)
+    checks = np.sign(np.sin(np.arange(200)) * np.sin(np.arange(160))[:, None])
+    picture = np.where(np.arange(200) < 80, 100.0, 4000.0 + 900.0 * checks)
+    picture += 3 * random.standard_normal(picture.shape)
+    noise = noise_of_picture(picture=picture)
+    assert noise.sigma is None
+    assert "the noise at the picture's mean level" in noise.sigma_reason
 
 
 def test_one_level_has_no_gain():
