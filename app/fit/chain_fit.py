@@ -8,7 +8,7 @@ not the camera's: errors are then widened by the root of that excess.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,7 @@ _THIN, _THIN_EDGES = 200, 8  # samples of an edge, and edges, while a start is s
 _STARTS, _FIRST, _LAST = 5, 10, 25  # starts; evaluations from each, and from the best
 _BEST = 3  # starts that are followed to the end
 _MANY, _HOP, _HOLD = 3, 1.7, 1e-4  # parameters, from which on others are looked for a factor away
+_MATTERS = 30.0  # of the sum of squares
 _DIFFERENT = 0.05  # of values, between solutions
 _RIVAL, _RIVAL_THIN = 12.0, 40.0  # of the sum of squares, within which another solution counts
 _SEED = 1996
@@ -296,7 +297,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
 
     thin.freeze(begin[0])
     first = sorted((solved(thin, start, _FIRST) for start in begin), key=lambda pair: pair[1])
-    for start, held in _hops(free, first[0][0]):
+    for start, held in _hops(free, first[0][0], thin.cost):
         there, _ = solved(thin, start, _FIRST, held)
         first.append(solved(thin, there, _FIRST))
     first.sort(key=lambda pair: pair[1])
@@ -338,20 +339,30 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     )
 
 
-def _hops(free: Sequence[FreeParameter], values: Vector) -> list[tuple[Vector, int]]:
+def _hops(
+    free: Sequence[FreeParameter], values: Vector, cost: Callable[[Vector], float]
+) -> list[tuple[Vector, int]]:
     """Starts with one parameter away from a solution, to be held first.
 
-    The others may make up for it, and all go on from there to another solution.
+    So far away that it matters; the others may make up for it, and all go on from there to another
+    solution.
     """
     if len(free) < _MANY:
         return []
-    hops = []
+    here, hops = cost(values), []
     for index, parameter in enumerate(free):
-        for factor in (1.0 / _HOP, _HOP):
-            other = values.copy()
-            other[index] *= factor
-            if parameter.low < other[index] < parameter.high and other[index] != values[index]:
-                hops.append((other, index))
+        value = float(values[index])
+        grid = places(parameter)
+        upper = [value * _HOP, *grid[grid > value * _HOP]] if value > 0.0 else list(grid[grid > 0])
+        for trials in (upper, [value / _HOP]):
+            for trial in trials:
+                other = values.copy()
+                other[index] = trial
+                if not parameter.low < trial < parameter.high or trial == value:
+                    continue
+                if trials is not upper or cost(other) - here > _MATTERS:
+                    hops.append((other, index))
+                    break
     return hops
 
 
