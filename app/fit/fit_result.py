@@ -233,7 +233,7 @@ def _at_ends(fit: ChainFit, known: Identified) -> list[str]:
 
 
 def _weak(parameters: tuple[FittedParameter, ...], correlation: Matrix) -> list[str]:
-    lines = []
+    lines, many = [], len(parameters) > 1
     for one in parameters:
         if one.value is None or one.sigma is None:
             continue
@@ -241,6 +241,7 @@ def _weak(parameters: tuple[FittedParameter, ...], correlation: Matrix) -> list[
             lines.append(
                 f"{one.port} is hardly determined: its standard error, {one.sigma:.2g}, is "
                 f"{100.0 * one.sigma / max(abs(one.value), 1e-300):.0f} % of its value"
+                + ("; errors of the others hold with it near that value" if many else "")
             )
     for i, first in enumerate(parameters):
         for j in range(i):
