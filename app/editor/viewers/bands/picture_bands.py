@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -29,8 +30,8 @@ class PictureBands(QObject):
     ----------
     bar : BandBar
         The row of controls.
-    plot : SpectrumPlot
-        The spectra, below the picture.
+    make_plot : callable
+        Makes the plot of the spectra, below the picture, once there are bands.
     parent : QWidget
         Qt's owner.
 
@@ -42,10 +43,13 @@ class PictureBands(QObject):
 
     wanted = Signal()
 
-    def __init__(self, bar: BandBar, plot: SpectrumPlot, parent: QWidget) -> None:
+    def __init__(
+        self, bar: BandBar, make_plot: Callable[[], SpectrumPlot], parent: QWidget
+    ) -> None:
         super().__init__(parent)
-        self.bar, self.plot = bar, plot
-        self.plot.dragged.connect(self.bar.take_line)
+        self.bar = bar
+        self._make_plot = make_plot
+        self._plot: SpectrumPlot | None = None
         self._bands: BandStack | None = None
         self._port = ""
         self._on = True
@@ -55,9 +59,22 @@ class PictureBands(QObject):
         self._pause.timeout.connect(self.wanted)
 
     @property
+    def plot(self) -> SpectrumPlot:
+        """The plot, made now if there is none: it takes a tenth of the time of a viewer."""
+        if self._plot is None:
+            self._plot = self._make_plot()
+            self._plot.dragged.connect(self.bar.take_line)
+        return self._plot
+
+    @property
+    def is_plot_shown(self) -> bool:
+        """Whether there is a plot of spectra."""
+        return self._plot is not None and self._plot.is_shown
+
+    @property
     def queries(self) -> tuple[Query, ...]:
         """The mean spectrum, and that of the sample under the cursor."""
-        if not self.plot.is_shown:
+        if not self.is_plot_shown:
             return ()
         mean = MeanSpectrumQuery(self._port)
         if self._place is None:
@@ -93,8 +110,9 @@ class PictureBands(QObject):
             return
         self._place = place
         if self._place is None:
-            self.plot.show_sample(None, "")
-        elif self.plot.is_shown and not self._pause.isActive():
+            if self._plot is not None:
+                self._plot.show_sample(None, "")
+        elif self.is_plot_shown and not self._pause.isActive():
             self._pause.start()
 
     def accepts(self, query: Query) -> bool:
@@ -117,7 +135,8 @@ class PictureBands(QObject):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.bar.set_theme(theme)
-        self.plot.set_theme(theme)
+        if self._plot is not None:
+            self._plot.set_theme(theme)
 
     def _show_sample(self, answer: Answer, query: SampleSpectrumQuery) -> None:
         if self._place is None:  # the cursor has left
@@ -129,10 +148,12 @@ class PictureBands(QObject):
         self.plot.show_sample(answer.value, name)
 
     def _put_plot(self) -> None:
-        before = self.plot.is_shown
-        wanted = self._on and self._bands is not None
-        self.plot.show(wanted and self.plot.fits(self._height))
-        if before != self.plot.is_shown or self._bands is not None:
+        before = self.is_plot_shown
+        if self._bands is not None:
+            self.plot.show(self._on and self.plot.fits(self._height))
+        elif self._plot is not None:
+            self._plot.show(False)
+        if before != self.is_plot_shown or self._bands is not None:
             self._pause.start()
 
 

@@ -278,8 +278,9 @@ class ImageViewer(Viewer):
         self.status = StatusLine(self.owner, "What is shown", "Sample under the cursor", self)
         self.probe = PictureProbe(self.canvas, self.status)
         self.region = RegionTool(self.session, self.evaluator, self.canvas, self.bar.region)
-        spectra = SpectrumPlot(self.canvas.ci, self.theme, self.canvas)
-        self.bands = PictureBands(band_bar, spectra, self)
+        self.bands = PictureBands(
+            band_bar, lambda: SpectrumPlot(self.canvas.ci, self.theme, self.canvas), self
+        )
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)

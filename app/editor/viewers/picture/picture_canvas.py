@@ -75,7 +75,7 @@ class PictureCanvas(pg.GraphicsLayoutWidget):  # type: ignore[misc]
         self.names = SideNames(self.view, self, theme)
         self.levels = LevelsBar(theme)
         self.addItem(self.levels, row=0, col=1)
-        self.profile = ProfileLine(self.plot, self.ci, self)
+        self.profile = ProfileLine(self.plot, self.ci, theme, self)
         self.region = RegionOverlay(self.view, self, theme)
         self.fitted = True
         self._picture: Picture | None = None

@@ -1,4 +1,7 @@
-"""A line across a picture that can be dragged, and the samples along it below."""
+"""A line across a picture that can be dragged, and the samples along it below.
+
+Both are made when they are first shown: they take a quarter of the time of a viewer.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,7 @@ _ACROSS: Ends = (0.1, 0.5, 0.9, 0.5)
 
 
 class ProfileLine(QObject):
-    """The line in one plot, and the plot of what lies along it.
+    """The line in one plot, and the plot of what lies along it; there is none until it is shown.
 
     Parameters
     ----------
@@ -33,32 +36,29 @@ class ProfileLine(QObject):
         Where the line is drawn.
     layout : GraphicsLayout
         Where the plot of what lies along it gets its row, the second, while it is shown.
+    theme : Theme
+        Colours.
     parent : QWidget
         Qt's owner.
     """
 
     def __init__(
-        self, picture_plot: pg.PlotItem, layout: pg.GraphicsLayout, parent: QWidget
+        self,
+        picture_plot: pg.PlotItem,
+        layout: pg.GraphicsLayout,
+        theme: Theme,
+        parent: QWidget,
     ) -> None:
         super().__init__(parent)
+        self._picture_plot = picture_plot
         self._layout = layout
-        self._plot = plot = pg.PlotItem(enableMenu=False)
-        bare(plot)
-        plot.setMouseEnabled(x=False, y=False)
-        plot.setLabel("bottom", "distance (samples)")
-        plot.setFixedHeight(_LINES * parent.fontMetrics().height())
-        self._curve = plot.plot()
-        self._other = plot.plot()
-        self._colours = [plot.plot() for _ in CHANNELS]
-        self._line = pg.LineSegmentROI([(0, 0), (1, 1)])
-        self._line.setZValue(10)
-        picture_plot.addItem(self._line)
-        self._line.sigRegionChanged.connect(self._moved)
+        self._theme = theme
+        self._text_height = parent.fontMetrics().height
+        self._plot: pg.PlotItem | None = None
         self._picture: Picture | None = None
         self._ends: Ends = _ACROSS
         self._shown = False
         self._writing = False
-        self.show(False)
 
     @property
     def shown(self) -> bool:
@@ -68,7 +68,7 @@ class ProfileLine(QObject):
     @property
     def height(self) -> float:
         """What its plot takes of the layout."""
-        return float(self._plot.minimumHeight()) if self._shown else 0.0
+        return float(self._plot.minimumHeight()) if self._plot and self._shown else 0.0
 
     @property
     def ends(self) -> Ends:
@@ -77,6 +77,8 @@ class ProfileLine(QObject):
 
     def show(self, shown: bool, ends: Ends | None = None) -> None:
         """Show the line or not, and where."""
+        if shown and self._plot is None:
+            self._make()
         # A hidden item would keep its room in the layout.
         if shown and not self._shown:
             self._layout.addItem(self._plot, row=1, col=0, colspan=2)
@@ -84,7 +86,8 @@ class ProfileLine(QObject):
             self._layout.removeItem(self._plot)
         self._shown = shown
         self._ends = ends or self._ends
-        self._line.setVisible(shown)
+        if self._plot is not None:
+            self._line.setVisible(shown)
         self._put_line()
         self._draw()
 
@@ -99,11 +102,16 @@ class ProfileLine(QObject):
     def clear(self) -> None:
         """Show no profile: there is no picture."""
         self._picture = None
+        if self._plot is None:
+            return
         for curve in (self._curve, self._other, *self._colours):
             curve.setData([], [])
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
+        self._theme = theme
+        if self._plot is None:
+            return
         paint_axes(self._plot, theme)
         self._curve.setPen(theme.curves[0])
         self._other.setPen(theme.curves[1])
@@ -115,8 +123,23 @@ class ProfileLine(QObject):
             handle.pen.setColor(pg.mkColor(theme.accent))
             handle.currentPen = handle.pen
 
+    def _make(self) -> None:
+        self._plot = plot = pg.PlotItem(enableMenu=False)
+        bare(plot)
+        plot.setMouseEnabled(x=False, y=False)
+        plot.setLabel("bottom", "distance (samples)")
+        plot.setFixedHeight(_LINES * self._text_height())
+        self._curve = plot.plot()
+        self._other = plot.plot()
+        self._colours = [plot.plot() for _ in CHANNELS]
+        self._line = pg.LineSegmentROI([(0, 0), (1, 1)])
+        self._line.setZValue(10)
+        self._picture_plot.addItem(self._line)
+        self._line.sigRegionChanged.connect(self._moved)
+        self.set_theme(self._theme)
+
     def _put_line(self) -> None:
-        if self._picture is None:
+        if self._picture is None or self._plot is None:
             return
         place = extent(self._picture.facts)
         self._writing = True
@@ -143,7 +166,7 @@ class ProfileLine(QObject):
 
     def _draw(self) -> None:
         picture = self._picture
-        if picture is None or not self._shown:
+        if picture is None or self._plot is None or not self._shown:
             return
         self._plot.setLabel("left", picture.facts.unit or picture.facts.quantity)
         start, end = self._on(picture)

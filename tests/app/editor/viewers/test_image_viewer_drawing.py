@@ -1,6 +1,7 @@
 """How an image viewer draws, compares and writes a picture."""
 
 import numpy as np
+import pyqtgraph as pg
 import pytest
 from PySide6.QtCore import QEvent, QObject, QPointF
 from PySide6.QtGui import QImage
@@ -190,6 +191,12 @@ def test_difference(bench, viewer):
     wanted = bench.value(FINAL) - bench.value("scene.image")
     assert (viewer.picture.samples == wanted).all()
     assert "−" in shown(viewer)
+
+
+def test_plots_below_a_picture_are_made_when_there_is_something_to_plot(viewer):
+    """No profile is wanted, and the picture has no bands."""
+    assert not any(isinstance(item, pg.ROI) for item in viewer.canvas.scene().items())
+    assert viewer.bands._plot is None
 
 
 def test_line_profile(bench, viewer):
