@@ -14,6 +14,7 @@ _PILED = 0.1  # of a side's, at one that is not
 _TIMES = 3  # as often as any other value
 _OTHERS = 4  # values beside it, or a side is quantized too coarsely to know
 _NOISE_MATTERS = 1e-3  # of the contrast: with less, a level side is no sign of a limit
+_NOISE_SHOWS = 3e-3  # of the contrast, between sides that have none
 _QUIET = 0.1  # of the other side's noise
 _BESIDE = 3.0  # samples from the edge, where its sides begin
 
@@ -47,6 +48,13 @@ def why_clipped(
         return f"clipped: {share:.0%} of its samples are at a limit" if share > _SHARE else ""
     contrast = float(np.ptp(value))
     dark, bright = value[samples.distance < -_BESIDE], value[samples.distance > _BESIDE]
+    if len(dark) and len(bright) and dark.max() == extremes[0] and bright.min() == extremes[1]:
+        noise, quantum = _noise_between(samples)
+        if noise > max(_NOISE_SHOWS * contrast, quantum):
+            return (
+                f"clipped: both sides have the picture's extreme values with no noise, and the "
+                f"step between them has {noise / contrast:.2g} of the contrast"
+            )
     for side, other, limit in ((dark, bright, extremes[0]), (bright, dark, extremes[1])):
         if len(side) == 0 or len(other) == 0:
             continue
@@ -63,3 +71,14 @@ def why_clipped(
                 f"picture's extreme value {limit:.6g}"
             )
     return ""
+
+
+def _noise_between(samples: EdgeSamples) -> tuple[float, float]:
+    """Noise of the samples within the step, from neighbours by distance, and a quantum."""
+    value = samples.value[np.argsort(samples.distance)]
+    inner = value[(value > value.min()) & (value < value.max())]
+    if len(inner) < _OTHERS:
+        return 0.0, 0.0
+    second = inner[2:] - 2.0 * inner[1:-1] + inner[:-2]
+    quantum = float(np.diff(np.unique(value)).min())
+    return float(np.median(np.abs(second)) / (0.6745 * np.sqrt(6.0))), quantum
