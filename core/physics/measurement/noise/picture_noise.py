@@ -220,6 +220,10 @@ def _measured(
         error = float(variance.std()) / math.sqrt(len(variance))
     error = math.hypot(error, flat.doubt * at_mean)
     refusal = _refusal(blocks, flat)
+    strong = bool(lines) and lines[0].amplitude > _STRONG * math.sqrt(max(at_mean, 0.0))
+    if not refusal and strong and not flat.even:
+        amplitude = f"{lines[0].amplitude:.3g}"
+        refusal = f"a pattern all over the picture, of amplitude {amplitude}, hides the noise"
     if not refusal and (at_mean <= 0.0 or error > 2.0 * _UNREACHED * at_mean):
         known = f"{0.5 * error / at_mean:.1%}" if at_mean > 0.0 else "nothing"
         refusal = (
@@ -253,7 +257,7 @@ def _measured(
         )
         gain = read = None, None, reason
     sigma = math.sqrt(at_mean)
-    if lines and lines[0].amplitude > _STRONG * sigma:
+    if strong:
         remarks.append(
             f"a periodic line of {lines[0].amplitude:.3g} is far above the noise: it may be a "
             "pattern of the scene"

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 _ROUNDS = 6
+_SURE = 0.04  # standard error over slope
 _LEAST = 0.05  # of the mean variance, below which no level counts for more
 
 
@@ -59,14 +60,18 @@ class VarianceLine:
     def bounded(self, offset: float) -> VarianceLine:
         """The line with what physics knows of its slope, for levels it was not measured at.
 
-        From none to all of the variance is shot noise of the light above `offset`.
+        From none to all of the variance is shot noise of the light above `offset`. A slope that is
+        known well stays as it is.
         """
         light = self.centre - offset
-        if light <= 0.0 or self.slope_error <= 0.0:
+        sure = self.slope_error <= _SURE * abs(self.slope)
+        if light <= 0.0 or self.slope_error <= 0.0 or sure:
             return self
         half = 0.5 * self.middle / light
         weights = 1.0 / self.slope_error**2, 1.0 / half**2
         slope = (self.slope * weights[0] + half * weights[1]) / sum(weights)
+        # A few blocks with structure, brighter than the others, make it steeper than light can.
+        slope = min(max(slope, 0.0), 2.0 * half)
         share = weights[0] / sum(weights)
         error = math.sqrt(1.0 / sum(weights))
         return replace(self, slope=slope, slope_error=error, covariance=share * self.covariance)

@@ -8,6 +8,7 @@ import pytest
 
 from core.errors import DataError
 from core.physics.measurement.noise.picture_noise import noise_of_picture
+from core.physics.measurement.noise.variance_line import variance_line
 from noisy_scenes import Sensor, blurred, polygons
 
 LEVELS = (4000, 200, 12_000, 1000, 25_000, 7000, 18_000, 600)
@@ -71,6 +72,8 @@ def test_a_grating_in_the_scene_is_no_periodic_line():
     bars = np.where(x < 160, 700 + 300 * np.sign(np.sin(0.7 * x + 0.1 * y)), 700)
     picture = bars + 5 * np.random.default_rng(13).standard_normal(bars.shape)
     assert noise_of_picture(picture=picture).power.lines == ()
+    square = 500 + 900 * np.sign(np.sin(0.7 * x + 0.1 * y)) + (picture - bars)
+    assert noise_of_picture(picture=square).sigma is None
     everywhere = noise_of_picture(picture=500 + 60 * np.sin(0.7 * x + 0.1 * y) + (picture - bars))
     assert everywhere.sigma == pytest.approx(5.0, rel=0.03)
     assert "may be a pattern of the scene" in everywhere.remarks[0]
@@ -201,3 +204,11 @@ def test_noise_far_below_the_level():
     picture = 1e8 + np.random.default_rng(15).standard_normal((160, 200))
     assert noise_of_picture(picture=picture).sigma == pytest.approx(1.0, rel=0.03)
     assert "no noise" in noise_of_picture(picture=np.zeros((160, 200))).sigma_reason
+
+
+def test_a_slope_is_no_steeper_than_light_makes_it():
+    level, variance = np.repeat([100.0, 200.0], [400, 2]), np.repeat([4.0, 40.0], [400, 2])
+    variance *= np.random.default_rng(17).chisquare(16, 402) / 16
+    line = variance_line(level=level, variance=variance, freedom=16)
+    assert line.slope > 0.2
+    assert line.bounded(0.0).slope == pytest.approx(4.0 / 100.0, rel=0.1)
