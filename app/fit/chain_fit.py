@@ -313,7 +313,10 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         ),
         key=lambda pair: pair[1],
     )
-    values, best = ends[0]
+    # Of solutions alike, the one well inside the ranges: at an end of a width, where its square
+    # alone counts, derivatives do not show that others do the same.
+    alike = [pair for pair in ends if 2.0 * (pair[1] - ends[0][1]) < _SAME]
+    values, best = max(alike, key=lambda pair: _inside(free, pair[0]))
     rivals = [v for v, cost in ends if 2.0 * (cost - best) < _RIVAL]
     values, unsigned = _positive(problem, values)
     scales = scales_of(free, values)
@@ -336,6 +339,15 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         unsigned,
         tuple(_positive(problem, v)[0] for v in _apart(rivals)[1:]),
         problem.shown,
+    )
+
+
+def _inside(free: Sequence[FreeParameter], values: Vector) -> float:
+    """How far the parameter that is nearest to the low end of its range is from it."""
+    present = [abs(p.present or 1.0) for p in free]
+    return min(
+        (float(value) - p.low) / scale
+        for p, value, scale in zip(free, values, present, strict=True)
     )
 
 

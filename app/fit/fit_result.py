@@ -270,8 +270,9 @@ def _misfit(fit: ChainFit) -> list[str]:
             *lines,
             "the edges of the picture are of another form than the chain gives with any values in "
             f"the ranges: {100.0 * fit.misfit.material:.2g} % of a step is left, "
-            f"{math.sqrt(excess):.2g} times the noise; the picture may be compressed, interlaced, sharpened or not linear, or "
-            "the chain lacks a stage: no parameter that the edges show is determined",
+            f"{math.sqrt(excess):.2g} times the noise; the picture may be compressed, interlaced, "
+            "sharpened or not linear, or the chain lacks a stage: no parameter that the edges show "
+            "is determined",
         ]
     what = "these edges" if fit.patches else "this picture"
     return [
