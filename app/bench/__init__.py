@@ -21,7 +21,7 @@ _MEASURED_BY = {
     "peers": "peers.peers_compared",
     "editor": "speed.editor_speed",
     "scale": "scale.scale_parts",
-    "measure": "speed.measure_speed",
+    "measure": "speed.measure_parts",
 }
 
 

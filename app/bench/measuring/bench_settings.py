@@ -15,7 +15,7 @@ PARTS = {
     "peers": "Beside other programs",
     "editor": "The window",
     "scale": "How far it goes",
-    "measure": "Measuring pictures",
+    "measure": "Measuring pictures, and fitting to them",
 }
 TABLES = {
     "speed": ("networks", "one_thread", "cameras", "frames", "growth", "fresh_process"),
@@ -37,7 +37,7 @@ TABLES = {
     "peers": ("peers", "peer_cameras"),
     "editor": ("editor",),
     "scale": ("study_points", "study_scenes", "scale_blocks", "scale_plan"),
-    "measure": ("measure",),
+    "measure": ("measure", "fit"),
 }
 SIZE = 1024
 LARGEST = 8192

@@ -25,8 +25,8 @@ _HEADS = {
     "reach": "reach, s",
     "verdict": "",
 }
-_SMALL, _LARGE = (480, 640), (4096, 4096)
-_REACH_S = {_SMALL: 1.0, _LARGE: 15.0}
+SMALL, _LARGE = (480, 640), (4096, 4096)
+_REACH_S = {SMALL: 1.0, _LARGE: 15.0}
 _BLUR, _NOISE = 0.8, 0.5
 _SQUARES = 4  # across, of any picture
 _TURN = 0.12
@@ -35,11 +35,11 @@ _TURN = 0.12
 def measuring(settings: Settings) -> list[Table]:
     """Edges, MTF and noise of charts with few targets and with many."""
     rows = []
-    for size in (_SMALL, *(() if settings.quick else (_LARGE,))):
+    for size in (SMALL, *(() if settings.quick else (_LARGE,))):
         shape = size if settings.size >= SIZE else (settings.size, settings.size)
         picture = chart(shape, _SQUARES)
         found = _measured(picture)
-        repeated = settings.slow_pairs if size == _SMALL else 1
+        repeated = settings.slow_pairs if size == SMALL else 1
         took = [seconds(partial(_measured, picture)) for _ in range(repeated)]
         middle, reach = statistics.median(took), _REACH_S[size]
         rows.append(
@@ -88,6 +88,3 @@ def _measured(picture: NDArray[np.float64]) -> PictureMeasurement:
     rows, columns = picture.shape
     file = MeasuredFile("chart", 1, "")
     return measure_pictures(Source((file,), [picture], rows, columns))
-
-
-MEASURES = (measuring,)

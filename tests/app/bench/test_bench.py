@@ -27,6 +27,7 @@ from core.errors import FileError, UsageError
 FACTS = {"format", "version", "date", "machine", "settings", "seconds", "parts"}
 UNDRAWN = {
     "measure",
+    "fit",
     "fresh_process",
     "one_thread",
     "editor",
