@@ -7,6 +7,7 @@ from collections import Counter
 
 from app.measure.picture_measurement import MtfCurve, NoiseFigures, PictureMeasurement
 from app.run.readout_tables import number_text
+from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG
 
 # Of what changes from frame to frame: what stays is the scene's as well.
 TEMPORAL = {
@@ -122,7 +123,13 @@ def remarks(measured: PictureMeasurement) -> list[str]:
             lines.append(f"no MTF50 {words}: the MTF does not fall to one half")
         if curve.edges <= _FEW:
             many = "one edge" if curve.edges == 1 else f"{curve.edges} edges"
-            lines.append(f"the MTF {words} is that of {many}: no others confirm it, nor its error")
+            others = sum(edge.used for edge in measured.edges) - curve.edges
+            lines.append(
+                f"{many} within {LARGEST_ANGLE_DEG:g}° of {words}: the MTF leans on edges of other "
+                "directions, and few confirm its error"
+                if others > 0
+                else f"the MTF {words} is that of {many}: no others confirm it, nor its error"
+            )
         if curve.scatter > _SCATTERED:
             lines.append(
                 f"edges differ by {curve.scatter:.2g} times what their own errors allow, {words}: "

@@ -39,8 +39,8 @@ def pooled_noise(
     error = math.sqrt(math.fsum((s * e) ** 2 for _, s, e in good)) / (sigma * len(good))
     gain, gain_error = _weighted((one.gain_e_per_dn, one.gain_error) for one in noises)
     read, read_error = _weighted((one.read_noise_dn, one.read_noise_error) for one in noises)
-    reasons = [f"no gain: {one.gain_reason}" for one in noises if gain is None]
-    reasons += [f"no read noise: {one.read_noise_reason}" for one in noises if read is None]
+    no_gain = _once(one.gain_reason for one in noises) if gain is None else []
+    no_read = _once(one.read_noise_reason for one in noises) if read is None else []
     powers = [one.power for one in noises if one.power is not None]
     steps = [one.step for one in noises if one.step is not None]
     return NoiseFigures(
@@ -49,7 +49,8 @@ def pooled_noise(
         _lines(power.columns for power in powers), min(steps) if steps else None,
         next((power.lines for power in powers if power.lines), ()),
         tuple(level for one in noises for level in one.levels),
-        "; ".join(_once(reasons)), tuple(_once(line for one in noises for line in one.remarks)),
+        _missing("; ".join(no_gain), "; ".join(no_read)),
+        tuple(_once(line for one in noises for line in one.remarks)),
     ), ""  # fmt: skip
 
 
@@ -63,15 +64,24 @@ def with_frames(
     """
     if frames.sigma is None or frames.sigma_error is None:
         return noise, reason
-    missing = [] if frames.gain_e_per_dn is not None else [f"no gain: {frames.gain_reason}"]
-    if frames.read_noise_dn is None:
-        missing.append(f"no read noise: {frames.read_noise_reason}")
+    missing = _missing(
+        frames.gain_reason if frames.gain_e_per_dn is None else "",
+        frames.read_noise_reason if frames.read_noise_dn is None else "",
+    )
     return NoiseFigures(
         frames.sigma, frames.sigma_error, frames.mean_level, frames.gain_e_per_dn,
         frames.gain_error, frames.read_noise_dn, frames.read_noise_error, offset_dn, None, None,
-        frames.step, () if noise is None else noise.lines, frames.levels, "; ".join(missing),
+        frames.step, () if noise is None else noise.lines, frames.levels, missing,
         ("noise is that of what changes from frame to frame, without fixed patterns",),
     ), ""  # fmt: skip
+
+
+def _missing(no_gain: str, no_read: str) -> str:
+    """Why there is no gain, and no read noise; each empty where there is."""
+    if no_gain and no_gain == no_read:
+        return f"no gain and no read noise: {no_gain}"
+    parts = (("no gain", no_gain), ("no read noise", no_read))
+    return "; ".join(f"{what}: {why}" for what, why in parts if why)
 
 
 def _once(texts: Iterable[str]) -> list[str]:
