@@ -24,6 +24,7 @@ from core.physics.measurement.noise.variance_levels import LevelVariance
 Matrix = NDArray[np.float64]
 
 _MOST_LEVELS = 24
+_NOTHING = 1e-9  # of a variance: what rounding makes where there is none
 
 
 @dataclass(frozen=True)
@@ -160,6 +161,9 @@ def _compared(noise: NoiseProblem, plan: Plan, problem: EdgeProblem) -> NoiseCom
         raise
     except ImagechainError as error:
         return f"the network's noise is not compared: {error}"
+    measured = np.array([one.variance for one in noise.measured])
+    if not np.any(predicted > _NOTHING * measured):
+        return "the network adds no noise, so that of the picture is compared with nothing"
     return NoiseComparison(tuple(noise.measured), tuple(map(float, predicted)), bool(problem.noisy))
 
 
