@@ -23,7 +23,7 @@ from nodes.detector import microbolometer_steps as steps
 from nodes.shared.common_parameters import CutOff, CutOn, LongestPeriod
 from nodes.shared.context_defaults import given, given_band, with_interval
 from nodes.shared.factor_helpers import separable
-from nodes.shared.flicker_deviates import flicker_deviates
+from nodes.shared.flicker_deviates import flicker_deviates, waves_of_all_frames
 from nodes.shared.noise_seed import SEED_SECTIONS, SeededModule
 from nodes.shared.shared_warnings import apart_caution, band_caution, unit_caution
 from nodes.shared.table_figures import table_figure
@@ -271,14 +271,17 @@ class Microbolometer(SeededModule, key="microbolometer", title="Microbolometer",
     ) -> Recipe:
         fields = [self._deviates("white", image, here)] if white else []
         if flicker:
+            stream, band = self.stream(here, "1/f", fixed=True), self._flicker_band()
+            waves = waves_of_all_frames(stream=stream, shape=image.shape, band=band, node=here.node)
             fields.append(
                 Step.of(
                     flicker_deviates,
+                    *waves,
                     node=here.node,
-                    stream=self.stream(here, "1/f", fixed=True),
+                    stream=stream,
                     number=FrameNumber(),
                     shape=image.shape,
-                    band=self._flicker_band(),
+                    band=band,
                     frame_s=1.0 / self.frame_rate_Hz,
                 )
             )

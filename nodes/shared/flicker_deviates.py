@@ -2,56 +2,131 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.evaluation.recipes import ends_lineage
+from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.noise.frame_number import FrameNumber
 from core.noise.random_fields import Stream, uniform_field
-from core.physics.noise.flicker_noise import FlickerBand, flicker_wave
+from core.physics.noise.flicker_noise import (
+    FlickerBand,
+    flicker_wave,
+    wave_amplitude,
+    wave_at,
+    wave_frequency,
+)
 
 Array = NDArray[Any]
 
+HELD_BYTES = 1 << 28
+"""Waves of larger frames are drawn anew for each frame, in place of being held for all."""
 _AT_ONCE = 1 << 15  # samples, whose steps of a wave stay in the processor's cache
+
+
+def waves_of_all_frames(
+    *, stream: Stream, shape: tuple[int, int], band: FlickerBand, node: str
+) -> tuple[Step, ...]:
+    """The recipe of the waves to be held for `flicker_deviates`; none where they are too large."""
+    if 3 * 8 * band.strata * shape[0] * shape[1] > HELD_BYTES:
+        return ()
+    return (Step.of(flicker_waves, node=node, stream=stream, shape=shape, band=band),)
+
+
+@ends_lineage
+def flicker_waves(
+    work: Work, *, stream: Stream, shape: tuple[int, int], band: FlickerBand
+) -> Array:
+    """Frequency, amplitude and phase of the waves of every stratum, a sample after the other."""
+    place = _uniform(work, stream, shape, "place")
+    waves = np.empty((band.strata, 3, place.size))
+    for stratum in range(band.strata):
+        work.check()
+        level, waves[stratum, 2] = _level_and_phase(work, stream, shape, stratum)
+
+        def make(start: int, stratum: int = stratum, level: Array = level) -> None:
+            part = slice(start, start + _AT_ONCE)
+            waves[stratum, 0, part] = wave_frequency(band=band, stratum=stratum, place=place[part])
+            waves[stratum, 1, part] = wave_amplitude(level=level[part])
+
+        work.for_each(make, range(0, place.size, _AT_ONCE))
+    return waves
 
 
 @ends_lineage
 def flicker_deviates(
     work: Work,
-    *,
+    *held: Array,
     stream: Stream,
     number: FrameNumber,
     shape: tuple[int, int],
     band: FlickerBand,
     frame_s: float,
 ) -> Array:
-    """1/f noise of variance 1 in a frame; waves are drawn anew, so that none has to be held."""
-
-    def uniform(field: str) -> Array:
-        named = Stream(stream.seed, stream.node, f"{stream.field} {field}", fixed=True)
-        return uniform_field(named, shape, for_each=work.for_each)
-
-    place, total = uniform("place").ravel(), np.zeros(shape[0] * shape[1])
+    """1/f noise of variance 1 in a frame, of held waves or of the same ones drawn anew."""
+    time_s, total = number.frame * frame_s, np.zeros(shape[0] * shape[1])
+    place = None if held else _uniform(work, stream, shape, "place")
     for stratum in range(band.strata):
         work.check()
-        level, phase = (uniform(f"{stratum} {what}").ravel() for what in ("level", "phase"))
-
-        def add(
-            start: int, stratum: int = stratum, level: Array = level, phase: Array = phase
-        ) -> None:
-            part = slice(start, start + _AT_ONCE)
-            total[part] += flicker_wave(
-                band=band,
-                stratum=stratum,
-                time_s=number.frame * frame_s,
-                place=place[part],
-                level=level[part],
-                phase=phase[part],
-            )
-
-        work.for_each(add, range(0, total.size, _AT_ONCE))
+        if place is None:
+            frequency, amplitude, phase = held[0][stratum]
+            wave = partial(_held_wave, time_s, frequency, amplitude, phase)
+        else:
+            level, phase = _level_and_phase(work, stream, shape, stratum)
+            wave = partial(_drawn_wave, time_s, band, stratum, place, level, phase)
+        work.for_each(partial(_add, total, wave), range(0, total.size, _AT_ONCE))
     total /= band.strata**0.5
     return total.reshape(shape).astype(work.policy.dtype)
+
+
+def _add(total: Array, wave: Callable[[slice], Array], start: int) -> None:
+    part = slice(start, start + _AT_ONCE)
+    total[part] += wave(part)
+
+
+def _held_wave(
+    time_s: float, frequency: Array, amplitude: Array, phase: Array, part: slice
+) -> Array:
+    return wave_at(
+        time_s=time_s,
+        frequency_hz=frequency[part],
+        amplitude=amplitude[part],
+        phase=phase[part],
+    )
+
+
+def _drawn_wave(
+    time_s: float,
+    band: FlickerBand,
+    stratum: int,
+    place: Array,
+    level: Array,
+    phase: Array,
+    part: slice,
+) -> Array:
+    return flicker_wave(
+        band=band,
+        stratum=stratum,
+        time_s=time_s,
+        place=place[part],
+        level=level[part],
+        phase=phase[part],
+    )
+
+
+def _uniform(work: Work, stream: Stream, shape: tuple[int, int], field: str) -> Array:
+    named = Stream(stream.seed, stream.node, f"{stream.field} {field}", fixed=True)
+    return uniform_field(named, shape, for_each=work.for_each).ravel()
+
+
+def _level_and_phase(
+    work: Work, stream: Stream, shape: tuple[int, int], stratum: int
+) -> tuple[Array, Array]:
+    level, phase = (
+        _uniform(work, stream, shape, f"{stratum} {what}") for what in ("level", "phase")
+    )
+    return level, phase

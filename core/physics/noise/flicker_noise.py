@@ -104,8 +104,28 @@ def flicker_wave(
     ndarray
         Standard normal deviates.
     """
-    seconds = finite("time_s", time_s, unit="s")
+    return wave_at(
+        time_s=time_s,
+        frequency_hz=wave_frequency(band=band, stratum=stratum, place=place),
+        amplitude=wave_amplitude(level=level),
+        phase=phase,
+    )
+
+
+def wave_frequency(*, band: FlickerBand, stratum: int, place: Array) -> Array:
+    """Frequencies in Hz of one stratum's waves, as `flicker_wave` has them."""
     ratio = (band.high_Hz / band.low_Hz) ** (1.0 / band.strata)
-    turns = band.low_Hz * ratio ** (stratum + place) * seconds + phase
+    return np.asarray(band.low_Hz * ratio ** (stratum + place))
+
+
+def wave_amplitude(*, level: Array) -> Array:
+    """Amplitudes of waves, Rayleigh-distributed of mean square 2, as `flicker_wave` has them."""
+    return np.asarray(np.sqrt(-2.0 * np.log1p(-level)))
+
+
+def wave_at(*, time_s: float, frequency_hz: Array, amplitude: Array, phase: Array) -> Array:
+    """Values of waves of frequencies in Hz at a time; their phase is in turns."""
+    turns = frequency_hz * finite("time_s", time_s, unit="s")
+    turns += phase
     turns -= np.floor(turns)  # before the cosine, whose argument so keeps its digits
-    return np.asarray(np.sqrt(-2.0 * np.log1p(-level)) * np.cos(2.0 * np.pi * turns))
+    return np.asarray(amplitude * np.cos(2.0 * np.pi * turns))

@@ -9,6 +9,7 @@ from core.chain.frame_sequence import at_frame
 from core.physics.radiometry.planck import band_radiance_derivative
 from node_bench import NodeBench
 from nodes.library import standard_library
+from nodes.shared import flicker_deviates
 
 LIBRARY = standard_library()
 SCENE = {"kind": "uniform", "width": 64, "height": 48, "fov_x_deg": 2.0, "fov_y_deg": 1.5,
@@ -155,3 +156,29 @@ def test_warnings(tmp_path):
     assert "left" in found({"time_constant_s": 1.0})[0]
     assert "f_number" in found({"f_number": 1.0})[0]
     assert "band" in found({"cut_on_um": 3.0, "cut_off_um": 5.0})[0]
+
+
+def test_held_waves_are_those_drawn_anew(tmp_path, monkeypatch):
+    """A large frame's would take more than the frame: they are drawn for each, to the same bits."""
+    params = {"netd_mK": 60, "corner_Hz": 2.0}
+
+    def frames():
+        bench = bench_of(tmp_path, params)
+        recipe = bench.port("bolo.image").recipe
+        waves = [held_by(at_frame(recipe, number)) for number in (0, 7)]
+        assert waves[0] == waves[1]  # once for all frames
+        return len(waves[0]), [frame(bench, number) for number in (0, 7)]
+
+    count, held = frames()
+    monkeypatch.setattr(flicker_deviates, "HELD_BYTES", 0)
+    assert count == 1
+    count, anew = frames()
+    assert count == 0
+    np.testing.assert_array_equal(held, anew)
+    assert not np.array_equal(*held)
+
+
+def held_by(recipe):
+    """The keys of the held waves that a recipe is made of."""
+    own = getattr(recipe, "function", None) is flicker_deviates.flicker_waves
+    return ({recipe.key} if own else set()).union(*map(held_by, recipe.inputs))
