@@ -20,10 +20,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests/support"), str(ROOT)]
 
+from core.physics.measurement.noise.picture_noise import noise_of_picture  # noqa: E402
 from oversampled_camera import Camera, take, true_sigma  # noqa: E402
 from oversampled_scene import Scene, Shape  # noqa: E402
-
-from core.physics.measurement.noise.picture_noise import noise_of_picture  # noqa: E402
 
 ROWS, COLUMNS = 256, 320
 KINDS = ("polygons", "bars", "texture", "mixed", "shading")
