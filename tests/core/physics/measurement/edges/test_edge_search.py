@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from core.physics.measurement.edges.edge_pooling import pooled_mtf
 from core.physics.measurement.edges.edge_samples import edge_samples
 from core.physics.measurement.edges.edge_search import find_edges
 from core.physics.measurement.edges.picture_suspicions import row_shift
+from core.physics.measurement.edges.ridges.spread_out import spread_out
 from edge_pictures import edge_mtf, edge_picture
 
 FREQUENCY = np.linspace(0.0, 0.5, 26)
@@ -124,3 +127,39 @@ def test_no_edge_in_noise_or_in_nothing():
     noise = np.random.default_rng(3).normal(50.0, 1.0, (120, 160))
     assert not [edge for edge in find_edges(picture=noise) if edge.used]
     assert find_edges(picture=np.full((64, 64), 7.0)) == ()
+
+
+def test_enough_edges_of_a_chart_with_many():
+    """A chart of 192 edges: 48 of them, of both directions, in all parts of the frame."""
+    y, x = np.mgrid[0:270, 0:360]
+    across, down = (math.cos(math.radians(6.0)) * a + b for a, b in ((x, 0.1 * y), (y, -0.1 * x)))
+    waves = [18.0 * np.sin(np.pi * place / 27.0) for place in (across, down)]
+    picture = 100.0 + 40.0 * np.tanh(waves[0]) * np.tanh(waves[1])
+    looked_at = []
+    edges = find_edges(
+        picture=picture + np.random.default_rng(3).normal(0.0, 0.5, picture.shape),
+        check=lambda: looked_at.append(1),
+    )
+    used = [edge for edge in edges if edge.used]
+    assert len(used) == 48
+    assert len(looked_at) < 80  # what is not examined takes no time
+    assert {edge.why_not for edge in edges[48:] if "not looked at" in edge.why_not} == {
+        "not looked at: 48 edges that are clearer or farther apart are used"
+    }
+    for axis in (0.0, 90.0):
+        near = [e for e in used if abs((e.angle_deg - axis + 90.0) % 180.0 - 90.0) < 10.0]
+        parts = {(e.x > 180.0, e.y > 135.0) for e in near}
+        assert len(near) >= 16
+        assert len(parts) == 4
+
+
+def test_lines_in_turn():
+    """The strongest first, one that is weak but alone before the third of a crowd."""
+    order = spread_out(
+        x=np.array([10.0, 11.0, 12.0, 90.0, 13.0]),
+        y=np.full(5, 50.0),
+        angle_deg=np.array([0.0, 5.0, 184.0, 0.0, 90.0]),
+        merit=np.array([9.0, 10.0, 8.0, 4.0, 1.0]),
+        shape=(100, 100),
+    )
+    assert order.tolist() == [1, 0, 3, 2, 4]
