@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import threading
 from functools import partial
-from pathlib import Path
 
 from app.command.run import input_files, open_network, policy_of
 from app.fit.fit_json import fit_json
 from app.fit.fit_result import FitResult, NoiseComparison
 from app.fit.free_parameter import free_parameters
-from app.fit.picture_fit import FittedPictures, fit_known_scene, fit_pictures
-from app.measure.picture_loading import open_picture
+from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
 from app.options.command_options import Options
 from app.options.progress import Progress
 from app.run.readout_tables import columns, number_text
@@ -54,7 +52,12 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
         with Progress(3) as progress:
             fit = fit_known_scene if options.known_scene else fit_pictures
             result = fit(
-                engine, plan, work, free=free, pictures=_pictures(options.pictures), report=progress
+                engine,
+                plan,
+                work,
+                free=free,
+                pictures=read_pictures(options.pictures),
+                report=progress,
             )
         if options.fit_json is not None:
             staging.write(options.fit_json, partial(write_text, content=fit_json(result)))
@@ -75,18 +78,6 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
             staging.write(options.fit_report, partial(write_text, content=page))
         staging.commit()
     _print(result)
-
-
-def _pictures(paths: tuple[Path, ...]) -> FittedPictures:
-    """All frames of the files, which may differ in size."""
-    names, samples, limits = [], [], None
-    for path in paths:
-        file = open_picture(path)
-        limits = limits or file.limits
-        for number, picture in enumerate(file.pictures()):
-            names.append(str(path) if file.frames == 1 else f"{path}, frame {number}")
-            samples.append(picture)
-    return FittedPictures(tuple(names), tuple(samples), limits)
 
 
 def _print(result: FitResult) -> None:

@@ -27,6 +27,7 @@ from core.evaluation.work import Work
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+Watch = Callable[[tuple[Patch, ...], EdgesAt], None]
 
 _THIN, _THIN_EDGES = 200, 8  # samples of an edge, and edges, while a start is sought
 _STARTS, _FIRST, _LAST = 5, 10, 25  # starts; evaluations from each, and from the best
@@ -114,6 +115,7 @@ class EdgeProblem:
         self._transfer = EdgeTransfer(work, angles, period)
         self._fits = EdgeFits(self.patches)
         self._last: tuple[Vector, SpreadTable, EdgesAt] | None = None
+        self.watch: Watch | None = None
         every = frozenset(range(len(self.free)))
         self.shown, self.noisy = every, every if noise is not None else frozenset()
         self._tables: dict[tuple[float, ...], SpreadTable] = {}
@@ -186,7 +188,7 @@ class EdgeProblem:
         taken = np.linspace(0, len(order) - 1, min(len(order), _THIN_EDGES)).astype(np.intp)
         patches = [self.patches[order[place]].thinned(_THIN) for place in taken]
         thin = EdgeProblem(self._chain, self._work, self.free, patches, self.noise)
-        thin.shown, thin.noisy = self.shown, self.noisy
+        thin.shown, thin.noisy, thin.watch = self.shown, self.noisy, self.watch
         return thin
 
     @property
@@ -211,6 +213,8 @@ class EdgeProblem:
     def residual(self, values: Vector) -> Vector:
         """Of all samples, in standard deviations."""
         _, edges = self.fitted(values)
+        if self.watch is not None:
+            self.watch(self.patches, edges)
         return np.concatenate([edges.residual.ravel(), self.noise_residual(values)])
 
     def cost(self, values: Vector) -> float:

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.chain_fit import EdgeProblem, fit_chain, middle_of
+from app.fit.chain_fit import EdgeProblem, Watch, fit_chain, middle_of
 from app.fit.chain_transfer import ChainAt, final_image, has_area, transfer_known
 from app.fit.edges_in_picture import EdgeChoice, edges_in
 from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.fit.free_parameter import FreeParameter
 from app.fit.noise_levels import NoiseLevels, NoiseProblem
 from app.fit.scene_fit import SceneProblem, fit_scene
+from app.measure.picture_loading import open_picture
 from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, DataError, ImagechainError, UsageError
 from core.evaluation.work import Work
@@ -51,6 +53,24 @@ class FittedPictures:
         return ", ".join(self.names[:3]) + (" …" if len(self.names) > 3 else "")
 
 
+def read_pictures(paths: Sequence[Path]) -> FittedPictures:
+    """All frames of the files, which may differ in size.
+
+    Raises
+    ------
+    ImagechainError
+        If one cannot be read.
+    """
+    names, samples, limits = [], [], None
+    for path in paths:
+        file = open_picture(path)
+        limits = limits or file.limits
+        for number, picture in enumerate(file.pictures()):
+            names.append(str(path) if file.frames == 1 else f"{path}, frame {number}")
+            samples.append(picture)
+    return FittedPictures(tuple(names), tuple(samples), limits)
+
+
 def fit_pictures(
     engine: Engine,
     plan: Plan,
@@ -59,6 +79,7 @@ def fit_pictures(
     free: Sequence[FreeParameter],
     pictures: FittedPictures,
     report: Callable[[str], None] = lambda _text: None,
+    watch: Watch | None = None,
 ) -> FitResult:
     """Fit the free parameters of a planned network.
 
@@ -72,6 +93,8 @@ def fit_pictures(
         What it is fitted to.
     report : callable
         Gets the name of what is done next.
+    watch : callable, optional
+        Gets edges, not all of them at first, as the values change.
 
     Raises
     ------
@@ -89,6 +112,7 @@ def fit_pictures(
     report("parameters")
     chain = ChainAt(engine, plan, [parameter.target for parameter in free])
     problem = EdgeProblem(chain, work, free, choice.patches, noise)
+    problem.watch = watch
     fit = fit_chain(problem)
     result = result_of(fit, problem.cost)
     comparison: NoiseComparison | str = why_none
