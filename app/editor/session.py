@@ -12,6 +12,7 @@ from PySide6.QtCore import QObject, Signal
 from app.editor.allowed_shares import Shares
 from app.editor.chosen_outputs import ChosenOutputs
 from app.editor.error_text import error_text
+from app.editor.free_numbers import FreeNumbers
 from core.editing.document import Document
 from core.editing.fields import set_parameter
 from core.editing.macros.inside import addressed
@@ -61,6 +62,7 @@ class Session(QObject):
         super().__init__(parent)
         self.library = library
         self.shares = Shares()
+        self.free = FreeNumbers(self)
         self._outputs = ChosenOutputs()
         self._document = Document(Network(), library=library)
         self._document.listen(self._changed)
@@ -163,6 +165,7 @@ class Session(QObject):
         self._document = document
         self._network = unfolded(document.network)
         self._outputs.forget()
+        self.free.clear()
         if document.path is not None:
             self.shares.allow(document.path)
         document.listen(self._changed)
@@ -255,9 +258,10 @@ class Session(QObject):
 
     def _changed(self, _before: Network, after: Network) -> None:
         shown, self._network = self._network, unfolded(after)
+        renamed = renamed_node(shown, self._network)
+        self.free.follow(lambda name: followed_name(name, renamed), self._network.nodes)
         self.changed.emit(shown, self._network)
         self.state_changed.emit()
-        renamed = renamed_node(shown, self._network)
         self.select(followed_name(name, renamed) for name in self._selection)
 
 

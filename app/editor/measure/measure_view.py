@@ -50,6 +50,7 @@ class MeasureView(QWidget):
         self.measured: PictureMeasurement | None = None
         self.current = -1
         self._title = ""
+        self.source: Path | ViewerPicture | None = None
         self._of_network = False
         self.worker = MeasureWorker(self)
         self._build()
@@ -78,7 +79,7 @@ class MeasureView(QWidget):
                 report=report,
             )  # fmt: skip
 
-        self._of_network = True
+        self._of_network, self.source = True, picture
         self._begin(picture.name, job)
 
     def measure_file(self, path: Path) -> None:
@@ -89,7 +90,7 @@ class MeasureView(QWidget):
 
             return measure_files(MeasurePlan((path,)), check=check, report=report)
 
-        self._of_network = False
+        self._of_network, self.source = False, path
         self._begin(path.name, job)
 
     def export(self, path: Path) -> None:

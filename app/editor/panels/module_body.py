@@ -6,6 +6,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QFrame, QLabel, QMenu, QVBoxLayout, QWidget
 
 from app.editor.evaluation.evaluator import Evaluator
+from app.editor.panels.fit_menu import add_fit_action
 from app.editor.panels.illustrations import illustration_for
 from app.editor.panels.macro_menu import add_macro_actions
 from app.editor.panels.ports_section import PortsView
@@ -72,6 +73,8 @@ class ModuleBody(QWidget):
         for field in self.sections.fields:
             field.link_fault = self._link_fault
             field.node_name = node
+        session.free.changed.connect(self._mark_free)
+        self._mark_free()
         self._valued: Node | None = None
         self._column.addWidget(self.sections)
         self.readouts = ReadoutsView(declaration, node, evaluator, session, theme, self)
@@ -126,7 +129,13 @@ class ModuleBody(QWidget):
 
     def _add_to_menu(self, name: str, menu: QMenu) -> None:
         if self._node in self._session.network.nodes:
+            add_fit_action(menu, self._session, self._node, name)
             add_macro_actions(menu, self._session, self._node, name)
+
+    def _mark_free(self) -> None:
+        """Mark what is free for a fit."""
+        for field in self.sections.fields:
+            field.show_free(self._session.free.has(self._node, field.parameter.name))
 
     def _link_fault(self, name: str, raw: object) -> LinkError | None:
         """Why a parameter cannot follow that; None where it can."""

@@ -30,6 +30,7 @@ from app.editor.window.background.background_runs import BackgroundRuns
 from app.editor.window.docks.dock_places import add_dock, stand_behind
 from app.editor.window.docks.dock_toggles import add_dock_toggles, follow_docks
 from app.editor.window.docks.first_views import FirstViews
+from app.editor.window.docks.fit_dock import FitDock
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import Docks, LayoutName
@@ -127,6 +128,7 @@ class MainWindow(QMainWindow):
             with self.layout_in_use.placing():
                 has_sizes = settings.restore_window(self)
                 stand_behind(self, self.viewers.plot_dock, self.history_dock)
+                stand_behind(self, self.measuring.dock, self.fitting.dock)
             # Where a layout is remembered, it sizes the docks.
             self.pages.sizes_remembered = has_sizes and not self.layout_in_use.restore(
                 settings.layout
@@ -148,6 +150,7 @@ class MainWindow(QMainWindow):
         self.kept.set_theme(theme)
         self.runs.set_theme(theme)
         self.measuring.set_theme(theme)
+        self.fitting.set_theme(theme)
         self.actions_by_name["light"].setChecked(theme.look == "light")
 
     def toggle_light(self) -> None:
@@ -186,7 +189,7 @@ class MainWindow(QMainWindow):
         """Give the focus to the next part of the window that is there, for the keyboard."""
         beside = (self.viewers.plot, self.viewers.tradeoff, self.kept.view)
         viewers = [*self.viewers.images.values(), *beside, self.runs.view, self.measuring.view]
-        viewers.append(self.history)
+        viewers += [self.fitting.view, self.history]
         card, sides = self.tour.card, (self.library_view, self.panels)
         go_to_next([self.welcome, self.canvas, card, *sides, *viewers], step)
 
@@ -245,6 +248,7 @@ class MainWindow(QMainWindow):
                 other.hide()
         self.runs.close()
         self.measuring.close()
+        self.fitting.close()
         self.help.handbook.close()
         self.autosaver.close()
         self.evaluator.close()  # last: Python may collect in any thread afterwards
@@ -279,6 +283,8 @@ class MainWindow(QMainWindow):
         self.kept = SnapshotDock(self.session, self.evaluator, self.theme, self.viewers, self)
         self.runs = BackgroundRuns(self.session, self.theme, self, self.finish_typing)
         self.measuring = MeasureDock(self.session, self.theme, self.viewers, self)
+        parts = (self.measuring, self.viewers, self, self.finish_typing)
+        self.fitting = FitDock(self.session, self.theme, *parts)
 
     def _docks(self) -> Docks:
         viewers = self.viewers
@@ -291,6 +297,7 @@ class MainWindow(QMainWindow):
             runs=self.runs.dock,
             history=self.history_dock,
             measuring=self.measuring.dock,
+            fitting=self.fitting.dock,
             viewers=tuple(viewers.docks.values()),
             picture=viewers.images[1],
         )
@@ -304,6 +311,7 @@ class MainWindow(QMainWindow):
             "trade_off": viewers.tradeoff_dock,
             "runs": self.runs.dock,
             "history": self.history_dock,
+            "fit": self.fitting.dock,
         }
         follow_docks(self.actions_by_name, named)
         self.runs.dock.visibilityChanged.connect(viewers.name_tabs)
@@ -403,6 +411,7 @@ class MainWindow(QMainWindow):
         """Stop the computation, and leave the tour."""
         self.evaluator.cancel()
         self.measuring.cancel()
+        self.fitting.cancel()
         self.tour.leave()
 
     def _warn(self, text: str) -> None:

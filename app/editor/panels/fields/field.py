@@ -199,6 +199,12 @@ class Field(QWidget):
         """The expression it follows; empty for none."""
         return self.link.text if self.link is not None else ""
 
+    def show_free(self, on: bool) -> None:
+        """Mark it as free for a fit, or not."""
+        text = f"{self.title} · free" if on else self.title
+        if self.label.text() != text:
+            self.label.setText(text)
+
     def take(self, text: str) -> None:
         """Offer the choice, or the state of a switch, that a text names."""
         self.offer(chosen(self.parameter, text))

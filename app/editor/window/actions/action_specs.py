@@ -203,6 +203,14 @@ ACTIONS: tuple[ActionSpec, ...] = (
         checkable=True,
     ),
     ActionSpec(
+        "fit",
+        "&View",
+        "F&it to a Picture",
+        "Fit the free parameters (right-click a number) to the edges of a real picture",
+        ("Ctrl+Shift+F",),
+        checkable=True,
+    ),
+    ActionSpec(
         "full_screen",
         "&View",
         "F&ull Screen",

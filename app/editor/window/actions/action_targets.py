@@ -16,6 +16,7 @@ from app.editor.widgets.triggered import without_argument
 from app.editor.window.actions.edit_commands import EditCommands
 from app.editor.window.actions.help import Help
 from app.editor.window.background.background_runs import BackgroundRuns
+from app.editor.window.docks.fit_dock import FitDock
 from app.editor.window.docks.full_screen import FullScreen
 from app.editor.window.docks.history_list import HistoryList
 from app.editor.window.docks.layouts import DEFAULT, LayoutName
@@ -49,6 +50,7 @@ class Window(Protocol):
     history: HistoryList
     runs: BackgroundRuns
     measuring: MeasureDock
+    fitting: FitDock
 
     def show_welcome(self) -> None:
         """Show the first page."""
@@ -117,6 +119,7 @@ def targets(window: Window) -> dict[str, Target]:
         "zoom_out": partial(canvas.zoom_by, 0.8),
         "trade_off": window.viewers.toggle_trade_off,
         "history": window.history.toggle,
+        "fit": window.fitting.toggle,
         "full_screen": window.full_screen.toggle,
         "picture_below": partial(window.choose_layout, "picture_below"),
         "picture_beside": partial(window.choose_layout, "picture_beside"),

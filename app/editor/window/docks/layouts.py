@@ -28,7 +28,7 @@ class Docks:
 
     Parameters
     ----------
-    library, history, panels, curves, tradeoff, snapshots, runs, measuring : QDockWidget
+    library, history, panels, curves, tradeoff, snapshots, runs, measuring, fitting : QDockWidget
         One of each.
     viewers : sequence of QDockWidget
         Those of pictures, by number.
@@ -44,13 +44,15 @@ class Docks:
     snapshots: QDockWidget
     runs: QDockWidget
     measuring: QDockWidget
+    fitting: QDockWidget
     viewers: Sequence[QDockWidget]
     picture: ImageViewer
 
     @property
     def all(self) -> tuple[QDockWidget, ...]:
         """Every dock."""
-        return (self.library, self.panels, *self.viewers, self.measuring, *self.beside)
+        beside = (self.measuring, self.fitting, *self.beside)
+        return (self.library, self.panels, *self.viewers, *beside)
 
     @property
     def beside(self) -> tuple[QDockWidget, ...]:
@@ -63,7 +65,7 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
 
     Which of the other docks are open stays.
     """
-    others = (*docks.viewers[1:], docks.measuring, *docks.beside[1:])
+    others = (*docks.viewers[1:], docks.measuring, docks.fitting, *docks.beside[1:])
     was_open = [dock for dock in others if not dock.isHidden()]
     for dock in docks.all:
         dock.setFloating(False)
@@ -86,7 +88,7 @@ def place(window: QMainWindow, docks: Docks, layout: LayoutName) -> None:
         window.splitDockWidget(*way)
     for before, dock in zip(docks.beside, docks.beside[1:], strict=False):
         window.tabifyDockWidget(before, dock)
-    pictures = (*docks.viewers, docks.measuring)
+    pictures = (*docks.viewers, docks.measuring, docks.fitting)
     for before, dock in pairwise(pictures):
         window.tabifyDockWidget(before, dock)
     for dock in (docks.library, docks.panels, first, docks.curves, *was_open):

@@ -1,0 +1,1 @@
+"""The dock that fits free parameters of the network to a picture."""

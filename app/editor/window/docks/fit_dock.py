@@ -1,0 +1,96 @@
+"""The fit dock in the window: where its pictures come from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import QObject, Qt
+from PySide6.QtWidgets import QDialog, QFileDialog, QMainWindow
+
+from app.editor.fit.fit_view import FitView
+from app.editor.session import Session
+from app.editor.theme import Theme
+from app.editor.window.docks.dock_places import add_dock
+from app.editor.window.docks.measure_dock import MeasureDock
+from app.editor.window.docks.viewer_docks import ViewerDocks
+from nodes.files.common.file_format import dialog_filter
+from nodes.files.formats import PICTURES
+
+
+class FitDock(QObject):
+    """Fits the network to a picture, in a dock that is hidden until it is wanted.
+
+    Parameters
+    ----------
+    session, theme
+        As for the viewers.
+    measuring : MeasureDock
+        Whose last picture is fitted to where no other is chosen.
+    viewers : ViewerDocks
+        Beside which it stands.
+    window : QMainWindow
+        The window.
+    finish_typing : callable
+        Takes what is being typed, before a fit.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        theme: Theme,
+        measuring: MeasureDock,
+        viewers: ViewerDocks,
+        window: QMainWindow,
+        finish_typing: Callable[[], None],
+    ) -> None:
+        super().__init__(window)
+        self._window = window
+        self.view = FitView(session, theme, lambda: measuring.view.source, finish_typing)
+        area = Qt.DockWidgetArea.BottomDockWidgetArea
+        self.dock = add_dock(window, "Fit", "dock.fit", self.view, area)
+        self.dock.hide()
+        self.dock.visibilityChanged.connect(viewers.name_tabs)
+        self.dock.visibilityChanged.connect(self._shown)
+        self.view.file_wanted.connect(self.choose_file)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw in other colours."""
+        self.view.set_theme(theme)
+
+    def toggle(self) -> None:
+        """Show the dock, or hide it where it is in front."""
+        if self.view.isVisible():
+            self.dock.hide()
+        else:
+            self.dock.show()
+            self.dock.raise_()
+            self.view.table.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def cancel(self) -> None:
+        """Stop the fit."""
+        self.view.cancel()
+
+    def close(self) -> None:
+        """Stop the fit, and wait for its end."""
+        self.view.close_worker()
+
+    def choose_file(self) -> None:
+        """Ask the person for a picture."""
+        formats = [one for one in PICTURES if one.suffixes]
+        kinds = ";;".join((dialog_filter("Pictures and frames", *formats), "All files (*)"))
+        for other in self._window.findChildren(QDialog, "fit_dialog"):
+            other.reject()
+        dialog = QFileDialog(self._window, "Fit to a picture", str(Path.cwd()), kinds)
+        dialog.setObjectName("fit_dialog")
+        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
+        dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
+        dialog.fileSelected.connect(lambda text: self.view.choose_picture(Path(text)))
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.setModal(False)
+        dialog.show()
+        dialog.activateWindow()
+
+    def _shown(self, on: bool) -> None:
+        if on:
+            self.view.show_state()

@@ -1,0 +1,139 @@
+"""The fit dock in a window: a number is freed, fitted, taken and undone; what fails is said."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QContextMenuEvent
+from PySide6.QtWidgets import QApplication, QMenu
+
+from app.editor.free_numbers import FreeNumber
+from core.editing.fields import set_parameter
+from core.editing.nodes import Rename
+from edge_truth import blur_network, gaussian_edge
+
+INTERVAL_MRAD = 0.1
+SIGMA = 0.8  # samples
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A chain with too little blur, and a picture of an edge that has more."""
+    folder = tmp_path_factory.mktemp("fit")
+    network = blur_network(
+        interval_mrad=INTERVAL_MRAD,
+        blur=("gaussian_mtf", {"sigma_x_mrad": 0.05, "sigma_y_mrad": 0.08}),
+    )
+    (folder / "net.json").write_text(json.dumps(network), encoding="utf-8")
+    picture = gaussian_edge(angle_deg=6.0, sigma=(SIGMA, 0.8), shape=(64, 64), noise=20.0, seed=5)
+    np.save(folder / "edge.npy", picture)
+    np.save(folder / "flat.npy", np.random.default_rng(1).normal(100.0, 1.0, (64, 64)))
+    return folder
+
+
+@pytest.fixture
+def fitting(window, files):
+    window.files.open_now(str(files / "net.json"))
+    window.actions_by_name["fit"].trigger()
+    assert window.fitting.view.isVisible()
+    window.session.select(["blur"])
+    return window
+
+
+def right_click(window, name, action):
+    """Choose an entry of the menu of a field, by the right button on its label."""
+    field = window.panels.panels["blur"].body.sections.field(name)
+    at = QPoint(3, 3)
+    event = QContextMenuEvent(QContextMenuEvent.Reason.Mouse, at, field.label.mapToGlobal(at))
+    QApplication.sendEvent(field.label, event)
+    menu = next(one for one in field.findChildren(QMenu) if one.isVisible())
+    entry = next((one for one in menu.actions() if one.objectName() == action), None)
+    if entry is not None:
+        entry.trigger()
+    menu.close()
+    return field, entry
+
+
+def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
+    window, view = fitting, fitting.fitting.view
+    assert not view.fit.isEnabled()
+    field, entry = right_click(window, "sigma_x_mrad", "free")
+    assert "not saved" in entry.toolTip()
+    assert field.label.text().endswith("free")
+    assert view.table.rowCount() == 1
+    view.choose_picture(files / "edge.npy")
+    seen = []
+    view._seen.connect(lambda _run, edges: seen.append(edges))
+    before = window.session.document.network
+    steps = window.session.document.history.position
+    qtbot.mouseClick(view.fit, Qt.MouseButton.LeftButton)
+    assert view.stop.isEnabled()
+    qtbot.waitUntil(lambda: view.outcome is not None)
+    (fitted,) = view.outcome.numbers
+    # Nearly all of the blur is across: sin²(6°) of it is along, and there it is as in the picture.
+    assert fitted.value == pytest.approx(SIGMA * INTERVAL_MRAD, abs=3.0 * fitted.sigma)
+    assert 1e-4 < fitted.sigma < 1e-3
+    assert view.outcome.chi2_per_degree == pytest.approx(1.0, abs=0.1)
+    assert window.session.document.network is before
+    assert seen  # drawn as the values changed
+    drawn = view.chart.edge
+    assert len(drawn.distance) > 200
+    assert float(np.std(drawn.sample - drawn.spread)) == pytest.approx(20.0 / 3000.0, rel=0.2)
+    assert not view.grab().isNull()
+    qtbot.mouseClick(view.taking, Qt.MouseButton.LeftButton)
+    session = window.session
+    assert session.network.nodes["blur"].params["sigma_x_mrad"] == fitted.value
+    assert session.document.history.position == steps + 1
+    window.actions_by_name["undo"].trigger()
+    assert session.document.network == before
+    assert "χ²" in view.status.title.text()
+    session.do(set_parameter("blur", "sigma_y_mrad", 0.2))
+    assert "before an edit" in view.status.title.text()
+    right_click(window, "sigma_x_mrad", "fix")
+    assert field.label.text() == field.title
+    assert view.table.rowCount() == 0
+
+
+def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, files, qtbot):
+    window, view = fitting, fitting.fitting.view
+    session = window.session
+    session.free.put(FreeNumber("init", "range_m"))  # no blur depends on it
+    session.free.put(FreeNumber("blur", "sigma_x_mrad"))
+    view.table.item(1, 1).setText("0.01")
+    view.table.item(1, 2).setText("30 urad")
+    assert session.free.all[1] == FreeNumber("blur", "sigma_x_mrad", 0.01, 0.03)
+    view.table.item(1, 2).setText("0.005")
+    assert "must lie below" in view.status.title.text()
+    assert view.table.item(1, 2).text() == "0.03"
+    view.table.item(1, 2).setText("")
+    assert session.free.all[1].high is None
+    view.table.setCurrentCell(1, 0)
+    qtbot.keyClick(view.table, Qt.Key.Key_Delete)
+    assert [one.port for one in session.free.all] == ["init.range_m"]
+    view.choose_picture(files / "edge.npy")
+    view.begin()
+    qtbot.waitUntil(lambda: view.outcome is not None)
+    assert [one.value is None for one in view.outcome.numbers] == [True]
+    assert view.table.item(0, 3).text() == "not determined"
+    assert "not determined" in view.words.toPlainText()
+    assert not view.taking.isEnabled()
+    before = session.document.network
+    view.take()
+    assert session.document.network is before
+    view.choose_picture(files / "flat.npy")
+    view.begin()
+    qtbot.waitUntil(lambda: "no edge can be used" in view.status.title.text())
+    assert view.outcome is None
+    session.free.put(FreeNumber("blur", "sigma_x_mrad"))
+    session.do(Rename("blur", "smear"))
+    assert session.free.has("smear", "sigma_x_mrad")
+    view.begin()
+    window.files.open_now(str(files / "net.json"))
+    assert not view.worker.busy
+    assert session.free.all == ()
+    for button in (view.file, view.fit, view.stop, view.taking, view.remove):
+        assert button.toolTip()
+        assert button.accessibleName()
