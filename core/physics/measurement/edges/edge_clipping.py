@@ -29,12 +29,12 @@ _END = 0.25  # samples over which the shape of an end is looked at
 _LEAST_AT_END = 5  # distances in it that samples have
 _APART = 1 / 64  # samples between distances that count as two
 _CORNER = 0.15  # slope at an end, of that a quarter sample before it
-_PIXEL_RAMP = 1.6  # samples: an edge with no blur but the pixel's own is no wider
+PIXEL_RAMP = 1.6  # samples: an edge with no blur but the pixel's own is no wider
 _ALL_AT_LIMIT = 0.9  # share of a side's samples
 _LEAST_SAMPLES = 10  # that give the noise on a half of the ramp
 _SPACING = 0.125  # samples between those that are compared for it
-_FADED = 0.52  # noise of photons in the dark half of the ramp, of that on the bright side
-_SURE = 2.5  # times the doubt of that ratio
+FADED = 0.52  # noise of photons in the dark half of the ramp, of that on the bright side
+SURE = 2.5  # times the doubt of that ratio
 _ERRORS = 3.0  # standard errors of the line that count as possible
 _TURNS, _SEARCHES = 81, 3  # of the line, the range of one search being a step of the one before
 
@@ -75,10 +75,10 @@ def refuse_corner(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread) -> Non
         return
     rising = spread.levels[1] > spread.levels[0]
     ends = [
-        _end_of(away if outward else -away, deficit, spread.away[-1])
+        end_of(away if outward else -away, deficit, spread.away[-1])
         for deficit, outward in ((1.0 - values, rising), (values, not rising))
     ]
-    wide = float(np.ptp(between)) > _PIXEL_RAMP
+    wide = float(np.ptp(between)) > PIXEL_RAMP
     if "corner" in ends and (wide or "soft" in ends):
         raise DataError(
             "the picture is clipped: the edge runs into its extreme value in a sharp corner. "
@@ -86,7 +86,7 @@ def refuse_corner(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread) -> Non
         )
 
 
-def _end_of(outer: Vector, deficit: Vector, reach: float) -> End:
+def end_of(outer: Vector, deficit: Vector, reach: float) -> End:
     """Whether what is lacking to the extreme value ends with a slope, by a parabola."""
     short = deficit > _SAME
     end = float(np.max(outer[short]))
@@ -97,7 +97,7 @@ def _end_of(outer: Vector, deficit: Vector, reach: float) -> End:
     if len(np.unique(np.rint(inwards / _APART))) < _LEAST_AT_END:
         return "other"  # few rows, or ones that repeat each other's distances
     mean = float(np.mean(lacking))
-    if mean < _STEPS * _step(deficit[short & (deficit < 0.25)]):
+    if mean < _STEPS * quantum_of(deficit[short & (deficit < 0.25)]):
         return "other"  # the last steps of a quantized picture
     if mean < _SOFT:
         return "soft"
@@ -108,7 +108,7 @@ def _end_of(outer: Vector, deficit: Vector, reach: float) -> End:
     return "corner" if sharp else "other"
 
 
-def _step(levels: Vector) -> float:
+def quantum_of(levels: Vector) -> float:
     """Step between the levels of a quantized picture; that of rounding, of any other."""
     gaps = np.diff(np.unique(levels))
     gaps = gaps[gaps > _SAME]
@@ -129,7 +129,7 @@ def refuse_quiet_side(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread) ->
     inside = np.abs(away) <= spread.away[-1]
     ramp = inside & (share > 0.1) & (share < 0.9)
     curvature = float(np.max(np.abs(np.diff(spread.values, 2)))) * BINS_PER_SAMPLE**2
-    least = max(2.0 * _step(picture[ramp]), _NOISE_SHOWS * abs(right - left))
+    least = max(2.0 * quantum_of(picture[ramp]), _NOISE_SHOWS * abs(right - left))
     steepest = float(np.max(np.abs(np.diff(spread.values)))) * BINS_PER_SAMPLE
     askew = _ERRORS * line.scatter * float(np.sqrt(2.0 / line.rows)) * steepest
     risen = picture * np.sign(right - left)
@@ -139,12 +139,12 @@ def refuse_quiet_side(*, picture: Matrix, line: EdgeLine, spread: EdgeSpread) ->
         at_dark, at_bright = (float(np.mean(samples == limit)) for limit in limits)
         if max(at_dark, at_bright) < _ALL_AT_LIMIT:
             continue
-        noise, count = _noise(away[ramp & half], picture[ramp & half], curvature)
+        noise, count = noise_of_ramp(away[ramp & half], picture[ramp & half], curvature)
         if noise < least:
             continue
         if at_dark > at_bright:
             beyond = float(np.sqrt(np.mean(spread.scatter[spread.sides[1 - k]] ** 2)))
-            if noise < _FADED * beyond * np.exp(_SURE / np.sqrt(count)):
+            if noise < FADED * beyond * np.exp(SURE / np.sqrt(count)):
                 continue
         if noise < askew and _disorder(away[ramp], risen[ramp], line, ramp) < least:
             continue
@@ -179,7 +179,7 @@ def _fall(values: Vector) -> float:
     return float(np.sqrt(np.mean((above - below) ** 2))) / 2.0
 
 
-def _noise(away: Vector, values: Vector, curvature: float) -> tuple[float, int]:
+def noise_of_ramp(away: Vector, values: Vector, curvature: float) -> tuple[float, int]:
     """Noise of samples about the straight line between their two neighbours, and their number.
 
     Zero where they are too few, or the edge's bend between neighbours may look like noise.

@@ -5,6 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from core.physics.measurement.edges.edge_clipping import (
+    FADED,
+    PIXEL_RAMP,
+    SURE,
+    end_of,
+    noise_of_ramp,
+    quantum_of,
+)
 from core.physics.measurement.edges.edge_samples import EdgeSamples
 
 Vector = NDArray[np.float64]
@@ -16,6 +24,7 @@ _OTHERS = 4  # values beside it, or a side is quantized too coarsely to know
 _NOISE_MATTERS = 1e-3  # of the contrast: with less, a level side is no sign of a limit
 _NOISE_SHOWS = 3e-3  # of the contrast, between sides that have none
 _QUIET = 0.1  # of the other side's noise
+_ALL_AT_LIMIT = 0.9  # share of a side's samples
 _BESIDE = 3.0  # samples from the edge, where its sides begin
 
 
@@ -71,6 +80,63 @@ def why_clipped(
                 f"picture's extreme value {limit:.6g}"
             )
     return ""
+
+
+def why_cut_off(
+    *, samples: EdgeSamples, distance: Vector, reach: float, extremes: tuple[float, float]
+) -> str:
+    """Why an edge beside which the samples are at the picture's limits was cut off there.
+
+    Parameters
+    ----------
+    samples : EdgeSamples
+        Of the edge.
+    distance : ndarray
+        Of the samples from its fitted course.
+    reach : float
+        Of the samples.
+    extremes : tuple of float
+        Lowest and highest sample of the picture.
+
+    Notes
+    -----
+    As in `refuse_quiet_side` and `refuse_corner`: noise on the step ends beside it, though not as
+    that of photons fades towards the dark, or the step runs into the limit in a corner.
+    """
+    low, high = extremes
+    if not high > low:
+        return ""
+    share = (samples.value - low) / (high - low)
+    dark = _is_at_limit(samples.value[distance < -_BESIDE], low)
+    bright = _is_at_limit(samples.value[distance > _BESIDE], high)
+    between = (share > 0.01) & (share < 0.99) & (np.abs(distance) < _BESIDE)
+    if not (dark or bright) or not between.any():
+        return ""
+    levels = samples.value[between]
+    least = max(2.0 * quantum_of(levels), _NOISE_SHOWS * (high - low))
+    for at_limit, outward, limit in ((dark, -1.0, low), (bright, 1.0, high)):
+        half = between & (np.abs(share - (0.28 if outward < 0.0 else 0.72)) < 0.18)
+        noise, count = noise_of_ramp(distance[half], samples.value[half], 0.0)
+        if not at_limit or noise < least:
+            continue
+        beyond = float(np.std(samples.value[distance > _BESIDE]))
+        if outward > 0.0 or noise > FADED * beyond * np.exp(SURE / np.sqrt(count)):
+            return (
+                f"clipped: beside it the samples have the picture's extreme value {limit:.6g} "
+                f"with no noise, on the step {noise / (high - low):.2g} of the contrast"
+            )
+    ends = [
+        end_of(-distance, share, reach) if dark else "other",
+        end_of(distance, 1.0 - share, reach) if bright else "other",
+    ]
+    wide = float(np.ptp(distance[between])) > PIXEL_RAMP
+    if "corner" in ends and (wide or "soft" in ends):
+        return "clipped: it runs into the picture's extreme value in a sharp corner"
+    return ""
+
+
+def _is_at_limit(side: Vector, limit: float) -> bool:
+    return len(side) > 0 and float(np.mean(side == limit)) > _ALL_AT_LIMIT
 
 
 def _noise_between(samples: EdgeSamples) -> tuple[float, float]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.edges.edge_found import FoundEdge
-from core.physics.measurement.edges.edge_limits import why_clipped
+from core.physics.measurement.edges.edge_limits import why_clipped, why_cut_off
 from core.physics.measurement.edges.edge_samples import (
     EdgeSamples,
     edge_samples,
@@ -242,6 +242,16 @@ def _settled(
         samples=samples, reach=edge.reach, half_length=half_length, coarse_turns=2, fine_turns=0
     )
     edge = _on_course(edge, fit)
+    if clip_levels is None:
+        away = samples.along / half_length
+        reason = why_cut_off(
+            samples=samples,
+            distance=samples.distance - fit.turn * away - fit.bend * away**2,
+            reach=edge.reach,
+            extremes=extremes,
+        )
+        if reason:
+            return replace(edge, why_not=reason)
     off = _off_course(samples, fit, half_length)
     if edge.reach < _WIDTHS_IN_REACH * edge.softness:
         return replace(

@@ -70,6 +70,28 @@ def test_clipped_edge():
     assert find_edges(picture=picture, clip_levels=(40.0, 60.0))[0].used
 
 
+@pytest.mark.parametrize(
+    ("noise", "limits", "words"),
+    [
+        (0.0, (49.0, 55.0), "in a sharp corner"),
+        (0.01, (48.8, 56.0), "in a sharp corner"),
+        (0.08, (48.8, 60.0), "with no noise, on the step"),
+        (0.24, (48.8, 55.2), "with no noise, on the step"),
+    ],
+)
+def test_edge_whose_ends_are_cut_off(noise, limits, words):
+    """Beyond the limits no noise is left, or nearly none; unlimited, the same edge is used."""
+    picture = noisy_edge(sigma=1.2, noise=noise)
+    assert words in refused(picture.clip(*limits))
+    assert find_edges(picture=picture)[0].used
+
+
+def test_photons_that_fade_towards_the_dark_are_not_cut_off():
+    """A step with no background has no noise beside it either."""
+    picture = np.random.default_rng(4).poisson(1000.0 * edge_picture(5.0, 0.6, (90, 90)).clip(0.0))
+    assert find_edges(picture=picture.astype(np.float64))[0].used
+
+
 def test_edge_along_the_columns_cannot_be_supersampled():
     picture = np.repeat(noisy_edge(angle=0.0)[:1], 90, axis=0)
     picture += np.random.default_rng(1).normal(0.0, 0.05, picture.shape)
