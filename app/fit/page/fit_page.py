@@ -18,6 +18,8 @@ from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
 
+_CHI2 = "χ² per degree".replace(" ", "\N{NO-BREAK SPACE}")
+
 
 def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> str:
     """The page as HTML; `network` and `pictures` are names for its title."""
@@ -29,15 +31,16 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
     blocks: list[Block] = [
         Heading(1, title),
         Text(
-            f"{_fitted(result)}, {misfit.degrees} degrees of freedom, χ² per degree "
-            f"{number(_short(result.chi2_per_degree))}.",
+            # No-break spaces: what belongs together stays in one line.
+            f"{_fitted(result)}, {misfit.degrees} degrees of freedom, "
+            f"{_CHI2}\N{NO-BREAK SPACE}{number(_short(result.chi2_per_degree))}.",
             "lead",
         ),
         Grid(
             ("parameter", "value", "standard error", "unit"),
             [_row(result, index) for index in range(len(result.parameters))],
             numbers=(1, 2),
-            kind="readouts",
+            kind="fitted",
         ),
         *([Items(tuple(f"{line[:1].upper()}{line[1:]}" for line in lines))] if lines else []),
         *_combinations(result),
@@ -54,7 +57,7 @@ def _fitted(result: FitResult) -> str:
     count = len(result.fit.patches)
     shape = number(_short(result.fit.misfit.shape_per_degree))
     edges = "1 edge" if count == 1 else f"{count} edges"
-    return f"{edges} (what is left in their shape: χ² per degree {shape})"
+    return f"{edges} (what is left in their shape: {_CHI2}\N{NO-BREAK SPACE}{shape})"
 
 
 def _pictures(result: FitResult) -> list[Block]:
@@ -104,17 +107,20 @@ def _combinations(result: FitResult) -> list[Block]:
     ]
     return [
         Heading(2, "Known of parameters that cannot be told apart"),
-        Grid(("combination", "value", "standard error", "unit"), rows, numbers=(1, 2)),
+        Grid(
+            ("combination", "value", "standard error", "unit"), rows, numbers=(1, 2), kind="fitted"
+        ),
     ]
 
 
 def _correlation(result: FitResult) -> list[Block]:
-    names = [one.port for one in result.parameters]
+    known = [i for i, one in enumerate(result.parameters) if one.value is not None]
+    names = [result.parameters[i].port for i in known]
     if len(names) < 2:
         return []
     rows = [
-        (name, *(f"{value:.3f}" if math.isfinite(value) else "" for value in row))
-        for name, row in zip(names, result.correlation, strict=True)
+        (name, *(f"{value:.3f}" if math.isfinite(value) else "" for value in row[known]))
+        for name, row in zip(names, result.correlation[known], strict=True)
     ]
     numbers = tuple(range(1, len(names) + 1))
     return [Heading(2, "Correlation of errors"), Grid(("", *names), rows, numbers=numbers)]

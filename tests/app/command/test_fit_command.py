@@ -68,6 +68,7 @@ def fitted(folder, imagechain, *free):
     done = imagechain(
         "fit", folder / "net.json", "--to", folder / "across.npy", folder / "down.npy",
         "--free", *free, "--json", folder / "fit.json", "--output", folder / "fitted.json",
+        "--report", folder / "fit.html",
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, "")
     return json.loads((folder / "fit.json").read_text(encoding="utf-8")), done.stdout
@@ -89,6 +90,7 @@ def test_parameters_with_one_effect_are_named_with_what_is_known(imagechain, cro
         assert one["sigma"] < 0.02 * truth
     assert "cannot be told apart" in result["warnings"][0]
     assert result["correlation"] == [[None] * 3] * 3
+    assert "Correlation of errors" not in (crossed / "fit.html").read_text(encoding="utf-8")
     assert "cannot be told apart" in printed
     # The network has values that belong together.
     network = json.loads((crossed / "fitted.json").read_text(encoding="utf-8"))
@@ -171,3 +173,7 @@ def test_a_page_shows_patches_and_spreads(imagechain, files):
     assert "real and simulated patches" in page
     assert "blur.sigma_x_mrad" in page
     assert page.count("data:image/png") >= 2
+    # What belongs together is not parted at the end of a line, and no table is empty.
+    assert "χ²\N{NO-BREAK SPACE}per\N{NO-BREAK SPACE}degree\N{NO-BREAK SPACE}" in page
+    assert '<table class="fitted">' in page
+    assert "Correlation of errors" not in page
