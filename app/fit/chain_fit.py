@@ -2,7 +2,8 @@
 
 Standard errors are those of the linearized model at the solution (Bates and Watts 1988, Nonlinear
 Regression Analysis, section 2). Where the residuals still have the shape of an edge, the chain is
-not the camera's: errors are then widened by the root of that excess.
+not the camera's: errors are then those of the scatter between edges, and at least widened by the
+root of that excess.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from numpy.typing import NDArray
 
 from app.fit.chain_transfer import ChainAt, EdgeTransfer
 from app.fit.edge_fit import EdgeFits, EdgesAt
+from app.fit.errors.edge_scatter import of_each_edge, widened_by_scatter
 from app.fit.free_parameter import FreeParameter
-from app.fit.misfit import Misfit, misfit_of
+from app.fit.misfit import FEWEST, Misfit, misfit_of
 from app.fit.noise_levels import NoiseProblem
 from app.fit.parameter_search import places, starts
 from app.fit.patch import Patch
@@ -78,6 +80,8 @@ class ChainFit:
         Values elsewhere that fit nearly as well.
     shown : frozenset of int
         Places of the parameters that the edges show.
+    rests_on : tuple of float
+        Of how many edges each parameter's error is, where their scatter counts; else empty.
     """
 
     free: tuple[FreeParameter, ...]
@@ -92,6 +96,7 @@ class ChainFit:
     unsigned: tuple[int, ...] = ()
     rivals: tuple[Vector, ...] = ()
     shown: frozenset[int] = frozenset()
+    rests_on: tuple[float, ...] = ()
 
 
 class EdgeProblem:
@@ -330,6 +335,11 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     jacobian = problem.jacobian(values, scales, fine=True)
     jacobian[: edges.residual.size] /= math.sqrt(misfit.excess)
     jacobian[edges.residual.size :] /= math.sqrt(misfit.noise_excess)
+    rests_on: tuple[float, ...] = ()
+    if misfit.excess > 1.0 and len(problem.patches) >= FEWEST:
+        residual, edge = of_each_edge(edges.residual / math.sqrt(misfit.excess), len(jacobian))
+        jacobian, counts = widened_by_scatter(jacobian=jacobian, residual=residual, edge=edge)
+        rests_on = tuple(map(float, counts))
     return ChainFit(
         free,
         values,
@@ -343,6 +353,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         unsigned,
         tuple(_positive(problem, v)[0] for v in _apart(rivals)[1:]),
         problem.shown,
+        rests_on,
     )
 
 

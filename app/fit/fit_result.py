@@ -19,6 +19,7 @@ Matrix = NDArray[np.float64]
 
 _UNCERTAIN = 0.5  # of a value: with a larger error it is hardly measured
 _CORRELATED = 0.98
+_FEW = 1.5  # edges: less is one that has four fifths of what is known, and nothing checks it
 _RIVAL = 4.0  # standard errors, from which on a value is another one
 
 
@@ -120,6 +121,8 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
     undetermined = known.undetermined | set(rivals)
     if fit.misfit.is_hopeless:
         undetermined = undetermined | fit.shown
+    lone = tuple(i for i in _lone(fit) if i not in undetermined)
+    undetermined = undetermined | set(lone)
     with np.errstate(all="ignore"):
         sigma = np.sqrt(np.diag(known.covariance))
         correlation = known.covariance / np.outer(sigma, sigma)
@@ -146,7 +149,7 @@ def result_of(fit: ChainFit, cost: Callable[[Vector], float]) -> FitResult:
             if i not in undetermined
         ),
         *_weak(parameters, correlation),
-        *_misfit(fit),
+        *_misfit(fit, lone),
     )
     return FitResult(fit, parameters, correlation, known.combinations, tuple(warnings))
 
@@ -163,6 +166,13 @@ def _rivals(fit: ChainFit, known: Identified) -> tuple[int, ...]:
             for other in fit.rivals
         )
     )
+
+
+def _lone(fit: ChainFit) -> tuple[int, ...]:
+    """Parameters that rest on one edge, while the edges leave much more than noise."""
+    if not fit.misfit.is_material:
+        return ()
+    return tuple(i for i, edges in enumerate(fit.rests_on) if i in fit.shown and edges < _FEW)
 
 
 def _other_solutions(fit: ChainFit, rivals: tuple[int, ...]) -> list[str]:
@@ -254,7 +264,7 @@ def _weak(parameters: tuple[FittedParameter, ...], correlation: Matrix) -> list[
     return lines
 
 
-def _misfit(fit: ChainFit) -> list[str]:
+def _misfit(fit: ChainFit, lone: tuple[int, ...]) -> list[str]:
     excess, noise = fit.misfit.excess, fit.misfit.noise_excess
     lines = []
     if noise > 1.0:
@@ -274,10 +284,24 @@ def _misfit(fit: ChainFit) -> list[str]:
             "sharpened or not linear, or the chain lacks a stage: no parameter that the edges show "
             "is determined",
         ]
+    left = f"{math.sqrt(excess):.2g} times"
+    lines += [
+        f"{fit.free[i].port} rests on one of the edges, and what is left of them is {left} "
+        "the noise: no scatter shows its error, and it is not determined"
+        for i in lone
+    ]
+    if fit.rests_on:
+        share = 100.0 * fit.misfit.material
+        return [
+            *lines,
+            f"what is left of the edges is up to {share:.2g} % of a step, {left} the noise: the "
+            f"standard errors are those of the scatter between {fit.misfit.edges} edges, or of all "
+            "that is left where that is more; what all edges share, as softness of the scene, "
+            "counts as the chain's",
+        ]
     what = "these edges" if fit.patches else "this picture"
     return [
         *lines,
-        f"the chain does not give {what}: what is left is {math.sqrt(excess):.2g} times "
-        "as large as noise alone; standard errors are widened by that, but what the chain "
-        "lacks may have moved the values further",
+        f"the chain does not give {what}: what is left is {left} as large as noise alone; standard "
+        "errors are widened by that, but what the chain lacks may have moved the values further",
     ]

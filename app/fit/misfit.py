@@ -18,7 +18,12 @@ _LEAST_DEGREES = 8
 _IN_GROUP = 16  # residuals of neighbouring distances that are averaged
 _NEAREST = 3.0  # samples about an edge
 _LEVELS = 4  # levels and slopes of an edge, that count among its groups
-_HOPELESS, _MATERIAL = 5.0, 0.01  # times the noise, and of the step: the chain is another one
+# A chain of the wrong form: its residuals are 2.2 times the noise, and some of the step. Scenes'
+# own edges are ideal to some percent of a step, which differs between edges: their scatter shows
+# it. What all edges share does not scatter, and from 5 % on it has moved values by as much as any
+# blur here does; fewer than 3 edges have no scatter, and 1 % is what an MTF is to be right to.
+_HOPELESS, _MATERIAL, _OTHER_FORM = 5.0, 0.01, 0.05
+FEWEST = 3  # edges, of which a scatter is taken
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,8 @@ class Misfit:
         The same of the noise at the measured levels; part of the first two.
     material : float
         What is left near the edge that is worst, beyond noise, as a share of its step.
+    edges : int
+        How many were fitted; 0 for a whole picture.
     """
 
     chi2: float
@@ -44,6 +51,7 @@ class Misfit:
     noise_chi2: float = 0.0
     noise_degrees: int = 0
     material: float = 0.0
+    edges: int = 0
 
     @property
     def chi2_per_degree(self) -> float:
@@ -66,7 +74,13 @@ class Misfit:
 
     @property
     def is_hopeless(self) -> bool:
-        """Whether the edges are of another form than the chain can give."""
+        """Whether the edges are of another form than the chain can give, and no error is known."""
+        most = _MATERIAL if self.edges < FEWEST else _OTHER_FORM
+        return self.excess > _HOPELESS and self.material > most
+
+    @property
+    def is_material(self) -> bool:
+        """Whether more is left of a step than an error without a scatter allows for."""
         return self.excess > _HOPELESS and self.material > _MATERIAL
 
     @property
@@ -112,7 +126,7 @@ def misfit_of(edges: EdgesAt, noises: Vector, degrees: int, shared: tuple[int, i
     chi2 = edges.cost + float(noises @ noises)
     return Misfit(
         chi2, degrees, shape, groups - shared[0], float(noises @ noises),
-        max(0, len(noises) - shared[1]), material,
+        max(0, len(noises) - shared[1]), material, len(edges.weight),
     )  # fmt: skip
 
 

@@ -1,0 +1,1 @@
+"""Errors of a fit where its linearized model alone would be too sure."""
