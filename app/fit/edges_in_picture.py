@@ -77,7 +77,9 @@ def edges_in(
             if isinstance(made, str):
                 refused.append(made)
             else:
-                usable.append((edge.contrast / edge.noise_sigma * len(made.value) ** 0.5, made))
+                # A picture without noise still has the rounding of its numbers.
+                noise = max(edge.noise_sigma, made.least_variance**0.5)
+                usable.append((edge.contrast / noise * len(made.value) ** 0.5, made))
     usable.sort(key=lambda pair: -pair[0])
     chosen: list[Patch] = []
     samples = 0

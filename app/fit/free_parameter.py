@@ -15,6 +15,7 @@ from core.network.network import EXPRESSION, Network
 
 FREE = "--free"
 _FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"
+_ABOVE = 1e-12  # of a range whose low end is no value: above it
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,9 @@ def _one(text: str, network: Network, library: Library) -> FreeParameter:
 def _range(declared: Parameter, text: str, option: str) -> tuple[float, float]:
     own_low = -math.inf if declared.param.low is None else float(declared.param.low)
     own_high = math.inf if declared.param.high is None else float(declared.param.high)
+    end = own_low
+    if math.isfinite(end) and (declared.param.above or declared.coerce(end) is None):
+        own_low = end + _ABOVE * max(1.0, abs(end))
     if not text:
         return own_low, own_high
     first, colon, last = text.partition(":")
@@ -102,6 +106,8 @@ def _range(declared: Parameter, text: str, option: str) -> tuple[float, float]:
         low = high = math.nan
     if not (colon and math.isfinite(low) and math.isfinite(high) and low < high):
         raise UsageError(f"{option}={text:.80}: write {FREE} NODE.PARAM=LOW:HIGH, LOW below HIGH")
+    if low == end:
+        low = own_low
     if low < own_low or high > own_high:
         raise UsageError(f"{option}={text:.80}: {declared.name} is {declared.allowed()}")
     return low, high

@@ -16,7 +16,10 @@ from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.fit.free_parameter import FreeParameter
 from app.fit.noise_levels import NoiseLevels, NoiseProblem
 from app.fit.scene_fit import SceneProblem, fit_scene
-from app.measure.picture_loading import open_picture
+from app.measure.measurement_text import file_warnings, repeated_words
+from app.measure.measuring import measured_file
+from app.measure.picture_loading import is_repeated, open_picture
+from app.measure.picture_measurement import MeasuredFile
 from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, DataError, ImagechainError, UsageError
 from core.evaluation.work import Work
@@ -41,11 +44,14 @@ class FittedPictures:
         Each of shape (rows, columns), finite.
     clip_levels : tuple of float or None
         Lowest and highest number that a sample can have.
+    warnings : tuple of str
+        What to know of the files, one line each.
     """
 
     names: tuple[str, ...]
     samples: tuple[Matrix, ...]
     clip_levels: tuple[float, float] | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def text(self) -> str:
@@ -62,13 +68,23 @@ def read_pictures(paths: Sequence[Path]) -> FittedPictures:
         If one cannot be read.
     """
     names, samples, limits = [], [], None
+    files: list[MeasuredFile] = []
+    seen: set[bytes] = set()
+    repeated = 0
     for path in paths:
         file = open_picture(path)
+        files.append(measured_file(file))
         limits = limits or file.limits
         for number, picture in enumerate(file.pictures()):
+            if is_repeated(picture, seen):
+                repeated += 1
+                continue
             names.append(str(path) if file.frames == 1 else f"{path}, frame {number}")
             samples.append(picture)
-    return FittedPictures(tuple(names), tuple(samples), limits)
+    warnings = file_warnings(files)
+    if repeated:
+        warnings.append(repeated_words(repeated))
+    return FittedPictures(tuple(names), tuple(samples), limits, tuple(warnings))
 
 
 def fit_pictures(
@@ -122,6 +138,7 @@ def fit_pictures(
         result,
         noise=comparison,
         refused=choice.refused,
+        warnings=(*pictures.warnings, *result.warnings),
         notes=(*result.notes, *_notes(choice, passed_area=has_area(passed))),
     )
 
@@ -151,7 +168,8 @@ def fit_known_scene(
     chain = ChainAt(engine, plan, [parameter.target for parameter in free])
     problem = SceneProblem(chain, work, free, pictures.samples[0])
     report("parameters")
-    return fit_scene(problem, np.array([middle_of(parameter) for parameter in free]))
+    result = fit_scene(problem, np.array([middle_of(parameter) for parameter in free]))
+    return replace(result, warnings=(*pictures.warnings, *result.warnings))
 
 
 def _noise(

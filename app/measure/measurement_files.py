@@ -51,6 +51,8 @@ def measurement_json(measured: PictureMeasurement) -> str:
     }
     if measured.picture_count > 1:
         content["frames"] = _frames(measured.frames, measured.frames_reason)
+    if measured.repeated:
+        content["repeated"] = list(measured.repeated)
     if measured.flats is not None or measured.flats_reason:
         content["flats"] = _flats(measured.flats, measured.flats_reason)
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

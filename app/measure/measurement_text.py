@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 
-from app.measure.picture_measurement import MtfCurve, NoiseFigures, PictureMeasurement
+from app.measure.picture_measurement import (
+    MeasuredFile,
+    MtfCurve,
+    NoiseFigures,
+    PictureMeasurement,
+)
 from app.run.readout_tables import number_text
 from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG
 
@@ -97,21 +103,35 @@ def frame_rows(measured: PictureMeasurement) -> list[Row]:
     return rows
 
 
-def remarks(measured: PictureMeasurement) -> list[str]:
-    """What was measured of files with bands, and what could not be measured, and why."""
-    lines = [f"measured of {file.name}: {file.taken}" for file in measured.files if file.taken]
-    lines += [
-        f"warning: {file.name}: numbers of 8 bits of this format usually follow the eye, not the "
+def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
+    """What of the files' formats makes their numbers other than the camera's."""
+    lines = [
+        f"{file.name}: numbers of 8 bits of this format usually follow the eye, not the "
         "light: the MTF is that of these numbers"
-        for file in measured.files
+        for file in files
         if file.is_encoded
     ]
     lines += [
-        f"warning: {file.name}: compressed with loss, which changes fine detail and hides noise: "
+        f"{file.name}: compressed with loss, which changes fine detail and hides noise: "
         "what is measured is the compressed picture, not the camera"
-        for file in measured.files
+        for file in files
         if file.is_lossy
     ]
+    return lines
+
+
+def repeated_words(count: int) -> str:
+    """That pictures are copies of others, which say nothing that those do not."""
+    many = "one picture is" if count == 1 else f"{count} pictures are"
+    return f"{many} the same as another, sample by sample, and not counted again"
+
+
+def remarks(measured: PictureMeasurement) -> list[str]:
+    """What was measured of files with bands, and what could not be measured, and why."""
+    lines = [f"measured of {file.name}: {file.taken}" for file in measured.files if file.taken]
+    lines += [f"warning: {line}" for line in file_warnings(measured.files)]
+    if measured.repeated:
+        lines.append(f"warning: {repeated_words(len(measured.repeated))}")
     for words, curve, reason in (
         ("across", measured.x, measured.reason_x),
         ("along", measured.y, measured.reason_y),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from app.measure.edge_measuring import edges_of, pooled
 from app.measure.noise_measuring import pooled_noise, with_frames
-from app.measure.picture_loading import PictureFile, open_picture, same_size
+from app.measure.picture_loading import PictureFile, is_repeated, open_picture, same_size
 from app.measure.picture_measurement import (
     BY_HAND,
     FlatCurve,
@@ -109,7 +109,7 @@ def measure_files(
         x = interval_mrad(fov_deg=plan.fov_x_deg, samples=first.columns, name="--fov-x-deg")
         y = x if y is None else y
     source = Source(
-        tuple(_named(file) for file in files),
+        tuple(measured_file(file) for file in files),
         (picture for file in files for picture in file.pictures()),
         first.rows, first.columns, first.unit, x, y, first.limits,
         _offset(plan, check),
@@ -138,6 +138,8 @@ def measure_pictures(
     edges: list[MeasuredEdge] = []
     previews: list[Preview] = []
     noises: list[PictureNoise] = []
+    seen: set[bytes] = set()
+    repeated: list[int] = []
     for number, picture in enumerate(source.pictures):
         name = _name(source.files, number)
         report(name)
@@ -145,12 +147,15 @@ def measure_pictures(
         _refuse_extreme(picture, name)
         if number < MOST_PREVIEWS:
             previews.append(_preview(picture, number))
+        if taken is not None:
+            taken.add(picture)
+            if is_repeated(picture, seen):
+                repeated.append(number)
+                continue
         edges += edges_of(
             picture=picture, number=number, clip_levels=source.clip_levels, check=check
         )
         noises.append(noise_of_picture(picture=picture, offset=source.offset_dn, check=check))
-        if taken is not None:
-            taken.add(picture)
     noise, noise_reason = pooled_noise(noises, offset_dn=source.offset_dn)
     frames, frames_reason = _frames(taken, source.offset_dn)
     if frames is not None:
@@ -160,7 +165,7 @@ def measure_pictures(
     return PictureMeasurement(
         source.files, source.rows, source.columns, source.unit, source.interval_x_mrad,
         source.interval_y_mrad, tuple(edges), x, y, reason_x, reason_y, noise, noise_reason,
-        frames, frames_reason, previews=tuple(previews),
+        frames, frames_reason, previews=tuple(previews), repeated=tuple(repeated),
     )  # fmt: skip
 
 
@@ -205,7 +210,8 @@ def _with_reason(measured: PictureMeasurement, place: int, why: str) -> PictureM
     return measured.with_edges(tuple(edges), x, y, (reason_x, reason_y))
 
 
-def _named(file: PictureFile) -> MeasuredFile:
+def measured_file(file: PictureFile) -> MeasuredFile:
+    """The same for a measurement."""
     return MeasuredFile(str(file.path), file.frames, file.taken, file.is_encoded, file.is_lossy)
 
 

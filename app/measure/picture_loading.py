@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -189,6 +190,8 @@ def _intervals(info: PictureInfo) -> tuple[float | None, float | None]:
 
 def _limits(dtype: np.dtype[Any]) -> tuple[float, float] | None:
     """Ends of the whole numbers that can be stored; None of others."""
+    if dtype.kind == "b":
+        return 0.0, 1.0
     if dtype.kind not in "ui":
         return None
     return float(np.iinfo(dtype).min), float(np.iinfo(dtype).max)
@@ -209,3 +212,13 @@ def same_size(files: Sequence[PictureFile]) -> None:
                 f"{file.path} has {file.columns} × {file.rows} samples, and {first.path} "
                 f"{first.columns} × {first.rows}: give pictures of one camera"
             )
+
+
+def is_repeated(picture: Matrix, seen: set[bytes]) -> bool:
+    """Whether a picture is the same, sample by sample, as one of those seen; adds it to them."""
+    digest = hashlib.blake2b(np.ascontiguousarray(picture).data, digest_size=16).digest()
+    digest += repr(picture.shape).encode()
+    if digest in seen:
+        return True
+    seen.add(digest)
+    return False

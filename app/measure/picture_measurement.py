@@ -212,6 +212,8 @@ class PictureMeasurement:
         Why there is none.
     previews : tuple of Preview
         The first pictures.
+    repeated : tuple of int
+        Numbers of pictures that are the same as one before, whose edges and noise do not count.
     """
 
     files: tuple[MeasuredFile, ...]
@@ -232,6 +234,7 @@ class PictureMeasurement:
     flats: FlatCurve | None = None
     flats_reason: str = ""
     previews: tuple[Preview, ...] = ()
+    repeated: tuple[int, ...] = ()
 
     @property
     def picture_count(self) -> int:

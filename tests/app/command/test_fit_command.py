@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from PIL import Image as Pillow
 
 from edge_truth import blur_network, gaussian_edge
 
@@ -177,3 +178,18 @@ def test_a_page_shows_patches_and_spreads(imagechain, files):
     assert "χ²\N{NO-BREAK SPACE}per\N{NO-BREAK SPACE}degree\N{NO-BREAK SPACE}" in page
     assert '<table class="fitted">' in page
     assert "Correlation of errors" not in page
+
+
+def test_numbers_that_follow_the_eye_and_a_picture_given_twice_are_named(imagechain, files):
+    picture = np.rint(np.load(files / "edge.npy") / 20.0).astype(np.uint8)
+    Pillow.fromarray(picture).save(files / "edge.png")
+    done = imagechain(
+        "fit", "net.json", "--to", "edge.png", "./edge.png", "--free", "blur.sigma_x_mrad",
+        "--json", "fit.json",
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    first, second, third, *_ = json.loads((files / "fit.json").read_text("utf-8"))["warnings"]
+    assert "follow the eye" in first
+    assert "follow the eye" in second
+    assert third.startswith("one picture is the same as another")
+    assert "1 edge fitted" in done.stdout
