@@ -13,14 +13,15 @@ from core.errors import DataError
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_samples import EdgeSamples, edge_samples
 from core.physics.measurement.edges.slanted_edge import falls_to
-from core.physics.measurement.edges.splines.spread_basis import TAIL, line_transform
-from core.physics.measurement.edges.spread_fit import SpreadFit, fit_spread
+from core.physics.measurement.edges.splines.spread_basis import TAIL, TAIL_WIDTH, line_transform
+from core.physics.measurement.edges.spread_fit import TAIL_ASSUMED, SpreadFit, fit_spread
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 _GROUPS = 24  # pieces of the edge, whose differences enter the error
 _ALIKE = 8  # neighbouring pieces, over which texture may hang together
+_ALONE = 12.0  # samples of reach, with less of which a neighbour is near
 _MODEL = 5e-4  # of the MTF, that the spline may not follow
 _TEXTURE_BLOCK, _LEAST_BLOCKS = 3.0, 8  # samples; and blocks of a side
 _TEXTURE_LENGTH = 4.0  # samples, over which texture hangs together
@@ -149,8 +150,24 @@ def _modulus(
     longer = np.minimum(across, (across / np.maximum(2.0 * least, 1e-150)) ** 2)
     blurred = modulus * 2.0 * (np.pi * frequency * fit.turn_error) ** 2 / 3.0
     textured = _texture(samples, fit, edge) * _texture_response(frequency, edge) / step**2
-    sigma = np.asarray(np.sqrt(along + longer + blurred**2 + textured + _MODEL**2), np.float64)
-    return modulus, sigma, np.abs(effect.real @ fit.prior[TAIL])
+    beside = modulus * _lost_to_neighbours(frequency, edge.reach)
+    others = longer + blurred**2 + textured + beside**2 + _MODEL**2
+    shared = np.hypot(effect.real @ fit.prior[TAIL], beside)
+    return modulus, np.asarray(np.sqrt(along + others), np.float64), shared
+
+
+def _lost_to_neighbours(frequency: Vector, reach: float) -> Vector:
+    """Share by which tails of neighbouring edges may make the MTF too large.
+
+    Notes
+    -----
+    The tail that an edge has beyond its reach lies within that of its neighbours: the step is too
+    small by as much, and what the MTF is divided by. Long waves do not show it: a tail as wide as
+    the reach is in them as in the step. All edges of a picture share it.
+    """
+    beyond = 1.0 - 2.0 / np.pi * math.atan(reach / TAIL_WIDTH)
+    seen = 1.0 - np.exp(-2.0 * np.pi * reach * frequency)
+    return np.asarray(sum(TAIL_ASSUMED) * beyond * seen, np.float64) * (reach < _ALONE)
 
 
 def _variance(

@@ -27,7 +27,7 @@ _COARSE = 1.0  # so much, it cannot follow what a wrong turn does to neighbourin
 _LEVEL_FROM = 0.8  # of the reach, beyond which the spline is level
 _FIRST_SLOPE = 1.5  # samples, width of the step assumed to begin with
 
-_TAIL = (0.08, 0.1)  # share of the step in the tail, and its doubt, before looking
+TAIL_ASSUMED = (0.08, 0.1)  # share of the step in the tail, and its doubt, before looking
 _RAMP = 0.002  # of the step, by which a side may change a sample
 _COURSE = 0.3  # samples, doubt of the ends to begin with
 _SETTLED_COURSE = 0.05  # after the coarse fit, beside its own error
@@ -192,8 +192,8 @@ def _solved(
     normal, right = basis.normal_matrix(), basis.onto(value)
     smooth = np.diff(np.eye(size), 3, axis=0)
     normal[:size, :size] += 1e-9 * len(value) / size * (smooth.T @ smooth)
-    doubts = np.array([_TAIL[1] * step, _RAMP * step, _RAMP * step, *doubt])
-    assumed = np.array([_TAIL[0] * step, 0.0, 0.0, *course])
+    doubts = np.array([TAIL_ASSUMED[1] * step, _RAMP * step, _RAMP * step, *doubt])
+    assumed = np.array([TAIL_ASSUMED[0] * step, 0.0, 0.0, *course])
     weights = max(noise, 1e-6 * abs(step)) ** 2 / doubts**2
     places = np.arange(size, size + OTHERS)
     normal[places, places] += weights

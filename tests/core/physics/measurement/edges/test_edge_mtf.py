@@ -172,3 +172,21 @@ def test_pool_of_a_blur_that_differs_with_direction():
         assert np.all(np.abs(pool.mtf - mtf(angle)) < 3.0 * pool.sigma)
         assert np.max(np.abs(pool.mtf - mtf(angle))) < 0.04
     assert pooled_mtf(edges=edges[1:2], axis="x") is None
+
+
+def test_tails_of_neighbours_are_in_the_error():
+    """Bars 8 samples wide, cutoff 0.7: their tails make the step too small, alike for all."""
+    camera = (0.7, 0.0)
+    frames = [edge_frame(camera, 7.0, 0.0, 40.0, 0.0, 0, 160)]
+    x = np.arange(160.0)
+    for number in range(-4, 5):
+        place = x - number * 8.0 / math.cos(math.radians(7.0))
+        frames.append(np.stack([np.interp(place, x, row) for row in frames[0]]))
+    signs = (-1.0) ** np.arange(-4, 5)
+    bars = np.tensordot(signs, np.stack(frames[1:]), 1)[40:120, 40:120]
+    bars = bars + np.random.default_rng(0).normal(0.0, 0.1, bars.shape)
+    edge = FoundEdge(39.8, 39.5, 7.0, 50.0, 5.0, 0.0, 40.0, 0.1, True)
+    one = measure_edge(picture=bars, edge=edge, frequency=FREQUENCY)
+    off = one.mtf - true_mtf(FREQUENCY, camera, 7.0)
+    assert np.all(np.abs(off[1:]) < 3.0 * one.sigma[1:])
+    assert np.max(np.abs(off)) > 0.09  # which is what they do
