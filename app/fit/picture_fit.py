@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.chain_fit import EdgeProblem, Watch, fit_chain, middle_of
+from app.fit.chain_fit import EdgeProblem, Watch, fit_chain, middle_of, scales_of
 from app.fit.chain_transfer import ChainAt, final_image, has_area, transfer_known
 from app.fit.edges_in_picture import EdgeChoice, edges_in
+from app.fit.errors.even_profile import Refit, refit_beside
 from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.fit.free_parameter import FreeParameter
 from app.fit.noise_levels import NoiseLevels, NoiseProblem
@@ -130,7 +131,7 @@ def fit_pictures(
     problem = EdgeProblem(chain, work, free, choice.patches, noise)
     problem.watch = watch
     fit = fit_chain(problem)
-    result = result_of(fit, problem.cost)
+    result = result_of(fit, problem.cost, refit_of(problem, fit.values))
     comparison: NoiseComparison | str = why_none
     if noise is not None:
         comparison = _compared(noise, chain.plan([float(v) for v in fit.values]), problem)
@@ -140,6 +141,17 @@ def fit_pictures(
         refused=choice.refused,
         warnings=(*pictures.warnings, *result.warnings),
         notes=(*result.notes, *_notes(choice, passed_area=has_area(passed))),
+    )
+
+
+def refit_of(problem: EdgeProblem, values: NDArray[np.float64]) -> Refit:
+    """What fits the others beside a parameter that is held."""
+    return refit_beside(
+        residual=problem.residual,
+        jacobian=lambda v: problem.jacobian(v, scales_of(problem.free, v)),
+        values=values,
+        lows=np.array([parameter.low for parameter in problem.free]),
+        highs=np.array([parameter.high for parameter in problem.free]),
     )
 
 

@@ -25,6 +25,7 @@ from app.fit.chain_transfer import ChainAt
 from app.fit.edges_in_picture import edges_in
 from app.fit.fit_result import result_of
 from app.fit.free_parameter import free_parameters
+from app.fit.picture_fit import refit_of
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.parsing import parse_network
@@ -120,7 +121,7 @@ def fitted(seed, rows=220, columns=330):
         ChainAt(engine, plan, [p.target for p in free]), work, free, choice.patches
     )
     fit = fit_chain(problem)
-    result = result_of(fit, problem.cost)
+    result = result_of(fit, problem.cost, refit_of(problem, fit.values))
     took = time.process_time() - start
     return truth, result, len(choice.patches), found, took
 

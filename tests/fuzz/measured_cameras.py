@@ -184,6 +184,7 @@ def fitted(network, picture, free, clip_levels=None):
     from app.fit.edges_in_picture import edges_in
     from app.fit.fit_result import result_of
     from app.fit.free_parameter import free_parameters
+    from app.fit.picture_fit import refit_of
     from core.chain.engine import Engine
     from core.errors import DataError
     from core.evaluation.policy import Policy
@@ -201,10 +202,7 @@ def fitted(network, picture, free, clip_levels=None):
     work = engine.work(Policy("single", None, 1))
     problem = EdgeProblem(chain, work, parameters, choice.patches)
     fit = fit_chain(problem)
-    try:
-        return result_of(fit, problem.cost)
-    except TypeError:  # without what tells parameters of one effect apart
-        return result_of(fit)
+    return result_of(fit, problem.cost, refit_of(problem, fit.values))
 
 
 def _fit(camera, picture, rng):
