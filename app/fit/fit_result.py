@@ -296,9 +296,13 @@ def _weak(
         if one.value is None or one.sigma is None:
             continue
         if one.sigma > _UNCERTAIN * abs(one.value):
+            share = (
+                f"{100.0 * one.sigma / abs(one.value):.0f} % of its value"
+                if one.sigma <= abs(one.value)
+                else "larger than its value"
+            )
             lines.append(
-                f"{one.port} is hardly determined: its standard error, {one.sigma:.2g}, is "
-                f"{100.0 * one.sigma / max(abs(one.value), 1e-300):.0f} % of its value"
+                f"{one.port} is hardly determined: its standard error, {one.sigma:.2g}, is {share}"
                 + ("; errors of the others hold with it near that value" if many else "")
             )
     for i, first in enumerate(parameters):
