@@ -81,7 +81,7 @@ def test_blur_and_registration_are_recovered(imagechain, scene):
     [
         (("other.npy",), "does not show the network's scene"),
         (("small.npy",), "the picture has 96 × 64 samples"),
-        (("taken.npy", "taken.npy"), "takes one picture, not 2"),
+        (("taken.npy", "other.npy"), "takes one picture, not 2"),
     ],
 )
 def test_what_is_no_picture_of_the_scene_is_refused(imagechain, scene, pictures, why):
