@@ -152,7 +152,9 @@ class SceneMatch:
         common = scipy.fft.irfft2(product, real.shape)
         rows, columns = real.shape
         row, column = np.unravel_index(int(np.argmax(common)), common.shape)
-        match = float(common[row, column]) / float(np.linalg.norm(real) * np.linalg.norm(made))
+        size = float(np.linalg.norm(real) * np.linalg.norm(made))
+        # A picture all of one level has nothing in common with any scene.
+        match = float(common[row, column]) / size if size > 0.0 else 0.0
         if not match > _LEAST_MATCH:
             raise DataError(
                 "the picture does not show the network's scene: their best correlation is "

@@ -193,3 +193,11 @@ def test_numbers_that_follow_the_eye_and_a_picture_given_twice_are_named(imagech
     assert "follow the eye" in second
     assert third.startswith("one picture is the same as another")
     assert "1 edge fitted" in done.stdout
+
+
+def test_a_picture_of_one_level_shows_no_known_scene(imagechain, files):
+    np.save(files / "level.npy", np.full((64, 64), 5.0))
+    words = ("--to", "level.npy", "--free", "blur.sigma_x_mrad", "--known-scene")
+    done = imagechain("fit", "net.json", *words)
+    assert done.returncode == 2
+    assert "does not show the network's scene" in done.stderr
