@@ -97,6 +97,8 @@ def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
         registered = problem.match.registered(problem.simulated(values), how)
         problem.match = problem.match.reweighted(problem.match.picture - registered)
         values, how, residual = _downhill(problem, values, how)
+    registered = problem.match.registered(problem.simulated(values), how)
+    problem.match.check_same_scene(problem.match.picture - registered, how)
     scene = problem.match.columns(problem.simulated(values), how)
     own, _ = np.linalg.qr(np.column_stack(scene))
     jacobian = np.column_stack(problem.columns(values, how))

@@ -26,6 +26,8 @@ _HIGH, _LINES, _LOW = 0.3, 0.05, 0.25  # cycles per sample
 _STILL = 1e-6  # of the largest sample: what single precision leaves
 _STEP = 0.02  # samples, for derivatives by place
 _LEAST_MATCH = 0.2  # correlation, below which the pictures are not of one scene
+_MOST_LEFT = 0.5  # of the picture's variance beyond noise, when all is fitted
+_MOST_SCALE = 2.0  # a corner of a scene, magnified, is like any edge
 
 
 @dataclass(frozen=True)
@@ -124,6 +126,33 @@ class SceneMatch:
         power[:, 0] = max(white, float(np.median(seen[down > _LINES, 0])) / math.log(2.0))
         power[0, :] = max(white, float(np.median(seen[0, across > _LINES])) / math.log(2.0))
         return SceneMatch(self.picture, power)
+
+    def check_same_scene(self, difference: Matrix, how: Registration) -> None:
+        """Refuse a fit that leaves most of the picture: another scene meets any by chance.
+
+        Raises
+        ------
+        DataError
+            If more than half of the picture's variance beyond noise is left, or the scene would
+            have to be of another size.
+        """
+        if not 1.0 / _MOST_SCALE <= how.scale <= _MOST_SCALE:
+            raise DataError(
+                "the picture does not show the network's scene: it is most like it "
+                f"{how.scale:.3g} times as large, of at most {_MOST_SCALE:g} times and at least "
+                f"{1.0 / _MOST_SCALE:g}; without --known-scene its edges are fitted"
+            )
+        noise = self.noise_sigma**2
+        whole = float(np.var(self.picture[self._window == 1.0])) - noise
+        left = float(np.var(difference[self._window == 1.0])) - noise
+        if left > _MOST_LEFT * max(whole, 0.0):
+            raise DataError(
+                "the picture does not show the network's scene: at the best place, "
+                f"{how.shift_x:.1f}, {how.shift_y:.1f} samples away and {how.scale:.3g} times as "
+                f"large, {100.0 * min(left / max(whole, 1e-300), 1.0):.0f} % of its contrast "
+                f"(variance) is left, of at most {100.0 * _MOST_LEFT:.0f} %; without "
+                "--known-scene its edges are fitted"
+            )
 
     def low_waves(self, residual: Vector) -> tuple[float, int]:
         """Sum of squares of the waves at which scenes have most, and how many there are."""

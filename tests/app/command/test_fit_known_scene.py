@@ -7,6 +7,8 @@ import json
 import numpy as np
 import pytest
 
+from app.fit.scene_match import Registration, SceneMatch
+from core.errors import DataError
 from edge_truth import blur_network
 
 SIZE, INTERVAL = 96, 0.1
@@ -49,6 +51,8 @@ def scene(tmp_path_factory):
     noise = np.random.default_rng(8).normal(0.0, 1.0, taken.shape)
     np.save(folder / "taken.npy", 250.0 * taken + 40.0 + noise)
     np.save(folder / "other.npy", np.random.default_rng(9).normal(100.0, 3.0, (SIZE, SIZE)))
+    unlike = 250.0 * (10.0 + spots(blur=(0.7, 1.1), seed=5)) + 40.0 + noise
+    np.save(folder / "unlike.npy", unlike)
     np.save(folder / "small.npy", np.random.default_rng(9).normal(100.0, 3.0, (64, SIZE)))
     return folder
 
@@ -80,6 +84,7 @@ def test_blur_and_registration_are_recovered(imagechain, scene):
     ("pictures", "why"),
     [
         (("other.npy",), "does not show the network's scene"),
+        (("unlike.npy",), "% of its contrast (variance) is left"),
         (("small.npy",), "the picture has 96 × 64 samples"),
         (("taken.npy", "other.npy"), "takes one picture, not 2"),
     ],
@@ -92,3 +97,12 @@ def test_what_is_no_picture_of_the_scene_is_refused(imagechain, scene, pictures,
     assert done.returncode == 2
     assert why in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_a_scene_of_another_size_is_refused():
+    picture = spots() + np.random.default_rng(3).normal(0.0, 0.01, (SIZE, SIZE))
+    match = SceneMatch(picture).reweighted(picture - spots())
+    for scale, why in ((2.1, "2.1 times as large, of at most 2"), (0.4, "at least 0.5")):
+        with pytest.raises(DataError, match=why):
+            match.check_same_scene(picture - spots(), Registration(0.0, 0.0, scale, 1.0, 0.0))
+    match.check_same_scene(picture - spots(), Registration(0.0, 0.0, 1.9, 1.0, 0.0))
