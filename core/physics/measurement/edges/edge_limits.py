@@ -64,11 +64,13 @@ def why_clipped(
                 f"clipped: both sides have the picture's extreme values with no noise, and the "
                 f"step between them has {noise / contrast:.2g} of the contrast"
             )
+    half = 0.5 * float(np.abs(samples.distance).max())
     for side, other, limit in ((dark, bright, extremes[0]), (bright, dark, extremes[1])):
         if len(side) == 0 or len(other) == 0:
             continue
-        noise = float(other.std() if side is bright else bright.std())
-        if noise < _NOISE_MATTERS * contrast:
+        # Near the edge a side without noise has the end of the step, which varies too.
+        far = samples.distance > half if other is bright else samples.distance < -half
+        if not far.any() or float(value[far].std()) < _NOISE_MATTERS * contrast:
             continue
         at_limit = int(np.count_nonzero(side == limit))
         values, counts = np.unique(side[side != limit], return_counts=True)

@@ -14,6 +14,7 @@ from core.physics.measurement.edges.edge_search import find_edges
 from core.physics.measurement.edges.picture_suspicions import row_shift
 from core.physics.measurement.edges.ridges.spread_out import spread_out
 from edge_pictures import edge_mtf, edge_picture
+from edge_truth import gaussian_edge
 
 FREQUENCY = np.linspace(0.0, 0.5, 26)
 
@@ -185,3 +186,10 @@ def test_lines_in_turn():
         shape=(100, 100),
     )
     assert order.tolist() == [1, 0, 3, 2, 4]
+
+
+def test_a_soft_edge_without_noise_is_not_clipped_where_its_sides_are_level():
+    """Its tail varies beside it, and beyond that every sample has the level's single number."""
+    picture = gaussian_edge(angle_deg=5.0, sigma=(1.8, 1.8), shape=(128, 128), levels=(40.5, 47.3))
+    (edge,) = find_edges(picture=picture.astype(np.float32).astype(float))
+    assert (edge.used, edge.why_not) == (True, "")
