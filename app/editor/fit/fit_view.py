@@ -25,6 +25,7 @@ from core.editing.operation import Operation, together
 from core.errors import ParameterError
 from core.modules.parameters import plain
 from core.network.network import Network
+from nodes.files.common.file_format import JSON
 
 Picture = Path | ViewerPicture
 _NO_PICTURE = "no picture"
@@ -381,4 +382,4 @@ def _full(picture: Picture) -> str:
 def _dropped(data: QMimeData) -> Path | None:
     """The picture file that is dragged; None of anything else."""
     paths = [Path(url.toLocalFile()) for url in data.urls() if url.isLocalFile()]
-    return paths[0] if len(paths) == 1 and paths[0].suffix.lower() != ".json" else None
+    return paths[0] if len(paths) == 1 and paths[0].suffix.lower() not in JSON.suffixes else None
