@@ -21,7 +21,7 @@ from app.fit.errors.edge_scatter import of_each_edge, widened_by_scatter
 from app.fit.free_parameter import FreeParameter
 from app.fit.misfit import FEWEST, Misfit, misfit_of
 from app.fit.noise_levels import NoiseProblem
-from app.fit.parameter_search import places, starts
+from app.fit.parameter_search import apart, hops, inner, middle_of, starts
 from app.fit.patch import Patch
 from app.fit.spread_table import SpreadTable, period_for
 from core.errors import Cancelled, DataError, ImagechainError
@@ -34,9 +34,7 @@ Watch = Callable[[tuple[Patch, ...], EdgesAt], None]
 _THIN, _THIN_EDGES = 200, 8  # samples of an edge, and edges, while a start is sought
 _STARTS, _FIRST, _LAST = 5, 10, 25  # starts; evaluations from each, and from the best
 _BEST = 3  # starts that are followed to the end
-_MANY, _HOP, _HOLD = 3, 1.7, 1e-4  # parameters, from which on others are looked for a factor away
-_MATTERS = 30.0  # of the sum of squares
-_DIFFERENT = 0.05  # of values, between solutions
+_HOLD = 1e-4  # of a scale, within which a parameter is held
 _RIVAL, _RIVAL_THIN = 12.0, 40.0  # of the sum of squares, within which another solution counts
 _SEED = 1996
 _STEP = 1e-3  # of a parameter's scale, for differences
@@ -133,7 +131,7 @@ class EdgeProblem:
         noise = self.noise_residual(values)
         shown, noisy = set(), set()
         for index, parameter in enumerate(self.free):
-            for other in (_MUCH * values[index], values[index] / _MUCH, *_inner(parameter)):
+            for other in (_MUCH * values[index], values[index] / _MUCH, *inner(parameter)):
                 changed = values.copy()
                 changed[index] = other
                 if not parameter.low <= other <= parameter.high or other == values[index]:
@@ -306,19 +304,19 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
 
     thin.freeze(begin[0])
     first = sorted((solved(thin, start, _FIRST) for start in begin), key=lambda pair: pair[1])
-    for start, held in _hops(free, first[0][0], thin.cost):
+    for start, held in hops(free, first[0][0], thin.cost):
         there, _ = solved(thin, start, _FIRST, held)
         first.append(solved(thin, there, _FIRST))
     first.sort(key=lambda pair: pair[1])
     near = [v for v, cost in first if 2.0 * (cost - first[0][1]) < _RIVAL_THIN]
     last = sorted(
-        (solved(thin, start, _LAST) for start in _apart(near)[:_BEST]), key=lambda pair: pair[1]
+        (solved(thin, start, _LAST) for start in apart(near)[:_BEST]), key=lambda pair: pair[1]
     )
     problem.freeze(last[0][0])
     ends = sorted(
         (
             solved(problem, start, _LAST)
-            for start in _apart([v for v, cost in last if 2.0 * (cost - last[0][1]) < _RIVAL_THIN])
+            for start in apart([v for v, cost in last if 2.0 * (cost - last[0][1]) < _RIVAL_THIN])
         ),
         key=lambda pair: pair[1],
     )
@@ -351,7 +349,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         tuple(end_of(p, float(v), float(s)) for p, v, s in zip(free, values, scales, strict=True)),
         problem.evaluations + thin.evaluations,
         unsigned,
-        tuple(_positive(problem, v)[0] for v in _apart(rivals)[1:]),
+        tuple(_positive(problem, v)[0] for v in apart(rivals)[1:]),
         problem.shown,
         rests_on,
     )
@@ -366,46 +364,6 @@ def _inside(free: Sequence[FreeParameter], values: Vector) -> float:
     )
 
 
-def _hops(
-    free: Sequence[FreeParameter], values: Vector, cost: Callable[[Vector], float]
-) -> list[tuple[Vector, int]]:
-    """Starts with one parameter away from a solution, to be held first.
-
-    So far away that it matters; the others may make up for it, and all go on from there to another
-    solution.
-    """
-    if len(free) < _MANY:
-        return []
-    here, hops = cost(values), []
-    for index, parameter in enumerate(free):
-        value = float(values[index])
-        grid = places(parameter)
-        upper = [value * _HOP, *grid[grid > value * _HOP]] if value > 0.0 else list(grid[grid > 0])
-        for trials in (upper, [value / _HOP]):
-            for trial in trials:
-                other = values.copy()
-                other[index] = trial
-                if not parameter.low < trial < parameter.high or trial == value:
-                    continue
-                if trials is not upper or cost(other) - here > _MATTERS:
-                    hops.append((other, index))
-                    break
-    return hops
-
-
-def _apart(solutions: Sequence[Vector]) -> list[Vector]:
-    """Those that differ, but for a sign, from all before them."""
-    chosen: list[Vector] = []
-    for one in solutions:
-        if all(
-            np.max(np.abs(np.abs(one) - np.abs(other)) / (np.abs(one) + np.abs(other) + 1e-300))
-            > _DIFFERENT
-            for other in chosen
-        ):
-            chosen.append(one)
-    return chosen
-
-
 def _positive(problem: EdgeProblem, values: Vector) -> tuple[Vector, tuple[int, ...]]:
     """Positive values where the sign changes nothing, as that of a defocus; and which these are."""
     unsigned = []
@@ -418,20 +376,6 @@ def _positive(problem: EdgeProblem, values: Vector) -> tuple[Vector, tuple[int, 
             unsigned.append(index)
             values = values if values[index] > 0.0 else other
     return values, tuple(unsigned)
-
-
-def middle_of(parameter: FreeParameter) -> float:
-    """A value well inside the range."""
-    now = parameter.present
-    if now is not None and now != 0.0 and parameter.low < now < parameter.high:
-        return now
-    grid = places(parameter)
-    return float(grid[len(grid) // 2])
-
-
-def _inner(parameter: FreeParameter) -> tuple[float, ...]:
-    grid = places(parameter)
-    return float(grid[len(grid) // 4]), float(grid[(3 * len(grid)) // 4])
 
 
 def scales_of(free: Sequence[FreeParameter], values: Vector) -> Vector:

@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.chain_fit import EdgeProblem, Watch, fit_chain, middle_of, scales_of
+from app.fit.chain_fit import EdgeProblem, Watch, fit_chain, scales_of
 from app.fit.chain_transfer import ChainAt, final_image, has_area, transfer_known
 from app.fit.edges_in_picture import EdgeChoice, edges_in
 from app.fit.errors.even_profile import Refit, refit_beside
 from app.fit.fit_result import FitResult, NoiseComparison, result_of
 from app.fit.free_parameter import FreeParameter
 from app.fit.noise_levels import NoiseLevels, NoiseProblem
+from app.fit.parameter_search import middle_of
 from app.fit.scene_fit import SceneProblem, fit_scene
 from app.measure.measurement_text import file_warnings, repeated_words
 from app.measure.measuring import measured_file
