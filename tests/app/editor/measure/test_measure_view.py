@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from app.editor.measure.edge_canvas import edge_look
 from app.editor.measure.measure_view import MeasureView
 from app.editor.theme import DARK, LIGHT
 from app.measure.edge_looks import REFUSED, REMOVED, USED
+from child_process import PATIENCE_S
 
 SIGMA = 0.8
 
@@ -110,7 +112,8 @@ def test_work_is_stopped_and_shows_nothing(view, qtbot):
     def job(check, _report):
         begun.set()
         try:
-            while True:
+            end = time.monotonic() + PATIENCE_S
+            while time.monotonic() < end:
                 check()
         finally:
             ended.set()

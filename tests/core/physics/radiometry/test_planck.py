@@ -32,15 +32,15 @@ def _fifty_digits():
 
 def tail(x, power):
     """Integral of t^power/(e^t - 1) from x to infinity."""
-    total, n, decay, ratio = mpf(0), 0, mpf(1), exp(-x)
+    total, decay, ratio = mpf(0), mpf(1), exp(-x)
     terms = [factorial(power) / factorial(power - j) * x ** (power - j) for j in range(power + 1)]
-    while True:
-        n += 1
+    for n in range(1, 1_000_000):
         decay *= ratio
         term = decay * sum(t / mpf(n) ** (j + 1) for j, t in enumerate(terms))
         total += term
         if term < total * mpf(10) ** -40:
             return total
+    raise AssertionError(f"the sum from {x} does not end")
 
 
 def limits(cut_on, cut_off, temperature):
