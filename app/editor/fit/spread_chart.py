@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from PySide6.QtWidgets import QWidget
 
 from app.editor.fit.fit_job import DrawnEdge
 from app.editor.panels.illustrations.painting.axes import Axis
 from app.editor.panels.illustrations.painting.chart import Chart
+from app.editor.panels.illustrations.painting.chart_widget import ChartWidget
 from app.editor.theme import Theme
 
 _MOST = 3000  # samples that are drawn
@@ -17,49 +18,26 @@ _LOW, _HIGH = -0.2, 1.2  # of the step
 _DOT = 2.0  # pixels
 
 
-class SpreadChart(QWidget):
+class SpreadChart(ChartWidget):
     """Draws samples as dots and the chain's spread as a line, over the distance from the edge."""
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+        super().__init__(theme, width=24, height=14, parent=parent)
         self.setObjectName("fit.spread")
         self.setAccessibleName("Samples of the edge and the chain's spread")
         self.setToolTip(
             "Samples of the picture across the edge, from its dark level 0 to its bright one 1, "
             "and what the chain gives there"
         )
-        self._theme = theme
         self.edge: DrawnEdge | None = None
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self._theme = theme
-        self.update()
 
     def show_edge(self, edge: DrawnEdge | None) -> None:
         """Draw an edge; None draws an empty chart."""
         self.edge = edge
         self.update()
 
-    def sizeHint(self) -> QSize:
-        """Room for a chart."""
-        line = self.fontMetrics().height()
-        return QSize(24 * line, 14 * line)
-
-    def minimumSizeHint(self) -> QSize:
-        """Room for a small one."""
-        line = self.fontMetrics().height()
-        return QSize(10 * line, 7 * line)
-
-    def paintEvent(self, _event: QPaintEvent) -> None:
+    def draw(self, painter: QPainter, area: QRectF) -> None:
         """Draw the chart."""
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(self._theme.base))
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        font = painter.font()
-        font.setPointSizeF(0.9 * font.pointSizeF())
-        painter.setFont(font)
-        area = QRectF(self.rect()).adjusted(4, 2, -4, -2)
         edge = self.edge
         reach = 8.0 if edge is None else max(1.0, float(np.abs(edge.distance).max(initial=0.0)))
         x = Axis(-reach, reach, "distance from the edge (samples)")
@@ -67,7 +45,6 @@ class SpreadChart(QWidget):
         chart = Chart(painter, area, x, y, self._theme)
         if edge is not None:
             self._paint(painter, chart, edge, x, y)
-        painter.end()
 
     def _paint(self, painter: QPainter, chart: Chart, edge: DrawnEdge, x: Axis, y: Axis) -> None:
         samples, line = self._theme.faint_text, self._theme.curves[0]

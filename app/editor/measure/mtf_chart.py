@@ -6,12 +6,13 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPolygonF
+from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPolygonF
 from PySide6.QtWidgets import QWidget
 
 from app.editor.panels.illustrations.painting.axes import Axis
 from app.editor.panels.illustrations.painting.chart import Chart
+from app.editor.panels.illustrations.painting.chart_widget import ChartWidget
 from app.editor.theme import Theme
 from app.measure.edge_looks import USED
 
@@ -24,7 +25,7 @@ _ERRORS = 2.0  # standard errors, of a band
 _DASH = Qt.PenStyle.DashLine
 
 
-class MtfChart(QWidget):
+class MtfChart(ChartWidget):
     """Draws MTF against cycles per sample, across in full, along dashed.
 
     Signals
@@ -36,7 +37,7 @@ class MtfChart(QWidget):
     read = Signal(str)
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
+        super().__init__(theme, width=20, height=13, parent=parent)
         self.setObjectName("measure.mtf")
         self.setAccessibleName("MTF against frequency")
         self.setToolTip(
@@ -44,46 +45,22 @@ class MtfChart(QWidget):
             "the chosen edge along its normal"
         )
         self.setMouseTracking(True)
-        self._theme = theme
         self._measured: PictureMeasurement | None = None
         self._edge: MeasuredEdge | None = None
         self._frame = QRectF()
-
-    def set_theme(self, theme: Theme) -> None:
-        """Draw in other colours."""
-        self._theme = theme
-        self.update()
 
     def show_measured(self, measured: PictureMeasurement | None, edge: MeasuredEdge | None) -> None:
         """Draw the pooled curves of a measurement, and the curve of one of its edges."""
         self._measured, self._edge = measured, edge
         self.update()
 
-    def sizeHint(self) -> QSize:
-        """Room for a chart."""
-        line = self.fontMetrics().height()
-        return QSize(20 * line, 13 * line)
-
-    def minimumSizeHint(self) -> QSize:
-        """Room for a small one."""
-        line = self.fontMetrics().height()
-        return QSize(10 * line, 7 * line)
-
-    def paintEvent(self, _event: QPaintEvent) -> None:
+    def draw(self, painter: QPainter, area: QRectF) -> None:
         """Draw the chart."""
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(self._theme.base))
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        font = painter.font()
-        font.setPointSizeF(0.9 * font.pointSizeF())
-        painter.setFont(font)
-        area = QRectF(self.rect()).adjusted(4, 2, -4, -2)
         x = Axis(0.0, 1.0, "frequency (cycles/sample)")
         chart = Chart(painter, area, x, Axis(0.0, _HIGHEST, "MTF"), self._theme)
         self._frame = chart.frame
         measured = self._measured
         if measured is None:
-            painter.end()
             return
         chart.upright(_NYQUIST, "Nyquist")
         legend: list[tuple[str, str, Qt.PenStyle]] = []
@@ -104,7 +81,6 @@ class MtfChart(QWidget):
             flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
             inside = chart.frame.adjusted(6, 4, -6, -4).toRect()
             painter.drawText(inside, int(flags), "No edge could be used")
-        painter.end()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Read the curves under the mouse."""
