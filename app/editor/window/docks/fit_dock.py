@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 from PySide6.QtCore import QObject, Qt
-from PySide6.QtWidgets import QDialog, QFileDialog, QMainWindow
+from PySide6.QtWidgets import QMainWindow
 
 from app.editor.fit.fit_view import FitView
 from app.editor.session import Session
@@ -14,8 +13,7 @@ from app.editor.theme import Theme
 from app.editor.window.docks.dock_places import add_dock
 from app.editor.window.docks.measure_dock import MeasureDock
 from app.editor.window.docks.viewer_docks import ViewerDocks
-from nodes.files.common.file_format import dialog_filter
-from nodes.files.formats import PICTURES
+from app.editor.window.documents.picture_dialog import choose_picture
 
 
 class FitDock(QObject):
@@ -77,19 +75,9 @@ class FitDock(QObject):
 
     def choose_file(self) -> None:
         """Ask the person for a picture."""
-        formats = [one for one in PICTURES if one.suffixes]
-        kinds = ";;".join((dialog_filter("Pictures and frames", *formats), "All files (*)"))
-        for other in self._window.findChildren(QDialog, "fit_dialog"):
-            other.reject()
-        dialog = QFileDialog(self._window, "Fit to a picture", str(Path.cwd()), kinds)
-        dialog.setObjectName("fit_dialog")
-        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
-        dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
-        dialog.fileSelected.connect(lambda text: self.view.choose_picture(Path(text)))
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.setModal(False)
-        dialog.show()
-        dialog.activateWindow()
+        choose_picture(
+            self._window, "Fit to a picture", name="fit_dialog", chosen=self.view.choose_picture
+        )
 
     def _shown(self, on: bool) -> None:
         if on:

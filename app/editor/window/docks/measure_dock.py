@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Qt
-from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QMainWindow
+from PySide6.QtWidgets import QApplication, QMainWindow
 
 from app.editor.measure.measure_view import MeasureView
 from app.editor.measure.viewer_pictures import picture_of, shown_in
@@ -14,10 +14,10 @@ from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.window.docks.dock_places import add_dock
 from app.editor.window.docks.viewer_docks import ViewerDocks
+from app.editor.window.documents.picture_dialog import choose_picture, show_beside
 from app.editor.window.documents.save_dialog import SaveDialog
 from core.errors import UsageError
 from nodes.files.common.file_format import CSV, HTML, JSON, dialog_filter
-from nodes.files.formats import PICTURES
 
 _KINDS = ";;".join(
     (dialog_filter("Page", HTML), dialog_filter("Everything", JSON), dialog_filter("MTF", CSV))
@@ -94,14 +94,10 @@ class MeasureDock(QObject):
 
     def choose_file(self) -> None:
         """Ask the person for a picture."""
-        formats = [one for one in PICTURES if one.suffixes]
-        kinds = ";;".join((dialog_filter("Pictures and frames", *formats), "All files (*)"))
-        dialog = QFileDialog(self._window, "Measure a picture", str(Path.cwd()), kinds)
-        dialog.setObjectName("measure_dialog")
-        dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
-        dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
-        dialog.fileSelected.connect(lambda text: self.view.measure_file(Path(text)))
-        self._show(dialog)
+        choose_picture(
+            self._window, "Measure a picture", name="measure_dialog",
+            chosen=self.view.measure_file,
+        )  # fmt: skip
 
     def choose_target(self) -> None:
         """Ask the person where the results go."""
@@ -110,7 +106,7 @@ class MeasureDock(QObject):
         dialog.setDefaultSuffix(HTML.suffixes[0].removeprefix("."))
         dialog.selectFile("measured.html")
         dialog.fileSelected.connect(lambda text: self.view.export(Path(text)))
-        self._show(dialog)
+        show_beside(self._window, dialog)
 
     def _list_viewers(self) -> None:
         menu = self.view.viewer.menu()
@@ -126,13 +122,3 @@ class MeasureDock(QObject):
 
     def _measure_listed(self, number: int, _checked: bool = False) -> None:
         self.measure_viewer(number)
-
-    def _show(self, dialog: QDialog) -> None:
-        """Show it beside the work, in the place of another of its kind."""
-        for other in self._window.findChildren(QDialog, dialog.objectName()):
-            if other is not dialog:
-                other.reject()
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.setModal(False)
-        dialog.show()
-        dialog.activateWindow()
