@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent
 from PySide6.QtWidgets import (
-    QAbstractItemView,
     QHeaderView,
     QTableWidgetItem,
     QTreeWidget,
@@ -134,18 +133,7 @@ class FigureTable(CopiedTable):
         super().__init__(0, len(_FIGURE_HEADS), parent)
         self.setObjectName("measure.figures")
         self.setAccessibleName("Figures of MTF and noise; Ctrl+C copies them")
-        self.setHorizontalHeaderLabels(list(_FIGURE_HEADS))
-        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
-        self.setTabKeyNavigation(False)
-        self.setShowGrid(False)
-        self.setWordWrap(True)
-        self.verticalHeader().hide()
-        self.verticalHeader().setMinimumSectionSize(self.fontMetrics().height() + 4)
-        head = self.horizontalHeader()
-        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
-        head.setHighlightSections(False)
+        self.list_figures(_FIGURE_HEADS)
         self._theme = theme
         self._rows: tuple[tuple[str, str, str], ...] = ()
 

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QColor
 from PySide6.QtWidgets import (
-    QAbstractItemView,
-    QHeaderView,
     QTableWidgetItem,
     QWidget,
 )
@@ -37,19 +35,8 @@ class DifferenceTable(CopiedTable):
         self.setObjectName("snapshots.figures")
         self.setAccessibleName("Figures of A and B; Ctrl+C copies them")
         self.setToolTip("Figures of the snapshot, A, and of the network now, B")
-        self.setHorizontalHeaderLabels(list(_HEADS))
-        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
-        self.setTabKeyNavigation(False)
-        self.setShowGrid(False)
-        self.setWordWrap(True)
-        self.verticalHeader().hide()
-        self.verticalHeader().setMinimumSectionSize(self.fontMetrics().height() + 4)
-        head = self.horizontalHeader()
-        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        head.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
-        head.setHighlightSections(False)
-        head.setMinimumSectionSize(4 * self.fontMetrics().averageCharWidth())
+        self.list_figures(_HEADS)
+        self.horizontalHeader().setMinimumSectionSize(4 * self.fontMetrics().averageCharWidth())
         copy = QAction("&Copy", self)
         copy.setObjectName("snapshots.copy")
         copy.triggered.connect(self.copy)
