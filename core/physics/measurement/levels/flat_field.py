@@ -105,7 +105,8 @@ class FlatFrames:
         samples = frame.astype(np.float64)
         self._whole = self._whole and bool((samples == np.rint(samples)).all())
         self._least = min(self._least, float(samples.min()))
-        level = float(np.median(samples))  # a lamp flickers: whole frames differ
+        # A lamp flickers: whole frames differ. (A median of whole numbers would jump by one.)
+        level = float(samples.mean())
         samples -= level
         self._levels += level
         self._frames += 1
@@ -129,6 +130,7 @@ class FlatFrames:
         drift = self._sum / n
         means = self._first + drift + self._levels / n
         variances = (self._squares - n * drift**2) / (n - 1)
+        variances *= variances.size / max(variances.size - 1, 1)  # each frame's mean took a share
         good = _near(means)
         pixels = int(np.count_nonzero(good))
         temporal = float(variances[good].mean())

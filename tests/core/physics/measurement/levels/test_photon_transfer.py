@@ -134,6 +134,24 @@ def test_two_frames_of_a_level_do():
     assert made.gain_e_per_dn == pytest.approx(4.0, rel=4 * 0.006)
 
 
+@pytest.mark.parametrize("offset", [40.0, 40.25, 40.5])
+@pytest.mark.parametrize("noise", [0.5, 0.85, 5.0])
+def test_temporal_noise_where_the_level_lies_between_two_whole_numbers(noise, offset):
+    """Bennett's rounding, 1/12, holds within 3e-2 from 0.5 on; σ² is known to √(2/760,000)."""
+    random = np.random.default_rng(11)
+    taken = FlatFrames(200, 200)
+    frames = [np.rint(offset + noise * random.standard_normal((200, 200))) for _ in range(20)]
+    for frame in frames:
+        taken.add(frame)
+    pairs = [  # EMVA 1288: half the variance of the difference of two frames
+        0.5 * np.var(first - second)
+        for first, second in zip(frames[::2], frames[1::2], strict=True)
+    ]
+    measured = taken.measured()
+    assert measured.temporal_dn2 == pytest.approx(float(np.mean(pairs)), rel=0.012)
+    assert measured.temporal_dn2 == pytest.approx(noise**2 + 1 / 12, rel=0.03)
+
+
 def test_dark_frames_that_end_at_zero_count_for_nothing():
     """Of read noise of 6 numbers about 2, half of what is below is cut off."""
     camera = Camera(offset=2.0)
@@ -176,7 +194,8 @@ def test_a_level_without_noise_is_a_point_of_the_line():
     still = np.ones((8, 40, 50))
     noisy = np.rint(np.random.default_rng(3).normal(150.0, 6.0, (8, 40, 50)))
     found = photon_transfer(levels=[measured(still), measured(noisy)])
-    variance = noisy.var(axis=0, ddof=1).mean() - 1 / 12
+    own = noisy - noisy.mean(axis=(1, 2), keepdims=True)  # whole frames have levels of their own
+    variance = own.var(axis=0, ddof=1).mean() * 2000 / 1999 - 1 / 12
     assert found.gain_e_per_dn == pytest.approx((noisy.mean() - 1.0) / variance, rel=1e-6)
 
 
