@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from functools import partial
 
-from app.measure.measurement_text import figure_rows, frame_rows, refused_lines, remarks
+from app.measure.measurement_text import figure_rows, flat_rows, frame_rows, refused_lines, remarks
 from app.measure.measurement_writing import measurement_text
 from app.measure.measuring import MeasurePlan, measure_files
 from app.options.command_options import Options
@@ -52,6 +52,7 @@ def measure(options: Options, cancel: threading.Event | None = None) -> None:
             check()
             staging.write(path, partial(write_text, content=measurement_text(measured, path)))
         staging.commit()
-    print(columns([*figure_rows(measured), *frame_rows(measured)], right=(1,)))
+    rows = [*figure_rows(measured), *frame_rows(measured), *flat_rows(measured)]
+    print(columns(rows, right=(1,)))
     for line in (*remarks(measured), *refused_lines(measured)):
         print(in_line(line))

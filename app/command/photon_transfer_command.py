@@ -5,13 +5,13 @@ from __future__ import annotations
 import csv
 import io
 import json
-import math
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from app.measure.photon_transfer_rows import transfer_rows
 from app.options.command_options import Options
 from app.options.progress import Progress
 from app.run.readout_tables import columns, number_text
@@ -25,7 +25,6 @@ from nodes.files.common.file_format import JSON
 from nodes.files.frames.frame_reading import FrameFile, open_frames
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
-Row = tuple[str, float | None, str, str]
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,8 @@ def measure_photon_transfer(options: Options, cancel: threading.Event | None = N
             staging.write(path, partial(write_text, content=text))
         staging.commit()
     figures = [
-        (name, number_text(value), unit, meaning) for name, value, unit, meaning in _rows(curve)
+        (name, number_text(value), unit, meaning)
+        for name, value, unit, meaning in transfer_rows(curve)
     ]
     print(columns(figures, right=(1,)), end="\n\n")
     print(columns([_LEVEL_HEAD, *_levels(made)], right=(1, 2, 3, 4)))
@@ -97,24 +97,6 @@ def _field(file: FrameFile, progress: Progress, cancel: threading.Event | None) 
             raise Cancelled("stopped on request")
         taken.add(frame)
     return taken.measured()
-
-
-def _rows(curve: PhotonTransfer) -> list[Row]:
-    decibels = None
-    if curve.full_well_e and curve.read_noise_e:
-        decibels = 20.0 * math.log10(curve.full_well_e / curve.read_noise_e)
-    return [
-        ("gain_e_per_dn", curve.gain_e_per_dn, "e-/DN", "electrons of one digital number"),
-        ("gain_error", curve.gain_error, "e-/DN", "its standard error"),
-        ("offset_dn", curve.offset_dn, "DN", "number of no electrons"),
-        ("read_noise_e", curve.read_noise_e, "e-", "temporal noise in the dark, less rounding"),
-        ("read_noise_error", curve.read_noise_error, "e-", "its standard error"),
-        ("full_well_e", curve.full_well_e, "e-", "level of saturation"),
-        ("brightest_e", curve.brightest_e, "e-", "the brightest level"),
-        ("dynamic_range_dB", decibels, "dB", "full well over read noise"),
-        ("dsnu_e", curve.dsnu_e, "e-", "fixed pattern in the dark"),
-        ("prnu_percent", curve.prnu_percent, "%", "fixed pattern that grows with the signal"),
-    ]
 
 
 _LEVEL_HEAD = ("file", "frames", "mean (DN)", "temporal σ² (DN²)", "fixed σ² (DN²)", "")
@@ -164,7 +146,7 @@ def _json(made: Measured) -> str:
     content = {
         "format": "imagechain-photon-transfer",
         "version": 1,
-        "figures": {name: value for name, value, _, _ in _rows(made.curve)},
+        "figures": {name: value for name, value, _, _ in transfer_rows(made.curve)},
         "dark_cut_off": made.curve.dark_cut_off,
         "levels": [
             {
@@ -191,7 +173,7 @@ def _csv(made: Measured) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(("name", "value", "unit", "meaning"))
-    for name, value, unit, meaning in _rows(made.curve):
+    for name, value, unit, meaning in transfer_rows(made.curve):
         writer.writerow((name, "" if value is None else repr(value), unit, meaning))
     for path, field in made.files:
         writer.writerow((f"{path.name}: mean_dn", repr(field.mean_dn), "DN", "mean of a level"))

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from app.measure.measurement_text import TEMPORAL
+from app.measure.photon_transfer_rows import transfer_rows
 from app.measure.picture_measurement import (
     FlatCurve,
     MeasuredEdge,
@@ -189,16 +190,7 @@ def _flats(flats: FlatCurve | None, reason: str) -> Json:
         return {"reason": reason}
     curve = flats.curve
     return {
-        **_given(
-            gain_e_per_dn=curve.gain_e_per_dn,
-            gain_error=curve.gain_error,
-            offset_dn=curve.offset_dn,
-            read_noise_e=curve.read_noise_e,
-            read_noise_error=curve.read_noise_error,
-            full_well_e=curve.full_well_e,
-            dsnu_e=curve.dsnu_e,
-            prnu_percent=curve.prnu_percent,
-        ),
+        **_given(**{name: value for name, value, _, _ in transfer_rows(curve)}),
         "levels": [
             {
                 "file": str(path),

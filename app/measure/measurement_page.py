@@ -8,12 +8,13 @@ from pathlib import Path
 from app.measure.measurement_drawing import edges_png, levels_png, mtf_png
 from app.measure.measurement_text import (
     figure_rows,
+    flat_rows,
     frame_rows,
     kind_of,
     remarks,
     with_error,
 )
-from app.measure.picture_measurement import FlatCurve, MeasuredEdge, PictureMeasurement
+from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
 from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
@@ -42,7 +43,7 @@ def measurement_page(measured: PictureMeasurement) -> str:
         *_mtf(measured),
         *_levels(measured),
         *_noise(measured),
-        *_flats(measured.flats),
+        *_flats(measured),
         *_edge_tables(measured),
     ]
     return html_page(title, blocks)
@@ -130,17 +131,11 @@ def _noise(measured: PictureMeasurement) -> list[Block]:
     ]
 
 
-def _flats(flats: FlatCurve | None) -> list[Block]:
+def _flats(measured: PictureMeasurement) -> list[Block]:
+    flats = measured.flats
     if flats is None:
         return []
     curve = flats.curve
-    rows = [
-        ("gain", with_error(curve.gain_e_per_dn, curve.gain_error), "e-/DN"),
-        ("read noise", with_error(curve.read_noise_e, curve.read_noise_error), "e-"),
-        ("full well", number(curve.full_well_e), "e-"),
-        ("DSNU", number(curve.dsnu_e), "e-"),
-        ("PRNU", number(curve.prnu_percent), "%"),
-    ]
     levels = [
         (path.name, number(_short(field.mean_dn)), number(_short(field.temporal_dn2)),
          "saturated" if saturated else "" if used else "not in the line")
@@ -150,7 +145,7 @@ def _flats(flats: FlatCurve | None) -> list[Block]:
     ]  # fmt: skip
     return [
         Heading(2, "Photon transfer of the flat fields"),
-        Grid(("figure", "value", "unit"), rows, numbers=(1,)),
+        Grid(("figure", "value", "unit", "meaning"), flat_rows(measured), numbers=(1,)),
         Grid(("file", "mean (DN)", "temporal σ² (DN²)", ""), levels, numbers=(1, 2)),
     ]
 

@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
+from app.measure.photon_transfer_rows import transfer_rows
 from app.measure.picture_measurement import (
     MeasuredFile,
     MtfCurve,
@@ -101,6 +102,17 @@ def frame_rows(measured: PictureMeasurement) -> list[Row]:
         text = number_text(float(f"{sigma:.4g}"))
         rows.append((f"sigma_{name}", text, measured.unit, meaning))
     return rows
+
+
+def flat_rows(measured: PictureMeasurement) -> list[Row]:
+    """The figures of the photon transfer curve of flat fields; what they do not show is absent."""
+    if measured.flats is None:
+        return []
+    return [
+        (name, number_text(float(f"{value:.6g}")), unit, meaning)
+        for name, value, unit, meaning in transfer_rows(measured.flats.curve)
+        if value is not None
+    ]
 
 
 def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:

@@ -424,10 +424,12 @@ def photon_transfer_words(parser: argparse.ArgumentParser) -> None:
     add: Any = parser.add_argument
     parser.description = (
         "Measure a camera, real or simulated, by its photon transfer curve (Janesick 2007; EMVA "
-        "1288): the temporal variance of pixels rises with their mean by 1/K of it, K electrons "
-        "of a digital number. The slope gives the gain; its foot at the level of no electrons the "
-        "read noise, less rounding; the level beyond which the variance collapses the full well; "
-        "the variance among pixels DSNU and PRNU."
+        "1288): the temporal variance of pixels rises with their mean; the inverse of the slope is the "
+        "gain, electrons of a digital number; its foot at the level of no electrons the read "
+        "noise, less rounding; the level beyond which the variance collapses the full well; the "
+        "variance among pixels DSNU and PRNU. What EMVA 1288 defines otherwise stands beside: K "
+        "(DN of an electron), saturation capacity, sensitivity threshold, dynamic range, SNR max, "
+        "DSNU and PRNU by rows, columns and pixels."
     )
     parser.epilog = (
         "Take five levels or more, from near the dark to beyond saturation, of a uniform field, "

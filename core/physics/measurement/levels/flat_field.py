@@ -39,6 +39,9 @@ class FlatField:
     structure_dn2 : float
         Variance of what is wider than 8 pixels, beyond what unlike pixels, rows and columns leave
         there; 0 of frames below 32 × 32 pixels.
+    rows_dn2, columns_dn2 : float
+        Parts of `fixed_dn2` that whole rows, and whole columns, have of their own: unbiased, and
+        below 0 by chance where there is next to nothing.
     """
 
     mean_dn: float
@@ -50,6 +53,13 @@ class FlatField:
     whole_numbers: bool
     least_dn: float
     structure_dn2: float = 0.0
+    rows_dn2: float = 0.0
+    columns_dn2: float = 0.0
+
+    @property
+    def single_pixels_dn2(self) -> float:
+        """Part of the fixed pattern that is neither of whole rows nor of whole columns."""
+        return self.fixed_dn2 - self.rows_dn2 - self.columns_dn2
 
     @property
     def structure_share(self) -> float:
@@ -135,6 +145,7 @@ class FlatFrames:
         pixels = int(np.count_nonzero(good))
         temporal = float(variances[good].mean())
         fixed = float(np.var(means[good], ddof=1)) - temporal / n if pixels > 1 else 0.0
+        usual = np.where(good, means, np.median(means))
         return FlatField(
             float(means[good].mean()),
             temporal,
@@ -144,7 +155,8 @@ class FlatFrames:
             good.size - pixels,
             self._whole,
             self._least,
-            structure_variance(np.where(good, means, np.median(means))),
+            structure_variance(usual),
+            *line_variances(usual),
         )
 
 
@@ -182,6 +194,37 @@ def structure_variance(means: NDArray[np.float64]) -> float:
     chance = white * _FAR * math.sqrt(2.0 / min(blocks.shape))
     structure = float(np.var(blocks)) - white
     return structure if structure > chance else 0.0
+
+
+def line_variances(means: NDArray[np.float64]) -> tuple[float, float]:
+    """Variances that whole rows, and whole columns, have of their own.
+
+    Parameters
+    ----------
+    means : ndarray, shape (rows, columns)
+        A uniform field, each pixel's mean in time.
+
+    Returns
+    -------
+    tuple of float
+        Of rows and of columns; 0 where there is a single one.
+
+    Notes
+    -----
+    Means of rows also differ by what single pixels leave in them, 1/columns of their variance,
+    which follows from what is left without row and column means (EMVA 1288, release 4, splits
+    DSNU and PRNU so; Searle, Casella and McCulloch 1992, section 4.3).
+    """
+    rows, columns = means.shape
+    if min(rows, columns) < 2:
+        return 0.0, 0.0
+    of_rows, of_columns = means.mean(axis=1), means.mean(axis=0)
+    left = means - of_rows[:, np.newaxis] - of_columns + means.mean()
+    single = float(np.vdot(left, left)) / ((rows - 1) * (columns - 1))
+    return (
+        float(np.var(of_rows, ddof=1)) - single / columns,
+        float(np.var(of_columns, ddof=1)) - single / rows,
+    )
 
 
 def _near(means: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -5,7 +5,8 @@ electron: σ² = σ_read² + (μ − offset)/K in digital numbers, K electrons o
 gain K, its foot the read noise, the level at which it collapses the full well.
 
 Source: Janesick 2007, Photon Transfer, chapters 4 and 5; EMVA Standard 1288, release 3.1 (2016),
-sections 2, 6 and 8. The numbers of their equations could not be checked.
+sections 2, 6 and 8. The numbers of their equations could not be checked. Janesick's K is the gain
+here, electrons of a number; that of EMVA 1288 is its inverse.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import DataError
+from core.physics.measurement.levels.emva_figures import EmvaFigures, emva_figures, prnu_percent
 from core.physics.measurement.levels.flat_field import FlatField
 
 Vector = NDArray[np.float64]
@@ -49,6 +51,8 @@ class PhotonTransfer:
         Which levels the straight line is fitted to, and which are saturated.
     dark_cut_off : bool
         Whether the dark frames end at the converter's zero, so that they count for nothing.
+    emva : EmvaFigures
+        What EMVA 1288 defines otherwise, or beside these.
     """
 
     gain_e_per_dn: float
@@ -63,6 +67,7 @@ class PhotonTransfer:
     used: tuple[bool, ...]
     saturated: tuple[bool, ...]
     dark_cut_off: bool
+    emva: EmvaFigures
 
 
 def photon_transfer(
@@ -136,6 +141,14 @@ def photon_transfer(
         tuple(map(bool, used)),
         tuple(map(bool, saturated)),
         cut_off,
+        emva_figures(
+            levels=levels,
+            dark=dark,
+            gain_e_per_dn=gain,
+            offset_dn=zero,
+            used=used,
+            saturated=saturated,
+        ),
     )
 
 
@@ -223,15 +236,5 @@ def _fixed(
     if dark is None:
         return None, None
     lit = [level for level, taken in zip(levels, used, strict=True) if taken]
-    signal = np.array([level.mean_dn - dark.mean_dn for level in lit])
-    squares = np.array([level.fixed_dn2 - dark.fixed_dn2 for level in lit])
     dsnu = gain * math.sqrt(max(dark.fixed_dn2, 0.0))
-    weights = (
-        np.array([level.pixels for level in lit])
-        / np.maximum(
-            np.array([level.fixed_dn2 + level.temporal_dn2 / level.frames for level in lit]), 1e-12
-        )
-        ** 2
-    )
-    square = float(np.sum(weights * signal**2 * squares) / np.sum(weights * signal**4))
-    return dsnu, 100.0 * math.sqrt(max(square, 0.0))
+    return dsnu, prnu_percent(lit, dark, lambda field: field.fixed_dn2)
