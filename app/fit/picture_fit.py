@@ -21,10 +21,11 @@ from app.fit.scene_fit import SceneProblem, fit_scene
 from app.measure.measurement_text import file_warnings, repeated_words
 from app.measure.measuring import measured_file
 from app.measure.picture_loading import is_repeated, open_picture
-from app.measure.picture_measurement import MeasuredFile
+from app.measure.picture_measurement import WITH_LOSS, MeasuredFile
 from core.chain.engine import Engine, Plan
 from core.errors import Cancelled, DataError, ImagechainError, UsageError
 from core.evaluation.work import Work
+from core.physics.measurement.edges.picture_suspicions import why_no_picture
 from core.physics.measurement.noise.picture_noise import noise_of_picture
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
@@ -67,7 +68,7 @@ def read_pictures(paths: Sequence[Path]) -> FittedPictures:
     Raises
     ------
     ImagechainError
-        If one cannot be read.
+        If one cannot be read, or its format leaves out fine detail.
     """
     names, samples, limits = [], [], None
     files: list[MeasuredFile] = []
@@ -75,6 +76,11 @@ def read_pictures(paths: Sequence[Path]) -> FittedPictures:
     repeated = 0
     for path in paths:
         file = open_picture(path)
+        if file.is_lossy:
+            raise DataError(
+                f"{path}: {WITH_LOSS}, and nothing is fitted to it; give the picture as the camera "
+                "stores it without loss"
+            )
         files.append(measured_file(file))
         limits = limits or file.limits
         for number, picture in enumerate(file.pictures()):
@@ -170,13 +176,17 @@ def fit_known_scene(
     Raises
     ------
     ImagechainError
-        If the picture is not of the network's size, shows another scene, or there are several.
+        If the picture is not of the network's size, shows another scene, is interlaced or was
+        compressed in blocks, or there are several.
     """
     if len(pictures.samples) != 1:
         raise UsageError(
             f"--known-scene takes one picture, not {len(pictures.samples)}: each has a place of "
             "its own in the scene"
         )
+    reason = why_no_picture(picture=pictures.samples[0])
+    if reason:
+        raise DataError(f"{pictures.text}: {reason}")
     report("noise")
     chain = ChainAt(engine, plan, [parameter.target for parameter in free])
     problem = SceneProblem(chain, work, free, pictures.samples[0])

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from app.measure.measurement_text import TEMPORAL
+from app.measure.measurement_text import TEMPORAL, file_warnings
 from app.measure.photon_transfer_rows import transfer_rows
 from app.measure.picture_measurement import (
     FlatCurve,
@@ -52,6 +52,9 @@ def measurement_json(measured: PictureMeasurement) -> str:
     }
     if measured.picture_count > 1:
         content["frames"] = _frames(measured.frames, measured.frames_reason)
+    warnings = file_warnings(measured.files)
+    if warnings:
+        content["warnings"] = warnings
     if measured.repeated:
         content["repeated"] = list(measured.repeated)
     if measured.flats is not None or measured.flats_reason:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from app.measure.photon_transfer_rows import transfer_rows
 from app.measure.picture_measurement import (
+    WITH_LOSS,
     MeasuredFile,
     MtfCurve,
     NoiseFigures,
@@ -22,6 +23,10 @@ TEMPORAL = {
     "t": "of whole frames from one to the next",
     "tv": "of rows from frame to frame",
     "th": "of columns from frame to frame",
+}
+_GAMMA = {
+    "usual": "numbers of 8 bits of this format usually follow the eye, not the light",
+    "possible": "numbers of 8 bits may follow the eye, not the light",
 }
 _MOST_REASONS = 8
 _FEW = 2  # edges, that others do not confirm
@@ -118,14 +123,13 @@ def flat_rows(measured: PictureMeasurement) -> list[Row]:
 def file_warnings(files: Sequence[MeasuredFile]) -> list[str]:
     """What of the files' formats makes their numbers other than the camera's."""
     lines = [
-        f"{file.name}: numbers of 8 bits of this format usually follow the eye, not the "
-        "light: the MTF is that of these numbers"
+        f"{file.name}: {_GAMMA[file.gamma]}: they are taken as linear, and where the camera has "
+        "applied a gamma, the figures are not the camera's"
         for file in files
-        if file.is_encoded
+        if file.gamma and not file.is_lossy
     ]
     lines += [
-        f"{file.name}: compressed with loss, which changes fine detail and hides noise: "
-        "what is measured is the compressed picture, not the camera"
+        f"{file.name}: {WITH_LOSS}; give the picture as the camera stores it without loss"
         for file in files
         if file.is_lossy
     ]

@@ -14,6 +14,7 @@ from app.measure.noise_measuring import pooled_noise, with_frames
 from app.measure.picture_loading import PictureFile, is_repeated, open_picture, same_size
 from app.measure.picture_measurement import (
     BY_HAND,
+    WITH_LOSS,
     FlatCurve,
     MeasuredEdge,
     MeasuredFile,
@@ -134,6 +135,7 @@ def measure_pictures(
             f"measured; at least {_LEAST} × {_LEAST} are needed"
         )
     count = sum(file.frames for file in source.files)
+    lossy = any(file.is_lossy for file in source.files)
     taken = SceneFrames(source.rows, source.columns) if count > 1 else None
     edges: list[MeasuredEdge] = []
     previews: list[Preview] = []
@@ -152,12 +154,16 @@ def measure_pictures(
             if is_repeated(picture, seen):
                 repeated.append(number)
                 continue
-        edges += edges_of(
-            picture=picture, number=number, clip_levels=source.clip_levels, check=check
-        )
+        own = edges_of(picture=picture, number=number, clip_levels=source.clip_levels, check=check)
+        if _place(source.files, number)[0].is_lossy:
+            edges += [replace(edge, why_not=edge.why_not or WITH_LOSS) for edge in own]
+            continue
+        edges += own
         noises.append(noise_of_picture(picture=picture, offset=source.offset_dn, check=check))
     noise, noise_reason = pooled_noise(noises, offset_dn=source.offset_dn)
-    frames, frames_reason = _frames(taken, source.offset_dn)
+    if not noises:
+        noise_reason = WITH_LOSS
+    frames, frames_reason = (None, WITH_LOSS) if lossy else _frames(taken, source.offset_dn)
     if frames is not None:
         noise, noise_reason = with_frames(noise, noise_reason, frames, source.offset_dn)
     x, reason_x = pooled(edges, "x")
@@ -212,16 +218,22 @@ def _with_reason(measured: PictureMeasurement, place: int, why: str) -> PictureM
 
 def measured_file(file: PictureFile) -> MeasuredFile:
     """The same for a measurement."""
-    return MeasuredFile(str(file.path), file.frames, file.taken, file.is_encoded, file.is_lossy)
+    return MeasuredFile(str(file.path), file.frames, file.taken, file.gamma, file.is_lossy)
 
 
 def _name(files: Sequence[MeasuredFile], number: int) -> str:
+    file, frame = _place(files, number)
+    name = Path(file.name).name
+    return name if file.frames == 1 else f"{name}, frame {frame}"
+
+
+def _place(files: Sequence[MeasuredFile], number: int) -> tuple[MeasuredFile, int]:
+    """The file of a picture, and its number there."""
     for file in files:
         if number < file.frames:
-            name = Path(file.name).name
-            return name if file.frames == 1 else f"{name}, frame {number}"
+            return file, number
         number -= file.frames
-    return ""
+    raise IndexError(number)
 
 
 def _frames(taken: SceneFrames | None, offset_dn: float) -> tuple[FramesNoise | None, str]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.measure.picture_measurement import Gamma
 from core.errors import DataError, UsageError
 from core.physics.sampling.detector_sampling import interval_mrad
 from nodes.files.arrays import mapped_npy
@@ -28,13 +29,9 @@ _COLOURS = ("R", "G", "B")
 _WITH_ALPHA = 2  # bands
 _FLAT = 2  # dimensions of a single picture
 _STACKS = ("envi", "fits")  # formats whose bands are no colours
-_LOSSY = ("jpeg", "jpeg2000")
-_ENCODED = (
-    "jpeg",
-    "jpeg2000",
-    "png",
-    "bmp",
-)  # whose numbers of 8 bits follow the eye, not the light
+# Formats whose numbers of 8 bits follow the eye, not the light; of TIFF some do.
+_ENCODED = ("jpeg", "jpeg2000", "png", "bmp", "webp", "gif")
+_PERHAPS_ENCODED = ("tiff",)
 
 
 @dataclass(frozen=True)
@@ -57,8 +54,8 @@ class PictureFile:
         Between samples, by the header's field of view.
     limits : tuple of float or None
         Least and largest number of samples that are stored as whole numbers; None of others.
-    is_encoded : bool
-        Whether the format's numbers usually follow the eye's response, not the light.
+    gamma : str
+        Whether numbers of such a file follow the eye instead of the light, usually or possibly.
     is_lossy : bool
         Whether the format leaves out what the eye would not miss.
     is_stack : bool
@@ -75,7 +72,7 @@ class PictureFile:
     interval_x_mrad: float | None
     interval_y_mrad: float | None
     limits: tuple[float, float] | None
-    is_encoded: bool = False
+    gamma: Gamma = ""
     is_lossy: bool = False
     is_stack: bool = False
 
@@ -135,8 +132,16 @@ def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
     dtype = np.dtype(info.dtype)
     return PictureFile(
         path, info.rows, info.columns, 1, chosen, taken, info.unit or "", x, y, _limits(dtype),
-        is_encoded=dtype == np.uint8 and info.kind in _ENCODED, is_lossy=info.kind in _LOSSY,
+        gamma=_gamma(info), is_lossy=info.lossy,
     )  # fmt: skip
+
+
+def _gamma(info: PictureInfo) -> Gamma:
+    if info.dtype != "uint8":
+        return ""
+    if info.kind in _ENCODED:
+        return "usual"
+    return "possible" if info.kind in _PERHAPS_ENCODED else ""
 
 
 def _may_be_frames(info: PictureInfo) -> bool:
@@ -151,6 +156,7 @@ def _of_frames(path: Path, frames: FrameFile, info: PictureInfo | None) -> Pictu
     return PictureFile(
         path, frames.rows, frames.columns, frames.frames, 0, "", frames.unit or "", x, y,
         _limits(frames.dtype),
+        gamma="" if info is None else _gamma(info), is_lossy=info is not None and info.lossy,
         is_stack=frames.kind == "npy" and mapped_npy(frames.path).ndim > _FLAT,
     )  # fmt: skip
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +19,12 @@ from core.physics.measurement.noise.periodic_lines import PeriodicLine
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
 Vector = NDArray[np.float64]
+Gamma = Literal["", "possible", "usual"]
 
 FREQUENCIES = tuple(step / 64.0 for step in range(65))
 """Cycles per sample at which every MTF is given: of 64 samples, and up to the samples' own."""
 BY_HAND = "removed by hand"
+WITH_LOSS = "compressed with loss: fine detail and noise are no longer the camera's"
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,14 +170,14 @@ class FlatCurve:
 class MeasuredFile:
     """A file that was measured: its name, how many pictures, and what of it was taken.
 
-    `is_encoded`: its numbers usually follow the eye, not the light; `is_lossy`: compressed so that
-    it is not what was taken.
+    `gamma`: whether its numbers follow the eye instead of the light, usually or possibly;
+    `is_lossy`: compressed so that it is not what was taken, and nothing of it counts.
     """
 
     name: str
     frames: int
     taken: str
-    is_encoded: bool = False
+    gamma: Gamma = ""
     is_lossy: bool = False
 
 

@@ -192,7 +192,8 @@ def fit_words(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         required=True,
         metavar="PICTURE",
-        help="one or more pictures of the camera; linear, as the sensor gives them",
+        help="one or more pictures of the camera; linear, as the sensor gives them, and not "
+        "compressed with loss",
     )
     add(
         "--free",
@@ -365,8 +366,9 @@ def measure_words(parser: argparse.ArgumentParser) -> None:
     )
     parser.epilog = (
         "A picture of red, green and blue is measured by its luminance (0.2126 R + 0.7152 G + "
-        "0.0722 B of the numbers as stored), one of other bands by --band. What could not be "
-        "measured is absent, with the reason. Example: imagechain measure picture.tif --report "
+        "0.0722 B of the numbers as stored), one of other bands by --band. Of one compressed with "
+        "loss, as JPEG, no figure is given. What could not be measured is absent, with the reason. "
+        "Example: imagechain measure picture.tif --report "
         "measured.html --csv mtf.csv"
     )
     add(

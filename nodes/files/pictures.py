@@ -28,6 +28,7 @@ from nodes.files.common.size_limits import refuse_impossible, refuse_oversized
 from nodes.files.damage import png_bit_depth, refuse_damaged
 from nodes.files.headers.fits_header import read_fits_header, refuse_unsupported
 from nodes.files.headers.header_fields import FieldValue, header_fields
+from nodes.files.headers.lossy_compression import leaves_out
 from nodes.files.tiff.plain_tiff import read_plain_tiff
 from nodes.files.tiff.tiff_deflate import check_deflate, is_deflated
 from nodes.files.tiff.tiff_layout import refuse_predictor
@@ -206,6 +207,7 @@ def _info(path: Path, picture: Any) -> PictureInfo:
         raise FileError(f"{path}: samples of type {', '.join(sorted(stored))} are not supported")
     attributes = _attributes(spec)
     description = str(attributes.get("ImageDescription", ""))
+    compression = str(attributes.get("compression", ""))
     common = header_fields(attributes, description=description, where=str(path))
     info = PictureInfo(
         path=path,
@@ -221,6 +223,7 @@ def _info(path: Path, picture: Any) -> PictureInfo:
         dtype=max(stored, key=_precision),
         kind=kind,
         channels=() if kind == "fits" else _channel_names(spec),  # planes of a cube are no colours
+        lossy=leaves_out(path, kind=kind, compression=compression),
     )
     if kind == "tiff":
         refuse_predictor(path)
@@ -228,7 +231,7 @@ def _info(path: Path, picture: Any) -> PictureInfo:
     if kind == "png":
         bits = png_bit_depth(first_bytes(path, 32)) or 0
     bits = bits or 8 * np.dtype(info.dtype).itemsize
-    refuse_impossible(info, compression=str(attributes.get("compression", "")), bits=bits)
+    refuse_impossible(info, compression=compression, bits=bits)
     if kind != "tiff":  # of which rows are read one after the other
         refuse_oversized(info)
     if kind == "fits":

@@ -46,6 +46,8 @@ class PictureInfo:
         Share of every band in the sum of all, µm, where that is not what its width makes it.
     wavelengths_assumed
         The file names no unit of its wavelengths, which are taken as µm.
+    lossy
+        The file's compression leaves out what the eye would not miss.
     """
 
     path: Path
@@ -64,6 +66,7 @@ class PictureInfo:
     not_applied: tuple[str, ...] = ()
     shares_um: tuple[float, ...] | None = None
     wavelengths_assumed: bool = False
+    lossy: bool = False
 
 
 def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:

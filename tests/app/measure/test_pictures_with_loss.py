@@ -1,0 +1,89 @@
+"""Pictures of files that leave out detail, or of two fields: no figure comes of them, and why."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image as Pillow
+
+from edge_truth import blur_network, gaussian_edge
+
+FREE = ("--free", "blur.sigma_x_mrad")
+
+
+@pytest.fixture
+def picture(tmp_path):
+    """An edge of the chain's own blur, in 8 bits, and the chain."""
+    network = blur_network(blur=("gaussian_mtf", {"sigma_x_mrad": 0.06, "sigma_y_mrad": 0.05}))
+    (tmp_path / "net.json").write_text(json.dumps(network), encoding="utf-8")
+    edge = gaussian_edge(
+        angle_deg=6.0, sigma=(0.6, 0.5), shape=(64, 64), levels=(50, 200), noise=1.5, seed=5
+    )
+    return Pillow.fromarray(np.rint(edge).astype(np.uint8))
+
+
+# Of the best quality: no border of a block shows in the samples.
+@pytest.mark.parametrize(
+    ("name", "how"),
+    [
+        ("a.jpg", {"quality": 100}),
+        ("a.tif", {"compression": "jpeg", "quality": 100}),
+        ("a.jp2", {"irreversible": True}),
+        ("a.webp", {"quality": 100}),
+    ],
+)
+def test_no_figure_comes_of_a_file_with_loss(imagechain, tmp_path, picture, name, how):
+    picture.save(tmp_path / name, **how)
+    done = imagechain("measure", name, "--json", "m.json")
+    assert (done.returncode, done.stderr) == (0, "")
+    facts = json.loads((tmp_path / "m.json").read_text("utf-8"))
+    assert set(facts["mtf"]["x"]) == set(facts["mtf"]["y"]) == set(facts["noise"]) == {"reason"}
+    assert "compressed with loss" in facts["mtf"]["x"]["reason"]
+    assert "compressed with loss" in facts["noise"]["reason"]
+    assert not any(one["used"] for one in facts["edges"])
+    assert facts["warnings"] == [line for line in facts["warnings"] if "without loss" in line] != []
+    for more in ((), ("--known-scene",)):
+        done = imagechain("fit", "net.json", "--to", name, *FREE, "--json", "f.json", *more)
+        assert done.returncode == 2
+        assert done.stderr.startswith(f"imagechain: {name}: compressed with loss")
+        assert done.stderr.count("\n") == 1
+        assert not (tmp_path / "f.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "how"),
+    [("a.png", {}), ("a.jp2", {"irreversible": False}), ("a.webp", {"lossless": 1})],
+)
+def test_what_keeps_every_sample_is_measured(imagechain, tmp_path, picture, name, how):
+    picture.save(tmp_path / name, **how)
+    done = imagechain("measure", name, "--json", "m.json")
+    assert (done.returncode, done.stderr) == (0, "")
+    facts = json.loads((tmp_path / "m.json").read_text("utf-8"))
+    assert facts["mtf"]["x"]["mtf50"] > 0.0
+    assert facts["noise"]["sigma"] == pytest.approx(1.5, rel=0.1)
+
+
+def test_numbers_that_may_follow_the_eye_are_named(imagechain, tmp_path, picture):
+    said = {}
+    for name in ("a.png", "a.tif", "a.npy"):
+        if name == "a.npy":
+            np.save(tmp_path / name, np.asarray(picture))
+        else:
+            picture.save(tmp_path / name)
+        assert imagechain("measure", name, "--json", "m.json").returncode == 0
+        said[name] = json.loads((tmp_path / "m.json").read_text("utf-8")).get("warnings", [])
+    assert ["usually follow the eye" in line for line in said["a.png"]] == [True]
+    assert ["may follow the eye" in line for line in said["a.tif"]] == [True]
+    assert said["a.npy"] == []
+
+
+@pytest.mark.parametrize("how", [(), ("--known-scene",)])
+def test_nothing_is_fitted_to_two_fields(imagechain, tmp_path, picture, how):
+    samples = np.asarray(picture, float)
+    samples[1::2] = np.roll(samples[1::2], 2, axis=1)
+    np.save(tmp_path / "fields.npy", samples[:, 4:-4])
+    done = imagechain("fit", "net.json", "--to", "fields.npy", *FREE, *how)
+    assert done.returncode == 2
+    assert "interlaced" in done.stderr
