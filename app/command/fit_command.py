@@ -7,18 +7,16 @@ from functools import partial
 
 from app.command.run import input_files, open_network, policy_of
 from app.fit.fit_json import fit_json
-from app.fit.fit_result import FitResult, NoiseComparison
+from app.fit.fit_text import fit_text
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
 from app.options.command_options import Options
 from app.options.progress import Progress
-from app.run.readout_tables import columns, number_text
 from app.run.shipped import find_network
 from app.run.staging import Staging
 from app.tradeoff.evaluated_points import with_value
 from core.atomic import write_text
 from core.chain.engine import Engine
-from core.names import in_line
 from core.network.file import format_network
 from nodes.library import standard_library
 
@@ -77,31 +75,4 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
             page = fit_page(result, network=network.name or place.name, pictures=names)
             staging.write(options.fit_report, partial(write_text, content=page))
         staging.commit()
-    _print(result)
-
-
-def _print(result: FitResult) -> None:
-    rows = [
-        (
-            one.port,
-            number_text(one.value),
-            "" if one.sigma is None else f"± {number_text(one.sigma)}",
-            one.unit,
-        )
-        for one in result.parameters
-    ]
-    print(columns(rows, right=(1,)), end="\n\n")
-    misfit = result.fit.misfit
-    print(
-        f"chi² per degree of freedom  {number_text(result.chi2_per_degree)}  "
-        f"({misfit.degrees} degrees)"
-    )
-    if isinstance(result.noise, NoiseComparison):
-        how = "fitted too" if result.noise.fitted else "of the network as it is"
-        print(f"noise predicted over measured  {number_text(result.noise.ratio)}  ({how})")
-    elif result.noise:
-        print(in_line(result.noise))
-    for line in result.notes:
-        print(in_line(line))
-    for line in result.warnings:
-        print(in_line(f"warning: {line}"))
+    print(fit_text(result))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -31,17 +32,22 @@ _GAMMA = {
 _MOST_REASONS = 8
 _FEW = 2  # edges, that others do not confirm
 _SCATTERED = 1.5  # times their own errors
+_PLACES = 7  # after the point, or before it: beyond, powers of ten
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]?\d+)?")
 Row = tuple[str, str, str, str]
 
 
 def with_error(value: float | None, error: float | None) -> str:
-    """A figure with its standard error, to the digits that the error leaves."""
+    """A figure to the digits that its standard error, of two digits, leaves."""
     if value is None:
         return "–"
-    if error is None or not error > 0.0:
+    if error is None or not (error > 0.0 and math.isfinite(error)):
         return number_text(float(f"{value:.4g}"))
-    return f"{number_text(float(f'{value:.4g}'))} ± {number_text(float(f'{error:.2g}'))}"
+    last = 1 - math.floor(math.log10(float(f"{error:.2g}")))
+    if not -_PLACES < last < _PLACES:
+        return f"{value:.3g} ± {error:.2g}"
+    value, error = round(value, last) + 0.0, round(error, last)  # no -0
+    return f"{value:.{max(last, 0)}f} ± {error:.{max(last, 0)}f}"
 
 
 def figure_rows(measured: PictureMeasurement) -> list[Row]:

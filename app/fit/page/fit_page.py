@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 from app.fit.fit_result import FitResult, NoiseComparison
+from app.fit.fit_text import NOT_DETERMINED
 from app.fit.page.fit_drawing import (
     drawn_edges,
     edges_of,
@@ -14,6 +15,7 @@ from app.fit.page.fit_drawing import (
     scene_png,
     spreads_png,
 )
+from app.measure.measurement_text import with_error
 from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
@@ -37,9 +39,9 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
             "lead",
         ),
         Grid(
-            ("parameter", "value", "standard error", "unit"),
+            ("parameter", "value, with its standard error", "unit", "in the network before"),
             [_row(result, index) for index in range(len(result.parameters))],
-            numbers=(1, 2),
+            numbers=(1, 3),
             kind="fitted",
         ),
         *([Items(tuple(f"{line[:1].upper()}{line[1:]}" for line in lines))] if lines else []),
@@ -92,24 +94,19 @@ def _short(value: float) -> float:
 
 
 def _row(result: FitResult, index: int) -> tuple[str, ...]:
-    one = result.parameters[index]
-    if one.value is None or one.sigma is None:
-        return one.port, "not determined", "", one.unit
-    return one.port, number(float(f"{one.value:.6g}")), number(float(f"{one.sigma:.2g}")), one.unit
+    one, before = result.parameters[index], number(result.fit.free[index].present)
+    value = NOT_DETERMINED if one.value is None else with_error(one.value, one.sigma)
+    return one.port, value, one.unit, before
 
 
 def _combinations(result: FitResult) -> list[Block]:
     if not result.combinations:
         return []
-    rows = [
-        (one.text, number(float(f"{one.value:.6g}")), number(float(f"{one.sigma:.2g}")), one.unit)
-        for one in result.combinations
-    ]
+    rows = [(one.text, with_error(one.value, one.sigma), one.unit) for one in result.combinations]
+    heads = ("combination", "value, with its standard error", "unit")
     return [
         Heading(2, "Known of parameters that cannot be told apart"),
-        Grid(
-            ("combination", "value", "standard error", "unit"), rows, numbers=(1, 2), kind="fitted"
-        ),
+        Grid(heads, rows, numbers=(1,), kind="fitted"),
     ]
 
 
