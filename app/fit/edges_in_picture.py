@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.patch import Patch, patch_of
+from app.measure.refused_edges import in_words
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_samples import edge_samples
 from core.physics.measurement.edges.edge_search import find_edges
@@ -18,7 +18,6 @@ Matrix = NDArray[np.float64]
 
 _MOST_EDGES = 40
 _MOST_SAMPLES = 60_000
-_MOST_REASONS = 3
 
 
 @dataclass(frozen=True)
@@ -38,15 +37,10 @@ class EdgeChoice:
 
     @property
     def reasons(self) -> str:
-        """Why candidates were refused, the commonest first, in one line."""
+        """Why candidates were refused, the clearest first, in one line."""
         if not self.refused:
             return "nothing in it looks like a straight edge"
-        counted = Counter(reason.partition(":")[0] for reason in self.refused)
-        texts = [
-            f"{name} ({number} of {len(self.refused)} candidates)"
-            for name, number in counted.most_common(_MOST_REASONS)
-        ]
-        return ", ".join(texts)
+        return f"of {len(self.refused)} candidates: {in_words(self.refused)}"
 
 
 def edges_in(

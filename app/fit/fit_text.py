@@ -8,6 +8,7 @@ from app.run.readout_tables import columns, number_text
 from core.names import in_line
 
 NOT_DETERMINED = "not determined"
+_LARGE = 100.0
 
 
 def parameter_rows(result: FitResult) -> list[tuple[str, str, str]]:
@@ -26,8 +27,9 @@ def parameter_rows(result: FitResult) -> list[tuple[str, str, str]]:
 
 def fit_text(result: FitResult) -> str:
     """The whole fit, as `imagechain fit` prints it."""
+    chi2 = result.chi2_per_degree
     lines = [
-        f"chi² per degree of freedom  {number_text(float(f'{result.chi2_per_degree:.4g}'))}  "
+        f"chi² per degree of freedom  {f'{chi2:.3f}' if chi2 < _LARGE else f'{chi2:.4g}'}  "
         f"(of {result.fit.misfit.degrees} degrees; 1: nothing but noise is left)"
     ]
     if isinstance(result.noise, NoiseComparison):

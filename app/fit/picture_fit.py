@@ -23,6 +23,7 @@ from app.measure.measuring import measured_file
 from app.measure.picture_loading import is_repeated, open_picture
 from app.measure.picture_measurement import WITH_LOSS, MeasuredFile
 from core.chain.engine import Engine, Plan
+from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError, UsageError
 from core.evaluation.work import Work
 from core.physics.measurement.edges.picture_suspicions import why_no_picture
@@ -126,11 +127,15 @@ def fit_pictures(
         If no edge of the pictures can be used, or the network's steps are not known as transfer
         functions.
     """
-    passed = transfer_known(final_image(plan))
+    final = final_image(plan)
+    passed = transfer_known(final)
     report("edges")
     choice = edges_in(pictures=pictures.samples, clip_levels=pictures.clip_levels, check=work.check)
     if not choice.patches:
-        raise DataError(f"{pictures.text}: no edge can be used: {choice.reasons}")
+        raise DataError(
+            f"{pictures.text}: no edge can be used: {choice.reasons}; imagechain measure shows "
+            "each, and what helps"
+        )
     report("noise")
     noise, why_none = _noise(engine, plan, work, pictures)
     report("parameters")
@@ -147,7 +152,7 @@ def fit_pictures(
         noise=comparison,
         refused=choice.refused,
         warnings=(*pictures.warnings, *result.warnings),
-        notes=(*result.notes, *_notes(choice, passed_area=has_area(passed))),
+        notes=(*result.notes, *_notes(choice, final, passed_area=has_area(passed))),
     )
 
 
@@ -232,11 +237,17 @@ def _compared(noise: NoiseProblem, plan: Plan, problem: EdgeProblem) -> NoiseCom
     return NoiseComparison(tuple(noise.measured), tuple(map(float, predicted)), bool(problem.noisy))
 
 
-def _notes(choice: EdgeChoice, *, passed_area: bool) -> list[str]:
+def _notes(choice: EdgeChoice, final: Image, *, passed_area: bool) -> list[str]:
     many = len(choice.patches)
     lines = [f"{many} {'edge' if many == 1 else 'edges'} fitted"]
     if choice.refused:
         lines[0] += f"; refused: {choice.reasons}"
+    x, y = final.interval_x_mrad, final.interval_y_mrad
+    if x is not None and y is not None:
+        lines.append(
+            f"a sample of the picture is taken as {x:.4g} × {y:.4g} mrad, as one of the network's "
+            "final picture is: angles and lengths that are fitted hold for that"
+        )
     if passed_area:
         lines.append(
             "the samples of the network's scene count as the pixels' areas: pixels are combined "

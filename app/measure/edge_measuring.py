@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.measure.picture_measurement import FREQUENCIES, MeasuredEdge, MtfCurve
+from app.measure.refused_edges import in_words
 from core.errors import DataError
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_mtf import measure_edge
@@ -17,7 +18,6 @@ from core.physics.measurement.edges.edge_search import find_edges
 from core.physics.measurement.edges.slanted_edge import falls_to
 
 Matrix = NDArray[np.float64]
-_MOST_REASONS = 3
 
 
 def edges_of(
@@ -83,9 +83,7 @@ def _no_edge(near: Sequence[MeasuredEdge], direction: str) -> str:
             f"no straight edge whose normal lies within {LARGEST_ANGLE_DEG:g}° of {direction} "
             f"({across}) was seen"
         )
-    reasons = sorted({edge.why_not for edge in near})
-    more = f" (and {len(reasons) - _MOST_REASONS} others)" if len(reasons) > _MOST_REASONS else ""
-    words = f"{'; '.join(reasons[:_MOST_REASONS])}{more}"
     if len(near) == 1:
-        return f"the one edge that would give it cannot be used: {words}"
+        return f"the one edge that would give it cannot be used: {near[0].why_not}"
+    words = in_words(edge.why_not for edge in near)
     return f"none of the {len(near)} edges that would give it can be used: {words}"

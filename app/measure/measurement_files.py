@@ -73,7 +73,10 @@ def measurement_csv(measured: PictureMeasurement) -> str:
     curves = {"mtf_x": measured.x, "mtf_y": measured.y}
     known = {name: curve for name, curve in curves.items() if curve is not None}
     if not known:
-        raise DataError(f"there is no MTF to write: {measured.reason_x}; {measured.reason_y}")
+        raise DataError(
+            f"there is no MTF to write: across, {measured.reason_x}; along, {measured.reason_y}: a "
+            "page (.html) shows each edge, and what helps"
+        )
     last = min(float(curve.frequency[-1]) for curve in known.values())
     frequency = next(iter(known.values())).frequency
     frequency = frequency[frequency <= last]

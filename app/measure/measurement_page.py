@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
 
 from app.measure.measurement_drawing import edges_png, levels_png, mtf_png
@@ -10,11 +9,11 @@ from app.measure.measurement_text import (
     figure_rows,
     flat_rows,
     frame_rows,
-    kind_of,
     remarks,
     with_error,
 )
 from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
+from app.measure.refused_edges import counted
 from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
@@ -164,12 +163,17 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
             Text("MTF50 in cycles/sample along the edge's normal, with its standard error."),
         ]
     if refused:
-        kinds = Counter(kind_of(edge.why_not) for _, edge in refused)
+        kinds = counted(edge.why_not for _, edge in refused)
+        most = sorted(kinds.items(), key=lambda item: -item[1])
         shown = refused[:_MOST_REFUSED]
         whys = [(*_place(edge, n, several), edge.why_not) for n, edge in shown]
         blocks += [
             Heading(2, "Edges not used"),
-            Items(tuple(f"{count}: {kind}" for kind, count in kinds.most_common())),
+            Grid(
+                ("edges", "why not", "what helps"),
+                [(str(count), kind.words, kind.helps) for kind, count in most],
+                numbers=(0,),
+            ),
             Grid((*_PLACE, "why not"), whys, numbers=range(1, 5)),
         ]
         if len(refused) > len(shown):

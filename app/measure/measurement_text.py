@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
-from collections import Counter
 from collections.abc import Sequence
 
 from app.measure.photon_transfer_rows import transfer_rows
@@ -15,6 +13,7 @@ from app.measure.picture_measurement import (
     NoiseFigures,
     PictureMeasurement,
 )
+from app.measure.refused_edges import counted
 from app.run.readout_tables import number_text
 from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG
 
@@ -33,7 +32,6 @@ _MOST_REASONS = 8
 _FEW = 2  # edges, that others do not confirm
 _SCATTERED = 1.5  # times their own errors
 _PLACES = 7  # after the point, or before it: beyond, powers of ten
-_NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+)?(e[+-]?\d+)?")
 Row = tuple[str, str, str, str]
 
 
@@ -193,11 +191,13 @@ def remarks(measured: PictureMeasurement) -> list[str]:
 
 
 def refused_lines(measured: PictureMeasurement) -> list[str]:
-    """How many edges are not used, by reason, the most frequent first."""
-    kinds = Counter(kind_of(edge.why_not) for edge in measured.edges if not edge.used)
-    return [f"{count} not used: {why}" for why, count in kinds.most_common(_MOST_REASONS)]
-
-
-def kind_of(why_not: str) -> str:
-    """A reason without its figures, which differ from edge to edge."""
-    return _NUMBER.sub("…", why_not.partition(":")[0])
+    """How many edges are not used, by reason, the most frequent first; what helps if none is."""
+    kinds = counted(edge.why_not for edge in measured.edges if not edge.used)
+    most = sorted(kinds.items(), key=lambda item: -item[1])[:_MOST_REASONS]
+    lines = [f"{count} not used: {kind.words}" for kind, count in most]
+    if any(edge.used for edge in measured.edges):
+        return lines
+    return [
+        f"{line}; what helps: {kind.helps}" if kind.helps else line
+        for line, (kind, _) in zip(lines, most, strict=True)
+    ]

@@ -1,0 +1,84 @@
+"""Reasons why edges are not used: each kind in words, with what helps against it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.measure.measurement_text import refused_lines
+from app.measure.measuring import Source, measure_pictures
+from app.measure.picture_measurement import MeasuredFile
+from app.measure.refused_edges import in_words, refusal_of
+from core.physics.measurement.edges.edge_search import find_edges
+from edge_truth import gaussian_edge
+
+SIZE = (96, 96)
+
+
+def edge(angle_deg=6.0, **how):
+    how = {"sigma": (0.6, 0.6), "shape": SIZE, "levels": (50.0, 200.0), "noise": 1.0, **how}
+    return gaussian_edge(angle_deg=angle_deg, seed=3, **how)
+
+
+def two_edges():
+    """A dark bar, seven samples wide."""
+    left, right = (edge(middle=(48.0 + away, 48.0), noise=0.0) for away in (-3.5, 3.5))
+    return 200.0 - left + right + np.random.default_rng(2).standard_normal(SIZE)
+
+
+def interlaced():
+    picture = edge()
+    picture[1::2] = np.roll(picture[1::2], 2, axis=1)
+    return picture[:, 4:]
+
+
+def uneven():
+    """One side is striped, by half of the contrast."""
+    stripes = 37.0 * np.sin(np.arange(SIZE[0]) / 3.0)[:, np.newaxis]
+    return edge() + stripes * (edge(noise=0.0) - 50.0) / 150.0
+
+
+@pytest.mark.parametrize(
+    ("picture", "words", "helps"),
+    [
+        (np.clip(edge(), 60.0, 190.0), "clipped at black or white", "exposure"),
+        (edge(levels=(50.0, 62.0), noise=3.0, shape=(24, 96)), "too little contrast", "light"),
+        (edge(0.0), "not slanted enough", "5°"),
+        (edge(0.5, middle=(92.5, 48.0)), "too near to the frame's side", "inside"),
+        (two_edges(), "another edge too near", "larger areas"),
+        (interlaced(), "interlaced", "rows alone"),
+        (uneven(), "its sides are not even along it", "even light"),
+        (edge(sigma=(5.0, 5.0)), "its blur does not end in the room that it has", "larger areas"),
+    ],
+)
+def test_the_clearest_edge_is_refused_with_what_helps(picture, words, helps):
+    seen = find_edges(picture=picture)
+    assert seen
+    assert not seen[0].used
+    refusal = refusal_of(seen[0].why_not)
+    assert refusal.words.startswith(words)
+    assert helps in refusal.helps
+
+
+def test_what_helps_is_told_where_no_edge_is_used():
+    def lines(picture):
+        file = MeasuredFile("p.npy", 1, "")
+        return refused_lines(measure_pictures(Source((file,), [picture], *picture.shape)))
+
+    assert "1 not used: not slanted enough; what helps: the edge turned" in lines(edge(0.0))[0]
+    both = np.concatenate([edge(0.0), edge()], axis=1)
+    assert lines(both)
+    assert not [line for line in lines(both) if "what helps" in line]
+
+
+def test_reasons_are_counted_by_kind_the_first_kind_first():
+    clipped = "clipped: 48% of its samples are at a limit"
+    soft = "soft in the scene: its spread is 2 samples wide, that of others 1"
+    other = "its spread, 3 samples wide, does not end within the 5 samples that belong to it"
+    assert in_words([clipped, soft, clipped, other]) == (
+        "clipped at black or white (2), softer than other edges of the picture (1), its blur does "
+        "not end in the room that it has (1)"
+    )
+    assert in_words([clipped, soft, other, "new: 3", "new: 4"]).endswith("other reasons (2)")
+    assert refusal_of("off by 3.5 samples: far").words == "off by … samples"
+    assert refusal_of("off by 3.5 samples: far").helps == ""
