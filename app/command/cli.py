@@ -138,6 +138,11 @@ def _measure_or_look_up(options: Options, stop: Stop) -> None:
 
         _stop_if(stop)
         measure_photon_transfer(options, stop)
+    elif options.command == "netd":
+        from app.command.netd_command import measure_netd
+
+        _stop_if(stop)
+        measure_netd(options, stop)
     elif options.command == "bench":
         from app.bench import bench
 

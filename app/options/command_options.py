@@ -10,6 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, NoReturn, cast
 
+from app.options.camera_words import netd_words, photon_transfer_words
 from app.options.command_words import (
     bench_words,
     edit_words,
@@ -17,7 +18,6 @@ from app.options.command_words import (
     handbook_words,
     measure_words,
     network_words,
-    photon_transfer_words,
     place_words,
     run_words,
     solve_words,
@@ -28,6 +28,7 @@ from app.options.option_values import (
     Assignment,
     Save,
     assignment,
+    file_at_temperature,
     file_path,
     file_paths,
     finite_number,
@@ -71,7 +72,7 @@ class Options:
 
     command: Literal[
         "edit", "run", "check", "tradeoff", "study", "solve", "measure", "fit", "photon-transfer",
-        "modules", "networks", "bench", "handbook",
+        "netd", "modules", "networks", "bench", "handbook",
     ]  # fmt: skip
     network: str = ""
     settings: tuple[Assignment, ...] = ()
@@ -100,6 +101,7 @@ class Options:
     measured_csv: Path | None = None
     flats: tuple[Path, ...] = ()
     dark: Path | None = None
+    thermal_fields: tuple[tuple[Path, float], ...] = ()
     offset_dn: float | None = None
     solve_for: str = ""
     until: str = ""
@@ -300,6 +302,14 @@ def _photon_transfer(arguments: argparse.Namespace) -> Options:
     )
 
 
+def _netd(arguments: argparse.Namespace) -> Options:
+    return Options(
+        "netd",
+        thermal_fields=tuple(file_at_temperature(text) for text in arguments.fields),
+        outputs=tuple(transfer_path(text) for text in arguments.output),
+    )
+
+
 def _measure(arguments: argparse.Namespace) -> Options:
     report = named_path("--report", arguments.report, HTML)
     return Options(
@@ -321,6 +331,7 @@ _SIMPLE: Mapping[str, Callable[[argparse.Namespace], Options]] = MappingProxyTyp
         "networks": lambda _: Options("networks"),
         "modules": _modules,
         "photon-transfer": _photon_transfer,
+        "netd": _netd,
         "measure": _measure,
         "handbook": _handbook,
     }
@@ -407,6 +418,7 @@ _COMMANDS: Mapping[str, tuple[str, Callable[[argparse.ArgumentParser], object]]]
             "gain, read noise and full well from frames of flat fields",
             photon_transfer_words,
         ),
+        "netd": ("SiTF, NETD and 3-D noise from frames of black bodies", netd_words),
         "networks": ("list the shipped networks", lambda _: None),
         "modules": ("list the library", _modules_words),
         "bench": ("time against error", bench_words),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from app.options.option_values import OUTPUTS, REPORTS, STUDIES, SUMMARIES, TRANSFERS
+from app.options.option_values import OUTPUTS, REPORTS, STUDIES, SUMMARIES
 from nodes.files.common.file_format import suffixes
 from nodes.files.formats import SAVED
 
@@ -418,56 +418,6 @@ def measure_words(parser: argparse.ArgumentParser) -> None:
         action=Once,
         metavar="DN",
         help="the number of no light, where there are no dark frames (default: 0)",
-    )
-
-
-def photon_transfer_words(parser: argparse.ArgumentParser) -> None:
-    """``imagechain photon-transfer``."""
-    add: Any = parser.add_argument
-    parser.description = (
-        "Measure a camera, real or simulated, by its photon transfer curve (Janesick 2007; EMVA "
-        "1288): the temporal variance of pixels rises with their mean; the inverse of the slope is the "
-        "gain, electrons of a digital number; its foot at the level of no electrons the read "
-        "noise, less rounding; the level beyond which the variance collapses the full well; the "
-        "variance among pixels DSNU and PRNU. What EMVA 1288 defines otherwise stands beside: K "
-        "(DN of an electron), saturation capacity, sensitivity threshold, dynamic range, SNR max, "
-        "DSNU and PRNU by rows, columns and pixels."
-    )
-    parser.epilog = (
-        "Take five levels or more, from near the dark to beyond saturation, of a uniform field, "
-        "with ten frames or more of each; lamps may flicker, pixels may not be clipped at 0. "
-        "Levels up to 0.7 of saturation make the line. A field that is not uniform is warned of: "
-        "its structure counts as PRNU and DSNU, gain and read noise stay right. Frames that are "
-        "simulated need another --seed for each level. Example: imagechain photon-transfer "
-        "flat1.tif flat2.tif flat3.tif --dark dark.tif --output camera.json"
-    )
-    add(
-        "flats",
-        metavar="FILE",
-        nargs="+",
-        help="frames of a flat field, two or more, a file for each level: .npy (frames, rows, "
-        "columns), TIFF of a page each, ENVI of a band each",
-    )
-    add(
-        "--dark",
-        action=Once,
-        metavar="FILE",
-        help="frames without light, two or more, of the same size and exposure: they give offset, "
-        "read noise and DSNU",
-    )
-    add(
-        "--offset-dn",
-        action=Once,
-        metavar="DN",
-        help="the number of no electrons, where there are no dark frames",
-    )
-    add(
-        "--output",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help=f"write the figures, and the levels, as {' '.join(suffixes(*TRANSFERS))}; may be "
-        "repeated",
     )
 
 

@@ -36,6 +36,8 @@ _LONGEST_NUMBER = 20
 _BOUNDS = re.compile(r"([0-9]{0,18}):([0-9]{0,18}),([0-9]{0,18}):([0-9]{0,18})", re.ASCII)
 _SIZE = re.compile(r"([0-9]{1,18}(?:\.[0-9]{1,18})?) ?([kKmMgGtT]?[bB])", re.ASCII)
 _UNITS = {"b": 1.0, "kb": 1e3, "mb": 1e6, "gb": 1e9, "tb": 1e12}
+_ZERO_K = {"K": 0.0, "C": 273.15}
+_HOTTEST_K = 10_000.0
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?", re.ASCII)
 
 
@@ -140,6 +142,26 @@ def summary_path(text: str) -> Path:
 def transfer_path(text: str) -> Path:
     """The file of a photon transfer curve."""
     return _with_suffix("--output", text, TRANSFERS)
+
+
+def file_at_temperature(text: str) -> tuple[Path, float]:
+    """``FILE=293.15K`` or ``FILE=20C``: a file, and a temperature in kelvin."""
+    name, equals, words = text.rpartition("=")
+    number, unit = words[:-1].strip(), words[-1:]
+    if not (equals and name and unit in _ZERO_K and _NUMBER.fullmatch(number)):
+        raise UsageError(
+            f"netd {text!r:.120}: give a file and its black body's temperature, FILE=293.15K or "
+            "FILE=20C"
+        )
+    path = file_path("netd", name)
+    assert path is not None
+    kelvin = float(number) + _ZERO_K[unit]
+    if not 0.0 < kelvin <= _HOTTEST_K:
+        raise UsageError(
+            f"netd {text!r:.120}: {kelvin:.6g} K is no temperature of a black body; allowed: above "
+            f"0 to {_HOTTEST_K:g} K"
+        )
+    return path, kelvin
 
 
 def finite_number(option: str, text: str | None) -> float | None:

@@ -13,6 +13,7 @@ from core.errors import DataError
 
 _FAR = 8.0  # robust deviations beyond which a pixel is a bad one: a normal one is so 1e-15 times
 _NORMAL = 1.4826  # deviation over the median of absolute deviations, of a normal distribution
+_ROUNDED = 1e-6  # of the level, by which pixels alike may differ in samples that are not whole
 _REACHES = 3.0  # deviations below the mean
 _ROUNDING_DN2 = 1.0 / 12.0
 _BLOCK, _LEAST_BLOCKS = 8, 4
@@ -126,6 +127,22 @@ class FlatFrames:
         self._sum += samples
         self._squares += samples * samples
 
+    def good_pixels(self) -> NDArray[np.bool_]:
+        """Pixels that are no bad ones, in the frames so far.
+
+        Raises
+        ------
+        DataError
+            With fewer than two frames.
+        """
+        return _near(self._means(), whole=self._whole)
+
+    def _means(self) -> NDArray[np.float64]:
+        n = self._frames
+        if n < 2 or self._first is None:
+            raise DataError(f"a flat field needs 2 frames or more, not {n}")
+        return np.asarray(self._first + self._sum / n + self._levels / n)
+
     def measured(self) -> FlatField:
         """What the frames so far show.
 
@@ -134,14 +151,11 @@ class FlatFrames:
         DataError
             With fewer than two frames.
         """
-        n = self._frames
-        if n < 2 or self._first is None:
-            raise DataError(f"a flat field needs 2 frames or more, not {n}")
+        n, means = self._frames, self._means()
         drift = self._sum / n
-        means = self._first + drift + self._levels / n
         variances = (self._squares - n * drift**2) / (n - 1)
         variances *= variances.size / max(variances.size - 1, 1)  # each frame's mean took a share
-        good = _near(means)
+        good = _near(means, whole=self._whole)
         pixels = int(np.count_nonzero(good))
         temporal = float(variances[good].mean())
         fixed = float(np.var(means[good], ddof=1)) - temporal / n if pixels > 1 else 0.0
@@ -227,9 +241,10 @@ def line_variances(means: NDArray[np.float64]) -> tuple[float, float]:
     )
 
 
-def _near(means: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _near(means: NDArray[np.float64], *, whole: bool) -> NDArray[np.bool_]:
     """Pixels that are not far from the others: dead and hot ones are."""
     middle = float(np.median(means))
     away = np.abs(means - middle)
     spread = _NORMAL * float(np.median(away))
-    return np.asarray(away <= max(_FAR * spread, 1.0))
+    least = 1.0 if whole else _ROUNDED * abs(middle)
+    return np.asarray(away <= max(_FAR * spread, least))

@@ -1,0 +1,299 @@
+"""``imagechain netd``: SiTF, NETD and 3-D noise of a camera from frames of black bodies."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.options.command_options import Options
+from app.options.progress import Progress
+from app.run.readout_tables import columns, number_text
+from app.run.staging import Staging
+from core.atomic import write_text
+from core.errors import Cancelled, DataError
+from core.names import in_line
+from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
+from core.physics.measurement.levels.thermal_response import (
+    NoiseTemperature,
+    ThermalField,
+    ThermalResponse,
+    filled,
+    thermal_response,
+)
+from core.physics.noise.noise_components import COMPONENTS
+from core.physics.noise.noise_cube import NoiseCube
+from nodes.files.common.file_format import JSON
+from nodes.files.frames.frame_reading import FrameFile, open_frames
+
+_MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
+_COARSE = 0.5  # of a whole number, below which rounding makes or hides the noise
+_DEPARTS = 0.5  # per cent of the span
+_PILED_UP = 0.01  # of the samples at an end: of a normal distribution next to none are
+_FEW = 16  # frames, of which the components in time are hardly known
+Row = tuple[str, float, str, str]
+Frames = NDArray[np.floating]
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The files with what each shows, and the response of all."""
+
+    files: tuple[tuple[Path, ThermalField], ...]
+    response: ThermalResponse
+    unit: str
+
+
+def measure_netd(options: Options, cancel: threading.Event | None = None) -> None:
+    """Carry out the command; prints the figures when all is written.
+
+    Parameters
+    ----------
+    options : Options
+        What the command line gives.
+    cancel : threading.Event, optional
+        Set to stop before the next frame.
+
+    Raises
+    ------
+    ImagechainError
+        The first fault; nothing has been written then.
+    """
+
+    def check() -> None:
+        if cancel is not None and cancel.is_set():
+            raise Cancelled("stopped on request")
+
+    paths = [path for path, _ in options.thermal_fields]
+    files = [open_frames(path) for path in paths]
+    _check(files)
+    with Staging(None, paths) as staging:
+        for path in options.outputs:
+            staging.claim(path)
+        with Progress(2 * len(files)) as progress:
+            fields = _fields(
+                files, [kelvin for _, kelvin in options.thermal_fields], progress, check
+            )
+        # By temperature, as the response has them.
+        ordered = sorted(zip(paths, fields, strict=True), key=lambda one: one[1].temperature_K)
+        measured = Measured(tuple(ordered), thermal_response(fields), files[0].unit or "DN")
+        for path in options.outputs:
+            text = _json(measured) if JSON.matches(path) else _csv(measured)
+            staging.write(path, partial(write_text, content=text))
+        staging.commit()
+    figures = [
+        (name, number_text(float(f"{value:.5g}")), unit, meaning)
+        for name, value, unit, meaning in _rows(measured)
+    ]
+    print(columns(figures, right=(1,)), end="\n\n")
+    print(columns(_levels(measured), right=range(1, 13)))
+    for line in _remarks(measured):
+        print(in_line(line))
+
+
+def _check(files: Sequence[FrameFile]) -> None:
+    """Refuse files of which no noise in time can be had, or of several cameras."""
+    first = files[0]
+    for file in files:
+        if file.frames < 2:
+            raise DataError(f"{file.path}: holds a single frame; noise in time needs 2 or more")
+        if (file.rows, file.columns) != (first.rows, first.columns):
+            raise DataError(
+                f"{file.path}: holds frames of {file.rows} × {file.columns} samples, and "
+                f"{first.path} of {first.rows} × {first.columns}: give those of one camera"
+            )
+
+
+def _fields(
+    files: Sequence[FrameFile],
+    temperatures: Sequence[float],
+    progress: Progress,
+    check: Callable[[], None],
+) -> list[ThermalField]:
+    """Mean and noise of each; a pixel that is bad in one is left out of all."""
+    flats = []
+    good = np.ones((files[0].rows, files[0].columns), bool)
+    for file in files:
+        progress(file.path.name)
+        taken = FlatFrames(file.rows, file.columns)
+        first: Frames | None = None
+        for frame in _frames(file, check):
+            first = frame if first is None else first
+            taken.add(frame)
+        flats.append(taken.measured())
+        own = taken.good_pixels()
+        if first is not None:
+            _refuse_useless(file, np.asarray(first[own], np.float64), flats[-1])
+        good &= own
+    fields = []
+    for file, kelvin, flat in zip(files, temperatures, flats, strict=True):
+        progress(file.path.name)
+        cube = NoiseCube(file.rows, file.columns)
+        for frame in _frames(file, check):
+            cube.add(filled(frame, good))
+        fields.append(ThermalField(kelvin, flat, cube.measured()))
+    return fields
+
+
+def _frames(file: FrameFile, check: Callable[[], None]) -> Iterator[Frames]:
+    for frame in file.each():
+        check()
+        yield frame
+
+
+def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField) -> None:
+    """Levels without noise, or of which mean and noise are cut off."""
+    if not field.temporal_dn2 > 0.0:
+        raise DataError(
+            f"{file.path}: the frames do not differ: the field is saturated, rounding hides the "
+            "noise, or one frame stands there many times"
+        )
+    if not float(np.median(np.abs(good - np.median(good)))) > 0.0:
+        return  # of few whole numbers the last is often a frequent one
+    for end, what in ((good.min(), "cut off below"), (good.max(), "saturated")):
+        if np.mean(good == end) > _PILED_UP:
+            raise DataError(
+                f"{file.path}: {100.0 * np.mean(good == end):.2g} % of the samples are {end:.6g}: "
+                f"the field is {what}, its mean and noise are not the camera's"
+            )
+
+
+def _rows(measured: Measured) -> list[Row]:
+    middle, unit = measured.response.middle, measured.unit
+    wavelength, error = measured.response.wavelength_um, measured.response.wavelength_error
+    effective: list[Row] = []
+    if wavelength is not None and error is not None:
+        effective = [
+            ("wavelength_um", wavelength, "µm", "of Planck's law that the means follow"),
+            ("wavelength_error_um", error, "µm", "its standard error"),
+        ]
+    return [
+        ("temperature_K", middle.temperature_K, "K", "midway, which the next figures are for"),
+        ("sitf", middle.sitf_per_K, f"{unit}/K", "change of the mean with the temperature"),
+        ("sitf_error", middle.sitf_error, f"{unit}/K", "its standard error, temperatures exact"),
+        ("netd_K", middle.netd_K, "K", "σ_tvh over SiTF: random in time, row and column"),
+        ("netd_error_K", middle.netd_error, "K", "its standard error"),
+        ("temporal_K", middle.temporal_K, "K", "all that changes from frame to frame, over SiTF"),
+        *effective,
+    ]
+
+
+_LEVEL_HEAD = (
+    "file", "K", "frames", "mean", "SiTF", "NETD mK",
+    *(f"{name} mK" for name in COMPONENTS if name != "tvh"),
+)  # fmt: skip
+
+
+def _levels(measured: Measured) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = [_LEVEL_HEAD]
+    for (path, field), at in zip(measured.files, measured.response.levels, strict=True):
+        parts = [at.components_K[name] for name in COMPONENTS if name != "tvh"]
+        rows.append(
+            (
+                path.name, f"{at.temperature_K:.2f}", str(field.noise.frames),
+                number_text(float(f"{field.field.mean_dn:.6g}")),
+                number_text(float(f"{at.sitf_per_K:.5g}")), _millikelvin(at.netd_K),
+                # An unbiased estimate of next to nothing comes out below zero half the time.
+                *(_millikelvin(max(part, 0.0)) for part in parts),
+            )
+        )  # fmt: skip
+    return rows
+
+
+def _millikelvin(kelvin: float) -> str:
+    return number_text(float(f"{1e3 * kelvin:.4g}"))
+
+
+def _remarks(measured: Measured) -> list[str]:
+    lines = []
+    response, files = measured.response, measured.files
+    if len(response.levels) == 2:
+        lines.append(
+            "SiTF of two temperatures is that midway between them, at each level too: give three "
+            "or more for its change with temperature"
+        )
+    departure = response.departure_percent
+    if departure is not None and departure > _DEPARTS:
+        lines.append(
+            f"warning: a mean departs by {departure:.2g} % of the span of all from Planck's law at "
+            "any one wavelength: temperatures are off, the camera drifted, or its response is bent"
+        )
+    few = min(field.noise.frames for _, field in files)
+    if few < _FEW:
+        lines.append(
+            f"{few} frames: what whole frames, rows and columns do in time is hardly known, and "
+            f"what is fixed only down to NETD/√{few}"
+        )
+    bad = max(field.field.bad for _, field in files)
+    if bad:
+        lines.append(f"{bad} bad pixels are left out")
+    for path, field in files:
+        random = field.noise.variances.tvh
+        if field.field.whole_numbers and random < _COARSE**2:
+            lines.append(
+                f"warning: {path.name}: noise of {math.sqrt(max(random, 0.0)):.2g} of a whole "
+                "number: rounding makes or hides it, and NETD is not the camera's"
+            )
+        if field.field.structure_share > _MOSTLY:
+            lines.append(
+                f"warning: {path.name}: {100.0 * field.field.structure_share:.0f} % of what "
+                "differs among its pixels is structure of 8 pixels and more, as of a field that is "
+                "not uniform: the fixed components vh, v and h are not the camera's alone"
+            )
+    return lines
+
+
+def _level_figures(at: NoiseTemperature) -> dict[str, float]:
+    return {
+        "temperature_K": at.temperature_K,
+        "sitf": at.sitf_per_K,
+        "sitf_error": at.sitf_error,
+        "netd_K": at.netd_K,
+        "netd_error_K": at.netd_error,
+        "temporal_K": at.temporal_K,
+        **{f"sigma_{name}_K": value for name, value in at.components_K.items()},
+    }
+
+
+def _json(measured: Measured) -> str:
+    content = {
+        "format": "imagechain-netd",
+        "version": 1,
+        "unit": measured.unit,
+        "figures": {name: value for name, value, _, _ in _rows(measured)},
+        "departure_percent": measured.response.departure_percent,
+        "levels": [
+            {
+                "file": str(path),
+                **_level_figures(at),
+                "frames": field.noise.frames,
+                "mean": field.field.mean_dn,
+                "bad_pixels": field.field.bad,
+                "structure_share": field.field.structure_share,
+            }
+            for (path, field), at in zip(measured.files, measured.response.levels, strict=True)
+        ],
+    }
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _csv(measured: Measured) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("name", "value", "unit", "meaning"))
+    for name, value, unit, meaning in _rows(measured):
+        writer.writerow((name, repr(value), unit, meaning))
+    for (path, _), at in zip(measured.files, measured.response.levels, strict=True):
+        for name, value in _level_figures(at).items():
+            unit = f"{measured.unit}/K" if name.startswith("sitf") else "K"
+            writer.writerow((f"{path.name}: {name}", repr(value), unit, "of a level"))
+    return text.getvalue()

@@ -1,0 +1,135 @@
+"""``imagechain netd``: frames that numpy has drawn, and those of a simulated camera."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+SITF, OFFSET, SIGMA = 50.0, -12_000.0, 3.0
+ROWS, COLUMNS = 48, 64
+
+
+def frames(kelvin, seed, count=40):
+    random = np.random.default_rng(seed)
+    shape = (count, ROWS, COLUMNS)
+    rows = 1.5 * random.standard_normal((count, ROWS, 1))
+    numbers = SITF * kelvin + OFFSET + SIGMA * random.standard_normal(shape) + rows
+    numbers[:, 5, 7] = 15_000  # a pixel that is stuck
+    return np.rint(numbers).astype(np.uint16)
+
+
+@pytest.fixture
+def fields(tmp_path):
+    for name, kelvin, seed in (("cold", 293.15, 1), ("middle", 298.15, 2), ("hot", 303.15, 3)):
+        np.save(tmp_path / f"{name}.npy", frames(kelvin, seed))
+    np.save(tmp_path / "one.npy", frames(300.0, 4)[:1])
+    np.save(tmp_path / "small.npy", np.ones((3, 20, 20)))
+    np.save(tmp_path / "same.npy", np.repeat(frames(300.0, 4)[:1], 5, axis=0))
+    np.save(tmp_path / "full.npy", np.minimum(frames(310.0, 5), 3502))
+    return tmp_path
+
+
+def test_sitf_netd_and_components(imagechain, fields):
+    """σ_tvh and rounding, √(9 + 1/12), over 50 numbers of a kelvin; known to 1/√(2·120,000)."""
+    done = imagechain(
+        "netd", "hot.npy=303.15K", "cold.npy=20C", "middle.npy=25C",
+        "--output", "n.json", "--output", "n.csv",
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    facts = json.loads((fields / "n.json").read_text())
+    figures = facts["figures"]
+    netd = (SIGMA**2 + 1 / 12) ** 0.5 / SITF
+    assert figures["temperature_K"] == 298.15
+    assert figures["sitf"] == pytest.approx(SITF, abs=4 * figures["sitf_error"])
+    assert figures["sitf_error"] < 0.002 * SITF
+    assert figures["netd_K"] == pytest.approx(netd, abs=4 * figures["netd_error_K"])
+    assert figures["temporal_K"] == pytest.approx((netd**2 + 0.03**2) ** 0.5, rel=0.01)
+    assert [level["temperature_K"] for level in facts["levels"]] == [293.15, 298.15, 303.15]
+    assert [level["file"] for level in facts["levels"]] == ["cold.npy", "middle.npy", "hot.npy"]
+    for level in facts["levels"]:
+        assert level["sigma_tv_K"] == pytest.approx(0.03, rel=0.1)
+        assert level["bad_pixels"] == 1
+        assert abs(level["sigma_vh_K"]) < 0.01
+    assert f"netd_K,{figures['netd_K']!r},K," in (fields / "n.csv").read_text()
+    assert "1 bad pixels are left out" in done.stdout
+    assert "netd_K" in done.stdout
+
+
+def test_two_temperatures_are_enough(imagechain, fields):
+    done = imagechain("netd", "cold.npy=293.15K", "hot.npy=303.15K", "--output", "n.json")
+    assert done.returncode == 0, done.stderr
+    assert "give three or more for its change with temperature" in done.stdout
+    figures = json.loads((fields / "n.json").read_text())["figures"]
+    assert figures["sitf"] == pytest.approx(SITF, rel=0.001)
+    assert "wavelength_um" not in figures
+
+
+def test_a_wrong_temperature_is_warned_of(imagechain, fields):
+    np.save(fields / "more.npy", frames(308.15, 9))
+    words = ("cold.npy=20C", "middle.npy=25C", "hot.npy=30C", "more.npy=36C")
+    done = imagechain("netd", *words)
+    assert done.returncode == 0, done.stderr
+    assert "from Planck's law at any one wavelength" in done.stdout
+
+
+def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_path):
+    """Focal Plane's own NETD, of the photons of a black body; σ is known to 0.5 %."""
+    words, predicted = [], {}
+    for number, kelvin in enumerate((290.15, 293.15, 296.15)):
+        done = imagechain(
+            "run", "mwir_camera", "--set", "scene.kind=uniform", "--set", "scene.width=64",
+            "--set", "scene.height=64", "--set", "camera.pixels_x=32",
+            "--set", "camera.pixels_y=32",
+            "--set", f"scene.temperature_K={kelvin}", "--frames", 24, "--seed", number,
+            "--save", f"focal_plane.image=f{number}.tif", "--output-dir", f"o{number}",
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        readouts = json.loads((tmp_path / f"o{number}" / "readouts.json").read_text())
+        predicted[kelvin] = readouts["focal_plane"]["netd_K"]
+        words.append(f"f{number}.tif={kelvin}K")
+    done = imagechain("netd", *words, "--output", "n.json")
+    assert (done.returncode, done.stderr) == (0, "")
+    levels = json.loads((tmp_path / "n.json").read_text())["levels"]
+    for level in levels:
+        expected = predicted[level["temperature_K"]]
+        assert level["netd_K"] == pytest.approx(expected, abs=4 * level["netd_error_K"])
+        assert level["netd_error_K"] < 0.006 * expected
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("none.npy=3K", "hot.npy=9K"), "none.npy: no such file"),
+        (("one.npy=3K", "hot.npy=9K"),
+         "one.npy: holds a single frame; noise in time needs 2 or more"),
+        (("hot.npy=300K", "small.npy=310K"),
+         "small.npy: holds frames of 20 × 20 samples, and hot.npy of 48 × 64: give those of one "
+         "camera"),
+        (("hot.npy=300", "cold.npy=20C"),
+         "netd 'hot.npy=300': give a file and its black body's temperature, FILE=293.15K or "
+         "FILE=20C"),
+        (("hot.npy",), "netd 'hot.npy': give a file and its black body's temperature, FILE=293.15K "
+         "or FILE=20C"),
+        (("hot.npy=-300C",), "netd 'hot.npy=-300C': -26.85 K is no temperature of a black body; "
+         "allowed: above 0 to 10000 K"),
+        (("hot.npy=300K", "cold.npy=300K"),
+         "SiTF is the change with temperature: give frames of two temperatures or more"),
+        (("hot.npy=300K", "same.npy=290K"),
+         "same.npy: the frames do not differ: the field is saturated, rounding hides the noise, or "
+         "one frame stands there many times"),
+        (("cold.npy=300K", "cold.npy=301K", "--output", "n.png"),
+         "--output 'n.png': the file's name must end in .csv or .json"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(imagechain, fields, words, line):
+    done = imagechain("netd", *words)
+    assert (done.returncode, done.stderr) == (2, f"imagechain: {line}\n")
+
+
+def test_a_saturated_field_is_refused(imagechain, fields):
+    done = imagechain("netd", "full.npy=310K", "cold.npy=293K")
+    assert done.returncode == 2
+    assert "full.npy: " in done.stderr
+    assert "samples are 3502: the field is saturated" in done.stderr
