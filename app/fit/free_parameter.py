@@ -6,15 +6,17 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from app.options.option_values import assignment
+from app.options.option_values import Assignment, assignment
 from app.options.overrides import behind, named_parameter
 from core.errors import UsageError
+from core.modules.declaration import declaration
 from core.modules.library_type import Library
 from core.modules.parameters import Parameter
 from core.network.network import EXPRESSION, Network
 
 FREE = "--free"
 _FORM = "NODE.PARAM, or NODE.PARAM=LOW:HIGH"
+_MOST = 8  # names in a message
 _ABOVE = 1e-12  # of a range whose low end is no value: above it
 
 
@@ -51,31 +53,74 @@ class FreeParameter:
 
 
 def free_parameters(
-    texts: Sequence[str], network: Network, library: Library
+    texts: Sequence[str], network: Network, library: Library, *, option: str = FREE
 ) -> tuple[FreeParameter, ...]:
-    """The parameters that are named.
+    """The parameters that are named; `option` is what named them, for messages.
 
     Raises
     ------
     UsageError
-        If there is no such parameter, it is no number, or its range is none.
+        If there is none, no such parameter, it is no number, or its range is none.
     """
-    free = tuple(_one(text, network, library) for text in texts)
+    if not texts:
+        raise UsageError(f"{option}: name what is fitted{_such_as(numbers_of(network, library))}")
+    free = tuple(_one(text, network, library, option) for text in texts)
     seen: set[tuple[str, str]] = set()
     for parameter in free:
         if parameter.target in seen:
-            raise UsageError(f"{FREE} {parameter.port} is given more than once")
+            raise UsageError(f"{option} {parameter.port} is given more than once")
         seen.add(parameter.target)
     return free
 
 
-def _one(text: str, network: Network, library: Library) -> FreeParameter:
-    given = assignment(FREE, text if "=" in text else f"{text}=", _FORM)
+def numbers_of(network: Network, library: Library) -> list[str]:
+    """``NODE.PARAM`` of every number that may be fitted, but those of the network's sources.
+
+    First those of stages, which take the sensor's geometry, and of these those that are set.
+    """
+    found = []
+    for key, node in network.nodes.items():
+        module, links = library.get(node.module), network.links_into(key)
+        if module is None or node.disabled or not links:
+            continue
+        is_stage = any(link.input == "context" for link in links)
+        found += [
+            (not is_stage, p.name not in node.params, f"{key}.{p.name}")
+            for p in declaration(module).parameters
+            if p.kind == "number"
+        ]
+    return [name for *_, name in sorted(found, key=lambda one: one[:2])]
+
+
+def _such_as(names: Sequence[str]) -> str:
+    """Some of them, to end an error with."""
+    if not names:
+        return ""
+    more = f", or {len(names) - _MOST} more" if len(names) > _MOST else ""
+    return f", such as {', '.join(names[:_MOST])}{more}"
+
+
+def _given(text: str, network: Network, library: Library, option: str) -> Assignment:
+    """The parts of what was given; a node or a parameter alone is completed in the message."""
+    name, equals, ends = text.partition("=")
+    if "." in name:
+        return assignment(option, f"{name}={ends}", _FORM)
+    numbers = numbers_of(network, library)
+    like = [one for one in numbers if name in one.split(".")]
+    raise UsageError(
+        f"{option} {text!r:.120}: write {_FORM}{_such_as(like or numbers)}"
+        if name or equals
+        else f"{option}: name what is fitted{_such_as(numbers)}"
+    )
+
+
+def _one(text: str, network: Network, library: Library, called: str) -> FreeParameter:
+    given = _given(text, network, library, called)
     target = behind(given, network)
-    declared = named_parameter(FREE, target, network, library=library)
+    declared = named_parameter(called, target, network, library=library)
     if declared is None:
-        raise UsageError(f"{FREE} {given.port}: the node's module is unknown")
-    option = f"{FREE} {given.port}"
+        raise UsageError(f"{called} {given.port}: the node's module is unknown")
+    option = f"{called} {given.port}"
     if declared.kind != "number":
         raise UsageError(
             f"{option}: {declared.name} is {declared.allowed()}; only a number that may lie "
@@ -105,7 +150,7 @@ def _range(declared: Parameter, text: str, option: str) -> tuple[float, float]:
     except ValueError:
         low = high = math.nan
     if not (colon and math.isfinite(low) and math.isfinite(high) and low < high):
-        raise UsageError(f"{option}={text:.80}: write {FREE} NODE.PARAM=LOW:HIGH, LOW below HIGH")
+        raise UsageError(f"{option}={text:.80}: write NODE.PARAM=LOW:HIGH, LOW below HIGH")
     if low == end:
         low = own_low
     if low < own_low or high > own_high:

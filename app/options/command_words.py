@@ -199,9 +199,10 @@ def fit_words(parser: argparse.ArgumentParser) -> None:
         "--free",
         action="append",
         nargs="+",
-        required=True,
+        default=[],
         metavar="NODE.PARAM[=LOW:HIGH]",
-        help="a parameter that is fitted, in its own range or the one given; may be repeated",
+        help="a parameter that is fitted, in its own range or the one given, such as "
+        "jitter.sigma_mrad or optics.defocus_waves=0:2; may be repeated",
     )
     add(
         "--known-scene",

@@ -132,6 +132,9 @@ def test_an_edge_down_the_picture_alone_shows_no_blur_along_it(imagechain, cross
 @pytest.mark.parametrize(
     ("words", "why"),
     [
+        ((), "--free: name what is fitted, such as blur.sigma_x_mrad, blur.sigma_y_mrad, "),
+        (("--free", "blur"), "such as blur.sigma_x_mrad, blur.sigma_y_mrad\n"),
+        (("--free", "sigma_y_mrad"), "such as blur.sigma_y_mrad\n"),
         (("--free", "blur.sigma"), "Gaussian MTF has no parameter sigma"),
         (("--free", "blur.sigma_x_mrad=2:1"), "LOW below HIGH"),
         (("--free", "blur.sigma_x_mrad=-1:1"), "a number of at least 0"),
