@@ -16,7 +16,8 @@ or a chain of one's own:
     chain.add(ic.modules.gaussian_mtf(sigma_x_mrad=0.3, sigma_y_mrad=0.3), name="blur")
     chain.add(ic.modules.back_transform())
 
-`ic.modules` has every module, with its parameters, their units and ranges.
+`ic.modules` has every module, with its parameters, their units and ranges. `ic.measure` measures
+pictures of a camera, and `ic.fit` fits a chain's parameters to them.
 """
 
 from __future__ import annotations
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
     from imagechain.building.chain import Chain, networks, open
     from imagechain.building.chain_node import ChainNode
     from imagechain.building.chain_study import study
+    from imagechain.building.fit_pictures import fit
+    from imagechain.building.fitted_chain import FittedChain
     from imagechain.building.measure_pictures import measure
     from imagechain.parts.module_functions import part
     from imagechain.parts.module_part import Expression, Part
@@ -73,6 +76,7 @@ __all__ = [
     "DataError",
     "Expression",
     "FileError",
+    "FittedChain",
     "ImagechainError",
     "InputError",
     "MeasuredPictures",
@@ -89,6 +93,7 @@ __all__ = [
     "UsageError",
     "__version__",
     "expression",
+    "fit",
     "measure",
     "modules",
     "networks",
@@ -114,6 +119,7 @@ _PLACES = {
     "ChainNode": "imagechain.building.chain_node",
     "CurveData": "core.chain.results",
     "Expression": "imagechain.parts.module_part",
+    "FittedChain": "imagechain.building.fitted_chain",
     "MeasuredPictures": "imagechain.results.measured_pictures",
     "Part": "imagechain.parts.module_part",
     "Picture": "imagechain.results.chain_picture",
@@ -122,6 +128,7 @@ _PLACES = {
     "StageCurves": "imagechain.results.stage_curves",
     "StudyTable": "imagechain.results.study_table",
     "TableData": "core.chain.results",
+    "fit": "imagechain.building.fit_pictures",
     "measure": "imagechain.building.measure_pictures",
     "networks": "imagechain.building.chain",
     "open": "imagechain.building.chain",

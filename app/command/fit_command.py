@@ -6,9 +6,9 @@ import threading
 from functools import partial
 
 from app.command.run import input_files, open_network, policy_of
-from app.fit.fit_json import fit_json
-from app.fit.fit_text import fit_text
 from app.fit.free_parameter import free_parameters
+from app.fit.page.fit_json import fit_json
+from app.fit.page.fit_text import fit_text
 from app.fit.picture_fit import fit_known_scene, fit_pictures, read_pictures
 from app.options.command_options import Options
 from app.options.progress import Progress

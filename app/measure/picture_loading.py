@@ -131,7 +131,7 @@ def open_picture(path: Path, *, band: int | None = None) -> PictureFile:
     x, y = _intervals(info)
     dtype = np.dtype(info.dtype)
     return PictureFile(
-        path, info.rows, info.columns, 1, chosen, taken, info.unit or "", x, y, _limits(dtype),
+        path, info.rows, info.columns, 1, chosen, taken, info.unit or "", x, y, limits_of(dtype),
         gamma=_gamma(info), is_lossy=info.lossy,
     )  # fmt: skip
 
@@ -155,7 +155,7 @@ def _of_frames(path: Path, frames: FrameFile, info: PictureInfo | None) -> Pictu
     x, y = (None, None) if info is None else _intervals(info)
     return PictureFile(
         path, frames.rows, frames.columns, frames.frames, 0, "", frames.unit or "", x, y,
-        _limits(frames.dtype),
+        limits_of(frames.dtype),
         gamma="" if info is None else _gamma(info), is_lossy=info is not None and info.lossy,
         is_stack=frames.kind == "npy" and mapped_npy(frames.path).ndim > _FLAT,
     )  # fmt: skip
@@ -194,7 +194,7 @@ def _intervals(info: PictureInfo) -> tuple[float | None, float | None]:
     return x, y
 
 
-def _limits(dtype: np.dtype[Any]) -> tuple[float, float] | None:
+def limits_of(dtype: np.dtype[Any]) -> tuple[float, float] | None:
     """Ends of the whole numbers that can be stored; None of others."""
     if dtype.kind == "b":
         return 0.0, 1.0

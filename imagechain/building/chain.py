@@ -342,12 +342,9 @@ class Chain:
             Policy(precision, tolerance, threads), frames, outputs, region, memory, scratch
         )
         state = self._state
-        plan = self._planned = state.plan(self._engine, seed, self._planned)
-        errors = plan.errors()
-        if errors:
-            raise NetworkProblems(errors)
         named = frozenset(node for node, _ in state.given)
-        return run_plan(self._engine, plan, options, Origin(state.file, named))
+        engine, plan = self.planned(seed)
+        return run_plan(engine, plan, options, Origin(state.file, named))
 
     @plain_errors
     def check(self) -> Check:
@@ -400,6 +397,14 @@ class Chain:
             for key, value in node.params.items()
         }
         return Part(node.module, params, samples, name, node.macro)
+
+    def planned(self, seed: int | None = None) -> tuple[Engine, Plan]:
+        """What evaluates the chain, and the chain as planned, without a fault."""
+        plan = self._planned = self._state.plan(self._engine, seed, self._planned)
+        errors = plan.errors()
+        if errors:
+            raise NetworkProblems(errors)
+        return self._engine, plan
 
     def value_of(self, node: str, parameter: Parameter) -> Any:
         """The value of a node's parameter as it enters a run."""

@@ -12,14 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.measure.measuring import MeasurePlan, Source, measure_files, measure_pictures
+from app.measure.picture_loading import limits_of
 from app.measure.picture_measurement import MeasuredFile, PictureMeasurement
 from core.errors import DataError, UsageError
 from core.physics.sampling.detector_sampling import interval_mrad
+from imagechain.building.picture_arrays import frames_of_arrays
 from imagechain.common.plain_errors import plain_errors
 from imagechain.results.measured_pictures import MeasuredPictures
 
 File = str | PathLike[str]
-_FRAMES = 3  # dimensions
 
 
 @plain_errors
@@ -76,20 +77,9 @@ def measure(
 def _of_arrays(
     pictures: Sequence[Any], fov_x_deg: float | None, offset_dn: float | None
 ) -> PictureMeasurement:
-    frames: list[NDArray[np.float64]] = []
-    files = []
-    for number, picture in enumerate(pictures, 1):
-        array = np.asarray(picture)
-        if array.dtype.kind not in "buif" or array.ndim not in (2, _FRAMES) or 0 in array.shape:
-            raise DataError(
-                f"picture {number} is an array of {array.dtype} of shape {array.shape}; allowed: "
-                "real numbers, (rows, columns) or (frames, rows, columns)"
-            )
-        if not np.isfinite(array).all():
-            raise DataError(f"picture {number} has samples that are not finite")
-        own = [*array] if array.ndim == _FRAMES else [array]
-        frames += [np.asarray(frame, np.float64) for frame in own]
-        files.append(MeasuredFile(f"array {number}", len(own), ""))
+    taken = frames_of_arrays(pictures)
+    frames = [frame for own in taken for frame in own]
+    files = [MeasuredFile(f"array {n}", len(own), "") for n, own in enumerate(taken, 1)]
     shapes = {frame.shape for frame in frames}
     if len(shapes) > 1:
         raise DataError(f"pictures of one camera are of one size, not {sorted(shapes)}")
@@ -97,8 +87,9 @@ def _of_arrays(
     interval = None
     if fov_x_deg is not None:
         interval = interval_mrad(fov_deg=fov_x_deg, samples=columns, name="fov_x_deg")
-    return measure_pictures(
-        Source(
-            tuple(files), frames, rows, columns, "", interval, interval, offset_dn=offset_dn or 0.0
-        )
+    limits = limits_of(np.asarray(pictures[0]).dtype)
+    offset = offset_dn or 0.0
+    source = Source(
+        tuple(files), frames, rows, columns, "", interval, interval, limits, offset_dn=offset
     )
+    return measure_pictures(source)

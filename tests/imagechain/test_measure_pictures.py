@@ -54,3 +54,11 @@ def test_what_is_no_picture():
         ic.measure(np.zeros((20, 20)), np.zeros((20, 30)))
     with pytest.raises(ic.UsageError, match="go with files"):
         ic.measure(np.zeros((20, 20)), band=1)
+
+
+def test_whole_numbers_have_ends_at_which_they_are_clipped():
+    """As those of a file do: an edge whose bright side is all 255 shows no blur."""
+    clipped = np.clip(np.rint(4.0 * edge(3) - 60.0), 0, 255).astype(np.uint8)
+    measured = ic.measure(clipped)
+    assert measured.x is None
+    assert measured.edges[0].why_not.startswith("clipped: ")

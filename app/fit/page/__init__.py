@@ -1,1 +1,1 @@
-"""A fit as a page: its figures and its words."""
+"""A fit as a page, as JSON and as lines of text: its figures and its words."""

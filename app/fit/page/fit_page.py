@@ -6,7 +6,6 @@ import math
 from pathlib import Path
 
 from app.fit.fit_result import FitResult, NoiseComparison
-from app.fit.fit_text import NOT_DETERMINED
 from app.fit.page.fit_drawing import (
     drawn_edges,
     edges_of,
@@ -15,6 +14,7 @@ from app.fit.page.fit_drawing import (
     scene_png,
     spreads_png,
 )
+from app.fit.page.fit_text import NOT_DETERMINED
 from app.measure.measurement_text import with_error
 from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
 from app.report.drawing.printed_numbers import number
