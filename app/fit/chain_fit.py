@@ -24,6 +24,7 @@ from app.fit.noise_levels import NoiseProblem
 from app.fit.parameter_search import apart, hops, inner, middle_of, starts
 from app.fit.patch import Patch
 from app.fit.spread_table import SpreadTable, period_for
+from app.fit.surroundings import MARGIN, reaching_in
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
 
@@ -45,6 +46,7 @@ _MUCH = 1.3  # times a value, by which it is moved to see what it changes
 _SHOWN = 1e-7  # of an edge's step, or of a standard error of noise
 _NEAR, _PLACES = 8.0, 161  # samples, and places, at which spreads are compared
 _OFF = 1e4  # standard errors
+_ROUNDS, _SETTLED = 8, 0.01  # the sum of squares moves no parameter by a tenth of its error
 _HELD = 64  # spreads and noises that are held
 
 
@@ -213,6 +215,29 @@ class EdgeProblem:
         self._fits.freeze(edges)
         self._last = None
 
+    def beyond(self, values: Vector) -> list[Vector]:
+        """What reaches into each edge's samples from beyond them, with these values."""
+        table, edges = self.fitted(values)
+        image = self._chain.image([float(v) for v in values])
+        beyond = []
+        spread = self._transfer.point_spread(image, reach=MARGIN)
+        for number, patch in enumerate(self.patches):
+            self._work.check()
+            beyond.append(
+                reaching_in(patch=patch, edges=edges, number=number, table=table, spread=spread)
+            )
+        return beyond
+
+    def leave_out_surroundings(self, values: Vector) -> float:
+        """Take from the edges' samples what reaches into them from beyond.
+
+        Returns the sum of squares by which that differs from what was left out before.
+        """
+        _, edges = self.fitted(values)
+        change = self._fits.leave_out(self.beyond(values), edges.weight)
+        self._last = None
+        return change
+
     def residual(self, values: Vector) -> Vector:
         """Of all samples, in standard deviations."""
         _, edges = self.fitted(values)
@@ -312,6 +337,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     last = sorted(
         (solved(thin, start, _LAST) for start in apart(near)[:_BEST]), key=lambda pair: pair[1]
     )
+    problem.leave_out_surroundings(last[0][0])
     problem.freeze(last[0][0])
     ends = sorted(
         (
@@ -320,6 +346,13 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         ),
         key=lambda pair: pair[1],
     )
+    # What reaches into the edges depends on the solution, and that on what is left out.
+    for _ in range(_ROUNDS):
+        if problem.leave_out_surroundings(ends[0][0]) < _SETTLED:
+            break
+        problem.freeze(ends[0][0])
+        nearest = solved(problem, ends[0][0], _LAST)
+        ends = [nearest, *((v, 0.5 * problem.cost(v)) for v, _ in ends[1:])]
     # Of solutions alike, the one well inside the ranges: at an end of a width, where its square
     # alone counts, derivatives do not show that others do the same.
     alike = [pair for pair in ends if 2.0 * (pair[1] - ends[0][1]) < _SAME]

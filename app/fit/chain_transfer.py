@@ -8,12 +8,14 @@ has no detector that averages over an area, the samples' area is the pixel's: it
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import scipy.fft
 from numpy.typing import NDArray
 
 from app.fit.spread_table import HIGHEST, SpreadTable, frequencies, spread_table
@@ -35,6 +37,7 @@ Complex = NDArray[np.complex128]
 
 _BLOCKS = ((0, 1), (1, 2), (2, 4), (4, 8), (8, HIGHEST))  # cycles per sample
 _NOTHING = 1e-6  # of an edge's step: waves that carry less are left out
+_REPETITIONS = (-1, 0, 1)
 _MOST_VALUES = 400  # factors over a block of frequencies that are held
 
 
@@ -102,28 +105,53 @@ class EdgeTransfer:
     def table(self, image: Image) -> SpreadTable:
         """The spreads of all edges in that picture."""
         passed = transfer_known(image)
-        area = has_area(passed)
         blocks = []
         for first, end in _BLOCKS:
             self._work.check()
-            blocks.append(self._block(passed, area, first, end))
+            blocks.append(self._block(passed, first, end))
             left = float(np.abs(blocks[-1]).max())
             if first > 0 and left / (math.pi * first) < _NOTHING:
                 break
         return spread_table(transfer=np.concatenate(blocks, axis=1), period=self._period)
 
-    def _block(self, passed: ImageTransfer, area: bool, first: int, end: int) -> Complex:
+    def point_spread(self, image: Image, *, reach: int) -> Vector:
+        """What a point of weight 1 leaves in the samples about it, up to `reach` away.
+
+        Returns
+        -------
+        ndarray
+            Shape (2 reach + 1, 2 reach + 1), the point in the middle.
+        """
+        passed = transfer_known(image)
+        grid = passed.grid
+        side = 4 * reach
+        total = np.zeros((side, side // 2 + 1), np.complex128)
+        # Samples see waves of all repetitions of the spectrum.
+        for across, down in itertools.product(_REPETITIONS, _REPETITIONS):
+            xi = (np.fft.rfftfreq(side) + across) / grid.interval_x_mrad
+            eta = (np.fft.fftfreq(side) + down) / grid.interval_y_mrad
+            pair = np.broadcast_arrays(xi, eta[:, np.newaxis])
+            total += self._product(passed, *pair, place=(side, across, down))
+        spread = np.fft.fftshift(scipy.fft.irfft2(total, (side, side)))
+        return np.asarray(spread[reach : 3 * reach + 1, reach : 3 * reach + 1], np.float64)
+
+    def _block(self, passed: ImageTransfer, first: int, end: int) -> Complex:
         f = frequencies(period=self._period, first=first, end=end)[np.newaxis, :]
         across, along = self._normal
-        grid, scene = passed.grid, passed.source_grid
+        grid = passed.grid
         xi = f * across / grid.interval_x_mrad
         eta = f * along / grid.interval_y_mrad
-        place = (grid.interval_x_mrad, grid.interval_y_mrad, first)
+        return self._product(passed, xi, eta, place=(first,))
+
+    def _product(
+        self, passed: ImageTransfer, xi: Vector, eta: Vector, *, place: tuple[int, ...]
+    ) -> Complex:
+        grid, scene = passed.grid, passed.source_grid
         total = np.ones(xi.shape, np.complex128)
-        if area:
+        if has_area(passed):
             total = total * sinc(xi * scene.interval_x_mrad) * sinc(eta * scene.interval_y_mrad)
         for factor in passed.factors:
-            key = (factor.key, *place)
+            key = (factor.key, grid.interval_x_mrad, grid.interval_y_mrad, *place)
             values = self._held.get(key)
             if values is None:
                 values = _complex_at(self._work, factor, xi, eta)

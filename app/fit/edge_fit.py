@@ -47,8 +47,8 @@ class EdgesAt:
         From the edge as fitted.
     spread : ndarray
         There, from 0 to 1.
-    step : ndarray
-        High level less low level of each edge.
+    levels : ndarray
+        Low level, step, and inclines of each edge.
     own : ndarray
         Place (samples), turn and bend (samples at the ends) of each edge.
     columns, gram : ndarray
@@ -60,10 +60,15 @@ class EdgesAt:
     weight: Matrix
     distance: Matrix
     spread: Matrix
-    step: Vector
+    levels: Matrix
     own: Matrix
     columns: NDArray[np.float64]
     gram: NDArray[np.float64]
+
+    @property
+    def step(self) -> Vector:
+        """High level less low level of each edge."""
+        return np.asarray(self.levels[:, 1], np.float64)
 
     @property
     def cost(self) -> float:
@@ -93,7 +98,7 @@ class EdgeFits:
 
         self._inside = rows([np.ones(len(patch.value)) for patch in patches])
         self._distance = rows([patch.distance for patch in patches])
-        self._value = rows([patch.value for patch in patches])
+        self._seen = self._value = rows([patch.value for patch in patches])
         reach = np.array([patch.reach for patch in patches])[:, np.newaxis]
         half = np.array([np.abs(patch.along).max() or 1.0 for patch in patches])[:, np.newaxis]
         along = rows([patch.along for patch in patches]) / half
@@ -128,15 +133,24 @@ class EdgeFits:
         with np.errstate(all="ignore"):
             model = np.where(weight > 0.0, fitted / weight, 0.0)
         columns = columns / length[..., np.newaxis]
-        return EdgesAt(
-            value - fitted, model, weight, distance, spread, levels[:, 1], own, columns, gram
-        )
+        return EdgesAt(value - fitted, model, weight, distance, spread, levels, own, columns, gram)
 
     def derivative(self, fitted: EdgesAt, other: SpreadTable) -> Vector:
         """Residuals' change to other spreads, all of the edges' own fitted anew."""
         after, _ = other.at_all(fitted.distance)
         change = (fitted.spread - after) * fitted.weight * fitted.step[:, np.newaxis]
         return fitted.without_own(change).ravel()
+
+    def leave_out(self, beyond: Sequence[Vector], weight: Matrix) -> float:
+        """Take from each edge's samples what is not of the edge.
+
+        Returns the sum of squares, with these weights, by which that differs from what was left
+        out before.
+        """
+        before, self._value = self._value, self._seen.copy()
+        for row, array in zip(self._value, beyond, strict=True):
+            row[: len(array)] -= array
+        return float(np.sum(((self._value - before) * weight) ** 2))
 
     def freeze(self, fitted: EdgesAt) -> None:
         """Take the noise of the residuals on the level sides, and weights that stay.

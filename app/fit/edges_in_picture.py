@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.patch import Patch, patch_of
+from app.fit.surroundings import window_about
 from app.measure.refused_edges import in_words
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_samples import edge_samples
@@ -94,7 +95,8 @@ def _patch(picture: Matrix, edge: FoundEdge, number: int, *, many: bool) -> Patc
         distance=samples.distance,
         along=samples.along,
         value=samples.value,
-        bend=edge.bend * (samples.along / (edge.length / 2.0)) ** 2,
+        curvature=edge.bend / (edge.length / 2.0) ** 2,
         picture=number,
         place=(edge.x, edge.y),
+        window=window_about(picture=picture, edge=edge),
     )

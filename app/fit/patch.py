@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from app.fit.surroundings import Window
+
 Vector = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Near = NDArray[np.bool_]
@@ -35,6 +37,8 @@ class Patch:
         Of each sample: distance along the normal, place along the edge, sample.
     column, row : ndarray
         Where each sample is in its picture.
+    window : Window
+        The picture about the edge.
     low_variance, high_variance : float
         Of a sample's noise on each side.
     low, high : float
@@ -47,6 +51,8 @@ class Patch:
         Which of the pictures it lies in.
     x, y : float
         Middle of the edge.
+    curvature : float
+        Of the edge: samples off its tangent, over the square of the place along it.
     """
 
     name: str
@@ -56,6 +62,7 @@ class Patch:
     value: Vector
     column: Indices
     row: Indices
+    window: Window
     low_variance: float
     high_variance: float
     low: float
@@ -65,6 +72,7 @@ class Patch:
     picture: int = 0
     x: float = 0.0
     y: float = 0.0
+    curvature: float = 0.0
 
     @property
     def reach(self) -> float:
@@ -100,16 +108,16 @@ def patch_of(
     distance: Vector,
     along: Vector,
     value: Vector,
-    bend: Vector | float = 0.0,
+    window: Window,
+    curvature: float = 0.0,
     picture: int = 0,
     place: tuple[float, float] = (0.0, 0.0),
 ) -> Patch | str:
     """The patch of an edge's samples; or why they are no use.
 
-    `bend` is how far the edge lies off its tangent at each sample, which `distance` is less by. The
-    noise is that of the sides far from the edge, about a plane of their own. Of the rest what
-    lies near the edge counts, without its ends: corners, and what is beside in the scene, reach far
-    in faint tails, and all that is known of the blur is known near the edge.
+    `distance` is from the edge, which lies off its tangent by `curvature` · `along`². The noise is
+    that of the sides far from the edge, about a plane of their own. Of the rest what lies near the
+    edge counts, without its ends: all that is known of the blur is known near the edge.
     """
     reach = float(np.abs(distance).max(initial=0.0))
     half = float(np.abs(along).max(initial=0.0))
@@ -140,7 +148,8 @@ def patch_of(
         distance[near],
         along[near],
         value[near],
-        *_places(distance + bend, along, angle_deg, place, near),
+        *_places(distance + curvature * along**2, along, angle_deg, place, near),
+        window,
         max(variances[0], least),
         max(variances[1], least),
         levels[0],
@@ -149,6 +158,7 @@ def patch_of(
         least,
         picture,
         *place,
+        curvature,
     )
 
 

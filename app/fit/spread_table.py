@@ -39,6 +39,13 @@ class SpreadTable:
     spread: NDArray[np.float64]
     slope: NDArray[np.float64]
 
+    def at(self, number: int, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Spread of one edge at distances in any shape, by straight lines between the table's."""
+        count = self.spread.shape[1]
+        place = distance.ravel() * (count / self.period) + 0.5 * count
+        values = np.interp(place, np.arange(count), self.spread[number])
+        return np.asarray(values.reshape(distance.shape), np.float64)
+
     def at_all(self, distance: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         """Spread and slope at any distances, a row for each edge, by cubic Hermite polynomials."""
         edges, count = self.spread.shape

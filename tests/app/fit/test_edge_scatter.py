@@ -78,7 +78,8 @@ def test_edges_that_are_not_ideal_give_a_number_with_the_error_of_their_scatter(
     across = result["parameters"]["blur.sigma_x_mrad"]
     scatter = 0.1 * np.std(own, ddof=1) / np.sqrt(len(own))
     assert across["value"] == pytest.approx(0.1 * np.mean(own), abs=2 * scatter)
-    assert 0.8 * scatter < across["sigma"] < 3 * scatter
+    # A deviation of five is itself known to 1 / sqrt(2 · 4), 35 %.
+    assert 0.65 * scatter < across["sigma"] < 3 * scatter
     assert any("scatter between 5 edges" in line for line in result["warnings"])
     # Of two edges there is no scatter to take.
     lone = fitted(*names[2:4])
