@@ -88,6 +88,11 @@ class Content:
         if moved:
             self._points = points
             self.place({name: QPointF(*at) for name, at in points.items()})
+            # The scene marks later, in a call that waits in its queue, where items were painted
+            # last; a part of the view that is painted before makes it forget, and they would stay
+            # drawn there.
+            for view in self._scene.views():
+                view.viewport().update()
         if links_differ or len(self.wires) != len(network.links):
             self._follow_links(network)
             moved = True

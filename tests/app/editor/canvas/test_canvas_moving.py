@@ -1,7 +1,8 @@
 """Nodes selected, moved and put into wires, with the mouse and with the keys."""
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, Qt
+from PySide6.QtGui import QRegion
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
@@ -46,6 +47,36 @@ def test_the_document_stays_as_it_is_while_the_mouse_drags(four, canvas, hand):
     assert wire.path().pointAtPercent(1) == wire.input_port.scenePos()
     hand.release(start + QPoint(0, 80))
     assert four.network is not before
+
+
+def test_a_node_is_not_left_drawn_where_it_was_when_a_part_is_painted_first(four, canvas, qtbot):
+    """As where the map opens in the corner while nodes make way for what is dropped."""
+    viewport = canvas.view.viewport()
+    qtbot.wait(100)
+    item = canvas.content.nodes["blur"]
+    before = canvas.view.mapFromScene(item.frame()).boundingRect()
+    painted = PaintedRegion()
+    viewport.installEventFilter(painted)
+    four.do(Move({"blur": (240.0, 60.0)}))
+    after = canvas.view.mapFromScene(item.frame()).boundingRect()
+    assert not after.intersects(before)
+    viewport.repaint(after)
+    whole = QRegion(before).united(QRegion(after))
+    QApplication.processEvents()
+    assert whole.subtracted(painted.region).isEmpty()
+
+
+class PaintedRegion(QObject):
+    """All that is painted of a widget."""
+
+    def __init__(self):
+        super().__init__()
+        self.region = QRegion()
+
+    def eventFilter(self, _watched, event):  # noqa: N802 - Qt's name
+        if event.type() == QEvent.Type.Paint:
+            self.region = self.region.united(event.region())
+        return False
 
 
 def test_a_move_draws_only_what_it_changes_anew(four, canvas, qtbot):
