@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
 from PySide6.QtCore import QObject, Signal
+
+from core.network.network import Node
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,8 @@ class FreeNumber:
 class FreeNumbers(QObject):
     """The free parameters of the open document. No file holds them, and undo leaves them.
 
+    Those of a node that is removed come back with it.
+
     Signals
     -------
     changed
@@ -42,6 +46,7 @@ class FreeNumbers(QObject):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._numbers: dict[tuple[str, str], FreeNumber] = {}
+        self._removed: list[tuple[FreeNumber, Node]] = []
 
     @property
     def all(self) -> tuple[FreeNumber, ...]:
@@ -65,17 +70,29 @@ class FreeNumbers(QObject):
 
     def clear(self) -> None:
         """Nothing is free any more."""
+        self._removed.clear()
         if self._numbers:
             self._numbers.clear()
             self.changed.emit()
 
-    def follow(self, name_now: Callable[[str], str], nodes: Container[str]) -> None:
+    def follow(
+        self,
+        name_now: Callable[[str], str],
+        before: Mapping[str, Node],
+        after: Mapping[str, Node],
+    ) -> None:
         """Take the names that nodes have now; what is of no node any more is free no more."""
-        now = [
-            FreeNumber(name_now(one.node), one.name, one.low, one.high)
-            for one in self._numbers.values()
-        ]
-        numbers = {one.place: one for one in now if one.node in nodes}
+        numbers = {}
+        for one in self._numbers.values():
+            now = replace(one, node=name_now(one.node))
+            if now.node in after:
+                numbers[now.place] = now
+            elif one.node in before:
+                self._removed.append((one, before[one.node]))
+        back = [pair for pair in self._removed if after.get(pair[0].node) == pair[1]]
+        for pair in back:
+            self._removed.remove(pair)
+            numbers.setdefault(pair[0].place, pair[0])
         if numbers != self._numbers:
             self._numbers = numbers
             self.changed.emit()

@@ -259,7 +259,9 @@ class Session(QObject):
     def _changed(self, _before: Network, after: Network) -> None:
         shown, self._network = self._network, unfolded(after)
         renamed = renamed_node(shown, self._network)
-        self.free.follow(lambda name: followed_name(name, renamed), self._network.nodes)
+        self.free.follow(
+            lambda name: followed_name(name, renamed), shown.nodes, self._network.nodes
+        )
         self.changed.emit(shown, self._network)
         self.state_changed.emit()
         self.select(followed_name(name, renamed) for name in self._selection)
