@@ -4,6 +4,8 @@ network mwir_camera            a shipped network, to be run
 set scene.width=320            a change of it, as --set has it
 picture scene.image the scene  a picture of a port, with its caption
 curve slices.curve the MTFs    curves of a port
+edges pixels.image what is used the edges of a port's picture, as a measurement draws them
+mtf pixels.image its MTF        and their MTF
 shipped thumbnail_pupils.png   a picture that comes along, with its caption
 """
 
@@ -11,8 +13,10 @@ from __future__ import annotations
 
 import base64
 import html
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.handbook.example_figures import curves, picture
 from app.handbook.module_examples import SHIPPED
@@ -61,6 +65,9 @@ def page_figure(words: str, engine: Engine) -> str:
             samples = engine.value(plan, what, work)
             drawn = np.abs(samples) if isinstance(plan.output(what), Pupil) else samples
             drawings.append(picture(drawn, text))
+        elif kind in ("edges", "mtf"):
+            samples = engine.value(plan, what, work)
+            drawings.append(_measured(samples, kind, text))
         elif kind == "curve" and isinstance(plan.output(what), Curve):
             name = f"{named[0]}-{what}-{number}"
             drawings.append(curves(name, engine.value(plan, what, work), text))
@@ -70,8 +77,26 @@ def page_figure(words: str, engine: Engine) -> str:
 
 
 def _shipped(name: str, caption: str) -> str:
-    data = base64.b64encode((SHIPPED / "pictures" / name).read_bytes()).decode()
-    text = html.escape(caption)
+    return _png((SHIPPED / "pictures" / name).read_bytes(), caption)
+
+
+def _measured(samples: NDArray[Any], kind: str, caption: str) -> str:
+    """A measurement's drawing of a picture: its edges, or their MTF."""
+    # Imported only where a page has one: all that measures.
+    from app.measure.measurement_drawing import edges_png, mtf_png
+    from app.measure.measuring import Source, measure_pictures
+    from app.measure.picture_measurement import MeasuredFile
+
+    picture = np.asarray(samples, np.float64)
+    source = Source((MeasuredFile("picture", 1, ""),), [picture], *picture.shape)
+    measured = measure_pictures(source)
+    if kind == "edges":
+        return _png(edges_png(measured, measured.previews[0]), caption)
+    return _png(mtf_png(measured), caption)
+
+
+def _png(content: bytes, caption: str) -> str:
+    data, text = base64.b64encode(content).decode(), html.escape(caption)
     return (
         f'<figure class="shipped"><img alt="{text}" src="data:image/png;base64,{data}">'
         f"<figcaption>{text}</figcaption></figure>"

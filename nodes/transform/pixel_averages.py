@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from core.chain.wires import Image
 from core.physics.detector.detector_aperture import aperture_mtf
+from core.physics.optics.measured.tabulated_mtf import radial_tabulated_mtf, tabulated_mtf
 from core.transfer.factors import Separable
 from nodes.shared.passed_factors import passed_factors
 
@@ -19,6 +20,13 @@ def detector_averages(image: Image) -> list[Separable]:
 
 def _is_of_area(law: object) -> bool:
     return getattr(law, "function", None) is aperture_mtf
+
+
+def passes_table(image: Image) -> bool:
+    """Whether a table of MTF is on the way, which may have been measured through the pixels."""
+    tables = (tabulated_mtf, radial_tabulated_mtf)
+    laws = [law for factor in passed_factors(image) for law in factor.laws]
+    return any(getattr(law, "function", None) in tables for law in laws)
 
 
 def width_mrad(average: Separable, axis: str) -> float:

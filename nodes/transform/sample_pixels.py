@@ -14,7 +14,7 @@ from core.modules.panel_sections import Section
 from core.modules.parameters import Param
 from nodes.shared.module_ports import ImageOutput
 from nodes.shared.shared_warnings import apart_caution, first
-from nodes.transform.pixel_averages import detector_averages
+from nodes.transform.pixel_averages import detector_averages, passes_table
 
 _LEAST = 1e-3
 
@@ -133,10 +133,17 @@ class SamplePixels(Module, key="sample_pixels", title="Sample Pixels", group="Tr
         """Pixels that are sampled and nowhere averaged over."""
         if detector_averages(image) or max(self._ratio("x", image), self._ratio("y", image)) <= 1:
             return None
+        measured = (
+            "; well where the table of MTF File was measured behind the pixels, as `imagechain "
+            "measure` does"
+            if passes_table(image)
+            else ""
+        )
         return Caution(
             "no Detector MTF is on the way to this picture: the samples are points, and no pixel "
             "averages over its area",
-            "put Detector MTF before Back Transform, or take Combine Pixels, which averages",
+            "put Detector MTF before Back Transform, or take Combine Pixels, which averages"
+            f"{measured}",
         )
 
     @readout("cyc/mrad")

@@ -289,3 +289,29 @@ def test_a_frame_that_an_anti_aliaser_mirrored_is_sampled_as_the_transform_had_i
     kernel = np.sin(apart) / (size * np.sin(apart / size))
     expected = smooth.astype(float) @ kernel.T
     assert np.abs(found - expected).max() <= FOLD_ERROR[precision] * np.abs(samples).max()
+
+
+@pytest.mark.parametrize("column", ["mtf", "mtf_x"])
+def test_a_table_may_have_been_measured_behind_the_pixels(tmp_path, column):
+    """A blur beside it could not; both are warned of, and the table's way out is named."""
+    (tmp_path / "m.csv").write_text(f"frequency (cyc/pixel),{column}\n0,1\n0.5,0.3\n1,0\n")
+    remedies = []
+    for stage in (("mtf_file", {"path": "m.csv"}), ("gaussian_mtf", {"sigma_x_mrad": 0.1})):
+        nodes = {
+            "scene": ("test_scene", {"width": 32, "height": 32, "fov_x_deg": 1, "fov_y_deg": 1}),
+            "init": ("init_trans", {"focal_length_mm": 100, "detector_x_um": 200,
+                                    "detector_y_um": 200}),
+            "stage": stage,
+            "back": ("back_transform", {}),
+            "pixels": ("sample_pixels", {"factor_x": 2.0, "factor_y": 2.0}),
+        }  # fmt: skip
+        links = [
+            ("scene.image", "init.image"), ("init.context", "stage.context"),
+            ("init.magnitude", "stage.magnitude"), ("stage.magnitude", "back.magnitude"),
+            ("init.phase", "back.phase"), ("back.image", "pixels.image"),
+        ]  # fmt: skip
+        engine = Engine(LIBRARY)
+        plan = engine.plan(linked_network(nodes, links), folder=tmp_path)
+        warned = engine.warnings(plan, engine.work(Policy()))
+        remedies += [str(one) for one in warned if one.check == "no_average"]
+    assert ["measured behind the pixels" in line for line in remedies] == [True, False]
