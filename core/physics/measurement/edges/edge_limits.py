@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import isotonic_regression
 
 from core.physics.measurement.edges.edge_clipping import (
     FADED,
@@ -13,7 +18,8 @@ from core.physics.measurement.edges.edge_clipping import (
     noise_of_ramp,
     quantum_of,
 )
-from core.physics.measurement.edges.edge_samples import EdgeSamples
+from core.physics.measurement.edges.edge_found import FoundEdge
+from core.physics.measurement.edges.edge_samples import EdgeSamples, edge_samples
 
 Vector = NDArray[np.float64]
 
@@ -25,6 +31,15 @@ _NOISE_MATTERS = 1e-3  # of the contrast: with less, a level side is no sign of 
 _NOISE_SHOWS = 3e-3  # of the contrast, between sides that have none
 _QUIET = 0.1  # of the other side's noise
 _ALL_AT_LIMIT = 0.9  # share of a side's samples
+_LEAST_STEP = 0.3  # samples between two levels
+_DISTINCT = 0.5  # values for each sample, of a side with noise
+_NOISE_BESIDE = 3e-4  # of the contrast: less may be a tail's
+_LEAST_CUT, _LEAST_CUT_SHARE = 2, 0.3  # edges that show a limit to others which reach it
+_DISORDER = 8e-3  # of the contrast, between sides that have none
+_LEAST_FREE = 12  # samples of a side, that show its noise
+# From a tenth to the end, of the way from a half to a tenth: blurs have more, and a smear of five
+# pixels and more, without noise, at least half.
+_CORNER, _SHARP_CORNER = 0.85, 0.45
 _BESIDE = 3.0  # samples from the edge, where its sides begin
 
 
@@ -135,6 +150,145 @@ def why_cut_off(
     if "corner" in ends and (wide or "soft" in ends):
         return "clipped: it runs into the picture's extreme value in a sharp corner"
     return ""
+
+
+def why_piled_up(*, value: Vector, distance: Vector, extremes: tuple[float, float]) -> str:
+    """Why an edge with a side of one extreme value was cut off there, where the other has noise.
+
+    Parameters
+    ----------
+    value, distance : ndarray
+        Samples of the edge, and how far they are from its fitted course.
+    extremes : tuple of float
+        Lowest and highest sample of the picture.
+
+    Notes
+    -----
+    Noise never gives one value again and again. Only that of photons leaves a dark side without
+    any, if nothing lies below it; the edge then goes over into that side as softly as its blur
+    does, and not in a corner.
+    """
+    low, high = extremes
+    contrast = high - low
+    dark, bright = distance < -_BESIDE, distance > _BESIDE
+    if not (contrast > 0.0 and dark.any() and bright.any()):
+        return ""
+    near = np.abs(distance) < _BESIDE
+    if np.mean(~np.isin(value[near], extremes)) * 2.0 * _BESIDE < _LEAST_STEP:
+        return "clipped: nearly all of its samples have two values, and little is left of its blur"
+    between = (value > low + 0.01 * contrast) & (value < high - 0.01 * contrast)
+    inner = distance[between & near]
+    wide = len(inner) > 0 and float(np.ptp(inner)) > PIXEL_RAMP
+    if _is_at_limit(value[dark], low) and _is_at_limit(value[bright], high):
+        noise = _disorder(distance[between], value[between]) / contrast
+        if noise > _DISORDER:
+            return (
+                f"clipped: both sides have the picture's extreme values with no noise, and the "
+                f"step between them has {noise:.2g} of the contrast"
+            )
+    for side, other, limit, outward in ((dark, bright, low, -1.0), (bright, dark, high, 1.0)):
+        share = float(np.mean(value[side] == limit))
+        if share < _PILED:
+            continue
+        what = (
+            f"{share:.0%} of the samples on one side have the picture's extreme value {limit:.6g}"
+        )
+        if share < _ALL_AT_LIMIT:
+            if _has_noise(distance[side], value[side], extremes):
+                return f"clipped: {what}, and others there have noise"
+            continue
+        noisy = _has_noise(distance[other], value[other], extremes)
+        if noisy and outward > 0.0:
+            return f"clipped: {what}, and the other side has noise"
+        limits = _CORNER if noisy else _SHARP_CORNER
+        if (noisy or wide) and _is_corner(value, outward * distance, limit, limits):
+            return f"clipped: {what}, and the edge runs into it in a sharp corner"
+    return ""
+
+
+def without_those_at(
+    *, edges: Sequence[FoundEdge], picture: NDArray[np.floating], extremes: tuple[float, float]
+) -> list[FoundEdge]:
+    """Refuse edges that reach an extreme value at which others were found to be cut off.
+
+    Parameters
+    ----------
+    edges : sequence of FoundEdge
+        Edges, used and refused.
+    picture : ndarray
+        The samples that they are of.
+    extremes : tuple of float
+        Lowest and highest sample of the picture.
+
+    Notes
+    -----
+    A limit is the picture's, not an edge's; noise shows it on one edge better than on another.
+    """
+    made = list(edges)
+    if sum(_is_cut(edge) for edge in made) < _LEAST_CUT:
+        return made
+    for limit in extremes:
+        reaching = [
+            (place, share)
+            for place, edge in enumerate(made)
+            if edge.used or _is_cut(edge)
+            if (share := _share_at(picture, edge, limit)) > _SHARE
+        ]
+        cut = sum(_is_cut(made[place]) for place, _ in reaching)
+        if cut < max(_LEAST_CUT, _LEAST_CUT_SHARE * len(reaching)):
+            continue
+        for place, share in reaching:
+            if made[place].used:
+                reason = (
+                    f"clipped: {share:.0%} of its samples have the picture's extreme value "
+                    f"{limit:.6g}, at which {cut} others are cut off"
+                )
+                made[place] = replace(made[place], used=False, why_not=reason)
+    return made
+
+
+def _is_cut(edge: FoundEdge) -> bool:
+    return edge.why_not.startswith("clipped")
+
+
+def _share_at(picture: NDArray[np.floating], edge: FoundEdge, limit: float) -> float:
+    value = edge_samples(picture=picture, edge=edge).value
+    return float(np.mean(value == limit)) if len(value) else 0.0
+
+
+def _disorder(distance: Vector, value: Vector) -> float:
+    """What samples depart from the nearest rising function of their distance, rms."""
+    if len(value) < _LEAST_FREE:
+        return 0.0
+    rising = value[np.argsort(distance, kind="stable")]
+    return float(np.std(rising - isotonic_regression(rising).x))
+
+
+def _has_noise(distance: Vector, value: Vector, extremes: tuple[float, float]) -> bool:
+    """Whether samples of a side have noise, those at the picture's limits left out."""
+    free = ~np.isin(value, extremes)
+    value = value[free][np.argsort(distance[free], kind="stable")]
+    if len(value) < _LEAST_FREE or len(np.unique(value)) < _DISTINCT * len(value):
+        return False
+    second = value[2:] - 2.0 * value[1:-1] + value[:-2]
+    noise = float(np.median(np.abs(second))) / (0.6745 * math.sqrt(6.0))
+    return noise > _NOISE_BESIDE * (extremes[1] - extremes[0])
+
+
+def _is_corner(value: Vector, outward: Vector, limit: float, least: float) -> bool:
+    """Whether a step reaches its limit sooner after a tenth of its height than blurs let it."""
+    order = np.argsort(outward, kind="stable")
+    place, at_limit = outward[order], value[order] == limit
+    # Where to part the samples so that most beyond are at the limit, and most before are not.
+    before = np.concatenate([[0], np.cumsum(~at_limit)])
+    beyond = np.concatenate([np.cumsum(at_limit[::-1])[::-1], [0]])
+    end = float(place[min(int(np.argmax(before + beyond)), len(place) - 1)])
+    step = float(np.median(value[outward < -_BESIDE])) - limit
+    if step == 0.0:
+        return False
+    share = isotonic_regression(value[order] - limit, increasing=False).x / step
+    half, tenth = (float(place[int(np.argmax(share <= level))]) for level in (0.5, 0.1))
+    return end - tenth < least * (tenth - half)
 
 
 def _is_at_limit(side: Vector, limit: float) -> bool:

@@ -10,7 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.edges.edge_found import FoundEdge
-from core.physics.measurement.edges.edge_limits import why_clipped, why_cut_off
+from core.physics.measurement.edges.edge_limits import (
+    why_clipped,
+    why_cut_off,
+    why_piled_up,
+    without_those_at,
+)
 from core.physics.measurement.edges.edge_samples import (
     EdgeSamples,
     edge_samples,
@@ -107,6 +112,8 @@ def find_edges(
         if used == _ENOUGH_USED or len(found) == min(enough, len(pieces)):
             found = without_soft(edges=found)
             used = sum(edge.used for edge in found)
+    if clip_levels is None:
+        found = without_those_at(edges=found, picture=picture, extremes=extremes)
     reason = _enough(used, len(found))
     found.extend(replace(_rough(piece, noise), why_not=reason) for piece in waiting[len(found) :])
     reason = why_no_picture(picture=picture) if any(edge.used for edge in found) else ""
@@ -244,12 +251,10 @@ def _settled(
     edge = _on_course(edge, fit)
     if clip_levels is None:
         away = samples.along / half_length
+        distance = samples.distance - fit.turn * away - fit.bend * away**2
         reason = why_cut_off(
-            samples=samples,
-            distance=samples.distance - fit.turn * away - fit.bend * away**2,
-            reach=edge.reach,
-            extremes=extremes,
-        )
+            samples=samples, distance=distance, reach=edge.reach, extremes=extremes
+        ) or why_piled_up(value=samples.value, distance=distance, extremes=extremes)
         if reason:
             return replace(edge, why_not=reason)
     off = _off_course(samples, fit, half_length)
