@@ -23,6 +23,7 @@ from core.physics.measurement.noise.picture_blocks import (
     PictureBlocks,
 )
 from core.physics.measurement.noise.structure_share import (
+    FINE_DOUBT,
     StructureShare,
     mean_below,
     structure_share,
@@ -40,7 +41,6 @@ _LEAST_BLOCKS = 8
 _ROUNDS = 12
 _UNEVEN = 1.25  # scatter of blocks beyond which the noise is not of one kind
 _LOUDER_SHARE, _MANY_LOUDER = 0.8, 0.3  # of the louder blocks that are seen; of the chosen
-_LITTLE, _LITTLE_MIDDLE = 0.06, 0.01  # structure that leaves the middle waves to be used too
 _FROM_END = 5.0  # deviations from a clipped end within which noise is cut
 
 
@@ -54,14 +54,10 @@ class FlatBlocks:
         Blocks of noise alone.
     variance : ndarray, shape (blocks,)
         Of each block, chosen or not, less what its coarse power lets expect of structure.
-    freedom : int
-        Waves that a block's variance is of.
     line : VarianceLine
         Variance over the level of the chosen.
     structure : StructureShare
         What of the power is no noise.
-    doubt : float
-        Standard error of what was taken off for it, over the variance.
     lean, lean_error : float
         By how much middle waves that are finer down have more power than those finer across, over
         that of the fine ones, and its standard error: 0 of white noise.
@@ -71,13 +67,21 @@ class FlatBlocks:
 
     chosen: Mask
     variance: Vector
-    freedom: int
     line: VarianceLine
     structure: StructureShare
-    doubt: float
     lean: float
     lean_error: float
     even: bool
+
+    def mean(self) -> tuple[float, float]:
+        """Mean variance of the chosen blocks where it differs among them, and its standard error.
+
+        Each is of its own place: how they differ is no error, how χ² scatters is.
+        """
+        variance = self.variance[self.chosen]
+        mean, many = float(variance.mean()), len(variance)
+        chance = math.sqrt(2.0 / (_FINE + 2.0) * float(np.mean(variance**2)) / many)
+        return mean, math.hypot(chance, self.structure.doubt * self.structure.coarse * mean)
 
 
 @dataclass(frozen=True)
@@ -107,6 +111,7 @@ class _Waves:
 def flat_blocks(
     *,
     blocks: PictureBlocks,
+    at: float,
     least: float = 0.0,
     low: float | None = None,
     high: float | None = None,
@@ -117,10 +122,18 @@ def flat_blocks(
     ----------
     blocks
         Of the picture.
+    at : float
+        Level at which the noise is to be known best.
     least : float
         Variance that rounding hides.
     low, high : float, optional
         Where samples are clipped.
+
+    Notes
+    -----
+    A narrower choice has fewer blocks, and less structure in them. Of those whose blocks scatter as
+    noise of one kind does, the one is taken whose error, of both, is the least: errors do not
+    depend on how the noise came out.
     """
     waves = _Waves(
         blocks.level,
@@ -132,15 +145,23 @@ def flat_blocks(
         low,
         high,
     )
-    first = None
+    first = best = None
     for share in _SHARES:
         even = _by_level(waves, share)
         if even is not None and _scatter(waves, even) < _UNEVEN:
-            if _louder(waves, even):
+            if best is None and _louder(waves, even):
                 break
-            return even
+            if best is not None and _error(even, at) >= _error(best, at):
+                return best
+            best = even
         first = first or even
-    return _by_itself(waves) or first
+    return best or _by_itself(waves) or first
+
+
+def _error(flat: FlatBlocks, level: float) -> float:
+    """Standard error of the variance at a level, over it."""
+    variance, error = flat.line.at(level)
+    return error / variance if variance > 0.0 else math.inf
 
 
 def _louder(waves: _Waves, flat: FlatBlocks) -> bool:
@@ -163,12 +184,13 @@ def _by_level(waves: _Waves, share: float) -> FlatBlocks | None:
     """Blocks whose coarse power is no more than that of the noise at their level."""
     chosen = _quietest(waves)
     limit = 2.0 * float(special.gammaincinv(_COARSE / 2.0, share)) / _COARSE
-    variance = waves.fine
-    structure, doubt, cut = None, 0.0, 1.0
+    cut = mean_below(limit=limit, freedom=_COARSE)
+    variance, relative = waves.fine, waves.level
+    structure = None
     for _ in range(_ROUNDS):
         if np.count_nonzero(chosen) < _LEAST_BLOCKS:
             return None
-        line = variance_line(level=waves.level[chosen], variance=variance[chosen], freedom=_FINE)
+        line = variance_line(level=waves.level[chosen], variance=variance[chosen])
         if not line.middle > 0.0:
             return None
         before, model = chosen, line.over(waves.level)
@@ -182,28 +204,21 @@ def _by_level(waves: _Waves, share: float) -> FlatBlocks | None:
             middle=waves.middle[chosen] / relative,
             fine=waves.fine[chosen] / relative,
             limit=limit,
-            freedom=_COARSE,
+            freedom=(_COARSE, _MIDDLE, _FINE),
         )
-        cut = mean_below(limit=limit, freedom=_COARSE)
-        part, doubt = structure.removal(0.0)
-        variance = waves.fine - part * (waves.coarse / cut - waves.fine)
+        variance = structure.variance(
+            coarse=waves.coarse, middle=waves.middle, fine=waves.fine, cut=cut
+        )
         if np.array_equal(chosen, before):
             break
     assert structure is not None
-    freedom = _FINE
-    if structure.coarse < _LITTLE and structure.middle < _LITTLE_MIDDLE:
-        freedom = _MIDDLE + _FINE
-        part, doubt = structure.removal(_MIDDLE / freedom)
-        power = (_MIDDLE * waves.middle + _FINE * waves.fine) / freedom
-        variance = power - part * (waves.coarse / cut - power)
-    line = variance_line(level=waves.level[chosen], variance=variance[chosen], freedom=freedom)
+    line = variance_line(level=waves.level[chosen], variance=variance[chosen])
+    left = structure.doubtful(coarse=waves.coarse, middle=waves.middle, fine=waves.fine, cut=cut)
     return FlatBlocks(
         chosen,
         variance,
-        freedom,
-        line,
+        line.doubted(level=waves.level[chosen], left=left[chosen]),
         structure,
-        doubt,
         *_lean(waves, chosen, relative),
         even=True,
     )
@@ -238,13 +253,13 @@ def _by_itself(waves: _Waves) -> FlatBlocks | None:
     share = ratio / (1.0 + ratio)
     cut = float(special.betainc(_COARSE / 2.0, _FINE / 2.0 + 1.0, share)) / _SHARES[0]
     variance = waves.fine / cut
-    line = variance_line(level=waves.level[chosen], variance=variance[chosen], freedom=_FINE)
+    line = variance_line(level=waves.level[chosen], variance=variance[chosen])
     # Middle waves are not chosen by, fine ones came out higher by the choice.
     mean = float(variance[chosen].mean())
     excess = float(waves.middle[chosen].mean()) / mean - 1.0
     off = waves.middle[chosen] - (1.0 + excess) * variance[chosen]
     error = float(np.std(off)) / (math.sqrt(len(off)) * mean)
     coarse = float(waves.coarse[chosen].mean()) / mean - 1.0
-    structure = StructureShare(max(coarse, 0.0), 0.0, 0.0, 0.0, excess, error)
+    structure = StructureShare(max(coarse, 0.0), 0.0, 0.0, 0.0, 1.0, FINE_DOUBT, excess, error)
     lean = _lean(waves, chosen, np.full(len(off), mean))
-    return FlatBlocks(chosen, variance, _FINE, line, structure, 0.0, *lean, even=False)
+    return FlatBlocks(chosen, variance, line, structure, *lean, even=False)

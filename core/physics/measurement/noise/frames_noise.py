@@ -185,13 +185,13 @@ def _settled(
         return None, chosen, f"fewer than {_LEAST_BLOCKS} blocks of {SIDE} × {SIDE} are not clipped"
     limit = 2.0 * float(special.gammaincinv(freedom / 2.0, _KEPT)) / freedom
     chosen &= power <= 2.0 * np.median(power[chosen])
-    line = variance_line(level=level[chosen], variance=power[chosen], freedom=freedom)
+    line = variance_line(level=level[chosen], variance=power[chosen])
     for _ in range(_ROUNDS):
         before = chosen
         chosen = inside & (power <= limit * line.over(level))
         if np.count_nonzero(chosen) < _LEAST_BLOCKS:
             break
-        line = variance_line(level=level[chosen], variance=power[chosen], freedom=freedom)
+        line = variance_line(level=level[chosen], variance=power[chosen])
         if np.array_equal(before, chosen):
             break
     moved = 1.0 - np.count_nonzero(chosen) / np.count_nonzero(inside)

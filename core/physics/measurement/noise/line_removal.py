@@ -34,6 +34,7 @@ def flat_without_lines(
     picture: Matrix,
     good: Mask | None,
     blocks: PictureBlocks,
+    at: float,
     least: float,
     low: float | None,
     high: float | None,
@@ -47,7 +48,7 @@ def flat_without_lines(
         Samples, and which of them count.
     blocks
         Of the picture as it is.
-    least, low, high
+    at, least, low, high
         As `flat_blocks` takes them.
     check : callable
         Called between steps; may raise to stop.
@@ -60,7 +61,7 @@ def flat_without_lines(
         variance = float(np.median(blocks.mean_power(FINE)[quiet]))
         lines = _fitted(picture, blocks, quiet, frequencies, variance)
     free = _less(picture, good, blocks, lines, check)
-    flat = flat_blocks(blocks=free, least=least, low=low, high=high)
+    flat = flat_blocks(blocks=free, at=at, least=least, low=low, high=high)
     for _ in range(_ROUNDS if lines else 0):
         check()
         if flat is None:
@@ -71,7 +72,7 @@ def flat_without_lines(
         places = tuple((line.across, line.down) for line in lines)
         lines = _fitted(picture, free, even, places, flat.line.middle)
         free = _less(picture, good, blocks, lines, check)
-        flat = flat_blocks(blocks=free, least=least, low=low, high=high)
+        flat = flat_blocks(blocks=free, at=at, least=least, low=low, high=high)
     return free, flat, lines
 
 

@@ -49,7 +49,6 @@ _HIDDEN_SHARE = 0.4  # of the blocks of noise that differs from place to place
 _STILL, _STILL_SHARE = 1e-11, 0.05  # of the power: what single precision leaves; of the blocks
 _SMALLEST, _LARGEST = 1e-12, 1e15  # numbers whose squares single precision holds
 _WHITE = 0.1  # by which middle waves may exceed fine ones
-_STRUCTURE = 0.12  # of the variance, that may be taken off for structure
 _LEAST_UNEVEN = 0.3  # of the blocks, where the noise of one place does not vouch for another's
 _COARSE_UNEVEN = 0.5  # by which coarse waves may exceed fine ones there
 _UNREACHED = 0.03  # standard error over sigma, beyond which there is none
@@ -172,6 +171,7 @@ def noise_of_picture(
             picture=picture,
             good=good,
             blocks=blocks,
+            at=mean,
             least=hidden,
             low=low,
             high=high,
@@ -213,12 +213,11 @@ def _measured(
     """Figures of the flat blocks."""
     level, variance = blocks.level[flat.chosen], flat.variance[flat.chosen]
     rounding = 0.0 if step is None else step**2 / 12.0
+    line = flat.line
     if flat.even:
-        at_mean, error = flat.line.bounded(offset).at(mean)
+        at_mean, error = line.bounded(offset).at(mean)
     else:
-        at_mean = float(variance.mean())
-        error = float(variance.std()) / math.sqrt(len(variance))
-    error = math.hypot(error, flat.doubt * at_mean)
+        at_mean, error = flat.mean()
     refusal = _refusal(blocks, flat)
     strong = bool(lines) and lines[0].amplitude > _STRONG * math.sqrt(max(at_mean, 0.0))
     if not refusal and strong and not flat.even:
@@ -240,9 +239,9 @@ def _measured(
         return _nothing(refusal, mean, step, blocks)
     remarks = []
     if flat.even:
-        gain = gain_figure(line=flat.line, level=level)
+        gain = gain_figure(line=line, level=level)
         read = read_noise_figure(
-            line=flat.line,
+            line=line,
             level=level,
             with_gain=gain[0] is not None,
             rounding=rounding,
@@ -297,7 +296,7 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
     """Why the flat blocks' noise is not to be trusted."""
     structure = flat.structure
     falls = structure.middle > _WHITE + 3.0 * structure.middle_error
-    if falls or structure.fine > _STRUCTURE:
+    if falls:
         return (
             "the noise of the flattest areas falls towards fine waves (coarse, middle and fine "
             f"ones have power {1 + structure.coarse:.2f} : {1 + structure.middle:.2f} : 1): it was "

@@ -30,8 +30,6 @@ class VarianceLine:
         Variance there, and by how much it rises with the level.
     middle_error, slope_error, covariance : float
         Standard errors, from the scatter of the blocks themselves.
-    scatter : float
-        Variance of the blocks' own estimates over that of normal white noise: 1 of such.
     """
 
     centre: float
@@ -40,7 +38,6 @@ class VarianceLine:
     middle_error: float
     slope_error: float
     covariance: float
-    scatter: float
 
     def at(self, level: float) -> tuple[float, float]:
         """Variance at a level, and its standard error."""
@@ -50,12 +47,23 @@ class VarianceLine:
         )
         return self.middle + self.slope * away, math.sqrt(max(variance, 0.0))
 
-    def doubted(self, share: float) -> VarianceLine:
-        """The line, its slope in doubt for structure that makes up to that share of the variance.
+    def doubted(self, *, level: Vector, left: Vector) -> VarianceLine:
+        """The line, with what may be left of structure in the variance of the blocks it is of.
 
-        The contrast of structure rises with the level, and its power by the square.
+        `left` is one standard error, of all blocks together: few blocks with structure, at levels
+        that the line leans on, make its slope uncertain more than its middle.
         """
-        return replace(self, slope_error=math.hypot(self.slope_error, 2.0 * share * self.slope))
+        weight = 1.0 / self.over(level) ** 2
+        away = level - self.centre
+        middle = float(weight @ left / weight.sum())
+        spread = float(weight @ (away * away))
+        slope = float(weight @ (away * left)) / spread if spread > 0.0 else 0.0
+        return replace(
+            self,
+            middle_error=math.hypot(self.middle_error, middle),
+            slope_error=math.hypot(self.slope_error, slope),
+            covariance=self.covariance + middle * slope,
+        )
 
     def bounded(self, offset: float) -> VarianceLine:
         """The line with what physics knows of its slope, for levels it was not measured at.
@@ -81,15 +89,13 @@ class VarianceLine:
         return np.maximum(self.middle + self.slope * (level - self.centre), _LEAST * self.middle)
 
 
-def variance_line(*, level: Vector, variance: Vector, freedom: int) -> VarianceLine:
+def variance_line(*, level: Vector, variance: Vector) -> VarianceLine:
     """Fit the line to the variance of blocks.
 
     Parameters
     ----------
     level, variance : ndarray, shape (blocks,)
         Of each block; at least two.
-    freedom : int
-        Degrees of freedom of a block's variance.
 
     Notes
     -----
@@ -99,7 +105,7 @@ def variance_line(*, level: Vector, variance: Vector, freedom: int) -> VarianceL
     """
     mean = float(variance.mean())
     if not mean > 0.0:
-        return VarianceLine(float(level.mean()), 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+        return VarianceLine(float(level.mean()), 0.0, 0.0, 0.0, 0.0, 0.0)
     model = np.full(len(level), mean)
     for _ in range(_ROUNDS):
         weight = 1.0 / model**2
@@ -120,5 +126,4 @@ def variance_line(*, level: Vector, variance: Vector, freedom: int) -> VarianceL
     if spread > 0.0:
         slope_error = math.sqrt(float(turned @ turned)) / spread
         covariance = float(off @ turned) / (total * spread)
-    scatter = float(np.mean((variance / model - line / model) ** 2)) * freedom / 2.0
-    return VarianceLine(centre, middle, slope, middle_error, slope_error, covariance, scatter)
+    return VarianceLine(centre, middle, slope, middle_error, slope_error, covariance)

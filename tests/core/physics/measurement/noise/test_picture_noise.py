@@ -209,6 +209,6 @@ def test_noise_far_below_the_level():
 def test_a_slope_is_no_steeper_than_light_makes_it():
     level, variance = np.repeat([100.0, 200.0], [400, 2]), np.repeat([4.0, 40.0], [400, 2])
     variance *= np.random.default_rng(17).chisquare(16, 402) / 16
-    line = variance_line(level=level, variance=variance, freedom=16)
+    line = variance_line(level=level, variance=variance)
     assert line.slope > 0.2
     assert line.bounded(0.0).slope == pytest.approx(4.0 / 100.0, rel=0.1)

@@ -1,0 +1,36 @@
+"""Errors of the noise from one picture, against what many pictures scatter by."""
+
+import math
+
+import numpy as np
+import pytest
+
+from core.physics.measurement.noise.picture_noise import noise_of_picture
+from noisy_scenes import Sensor, blurred, polygons
+
+
+def pulls_of(pictures, truth):
+    """Departures of sigma from the truth over its errors."""
+    noises = [noise_of_picture(picture=picture) for picture in pictures]
+    return np.array([(noise.sigma - truth) / noise.sigma_error for noise in noises])
+
+
+@pytest.mark.parametrize("levels", [(4000,), (4000, 1000, 9000, 2500)])
+def test_sigma_has_no_bias_and_errors_that_hold(levels):
+    clean = polygons(136, 176, levels, seed=3)
+    scene = blurred(np.asarray(clean, float), sigma=0.5)
+    sensor = Sensor(gain=4.0, read_e=40.0)
+    pictures = (sensor.picture(scene, seed=seed) for seed in range(40))
+    pulls = pulls_of(pictures, sensor.sigma(scene.mean()))
+    # Standard errors of the mean and of the root mean square are 0.16 and 0.11.
+    assert abs(pulls.mean()) < 0.4
+    assert 0.7 < math.sqrt((pulls**2).mean()) < 1.3
+
+
+def test_errors_hold_where_the_noise_differs_from_place_to_place():
+    place = np.where(np.arange(240) < 120, 2.0, 5.0)
+    random = np.random.default_rng(20)
+    pictures = (300 + place * random.standard_normal((160, 240)) for _ in range(30))
+    pulls = pulls_of(pictures, math.sqrt((4.0 + 25.0) / 2.0))
+    assert abs(pulls.mean()) < 0.5
+    assert 0.7 < math.sqrt((pulls**2).mean()) < 1.3
