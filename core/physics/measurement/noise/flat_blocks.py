@@ -41,6 +41,7 @@ _LEAST_BLOCKS = 8
 _ROUNDS = 12
 _UNEVEN = 1.25  # scatter of blocks beyond which the noise is not of one kind
 _LOUDER_SHARE, _MANY_LOUDER = 0.8, 0.3  # of the louder blocks that are seen; of the chosen
+_NEIGHBOURS, _LEAST_USUAL = 16, 0.4  # on either side in level; of those that noise alone leaves
 _FROM_END = 5.0  # deviations from a clipped end within which noise is cut
 
 
@@ -106,6 +107,21 @@ class _Waves:
         if self.high is not None:
             free &= self.level + reach < self.high
         return free
+
+    def usual(self, chosen: Mask, least: float) -> Mask:
+        """The chosen blocks of whose neighbours in level at least this share is chosen.
+
+        Where most blocks of a level have structure, the few that seem to have none have a little:
+        they are the ends of edges, and at levels of their own, on which a line leans.
+        """
+        order = np.argsort(self.level)
+        many = np.concatenate(([0], np.cumsum(chosen[order])))
+        place = np.arange(len(order))
+        first = np.maximum(place - _NEIGHBOURS, 0)
+        last = np.minimum(place + _NEIGHBOURS + 1, len(order))
+        usual = chosen.copy()
+        usual[order] &= many[last] - many[first] >= least * (last - first)
+        return usual
 
 
 def flat_blocks(
@@ -195,7 +211,7 @@ def _by_level(waves: _Waves, share: float) -> FlatBlocks | None:
             return None
         before, model = chosen, line.over(waves.level)
         shown = waves.clear(model) & (model >= waves.least)
-        chosen = shown & (waves.coarse <= limit * model)
+        chosen = waves.usual(shown & (waves.coarse <= limit * model), _LEAST_USUAL * share)
         if np.count_nonzero(chosen) < _LEAST_BLOCKS:
             return None
         relative = model[chosen]

@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from core.physics.measurement.noise.flat_blocks import flat_blocks
+from core.physics.measurement.noise.picture_blocks import picture_blocks
 from core.physics.measurement.noise.picture_noise import noise_of_picture
 from noisy_scenes import Sensor, blurred, polygons
 
@@ -34,3 +36,19 @@ def test_errors_hold_where_the_noise_differs_from_place_to_place():
     pulls = pulls_of(pictures, math.sqrt((4.0 + 25.0) / 2.0))
     assert abs(pulls.mean()) < 0.5
     assert 0.7 < math.sqrt((pulls**2).mean()) < 1.3
+
+
+def test_levels_at_which_nearly_all_has_structure_do_not_count():
+    random = np.random.default_rng(21)
+    down = across = 20
+    level = random.uniform(3000, 5000, (down, across))
+    strength = 20 * 10 ** random.uniform(-0.3, 1.0, (down, across))
+    ripple = np.cos(np.pi * 2 * (np.arange(8) + 0.5) / 8)
+    # A fifth of these ripples is lost in the noise.
+    clutter = np.kron(level, np.ones((8, 8))) + np.kron(strength, np.outer(ripple, ripple))
+    scene = np.hstack([np.full((8 * down, 8 * across), 1000.0), clutter])
+    picture = scene + 20 * random.standard_normal(scene.shape)
+    flat = flat_blocks(blocks=picture_blocks(picture=picture), at=1000.0)
+    chosen = flat.chosen.reshape(down, 2 * across)
+    assert chosen[:, :across].mean() > 0.95
+    assert chosen[:, across:].mean() < 0.06
