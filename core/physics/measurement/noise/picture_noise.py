@@ -213,7 +213,7 @@ def _measured(
     """Figures of the flat blocks."""
     level, variance = blocks.level[flat.chosen], flat.variance[flat.chosen]
     rounding = 0.0 if step is None else step**2 / 12.0
-    line = flat.line
+    line = flat.line if step is None else flat.line.rounded(level=level, step=step)
     if flat.even:
         at_mean, error = line.bounded(offset).at(mean)
     else:
