@@ -18,7 +18,7 @@ CASES = range(1000, 1012)
 
 @pytest.fixture(scope="module")
 def rows():
-    return [judged("held_out", number, fit=False, rows=112, columns=128) for number in CASES]
+    return [judged("held_out", number, fit=False, rows=128, columns=144) for number in CASES]
 
 
 def test_edges_are_used_where_there_are_any(rows):

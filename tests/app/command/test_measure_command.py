@@ -98,7 +98,8 @@ def test_colours_are_measured_by_luminance_or_by_one_of_them(imagechain, tmp_pat
 def test_frames_of_one_scene_give_gain_and_components_and_others_do_not(imagechain, tmp_path):
     random = np.random.default_rng(6)
     electrons = 20.0 * edge(6.0, SIGMA_X, 0, (96, 120)) * random.uniform(0.5, 1.0, (96, 120))
-    still = [random.poisson(electrons) + 15.0 * random.standard_normal((96, 120)) for _ in range(6)]
+    drawn = [random.poisson(electrons) for _ in range(16)]
+    still = [frame + 15.0 * random.standard_normal((96, 120)) for frame in drawn]
     np.save(tmp_path / "still.npy", np.rint(np.stack(still) / 4.0).astype(np.uint16))
     moved = [edge(6.0, SIGMA_X, 9, (64, 80)), edge(84.0, SIGMA_X, 10, (64, 80))]
     np.save(tmp_path / "moved.npy", np.stack(moved))

@@ -51,7 +51,8 @@ _SMALLEST, _LARGEST = 1e-12, 1e15  # numbers whose squares single precision hold
 _WHITE = 0.1  # by which middle waves may exceed fine ones
 _LEAST_UNEVEN = 0.3  # of the blocks, where the noise of one place does not vouch for another's
 _COARSE_UNEVEN = 0.5  # by which coarse waves may exceed fine ones there
-_UNREACHED = 0.03  # standard error over sigma, beyond which there is none
+# Sigma is given where it is known to 3 % with a confidence of 95 %.
+_WITHIN, _CONFIDENCE = 0.03, 1.96
 
 
 @dataclass(frozen=True)
@@ -223,12 +224,15 @@ def _measured(
     if not refusal and strong and not flat.even:
         amplitude = f"{lines[0].amplitude:.3g}"
         refusal = f"a pattern all over the picture, of amplitude {amplitude}, hides the noise"
-    if not refusal and (at_mean <= 0.0 or error > 2.0 * _UNREACHED * at_mean):
-        known = f"{0.5 * error / at_mean:.1%}" if at_mean > 0.0 else "nothing"
+    if not refusal and (at_mean <= 0.0 or _CONFIDENCE * error > 2.0 * _WITHIN * at_mean):
+        known = "not at all"
+        if at_mean > 0.0:
+            spread = 0.5 * _CONFIDENCE * error / at_mean
+            known = f"{math.sqrt(at_mean):.4g} within {spread:.1%}"
         refusal = (
             f"the flat areas, {len(level)} blocks of level {level.min():.4g} to {level.max():.4g}, "
-            f"give the noise at the picture's mean level, {mean:.4g}, to {known}, of at most "
-            f"{_UNREACHED:.0%}"
+            f"give the noise at the picture's mean level, {mean:.4g}: {known}, with a confidence "
+            f"of 95 %, of at most {_WITHIN:.0%}"
         )
     if not refusal and step is not None:
         shown = rounding + (_COARSE_STEPS * step) ** 2
