@@ -160,7 +160,7 @@ def test_between_edits_only_pictures_are_answered(
         small.do(set_parameter("electronics", "amplifier_snr", 50.0 + step))
         qtbot.waitUntil(lambda step=step: len(answers) == step + 1)
     assert {answer.owner for answer in answers} == {"viewer"}
-    qtbot.waitUntil(lambda: evaluator.idle, timeout=30_000)
+    qtbot.waitUntil(lambda: evaluator.idle)
     assert [answer.owner for answer in answers] == ["viewer"] * 6 + ["panel"]
     assert answers[-1].generation == evaluator.generation
 

@@ -251,17 +251,17 @@ def test_two_windows_keep_their_work_apart(make_window, qtbot, tmp_path):
     add(one, "test_scene")
     add(two, "init_trans")
     folder = tmp_path / "recovery"
-    qtbot.waitUntil(lambda: len(list(folder.glob("*.recovery"))) == 2)
+    qtbot.waitUntil(lambda: len(list(folder.glob("[!.]*.recovery"))) == 2)
     assert recoverable(folder) == (), "both are alive"
     one.close_for_good()
-    (left,) = folder.glob("*.recovery")
+    (left,) = folder.glob("[!.]*.recovery")
     assert b"init_trans" in left.read_bytes()
 
 
 def test_another_process_sees_only_what_the_dead_have_left(window, hand, qtbot, tmp_path):
     add(window, "test_scene")
     folder = tmp_path / "recovery"
-    qtbot.waitUntil(lambda: any(folder.glob("*.recovery")))
+    qtbot.waitUntil(lambda: any(folder.glob("[!.]*.recovery")))
     program = (
         "import sys; from pathlib import Path\n"
         "from app.editor.recovery.recovery_files import recoverable\n"
@@ -270,7 +270,7 @@ def test_another_process_sees_only_what_the_dead_have_left(window, hand, qtbot, 
     words = [sys.executable, "-c", program, str(folder)]
     told = finished(words)
     assert told.stdout.strip() == "0", told.stderr
-    assert list(folder.glob("*.recovery")), "it was left alone"
+    assert list(folder.glob("[!.]*.recovery")), "it was left alone"
 
 
 @pytest.fixture

@@ -29,19 +29,21 @@ def dialogs(window):
     return [each for each in window.findChildren(QDialog) if each.isVisible()]
 
 
+def kept(folder):
+    """What the files of recovery hold, but for one that is being written: it goes any moment."""
+    return [path.read_bytes() for path in folder.glob("[!.]*.recovery")]
+
+
 def assert_alive(window, qtbot, folder):
     """Whatever is edited is computed and kept against a crash."""
     name = add(window, "test_scene")
     window.session.select([name])
-    kept = [path.read_bytes() for path in folder.glob("*.recovery")]
-    qtbot.waitUntil(
-        lambda: [path.read_bytes() for path in folder.glob("*.recovery")] not in ([], kept),
-        timeout=5000,
-    )
+    before = kept(folder)
+    qtbot.waitUntil(lambda: kept(folder) not in ([], before))
     done = []
     window.evaluator.pass_done.connect(done.append)
     window.session.do(set_parameter(name, "width", 96))
-    qtbot.waitUntil(lambda: bool(done) and window.evaluator.idle, timeout=20_000)
+    qtbot.waitUntil(lambda: bool(done) and window.evaluator.idle)
     assert window.status.error == ""
 
 
@@ -374,7 +376,7 @@ def test_told_to_end_while_it_asks_keeps_the_work(window, qtbot, tmp_path):
     assert len(questions(window)) == 1
     window.stop()
     assert not window.isVisible()
-    (left,) = (tmp_path / "recovery").glob("*.recovery")
+    (left,) = (tmp_path / "recovery").glob("[!.]*.recovery")
     assert b"test_scene" in left.read_bytes()
 
 
@@ -385,13 +387,13 @@ def test_told_to_end_it_keeps_what_is_being_typed(window, hand, idle, tmp_path):
     idle(window)
     type_sigma(window, name, "0.75")
     window.stop()
-    (left,) = (tmp_path / "recovery").glob("*.recovery")
+    (left,) = (tmp_path / "recovery").glob("[!.]*.recovery")
     assert b"0.75" in left.read_bytes()
 
 
 def test_told_to_end_it_keeps_a_title_that_is_being_typed(titling, tmp_path):
     titling.stop()
-    (left,) = (tmp_path / "recovery").glob("*.recovery")
+    (left,) = (tmp_path / "recovery").glob("[!.]*.recovery")
     assert b"Front" in left.read_bytes()
 
 

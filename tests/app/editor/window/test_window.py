@@ -174,7 +174,7 @@ def test_unsaved_work_is_soon_on_the_disk(window, qtbot, tmp_path):
 
     def kept():
         try:
-            return any(b"test_scene" in each.read_bytes() for each in folder.glob("*.recovery"))
+            return any(b"test_scene" in each.read_bytes() for each in folder.glob("[!.]*.recovery"))
         except FileNotFoundError:  # taken away between being listed and being read
             return False
 
