@@ -41,7 +41,8 @@ class EdgeChoice:
         """Why candidates were refused, the clearest first, in one line."""
         if not self.refused:
             return "nothing in it looks like a straight edge"
-        return f"of {len(self.refused)} candidates: {in_words(self.refused)}"
+        seen = len(self.refused) + len(self.patches)
+        return f"of {seen} candidates: {in_words(self.refused)}"
 
 
 def edges_in(
