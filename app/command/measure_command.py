@@ -34,7 +34,7 @@ def measure(options: Options, cancel: threading.Event | None = None) -> None:
     """
     plan = MeasurePlan(
         options.pictures, options.band, options.fov_x_deg, options.flats, options.dark,
-        options.offset_dn,
+        options.offset_dn, options.pitch_um,
     )  # fmt: skip
     inputs = [*plan.pictures, *plan.flats, *([plan.dark] if plan.dark is not None else [])]
 

@@ -42,10 +42,11 @@ def measurement_json(measured: PictureMeasurement) -> str:
             unit=measured.unit or None,
             interval_x_mrad=measured.interval_x_mrad,
             interval_y_mrad=measured.interval_y_mrad,
+            pitch_um=measured.pitch_um,
         ),
         "mtf": {
-            "x": _curve(measured.x, measured.reason_x, measured.interval_x_mrad),
-            "y": _curve(measured.y, measured.reason_y, measured.interval_y_mrad),
+            "x": _curve(measured.x, measured.reason_x, measured.interval_x_mrad, measured.pitch_um),
+            "y": _curve(measured.y, measured.reason_y, measured.interval_y_mrad, measured.pitch_um),
         },
         "noise": _noise(measured.noise, measured.noise_reason),
         "edges": [_edge(edge, measured.picture_count > 1) for edge in measured.edges],
@@ -101,12 +102,16 @@ def _given(**values: Any) -> Json:
     }
 
 
-def _curve(curve: MtfCurve | None, reason: str, interval_mrad: float | None) -> Json:
+def _curve(
+    curve: MtfCurve | None, reason: str, interval_mrad: float | None, pitch_um: float | None
+) -> Json:
     if curve is None:
         return {"reason": reason}
     content: Json = {"frequency_cyc_per_sample": _numbers(curve.frequency)}
     if interval_mrad is not None:
         content["frequency_cyc_per_mrad"] = _numbers(curve.frequency / interval_mrad)
+    if pitch_um is not None:
+        content["frequency_cyc_per_mm"] = _numbers(curve.frequency / (1e-3 * pitch_um))
     return {
         **content,
         "mtf": _numbers(curve.mtf),

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from app.measure.photon_transfer_rows import transfer_rows
 from app.measure.picture_measurement import (
     WITH_LOSS,
@@ -28,6 +30,7 @@ _GAMMA = {
     "usual": "numbers of 8 bits of this format usually follow the eye, not the light",
     "possible": "numbers of 8 bits may follow the eye, not the light",
 }
+NYQUIST = 0.5  # cycles per sample
 _MOST_REASONS = 8
 _FEW = 2  # edges, that others do not confirm
 _SCATTERED = 1.5  # times their own errors
@@ -53,27 +56,38 @@ def figure_rows(measured: PictureMeasurement) -> list[Row]:
     used = sum(edge.used for edge in measured.edges)
     rows: list[Row] = [
         ("edges", str(used), "", f"edges in use, of {len(measured.edges)} that were seen"),
-        *_mtf_rows("x", "across", measured.x, measured.interval_x_mrad),
-        *_mtf_rows("y", "along", measured.y, measured.interval_y_mrad),
+        *_mtf_rows("x", "across", measured.x, measured.interval_x_mrad, measured.pitch_um),
+        *_mtf_rows("y", "along", measured.y, measured.interval_y_mrad, measured.pitch_um),
     ]
     if measured.noise is not None:
         rows += _noise_rows(measured.noise, measured.unit)
     return rows
 
 
-def _mtf_rows(name: str, words: str, curve: MtfCurve | None, interval: float | None) -> list[Row]:
-    if curve is None or curve.mtf50 is None:
+def _mtf_rows(
+    name: str, words: str, curve: MtfCurve | None, interval: float | None, pitch_um: float | None
+) -> list[Row]:
+    if curve is None:
         return []
     many = "1 edge" if curve.edges == 1 else f"{curve.edges} edges"
-    value, error = curve.mtf50, curve.mtf50_sigma
-    rows = [
-        (f"mtf50_{name}", with_error(value, error), "cyc/sample",
-         f"MTF of one half {words}, of {many}")
-    ]  # fmt: skip
-    if interval is not None:
-        angular = None if error is None else error / interval
-        meaning = f"MTF of one half {words}, in angle"
-        rows.append((f"mtf50_{name}", with_error(value / interval, angular), "cyc/mrad", meaning))
+    rows: list[Row] = []
+    if curve.mtf50 is not None:
+        of = f"MTF of one half {words}"
+        for unit, per_sample, meaning in (
+            ("cyc/sample", 1.0, f"{of}, of {many}"),
+            ("cyc/mrad", interval, f"{of}, in angle"),
+            ("cyc/mm", None if pitch_um is None else 1e-3 * pitch_um, f"{of}, on the detector"),
+        ):
+            if per_sample is not None:
+                error = None if curve.mtf50_sigma is None else curve.mtf50_sigma / per_sample
+                text = with_error(curve.mtf50 / per_sample, error)
+                rows.append((f"mtf50_{name}", text, unit, meaning))
+    if curve.frequency[-1] >= NYQUIST:
+        value, error = (
+            float(np.interp(NYQUIST, curve.frequency, of)) for of in (curve.mtf, curve.sigma)
+        )
+        meaning = f"MTF {words} at the Nyquist frequency, the pixel's own included"
+        rows.append((f"mtf_nyquist_{name}", with_error(value, error), "", meaning))
     return rows
 
 

@@ -21,7 +21,7 @@ from app.measure.picture_measurement import (
     PictureMeasurement,
     Preview,
 )
-from core.errors import DataError
+from core.errors import DataError, ParameterError
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import photon_transfer
 from core.physics.measurement.noise.frames_noise import FramesNoise, SceneFrames
@@ -35,6 +35,7 @@ _LEAST = 16  # rows and columns, below which nothing is measured
 MOST_PREVIEWS = 4
 _PREVIEW_SAMPLES = 1400  # of a side
 _LARGEST = 1e60
+_WIDEST_UM = 10_000.0  # of a pixel
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,8 @@ class MeasurePlan:
         Band of files that have several.
     fov_x_deg : float or None
         Field of view across, in place of the header's.
+    pitch_um : float or None
+        From one pixel to the next.
     flats : tuple of Path
         Files of frames of flat fields, each of another level.
     dark : Path or None
@@ -63,6 +66,7 @@ class MeasurePlan:
     flats: tuple[Path, ...] = ()
     dark: Path | None = None
     offset_dn: float | None = None
+    pitch_um: float | None = None
 
 
 @dataclass(frozen=True)
@@ -109,6 +113,7 @@ def measure_files(
     if plan.fov_x_deg is not None:
         x = interval_mrad(fov_deg=plan.fov_x_deg, samples=first.columns, name="--fov-x-deg")
         y = x if y is None else y
+    pitch = checked_pitch(plan.pitch_um, "--pitch-um")
     source = Source(
         tuple(measured_file(file) for file in files),
         (picture for file in files for picture in file.pictures()),
@@ -116,10 +121,24 @@ def measure_files(
         _offset(plan, check),
     )  # fmt: skip
     measured = measure_pictures(source, check=check, report=report)
+    measured = replace(measured, pitch_um=pitch)
     if not plan.flats:
         return measured
     flats, reason = _flat_curve(plan, check, report)
     return replace(measured, flats=flats, flats_reason=reason)
+
+
+def checked_pitch(pitch_um: float | None, name: str) -> float | None:
+    """A pitch that pixels can have.
+
+    Raises
+    ------
+    ParameterError
+        It is not above 0, or above 10 mm.
+    """
+    if pitch_um is not None and not 0.0 < pitch_um <= _WIDEST_UM:
+        raise ParameterError(name, pitch_um, f"above 0 to {_WIDEST_UM:g}", unit="µm")
+    return pitch_um
 
 
 def measure_pictures(

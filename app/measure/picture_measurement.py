@@ -215,6 +215,8 @@ class PictureMeasurement:
         Why there is none.
     previews : tuple of Preview
         The first pictures.
+    pitch_um : float or None
+        From one pixel to the next, where it was given.
     repeated : tuple of int
         Numbers of pictures that are the same as one before, whose edges and noise do not count.
     """
@@ -238,6 +240,7 @@ class PictureMeasurement:
     flats_reason: str = ""
     previews: tuple[Preview, ...] = ()
     repeated: tuple[int, ...] = ()
+    pitch_um: float | None = None
 
     @property
     def picture_count(self) -> int:

@@ -97,6 +97,7 @@ class Options:
     pictures: tuple[Path, ...] = ()
     band: int | None = None
     fov_x_deg: float | None = None
+    pitch_um: float | None = None
     measured_json: Path | None = None
     measured_csv: Path | None = None
     flats: tuple[Path, ...] = ()
@@ -317,6 +318,7 @@ def _measure(arguments: argparse.Namespace) -> Options:
         pictures=file_paths("measure", arguments.pictures),
         band=whole_number("--band", arguments.band),
         fov_x_deg=finite_number("--fov-x-deg", arguments.fov_x_deg),
+        pitch_um=finite_number("--pitch-um", arguments.pitch_um),
         measured_json=named_path("--json", arguments.json, JSON),
         measured_csv=named_path("--csv", arguments.csv, CSV),
         reports=(report,) if report is not None else (),

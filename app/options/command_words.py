@@ -400,6 +400,12 @@ def measure_words(parser: argparse.ArgumentParser) -> None:
         help="field of view across, for frequencies in cycles/mrad (default: the header's)",
     )
     add(
+        "--pitch-um",
+        action=Once,
+        metavar="UM",
+        help="from one pixel to the next on the detector, for frequencies in cycles/mm",
+    )
+    add(
         "--flats",
         action="extend",
         nargs="+",

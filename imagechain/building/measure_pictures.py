@@ -11,7 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.measure.measuring import MeasurePlan, Source, measure_files, measure_pictures
+from app.measure.measuring import (
+    MeasurePlan,
+    Source,
+    checked_pitch,
+    measure_files,
+    measure_pictures,
+)
 from app.measure.picture_loading import limits_of
 from app.measure.picture_measurement import MeasuredFile, PictureMeasurement
 from core.errors import DataError, UsageError
@@ -28,6 +34,7 @@ def measure(
     *pictures: File | NDArray[Any],
     band: int | None = None,
     fov_x_deg: float | None = None,
+    pitch_um: float | None = None,
     offset_dn: float | None = None,
     dark: File | None = None,
     flats: Sequence[File] = (),
@@ -43,6 +50,8 @@ def measure(
         Band or colour of files that have several, counted from 0.
     fov_x_deg : float, optional
         Field of view across, in place of the files' own.
+    pitch_um : float, optional
+        From one pixel to the next, for frequencies in cycles/mm.
     offset_dn : float, optional
         The number of no light, for the read noise; 0 if not given.
     dark : path, optional
@@ -64,14 +73,15 @@ def measure(
         raise UsageError("measure needs a picture: a file or an array")
     plan = MeasurePlan(
         (), band, fov_x_deg, tuple(Path(fspath(one)) for one in flats),
-        None if dark is None else Path(fspath(dark)), offset_dn,
+        None if dark is None else Path(fspath(dark)), offset_dn, pitch_um,
     )  # fmt: skip
     if all(isinstance(one, str | PathLike) for one in pictures):
         paths = tuple(Path(fspath(one)) for one in pictures)  # type: ignore[arg-type]
         return MeasuredPictures(measure_files(replace(plan, pictures=paths)))
     if plan.flats or plan.dark is not None or band is not None:
         raise UsageError("band, dark and flats go with files: arrays have none")
-    return MeasuredPictures(_of_arrays(pictures, fov_x_deg, offset_dn))
+    measured = _of_arrays(pictures, fov_x_deg, offset_dn)
+    return MeasuredPictures(replace(measured, pitch_um=checked_pitch(pitch_um, "pitch_um")))
 
 
 def _of_arrays(

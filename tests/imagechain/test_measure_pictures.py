@@ -30,6 +30,9 @@ def test_arrays_and_files(tmp_path):
     assert "along" in measured.reason_y
     assert measured.noise.sigma == pytest.approx(0.2, rel=0.03)
     assert "mtf50_x" in repr(measured)
+    on_detector = ic.measure(frames, pitch_um=10.0).to_dict()["mtf"]["x"]
+    per_mm = np.array(on_detector["frequency_cyc_per_mm"])
+    assert per_mm == pytest.approx(100.0 * np.array(on_detector["frequency_cyc_per_sample"]))
     np.save(tmp_path / "frames.npy", frames)
     of_file = ic.measure(tmp_path / "frames.npy", fov_x_deg=1.0)
     assert of_file.to_dict()["mtf"] == measured.to_dict()["mtf"]

@@ -64,6 +64,26 @@ def test_mtf_and_noise_of_known_pictures(imagechain, pictures, tmp_path):
     assert "mtf50_x" in done.stdout
 
 
+def test_units_of_the_detector_and_the_mtf_at_nyquist(imagechain, pictures, tmp_path):
+    """0.5 cycles/sample of a pitch of 15 µm are 33.3 cycles/mm; a Gaussian in closed form there."""
+    done = imagechain("measure", *pictures, "--pitch-um", "15", "--json", "m.json")
+    assert (done.returncode, done.stderr) == (0, "")
+    facts = json.loads((tmp_path / "m.json").read_text())
+    assert facts["pitch_um"] == 15.0
+    rows = [line.split() for line in done.stdout.splitlines()]
+    for direction, sigma in (("x", SIGMA_X), ("y", SIGMA_Y)):
+        curve = facts["mtf"][direction]
+        per_mm = np.array(curve["frequency_cyc_per_mm"])
+        assert per_mm == pytest.approx(np.array(curve["frequency_cyc_per_sample"]) / 0.5 * 33.33333)
+        [row] = [row for row in rows if row[0] == f"mtf50_{direction}" and "cyc/mm" in row]
+        assert float(row[1]) == pytest.approx(MTF50 / sigma / 0.015, abs=4.0 * float(row[3]))
+        [row] = [row for row in rows if row[0] == f"mtf_nyquist_{direction}"]
+        assert float(row[1]) == pytest.approx(gaussian(0.5, sigma), abs=4.0 * float(row[3]) + 0.001)
+    done = imagechain("measure", *pictures, "--pitch-um", "0")
+    assert done.returncode == 2
+    assert done.stderr == "imagechain: --pitch-um = 0.0 µm is not allowed: above 0 to 10000\n"
+
+
 def test_the_module_mtf_file_reads_the_table(imagechain, pictures, small, write, tmp_path):
     done = imagechain("measure", *pictures, "--csv", "mtf.csv")
     assert done.returncode == 0, done.stderr
