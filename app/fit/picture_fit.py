@@ -19,7 +19,7 @@ from app.fit.noise_levels import NoiseLevels, NoiseProblem
 from app.fit.parameter_search import middle_of
 from app.fit.scene_fit import SceneProblem, fit_scene
 from app.measure.measurement_text import file_warnings, repeated_words
-from app.measure.measuring import measured_file
+from app.measure.measuring import measured_file, refuse_small
 from app.measure.picture_loading import is_repeated, open_picture
 from app.measure.picture_measurement import WITH_LOSS, MeasuredFile
 from core.chain.engine import Engine, Plan
@@ -69,7 +69,7 @@ def read_pictures(paths: Sequence[Path]) -> FittedPictures:
     Raises
     ------
     ImagechainError
-        If one cannot be read, or its format leaves out fine detail.
+        If one cannot be read or is too small, or its format leaves out fine detail.
     """
     names, samples, limits = [], [], None
     files: list[MeasuredFile] = []
@@ -82,6 +82,7 @@ def read_pictures(paths: Sequence[Path]) -> FittedPictures:
                 f"{path}: {WITH_LOSS}, and nothing is fitted to it; give the picture as the camera "
                 "stores it without loss"
             )
+        refuse_small(str(path), file.rows, file.columns)
         files.append(measured_file(file))
         limits = limits or file.limits
         for number, picture in enumerate(file.pictures()):

@@ -32,6 +32,7 @@ from nodes.files.frames.frame_reading import open_frames
 Matrix = NDArray[np.float64]
 Report = Callable[[str], None]
 _LEAST = 16  # rows and columns, below which nothing is measured
+_MOST_COLOURS = 4
 MOST_PREVIEWS = 4
 _PREVIEW_SAMPLES = 1400  # of a side
 _LARGEST = 1e60
@@ -81,7 +82,7 @@ class Source:
     interval_x_mrad: float | None = None
     interval_y_mrad: float | None = None
     clip_levels: tuple[float, float] | None = None
-    offset_dn: float = 0.0
+    offset_dn: float | None = None
 
 
 def measure_files(
@@ -118,7 +119,7 @@ def measure_files(
         tuple(measured_file(file) for file in files),
         (picture for file in files for picture in file.pictures()),
         first.rows, first.columns, first.unit, x, y, first.limits,
-        _offset(plan, check),
+        _offset(plan, (first.rows, first.columns), check),
     )  # fmt: skip
     measured = measure_pictures(source, check=check, report=report)
     measured = replace(measured, pitch_um=pitch)
@@ -148,11 +149,8 @@ def measure_pictures(
     report: Report = lambda _text: None,
 ) -> PictureMeasurement:
     """Measure edges and noise of each picture in turn, and what they give together."""
-    if min(source.rows, source.columns) < _LEAST:
-        raise DataError(
-            f"{source.files[0].name}: {source.columns} × {source.rows} samples are too few to be "
-            f"measured; at least {_LEAST} × {_LEAST} are needed"
-        )
+    refuse_small(source.files[0].name, source.rows, source.columns)
+    offset = source.offset_dn or 0.0
     count = sum(file.frames for file in source.files)
     lossy = any(file.is_lossy for file in source.files)
     taken = SceneFrames(source.rows, source.columns) if count > 1 else None
@@ -166,6 +164,8 @@ def measure_pictures(
         report(name)
         check()
         _refuse_extreme(picture, name)
+        if source.offset_dn is not None:
+            _refuse_dark(picture, name, source.offset_dn)
         if number < MOST_PREVIEWS:
             previews.append(_preview(picture, number))
         if taken is not None:
@@ -178,13 +178,13 @@ def measure_pictures(
             edges += [replace(edge, why_not=edge.why_not or WITH_LOSS) for edge in own]
             continue
         edges += own
-        noises.append(noise_of_picture(picture=picture, offset=source.offset_dn, check=check))
-    noise, noise_reason = pooled_noise(noises, offset_dn=source.offset_dn)
+        noises.append(noise_of_picture(picture=picture, offset=offset, check=check))
+    noise, noise_reason = pooled_noise(noises, offset_dn=offset)
     if not noises:
         noise_reason = WITH_LOSS
-    frames, frames_reason = (None, WITH_LOSS) if lossy else _frames(taken, source.offset_dn)
+    frames, frames_reason = (None, WITH_LOSS) if lossy else _frames(taken, offset)
     if frames is not None:
-        noise, noise_reason = with_frames(noise, noise_reason, frames, source.offset_dn)
+        noise, noise_reason = with_frames(noise, noise_reason, frames, offset)
     x, reason_x = pooled(edges, "x")
     y, reason_y = pooled(edges, "y")
     return PictureMeasurement(
@@ -192,6 +192,37 @@ def measure_pictures(
         source.interval_y_mrad, tuple(edges), x, y, reason_x, reason_y, noise, noise_reason,
         frames, frames_reason, previews=tuple(previews), repeated=tuple(repeated),
     )  # fmt: skip
+
+
+def refuse_small(name: str, rows: int, columns: int) -> None:
+    """Refuse a picture in which nothing can be measured.
+
+    Raises
+    ------
+    DataError
+        With what is needed.
+    """
+    if min(rows, columns) >= _LEAST:
+        return
+    colours = (
+        "; of an array (rows, columns, colours) give one colour, (rows, columns)"
+        if columns <= _MOST_COLOURS < rows
+        else ""
+    )
+    raise DataError(
+        f"{name}: {columns} × {rows} samples are too few to be measured; at least "
+        f"{_LEAST} × {_LEAST} are needed{colours}"
+    )
+
+
+def _refuse_dark(picture: Matrix, name: str, offset: float) -> None:
+    """Refuse a level without light that a picture is not above."""
+    mean = float(picture.mean())
+    if not offset < mean:
+        raise DataError(
+            f"{name}: its mean level, {mean:.6g}, is not above the level without light, "
+            f"{offset:.6g}: give frames without light as --dark, or the number as --offset-dn"
+        )
 
 
 def _refuse_extreme(picture: Matrix, name: str) -> None:
@@ -280,12 +311,18 @@ def _flat_curve(
     return FlatCurve(tuple(zip(plan.flats, fields, strict=True)), curve), ""
 
 
-def _offset(plan: MeasurePlan, check: Callable[[], None]) -> float:
-    """The level without light: of the dark frames, as given, or 0."""
+def _offset(plan: MeasurePlan, size: tuple[int, int], check: Callable[[], None]) -> float | None:
+    """The level without light: of the dark frames, or as given."""
     if plan.dark is None:
-        return plan.offset_dn or 0.0
+        return plan.offset_dn
+    dark = open_frames(plan.dark)
+    if (dark.rows, dark.columns) != size:
+        raise DataError(
+            f"{plan.dark} has {dark.columns} × {dark.rows} samples, and {plan.pictures[0]} "
+            f"{size[1]} × {size[0]}: give frames of one camera"
+        )
     means = []
-    for frame in open_frames(plan.dark).each():
+    for frame in dark.each():
         check()
         means.append(float(np.mean(frame, dtype=np.float64)))
     return sum(means) / len(means)

@@ -98,8 +98,7 @@ def _of_arrays(
     if fov_x_deg is not None:
         interval = interval_mrad(fov_deg=fov_x_deg, samples=columns, name="fov_x_deg")
     limits = limits_of(np.asarray(pictures[0]).dtype)
-    offset = offset_dn or 0.0
     source = Source(
-        tuple(files), frames, rows, columns, "", interval, interval, limits, offset_dn=offset
+        tuple(files), frames, rows, columns, "", interval, interval, limits, offset_dn=offset_dn
     )
     return measure_pictures(source)

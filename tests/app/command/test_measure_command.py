@@ -168,12 +168,25 @@ def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
          "cannot write none/m.csv: there is no folder none"),
         (("a.npy", "--flats", "a.npy"),
          "a.npy: holds a single frame; a flat field needs 2 or more"),
+        (("colours.npy",), "colours.npy: 3 × 30 samples are too few to be measured; at least "
+         "16 × 16 are needed; of an array (rows, columns, colours) give one colour, "
+         "(rows, columns)"),
+        (("a.npy", "--dark", "light.npy"), "a.npy: its mean level, 130, is not above the level "
+         "without light, 500: give frames without light as --dark, or the number as --offset-dn"),
+        (("a.npy", "--offset-dn", "1e300"), "a.npy: its mean level, 130, is not above the level "
+         "without light, 1e+300: give frames without light as --dark, or the number as "
+         "--offset-dn"),
+        (("a.npy", "--dark", "small.npy"),
+         "small.npy has 20 × 9 samples, and a.npy 200 × 160: give frames of one camera"),
         (("a.npy", "--fov-x-deg", "200"),
          "--fov-x-deg = 200.0 deg is not allowed: at least 1e-30 and below 180"),
     ],
 )  # fmt: skip
 def test_what_is_refused(imagechain, tmp_path, words, line):
-    np.save(tmp_path / "a.npy", edge(6.0, SIGMA_X, 1))
+    a = edge(6.0, SIGMA_X, 1)
+    np.save(tmp_path / "a.npy", a + 130.0 - a.mean())
+    np.save(tmp_path / "light.npy", np.full((2, *a.shape), 500.0))
+    np.save(tmp_path / "colours.npy", np.ones((40, 30, 3)))
     np.save(tmp_path / "b.npy", np.zeros((30, 20)))
     np.save(tmp_path / "small.npy", np.zeros((9, 20)))
     bad = np.zeros((30, 20))
