@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.editor.free_numbers import FreeNumber
+from app.editor.measure.chosen_pictures import Pictures
 from app.editor.measure.viewer_pictures import ViewerPicture
 from core.errors import ImagechainError, UsageError
 from core.evaluation.policy import Policy
@@ -44,15 +45,15 @@ class FitTask:
         What file names in it are relative to.
     numbers : tuple of FreeNumber
         The free parameters.
-    picture : Path or ViewerPicture
-        A file, or what a viewer shows.
+    pictures : tuple of Path, or ViewerPicture
+        Files, or what a viewer shows.
     """
 
     network: Network
     library: Library
     folder: Path
     numbers: tuple[FreeNumber, ...]
-    picture: Path | ViewerPicture
+    pictures: Pictures
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +137,7 @@ def fit_to_picture(
     plan = engine.plan(task.network, folder=task.folder)
     work = CheckedWork(Policy(), engine.store, check)
     report("picture")
-    pictures = _pictures(task.picture)
+    pictures = _pictures(task.pictures)
     check()
     result = fit_pictures(
         engine, plan, work, free=free, pictures=pictures, report=report, watch=_Paced(check, watch)
@@ -200,12 +201,12 @@ def drawn_edges(patches: tuple[Patch, ...], edges: EdgesAt) -> tuple[DrawnEdge, 
     return tuple(drawn)
 
 
-def _pictures(picture: Path | ViewerPicture) -> FittedPictures:
+def _pictures(pictures: Pictures) -> FittedPictures:
     from app.fit.picture_fit import FittedPictures, read_pictures
 
-    if isinstance(picture, Path):
-        return read_pictures((picture,))
-    return FittedPictures((picture.name,), (np.asarray(picture.samples, np.float64),))
+    if not isinstance(pictures, ViewerPicture):
+        return read_pictures(pictures)
+    return FittedPictures((pictures.name,), (np.asarray(pictures.samples, np.float64),))
 
 
 def _outcome(task: FitTask, result: FitResult) -> FitOutcome:

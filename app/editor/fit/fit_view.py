@@ -3,33 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
+from math import floor, log10
 
-from PySide6.QtCore import QMimeData, QSize, Qt, Signal
-from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent, QKeyEvent
+from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QComboBox, QLabel, QPlainTextEdit, QSplitter, QVBoxLayout, QWidget
 
 from app.editor.fit.fit_job import DrawnEdge, FitOutcome, FitTask, FittedNumber, fit_to_picture
 from app.editor.fit.free_table import FreeTable
 from app.editor.fit.spread_chart import SpreadChart
+from app.editor.measure.chosen_pictures import (
+    PictureDrops,
+    Pictures,
+    pictures_name,
+    pictures_text,
+)
 from app.editor.measure.measure_worker import Check, MeasureWorker
-from app.editor.measure.viewer_pictures import ViewerPicture
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.status_line import StatusLine
 from app.editor.widgets.buttons import tool_button
-from app.editor.widgets.copied_drop import accept_copy
 from app.editor.widgets.flow_layout import FlowLayout
 from core.editing.fields import set_parameter
 from core.editing.operation import Operation, together
 from core.errors import ParameterError
 from core.modules.parameters import plain
 from core.network.network import Network
-from nodes.files.common.file_format import JSON
 
-Picture = Path | ViewerPicture
 _NO_PICTURE = "no picture"
 _NOTHING_FREE = "Right-click a number on a panel: Free for a fit"
+_SAID_HERE = "Fit says here how well the chain meets the picture, and what to be warned of"
 _TAKE = "Write all fitted values into the network, as one step that undo takes back"
 
 
@@ -49,36 +52,37 @@ class FitView(QWidget):
         self,
         session: Session,
         theme: Theme,
-        default_picture: Callable[[], Picture | None],
+        default_pictures: Callable[[], Pictures | None],
         finish_typing: Callable[[], None],
         parent: QWidget | None = None,
     ) -> None:
         super().__init__(parent)
         self.setObjectName("fit")
         self.setAccessibleName("Fit to a picture")
-        self.setAcceptDrops(True)
         self.theme = theme
         self.outcome: FitOutcome | None = None
         self._session = session
-        self._default, self._finish_typing = default_picture, finish_typing
-        self._own: Picture | None = None
+        self._default, self._finish_typing = default_pictures, finish_typing
+        self._own: Pictures | None = None
+        self._fitted_to: Pictures | None = None
         self._run: object | None = None
         self._fits: list[Network] = []  # as fitted, and as the values were taken
         self._edges: dict[str, DrawnEdge] = {}
         self.worker = MeasureWorker(self)
+        self.drops = PictureDrops(self, self.choose_pictures)
         self._build()
         self._connect()
         self.set_theme(theme)
         self.show_state()
 
     @property
-    def picture(self) -> Picture | None:
-        """The one that was chosen here, or else the one that was measured last."""
+    def pictures(self) -> Pictures | None:
+        """Those that were chosen here, or else those that were measured last."""
         return self._own if self._own is not None else self._default()
 
-    def choose_picture(self, picture: Picture) -> None:
-        """Fit to this one from now on."""
-        self._own = picture
+    def choose_pictures(self, pictures: Pictures) -> None:
+        """Fit to these from now on."""
+        self._own = pictures
         self.show_state()
 
     # --- fitting -----------------------------------------------------------------------------
@@ -86,15 +90,15 @@ class FitView(QWidget):
     def begin(self) -> None:
         """Fit the network as it stands."""
         self._finish_typing()
-        session, picture = self._session, self.picture
-        if picture is None:
+        session, pictures = self._session, self.pictures
+        if pictures is None:
             self._say("choose a picture first", failed=True)
             return
         network, barred = session.shares.without_barred(session.plain, session.library)
         for why in barred.values():
             self._say(str(why), failed=True)
             return
-        task = FitTask(network, session.library, session.folder, session.free.all, picture)
+        task = FitTask(network, session.library, session.folder, session.free.all, pictures)
         run = self._run = object()
 
         def watch(edges: tuple[DrawnEdge, ...]) -> None:
@@ -104,8 +108,8 @@ class FitView(QWidget):
             return fit_to_picture(task, check, report, watch)
 
         self._show_outcome(None)
-        self._fits = [session.document.network]
-        self._say(f"Fitting to {_name(picture)} …")
+        self._fits, self._fitted_to = [session.document.network], pictures
+        self._say(f"Fitting to {pictures_name(pictures)} …")
         self.worker.start(job)
         self._show_buttons()
 
@@ -138,7 +142,7 @@ class FitView(QWidget):
                 self._say(f"{one.number.port} {why}: nothing was taken", failed=True)
                 return
             try:
-                value = plain(parameter.coerce(one.value))
+                value = plain(parameter.coerce(_rounded(one)))
             except ParameterError as error:
                 self._say(f"{one.number.port}: {error.message}", failed=True)
                 return
@@ -153,13 +157,9 @@ class FitView(QWidget):
         self._say_result()
 
     def network_changed(self) -> None:
-        """Say where values are those of a network that has changed."""
-        if self.outcome is not None and self._fits and not self.worker.busy:
-            now = self._session.document.network
-            if any(now is one or now == one for one in self._fits):
-                self._say_result()
-            else:
-                self._say("Fitted to the network as it was before an edit: fit again")
+        """Show its values as they are now, and say where those fitted are of another one."""
+        self.table.write()
+        self._say_result()
 
     # --- the widget --------------------------------------------------------------------------
 
@@ -182,37 +182,17 @@ class FitView(QWidget):
         else:
             super().keyPressEvent(event)
 
-    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Let a picture in; networks are for the window."""
-        self._accept(event)
-
-    def dragMoveEvent(self, event: QDragMoveEvent) -> None:
-        """The same on the way."""
-        self._accept(event)
-
-    def dropEvent(self, event: QDropEvent) -> None:
-        """Fit to what is dropped."""
-        picture = _dropped(event.mimeData())
-        self._accept(event)
-        if picture is not None:
-            self.choose_picture(picture)
-
-    def _accept(self, event: QDropEvent) -> None:
-        if _dropped(event.mimeData()) is None:
-            event.ignore()
-        else:
-            accept_copy(event)
-
     def _build(self) -> None:
         self.file = tool_button(
             "fit.file",
-            "Picture…",
-            "Choose the picture to fit to, or drop one here; the one measured last, if none is",
+            "Pictures…",
+            "Choose pictures to fit to, or drop them here; without, those measured last count",
             self,
         )
         self.name = QLabel(_NO_PICTURE, self)
         self.name.setObjectName("fit.picture")
         self.name.setTextFormat(Qt.TextFormat.PlainText)
+        self.name.setMinimumHeight(self.file.sizeHint().height())  # level with the buttons' texts
         self.fit = tool_button("fit.begin", "Fit", "Fit the free parameters to the picture", self)
         self.stop = tool_button("fit.cancel", "Cancel", "Stop the fit (Esc)", self)
         self.taking = tool_button("fit.take", "Take Values", _TAKE, self)
@@ -228,7 +208,7 @@ class FitView(QWidget):
         flow = FlowLayout(bar, across=4, down=2)
         flow.setContentsMargins(4, 4, 4, 2)
         for widget in (
-            *(self.file, self.name, self.fit, self.stop, self.taking, self.remove, self.which),
+            *(self.file, self.fit, self.stop, self.taking, self.remove, self.name, self.which),
         ):
             flow.addWidget(widget)
         self.table = FreeTable(self._session, self.theme, self)
@@ -237,7 +217,6 @@ class FitView(QWidget):
         self.words.setAccessibleName("What the fit says of itself")
         self.words.setReadOnly(True)
         self.words.setTabChangesFocus(True)
-        self.words.setPlaceholderText(_NOTHING_FREE)
         self.chart = SpreadChart(self.theme, self)
         left = QSplitter(Qt.Orientation.Vertical, self)
         left.addWidget(self.table)
@@ -278,12 +257,16 @@ class FitView(QWidget):
     def show_state(self) -> None:
         """Show what is free, and the picture."""
         self.table.write()
-        picture = self.picture
-        self.name.setText(_NO_PICTURE if picture is None else _name(picture))
-        self.name.setToolTip("" if picture is None else _full(picture))
+        pictures = self.pictures
+        self.name.setText(_NO_PICTURE if pictures is None else pictures_name(pictures))
+        self.name.setToolTip("" if pictures is None else pictures_text(pictures))
+        count = len(self._session.free.all)
+        self.words.setPlaceholderText(_SAID_HERE if count else _NOTHING_FREE)
+        self.words.viewport().update()  # Qt does not draw it anew
         self._show_buttons()
-        if self.outcome is None and not self.worker.busy:
-            count = len(self._session.free.all)
+        if self.outcome is not None:
+            self._say_result()
+        elif not self.worker.busy:
             self._say(f"{count} free" if count else _NOTHING_FREE)
 
     def _changed(self, *_: object) -> None:
@@ -292,11 +275,12 @@ class FitView(QWidget):
     @property
     def _determined(self) -> list[FittedNumber]:
         numbers = self.outcome.numbers if self.outcome is not None else ()
-        return [one for one in numbers if one.value is not None]
+        free = {one.place for one in self._session.free.all}
+        return [one for one in numbers if one.value is not None and one.number.place in free]
 
     def _show_buttons(self) -> None:
         busy, free = self.worker.busy, self._session.free.all
-        self.fit.setEnabled(not busy and bool(free) and self.picture is not None)
+        self.fit.setEnabled(not busy and bool(free) and self.pictures is not None)
         self.stop.setEnabled(busy)
         self.taking.setEnabled(not busy and bool(self._determined))
         self.remove.setEnabled(bool(free) and self.table.currentRow() >= 0)
@@ -305,7 +289,8 @@ class FitView(QWidget):
     def _show_outcome(self, outcome: FitOutcome | None) -> None:
         self.outcome = outcome
         self.table.show_fitted(() if outcome is None else outcome.numbers)
-        self.words.setPlainText("" if outcome is None else "\n".join(_lines(outcome)))
+        lines = [] if outcome is None else _lines(outcome, self._fitted_to)
+        self.words.setPlainText("\n".join(lines))
         self._show_edges(() if outcome is None else outcome.edges)
 
     def _show_edges(self, edges: tuple[DrawnEdge, ...]) -> None:
@@ -338,7 +323,6 @@ class FitView(QWidget):
         self._show_outcome(outcome)  # type: ignore[arg-type] # of the job
         self._show_buttons()
         self._say_result()
-        self.network_changed()
 
     def _fail(self, text: str) -> None:
         self._say(text, failed=True)
@@ -348,9 +332,26 @@ class FitView(QWidget):
         self._say("Stopped")
         self._show_buttons()
 
+    @property
+    def _why_old(self) -> str:
+        """What has changed since the fit; empty where nothing has."""
+        session, outcome = self._session, self.outcome
+        now = session.document.network
+        fitted = {one.number.place for one in outcome.numbers} if outcome is not None else set()
+        if not any(now is one or now == one for one in self._fits):
+            return "to the network as it was before an edit"
+        if self._fitted_to is not None and self.pictures != self._fitted_to:
+            return f"to {pictures_name(self._fitted_to)}"
+        if fitted != {one.place for one in session.free.all}:
+            return "while other parameters were free"
+        return ""
+
     def _say_result(self) -> None:
         outcome = self.outcome
-        if outcome is None:
+        if outcome is None or self.worker.busy:
+            return
+        if why := self._why_old:
+            self._say(f"Fitted {why}: fit again")
             return
         count = len(self._determined)
         of = f"{count} of {len(outcome.numbers)} determined"
@@ -362,24 +363,20 @@ class FitView(QWidget):
         self.status.show_text(text, failed=failed)
 
 
-def _lines(outcome: FitOutcome) -> list[str]:
-    """The quality of a fit, its warnings and what was assumed."""
+def _lines(outcome: FitOutcome, pictures: Pictures | None) -> list[str]:
+    """What was fitted to, how well, warnings, and what was assumed."""
+    to = [] if pictures is None else [f"Fitted to {pictures_name(pictures)}."]
     return [
+        *to,
         f"χ² per degree of freedom {outcome.chi2_per_degree:.4g} ({outcome.degrees} degrees)",
         *(f"Warning: {line}." for line in outcome.warnings),
         *(f"{line[:1].upper()}{line[1:]}." for line in outcome.notes),
     ]
 
 
-def _name(picture: Picture) -> str:
-    return picture.name
-
-
-def _full(picture: Picture) -> str:
-    return str(picture) if isinstance(picture, Path) else picture.name
-
-
-def _dropped(data: QMimeData) -> Path | None:
-    """The picture file that is dragged; None of anything else."""
-    paths = [Path(url.toLocalFile()) for url in data.urls() if url.isLocalFile()]
-    return paths[0] if len(paths) == 1 and paths[0].suffix.lower() not in JSON.suffixes else None
+def _rounded(fitted: FittedNumber) -> float:
+    """Its value to a hundredth of its error: what lies beyond is no knowledge."""
+    value, sigma = float(fitted.value or 0.0), fitted.sigma
+    if sigma is None or not 0.0 < sigma < abs(value):
+        return value
+    return round(value, 2 - floor(log10(sigma)))

@@ -18,8 +18,8 @@ from app.editor.typed_number import typed_number
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
 
-_HEADS = ("Parameter", "Low", "High", "Fitted", "±", "Unit")
-_LOW, _HIGH, _FITTED = 1, 2, 3
+_HEADS = ("Parameter", "Now", "Low", "High", "Fitted", "±", "Unit")
+_LOW, _HIGH, _FITTED = 2, 3, 4
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _UNDETERMINED = "not determined"
 
@@ -123,7 +123,15 @@ class FreeTable(QTableWidget):
             value = _UNDETERMINED if fitted.value is None else f"{fitted.value:.6g}"
             error = "" if fitted.sigma is None else f"{fitted.sigma:.2g}"
         name = f"{label_of(number.name)} of {number.node}"
-        return name, low, high, value, error, unit
+        return name, self._now(number), low, high, value, error, unit
+
+    def _now(self, number: FreeNumber) -> str:
+        """Its value in the network."""
+        node, parameter = self._session.network.nodes.get(number.node), self._parameter(number)
+        if node is None or parameter is None:
+            return ""
+        value = node.params.get(number.name, parameter.default)
+        return f"{value:.6g}" if isinstance(value, int | float) else ""
 
     def _parameter(self, number: FreeNumber) -> Parameter | None:
         declared = self._session.declared(number.node)

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 _NEAR_PX = 12.0  # of a click from an edge
 _MOST_ZOOM = 64.0
 _HINT = (
-    "Measure Viewer takes the picture of a viewer, File… any picture file. Edges are searched for, "
-    "and the MTF measured across each."
+    "Measure Viewer takes the picture of a viewer, Files… any picture files, which may be dropped "
+    "here as well. Edges are searched for, and the MTF measured across each."
 )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QComboBox, QSplitter, QTabWidget, QVBoxLayout, QWidget
 
+from app.editor.measure.chosen_pictures import PictureDrops, Pictures, pictures_name
 from app.editor.measure.edge_canvas import EdgeCanvas
 from app.editor.measure.edge_table import EdgeTable, FigureTable
 from app.editor.measure.measure_worker import Check, MeasureWorker
@@ -23,8 +25,18 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from app.measure.picture_measurement import MeasuredEdge, PictureMeasurement
+    from core.network.network import Network
 
 _REMOVE, _USE = "Remove Edge", "Use Edge Again"
+
+
+@dataclass(frozen=True)
+class _Measuring:
+    """What is measured: its title, the pictures, and the network whose picture it is."""
+
+    title: str
+    pictures: Pictures
+    network: Network | None = None
 
 
 class MeasureView(QWidget):
@@ -36,11 +48,14 @@ class MeasureView(QWidget):
         The person is to be asked for a picture file, or for where the results go.
     message(kind, text)
         For the window's status line.
+    source_changed
+        Other pictures are shown as measured.
     """
 
     file_wanted = Signal()
     export_wanted = Signal()
     message = Signal(str, str)
+    source_changed = Signal()
 
     def __init__(self, theme: Theme, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -49,10 +64,11 @@ class MeasureView(QWidget):
         self.theme = theme
         self.measured: PictureMeasurement | None = None
         self.current = -1
-        self._title = ""
-        self.source: Path | ViewerPicture | None = None
-        self._of_network = False
+        self._shown: _Measuring | None = None
+        self._coming: _Measuring | None = None
+        self._now: Network | None = None
         self.worker = MeasureWorker(self)
+        self.drops = PictureDrops(self, self.measure_files)
         self._build()
         self._connect()
         self.set_theme(theme)
@@ -60,8 +76,14 @@ class MeasureView(QWidget):
 
     # --- measuring ---------------------------------------------------------------------------
 
-    def measure_viewer(self, picture: ViewerPicture) -> None:
-        """Measure what a viewer shows."""
+    @property
+    def source(self) -> Pictures | None:
+        """The pictures whose measurement is shown."""
+        return self._shown.pictures if self._shown is not None else None
+
+    def measure_viewer(self, picture: ViewerPicture, network: Network) -> None:
+        """Measure what a viewer shows of a network, which is the one that is open."""
+        self._now = network
 
         def job(check: Check, report: Callable[[str], None]) -> PictureMeasurement:
             # Imported where it is used: the window opens without it.
@@ -79,19 +101,17 @@ class MeasureView(QWidget):
                 report=report,
             )  # fmt: skip
 
-        self._of_network, self.source = True, picture
-        self._begin(picture.name, job)
+        self._begin(_Measuring(picture.name, picture, network), job)
 
-    def measure_file(self, path: Path) -> None:
-        """Measure a picture file, or a file of frames."""
+    def measure_files(self, paths: tuple[Path, ...]) -> None:
+        """Measure pictures, or files of frames, of one camera together."""
 
         def job(check: Check, report: Callable[[str], None]) -> PictureMeasurement:
             from app.measure.measuring import MeasurePlan, measure_files
 
-            return measure_files(MeasurePlan((path,)), check=check, report=report)
+            return measure_files(MeasurePlan(paths), check=check, report=report)
 
-        self._of_network, self.source = False, path
-        self._begin(path.name, job)
+        self._begin(_Measuring(pictures_name(paths), paths), job)
 
     def export(self, path: Path) -> None:
         """Write the results in the background: .json, .csv or .html, by the name."""
@@ -155,10 +175,23 @@ class MeasureView(QWidget):
         self.measured = change(measured, self.current)
         self._show_all()
 
-    def network_changed(self) -> None:
-        """Say that a measured picture is not that of the network as it stands."""
-        if self._of_network and self.measured is not None and not self.worker.busy:
-            self._say(f"{self._title}, as it was before the last edit")
+    def network_changed(self, network: Network) -> None:
+        """Say whether a measured picture is that of the network as it stands."""
+        before, self._now = self._title, network
+        if self._title != before and not self.worker.busy:
+            self._say_shown()
+
+    def forget_network(self) -> None:
+        """Show no picture of a network any more: another one is open."""
+        if self._coming is not None and self._coming.network is not None:
+            self.worker.drop()
+            self._coming = None
+        if self._shown is not None and self._shown.network is not None:
+            self._shown, self.measured, self.current = None, None, -1
+            self._fill_pictures()
+            self._show_all()
+            self.source_changed.emit()
+        self._show_buttons()
 
     # --- the widget --------------------------------------------------------------------------
 
@@ -186,7 +219,12 @@ class MeasureView(QWidget):
         self.viewer = menu_button(
             "measure.viewer", "Measure Viewer", "Measure the picture of a viewer (Ctrl+M)", self
         )
-        self.file = tool_button("measure.file", "File…", "Measure a picture file", self)
+        self.file = tool_button(
+            "measure.file",
+            "Files…",
+            "Measure a picture, or several of one camera together; or drop them here",
+            self,
+        )
         self.stop = tool_button("measure.cancel", "Cancel", "Stop measuring (Esc)", self)
         self.remove = tool_button("measure.remove", _REMOVE, "", self)
         self.fit = tool_button("measure.fit", "Fit", "Show all of the picture (F)", self)
@@ -267,10 +305,18 @@ class MeasureView(QWidget):
         self.worker.failed.connect(self._fail)
         self.worker.cancelled.connect(self._stopped)
 
-    def _begin(self, title: str, job: Callable[..., object]) -> None:
-        self._title = title
-        self._say(f"Measuring {title} …")
+    @property
+    def _title(self) -> str:
+        if self._shown is None:
+            return ""
+        title, own = self._shown.title, self._shown.network
+        old = own is not None and own is not self._now and own != self._now
+        return f"{title}, as it was before an edit" if old else title
+
+    def _begin(self, measuring: _Measuring, job: Callable[..., object]) -> None:
+        self._say(f"Measuring {measuring.title} …")
         self._start(job)
+        self._coming = measuring
 
     def _start(self, job: Callable[..., object]) -> None:
         self.worker.start(job)
@@ -283,18 +329,23 @@ class MeasureView(QWidget):
             self._show_buttons()
             return
         self.measured = result  # type: ignore[assignment] # a measurement
+        self._shown, self._coming = self._coming, None
         self.current = -1
         self._fill_pictures()
         self._show_all()
         used = [place for place, edge in enumerate(self.measured.edges) if edge.used]  # type: ignore[union-attr]
         self.choose(used[0] if used else -1)
+        self.source_changed.emit()
 
     def _fail(self, text: str) -> None:
-        self._say(text, failed=True)
+        kept = self._coming is not None and self._shown is not None
+        self._coming = None
+        self._say(f"{text}; shown is {self._title}" if kept else text, failed=True)
         self._show_buttons()
 
     def _stopped(self) -> None:
-        self._say("Stopped" if self.measured is None else "Stopped; what is shown is older")
+        self._coming = None
+        self._say(f"Stopped; shown is {self._title}" if self._shown is not None else "Stopped")
         self._show_buttons()
 
     def _fill_pictures(self) -> None:
@@ -316,7 +367,9 @@ class MeasureView(QWidget):
         self._show_picture(0)
         self.pictures.setVisible(self.pictures.count() > 1)
         self.table.show_measured(measured)
-        if measured is not None:
+        if measured is None:
+            self.figures.show_rows((), ())
+        else:
             from app.measure.measurement_text import figure_rows, frame_rows, remarks
 
             rows = [*figure_rows(measured), *frame_rows(measured)]
@@ -328,6 +381,10 @@ class MeasureView(QWidget):
         measured, edge = self.measured, self.edge
         self.chart.show_measured(measured, edge)
         self._show_buttons()
+        self._say_shown()
+
+    def _say_shown(self) -> None:
+        measured, edge = self.measured, self.edge
         if measured is None:
             self._say("")
         elif edge is None:

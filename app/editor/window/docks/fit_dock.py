@@ -13,7 +13,7 @@ from app.editor.theme import Theme
 from app.editor.window.docks.dock_places import add_dock
 from app.editor.window.docks.measure_dock import MeasureDock
 from app.editor.window.docks.viewer_docks import ViewerDocks
-from app.editor.window.documents.picture_dialog import choose_picture
+from app.editor.window.documents.picture_dialog import choose_pictures
 
 
 class FitDock(QObject):
@@ -44,6 +44,7 @@ class FitDock(QObject):
     ) -> None:
         super().__init__(window)
         self._window = window
+        self._in_front = False
         self.view = FitView(session, theme, lambda: measuring.view.source, finish_typing)
         area = Qt.DockWidgetArea.BottomDockWidgetArea
         self.dock = add_dock(window, "Fit", "dock.fit", self.view, area)
@@ -51,6 +52,7 @@ class FitDock(QObject):
         self.dock.visibilityChanged.connect(viewers.name_tabs)
         self.dock.visibilityChanged.connect(self._shown)
         self.view.file_wanted.connect(self.choose_file)
+        measuring.view.source_changed.connect(self.view.show_state)
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
@@ -58,7 +60,7 @@ class FitDock(QObject):
 
     def toggle(self) -> None:
         """Show the dock, or hide it where it is in front."""
-        if self.view.isVisible():
+        if self._in_front:  # Qt calls a dock visible behind another's tab
             self.dock.hide()
         else:
             self.dock.show()
@@ -75,10 +77,11 @@ class FitDock(QObject):
 
     def choose_file(self) -> None:
         """Ask the person for a picture."""
-        choose_picture(
-            self._window, "Fit to a picture", name="fit_dialog", chosen=self.view.choose_picture
+        choose_pictures(
+            self._window, "Fit to pictures", name="fit_dialog", chosen=self.view.choose_pictures
         )
 
     def _shown(self, on: bool) -> None:
+        self._in_front = on
         if on:
             self.view.show_state()

@@ -14,7 +14,7 @@ from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.window.docks.dock_places import add_dock
 from app.editor.window.docks.viewer_docks import ViewerDocks
-from app.editor.window.documents.picture_dialog import choose_picture, show_beside
+from app.editor.window.documents.picture_dialog import choose_pictures, show_beside
 from app.editor.window.documents.save_dialog import SaveDialog
 from core.errors import UsageError
 from nodes.files.common.file_format import CSV, HTML, JSON, dialog_filter
@@ -52,7 +52,9 @@ class MeasureDock(QObject):
         self.view.export_wanted.connect(self.choose_target)
         self.view.message.connect(session.message)
         self.view.viewer.menu().aboutToShow.connect(self._list_viewers)
-        session.changed.connect(lambda *_: self.view.network_changed())
+        self._session = session
+        session.changed.connect(lambda *_: self.view.network_changed(session.document.network))
+        session.opened.connect(self.view.forget_network)
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
@@ -76,7 +78,7 @@ class MeasureDock(QObject):
         except UsageError as error:
             self.view.status.show_text(str(error), failed=True)
             return
-        self.view.measure_viewer(picture)
+        self.view.measure_viewer(picture, self._session.document.network)
 
     def show(self) -> None:
         """Bring the dock to the front."""
@@ -94,9 +96,9 @@ class MeasureDock(QObject):
 
     def choose_file(self) -> None:
         """Ask the person for a picture."""
-        choose_picture(
-            self._window, "Measure a picture", name="measure_dialog",
-            chosen=self.view.measure_file,
+        choose_pictures(
+            self._window, "Measure pictures of one camera", name="measure_dialog",
+            chosen=self.view.measure_files,
         )  # fmt: skip
 
     def choose_target(self) -> None:

@@ -1,4 +1,4 @@
-"""The dialog in which a picture to look at is chosen, beside the work."""
+"""The dialog in which pictures to look at are chosen, beside the work."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from nodes.files.common.file_format import dialog_filter
 from nodes.files.formats import PICTURES
 
 
-def choose_picture(
-    window: QMainWindow, title: str, *, name: str, chosen: Callable[[Path], object]
+def choose_pictures(
+    window: QMainWindow, title: str, *, name: str, chosen: Callable[[tuple[Path, ...]], object]
 ) -> None:
-    """Ask the person for a file with a picture or frames; `name` is that of the dialog."""
+    """Ask the person for files with pictures or frames; `name` is that of the dialog."""
     formats = [one for one in PICTURES if one.suffixes]
     kinds = ";;".join((dialog_filter("Pictures and frames", *formats), "All files (*)"))
     dialog = QFileDialog(window, title, str(Path.cwd()), kinds)
     dialog.setObjectName(name)
     dialog.setOption(QFileDialog.Option.DontUseNativeDialog)
-    dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
-    dialog.fileSelected.connect(lambda text: chosen(Path(text)))
+    dialog.setFileMode(QFileDialog.FileMode.ExistingFiles)
+    dialog.filesSelected.connect(lambda texts: chosen(tuple(map(Path, texts))))
     show_beside(window, dialog)
 
 

@@ -14,6 +14,7 @@ from app.editor.free_numbers import FreeNumber
 from core.editing.fields import set_parameter
 from core.editing.nodes import Rename
 from edge_truth import blur_network, gaussian_edge
+from window_hands import WindowHands
 
 INTERVAL_MRAD = 0.1
 SIGMA = 0.8  # samples
@@ -30,6 +31,8 @@ def files(tmp_path_factory):
     (folder / "net.json").write_text(json.dumps(network), encoding="utf-8")
     picture = gaussian_edge(angle_deg=6.0, sigma=(SIGMA, 0.8), shape=(64, 64), noise=20.0, seed=5)
     np.save(folder / "edge.npy", picture)
+    again = gaussian_edge(angle_deg=6.0, sigma=(SIGMA, 0.8), shape=(64, 64), noise=20.0, seed=6)
+    np.save(folder / "edge_too.npy", again)
     np.save(folder / "flat.npy", np.random.default_rng(1).normal(100.0, 1.0, (64, 64)))
     return folder
 
@@ -41,6 +44,11 @@ def fitting(window, files):
     assert window.fitting.view.isVisible()
     window.session.select(["blur"])
     return window
+
+
+@pytest.fixture
+def two_hands(window):
+    return WindowHands(window)
 
 
 def right_click(window, name, action):
@@ -64,7 +72,7 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert "not saved" in entry.toolTip()
     assert field.label.text().endswith("free")
     assert view.table.rowCount() == 1
-    view.choose_picture(files / "edge.npy")
+    view.choose_pictures((files / "edge.npy",))
     seen = []
     view._seen.connect(lambda _run, edges: seen.append(edges))
     before = window.session.document.network
@@ -85,7 +93,10 @@ def test_a_number_is_freed_fitted_taken_and_undone(fitting, files, qtbot):
     assert not view.grab().isNull()
     qtbot.mouseClick(view.taking, Qt.MouseButton.LeftButton)
     session = window.session
-    assert session.network.nodes["blur"].params["sigma_x_mrad"] == fitted.value
+    taken = session.network.nodes["blur"].params["sigma_x_mrad"]
+    assert taken == pytest.approx(fitted.value, abs=fitted.sigma / 100.0)
+    assert len(str(taken)) <= len("0.0800000")  # no digits that nobody can know
+    assert view.table.item(0, 1).text() == f"{taken:.6g}"
     assert session.document.history.position == steps + 1
     window.actions_by_name["undo"].trigger()
     assert session.document.network == before
@@ -102,28 +113,28 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     session = window.session
     session.free.put(FreeNumber("init", "range_m"))  # no blur depends on it
     session.free.put(FreeNumber("blur", "sigma_x_mrad"))
-    view.table.item(1, 1).setText("0.01")
-    view.table.item(1, 2).setText("30 urad")
+    view.table.item(1, 2).setText("0.01")
+    view.table.item(1, 3).setText("30 urad")
     assert session.free.all[1] == FreeNumber("blur", "sigma_x_mrad", 0.01, 0.03)
-    view.table.item(1, 2).setText("0.005")
+    view.table.item(1, 3).setText("0.005")
     assert "must lie below" in view.status.title.text()
-    assert view.table.item(1, 2).text() == "0.03"
-    view.table.item(1, 2).setText("")
+    assert view.table.item(1, 3).text() == "0.03"
+    view.table.item(1, 3).setText("")
     assert session.free.all[1].high is None
     view.table.setCurrentCell(1, 0)
     qtbot.keyClick(view.table, Qt.Key.Key_Delete)
     assert [one.port for one in session.free.all] == ["init.range_m"]
-    view.choose_picture(files / "edge.npy")
+    view.choose_pictures((files / "edge.npy",))
     view.begin()
     qtbot.waitUntil(lambda: view.outcome is not None)
     assert [one.value is None for one in view.outcome.numbers] == [True]
-    assert view.table.item(0, 3).text() == "not determined"
+    assert view.table.item(0, 4).text() == "not determined"
     assert "not determined" in view.words.toPlainText()
     assert not view.taking.isEnabled()
     before = session.document.network
     view.take()
     assert session.document.network is before
-    view.choose_picture(files / "flat.npy")
+    view.choose_pictures((files / "flat.npy",))
     view.begin()
     qtbot.waitUntil(lambda: "no edge can be used" in view.status.title.text())
     assert view.outcome is None
@@ -137,3 +148,69 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     for button in (view.file, view.fit, view.stop, view.taking, view.remove):
         assert button.toolTip()
         assert button.accessibleName()
+
+
+def test_what_is_free_comes_back_with_its_node(fitting):
+    window, session = fitting, fitting.session
+    session.free.put(FreeNumber("blur", "sigma_x_mrad", 0.01, 0.2))
+    session.select(["blur"])
+    window.actions_by_name["delete"].trigger()
+    assert session.free.all == ()
+    session.undo()
+    assert session.free.all == (FreeNumber("blur", "sigma_x_mrad", 0.01, 0.2),)
+    session.redo()
+    session.free.put(FreeNumber("init", "range_m"))
+    session.undo()
+    assert {one.node for one in session.free.all} == {"blur", "init"}
+
+
+def test_a_result_is_said_to_be_of_what_was_fitted(fitting, files, qtbot):
+    view, free = fitting.fitting.view, fitting.session.free
+    free.put(FreeNumber("blur", "sigma_x_mrad"))
+    free.put(FreeNumber("init", "range_m"))
+    both = (files / "edge.npy", files / "edge_too.npy")
+    view.choose_pictures(both)
+    assert view.name.text() == "edge.npy and 1 more"
+    view.begin()
+    qtbot.waitUntil(lambda: view.outcome is not None)
+    assert "2 edges fitted" in view.words.toPlainText()
+    result = view.status.title.text()
+    assert "χ²" in result
+    view.choose_pictures((files / "flat.npy",))
+    assert view.status.title.text() == "Fitted to edge.npy and 1 more: fit again"
+    view.choose_pictures(both)
+    assert view.status.title.text() == result
+    free.fix("blur", "sigma_x_mrad")
+    assert view.status.title.text() == "Fitted while other parameters were free: fit again"
+    assert not view.taking.isEnabled()  # what is fixed now is not written
+
+
+def test_the_key_of_the_dock_brings_it_before_another(window, qtbot):
+    window.open_first("first_steps")
+    fit = window.actions_by_name["fit"]
+    fit.trigger()
+    window.viewers.docks[1].raise_()
+    qtbot.waitUntil(lambda: not fit.isChecked())
+    fit.trigger()
+    qtbot.waitUntil(fit.isChecked)
+    assert not window.fitting.dock.isHidden()
+    fit.trigger()
+    assert window.fitting.dock.isHidden()
+
+
+def test_pictures_are_dropped_on_the_docks(fitting, files, two_hands, qtbot):
+    window, view = fitting, fitting.fitting.view
+    steps = window.session.document.history.position
+    assert two_hands.drop_files(view.chart, QPoint(9, 9), [files / "edge.npy"])
+    assert view.pictures == (files / "edge.npy",)
+    measuring = window.measuring
+    measuring.show()
+    assert two_hands.drop_files(
+        measuring.view.canvas, QPoint(9, 9), [files / "edge.npy", files / "edge_too.npy"]
+    )
+    qtbot.waitUntil(lambda: measuring.view.measured is not None)
+    assert len(measuring.view.measured.previews) == 2
+    assert window.session.document.history.position == steps
+    before = window.session.document
+    assert two_hands.drop_files(measuring.view.canvas, QPoint(9, 9), [files / "net.json"])
+    qtbot.waitUntil(lambda: window.session.document is not before)  # networks are opened anywhere

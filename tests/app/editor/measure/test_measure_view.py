@@ -17,6 +17,7 @@ from app.editor.measure.measure_view import MeasureView
 from app.editor.theme import DARK, LIGHT
 from app.measure.edge_looks import REFUSED, REMOVED, USED
 from child_process import PATIENCE_S
+from core.editing.fields import set_network_field
 
 SIGMA = 0.8
 
@@ -48,7 +49,7 @@ def view(qtbot):
 
 @pytest.fixture
 def measured(view, qtbot, two_edges):
-    view.measure_file(two_edges)
+    view.measure_files((two_edges,))
     assert view.stop.isEnabled()
     qtbot.waitUntil(lambda: view.measured is not None)
     return view
@@ -92,7 +93,7 @@ def test_the_looks_differ_to_every_sight_and_by_their_lines(measured):
     assert not measured.grab().isNull()
 
 
-def test_results_are_written_and_what_fails_is_said(measured, qtbot, tmp_path):
+def test_results_are_written_and_what_fails_is_said(measured, qtbot, tmp_path, two_edges):
     view = measured
     with qtbot.waitSignal(view.message) as said:
         view.export(tmp_path / "m.json")
@@ -101,9 +102,13 @@ def test_results_are_written_and_what_fails_is_said(measured, qtbot, tmp_path):
     assert facts["mtf"]["x"]["mtf50"] == view.measured.x.mtf50
     view.export(tmp_path / "m.txt")
     qtbot.waitUntil(lambda: "must end in" in view.status.title.text())
-    view.measure_file(tmp_path / "none.npy")
+    view.measure_files((tmp_path / "none.npy",))
     qtbot.waitUntil(lambda: "no such file" in view.status.title.text())
     assert view.measured.x.edges == 2
+    assert view.status.title.text().endswith("; shown is two.npy")
+    assert view.source == (two_edges,)
+    view.choose(0)
+    assert view.status.title.text().startswith("two.npy: edge 1,")
 
 
 def test_work_is_stopped_and_shows_nothing(view, qtbot):
@@ -139,9 +144,22 @@ def test_the_window_measures_what_a_viewer_shows(window, qtbot):
     assert view.measured.rows == viewer.picture.facts.rows
     interval = view.measured.interval_x_mrad
     assert interval == viewer.picture.value.interval_x_mrad
+    session, old = window.session, ", as it was before an edit: "
+    assert old not in view.status.title.text()
+    session.do(set_network_field("seed", session.network.seed + 1))
+    assert old in view.status.title.text()
+    view.step(1)
+    assert old in view.status.title.text()
+    session.undo()
+    assert old not in view.status.title.text()
     window.measuring.view.viewer.menu().aboutToShow.emit()
     listed = [action.text() for action in view.viewer.menu().actions()]
     assert any(text.startswith("Viewer &1: ") for text in listed)
     for button in (view.viewer, view.file, view.stop, view.remove, view.unused, view.write):
         assert button.toolTip()
         assert button.accessibleName()
+    window.open_first("noise_budget")
+    assert view.measured is None
+    assert view.source is None
+    assert view.table.topLevelItemCount() == 0
+    assert view.status.title.text() == ""
