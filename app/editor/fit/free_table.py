@@ -18,8 +18,8 @@ from app.editor.typed_number import typed_number
 from core.errors import ParameterError
 from core.modules.parameters import Parameter
 
-_HEADS = ("Parameter", "Now", "Low", "High", "Fitted", "±", "Unit")
-_LOW, _HIGH, _FITTED = 2, 3, 4
+_HEADS = ("Parameter", "Now", "Fitted", "±", "Unit", "Low", "High")
+_FITTED, _UNIT, _LOW, _HIGH = 2, 4, 5, 6
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _UNDETERMINED = "not determined"
 
@@ -111,7 +111,7 @@ class FreeTable(QTableWidget):
             item.setFlags(flags)
             if parameter is not None:
                 item.setToolTip(tip(f"{about(parameter)}\nIn network files: {number.port}"))
-        if 0 < column < len(_HEADS) - 1:
+        if column not in (0, _UNIT):
             item.setTextAlignment(_RIGHT)
 
     def _cells(self, number: FreeNumber, fitted: FittedNumber | None) -> tuple[str, ...]:
@@ -123,7 +123,7 @@ class FreeTable(QTableWidget):
             value = _UNDETERMINED if fitted.value is None else f"{fitted.value:.6g}"
             error = "" if fitted.sigma is None else f"{fitted.sigma:.2g}"
         name = f"{label_of(number.name)} of {number.node}"
-        return name, self._now(number), low, high, value, error, unit
+        return name, self._now(number), value, error, unit, low, high
 
     def _now(self, number: FreeNumber) -> str:
         """Its value in the network."""

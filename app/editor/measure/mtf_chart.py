@@ -62,7 +62,6 @@ class MtfChart(ChartWidget):
         measured = self._measured
         if measured is None:
             return
-        chart.upright(_NYQUIST, "Nyquist")
         legend: list[tuple[str, str, Qt.PenStyle]] = []
         for name, curve, colour, style in self._curves(measured):
             self._band(painter, chart, curve, colour)
@@ -76,7 +75,9 @@ class MtfChart(ChartWidget):
             chart.curve(edge.curve.frequency, edge.curve.mtf, self._edge_colour, style, 1.6)
             legend.append(("edge", self._edge_colour, style))
         chart.legend(legend)
-        if not legend:
+        if legend:
+            chart.upright(_NYQUIST, "Nyquist")
+        else:
             painter.setPen(QColor(self._theme.faint_text))
             flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
             inside = chart.frame.adjusted(6, 4, -6, -4).toRect()

@@ -18,6 +18,7 @@ from window_hands import WindowHands
 
 INTERVAL_MRAD = 0.1
 SIGMA = 0.8  # samples
+FITTED, LOW, HIGH = 2, 5, 6  # columns
 
 
 @pytest.fixture(scope="module")
@@ -113,13 +114,13 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     session = window.session
     session.free.put(FreeNumber("init", "range_m"))  # no blur depends on it
     session.free.put(FreeNumber("blur", "sigma_x_mrad"))
-    view.table.item(1, 2).setText("0.01")
-    view.table.item(1, 3).setText("30 urad")
+    view.table.item(1, LOW).setText("0.01")
+    view.table.item(1, HIGH).setText("30 urad")
     assert session.free.all[1] == FreeNumber("blur", "sigma_x_mrad", 0.01, 0.03)
-    view.table.item(1, 3).setText("0.005")
+    view.table.item(1, HIGH).setText("0.005")
     assert "must lie below" in view.status.title.text()
-    assert view.table.item(1, 3).text() == "0.03"
-    view.table.item(1, 3).setText("")
+    assert view.table.item(1, HIGH).text() == "0.03"
+    view.table.item(1, HIGH).setText("")
     assert session.free.all[1].high is None
     view.table.setCurrentCell(1, 0)
     qtbot.keyClick(view.table, Qt.Key.Key_Delete)
@@ -128,7 +129,7 @@ def test_what_is_not_determined_is_not_taken_and_faults_are_one_line(fitting, fi
     view.begin()
     qtbot.waitUntil(lambda: view.outcome is not None)
     assert [one.value is None for one in view.outcome.numbers] == [True]
-    assert view.table.item(0, 4).text() == "not determined"
+    assert view.table.item(0, FITTED).text() == "not determined"
     assert "not determined" in view.words.toPlainText()
     assert not view.taking.isEnabled()
     before = session.document.network

@@ -47,6 +47,7 @@ class Chart:
     ) -> None:
         self._painter, self._theme = painter, theme
         self._x, self._y = x, y
+        self._area = area
         self._metrics = QFontMetricsF(painter.font())
         line = self._metrics.height()
         rows = ordinate_ticks(y, area.height(), self._metrics)
@@ -201,8 +202,12 @@ class Chart:
             box = QRectF(0, frame.top() - line * 1.12, frame.right(), line)
             painter.drawText(box.adjusted(line * 0.3, 0, 0, 0), _LEFT, self._y.title)
         if self._x.title:
-            box = QRectF(frame.left(), frame.bottom() + line * 1.05, frame.width(), line)
-            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self._x.title)
+            # Below the frame's middle, but farther left where it is wider than the frame.
+            area, width = self._area, self._width(self._x.title)
+            left = min(frame.center().x() - width / 2, area.right() - width)
+            box = QRectF(max(left, area.left()), frame.bottom() + line * 1.05, area.width(), line)
+            title = self._metrics.elidedText(self._x.title, _ELIDED, area.width())
+            painter.drawText(box, _LEFT, title)
 
     def _width(self, text: str) -> float:
         return self._metrics.horizontalAdvance(text)
@@ -220,6 +225,7 @@ def room_for_ticks(ticks: Sequence[Tick], metrics: QFontMetricsF) -> float:
 
 
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+_ELIDED = Qt.TextElideMode.ElideRight
 
 
 def _pen(colour: str, width: float, style: Qt.PenStyle = Qt.PenStyle.SolidLine) -> QPen:
