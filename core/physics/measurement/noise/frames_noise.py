@@ -30,7 +30,10 @@ _LEAST_BLOCKS = 24
 _KEPT = 0.999  # of the blocks of noise alone that count
 _MOVED = 0.3  # of the blocks with more, beyond which the scene moves
 _FROM_END = 5.0  # deviations from a clipped end within which noise is cut
+_STILL = 6.0  # deviations of what differs from the first frame, beyond which something moves
+_NORMAL = 1.4826  # deviation over the median of absolute deviations, of a normal distribution
 _ROUNDS = 10
+_MOST_GROUPS = 16  # of levels
 _COARSE_STEPS = 0.5  # deviations of the noise in steps, below which rounding hides it
 
 
@@ -83,7 +86,8 @@ class SceneFrames:
     Notes
     -----
     A sample's variance in time needs no flat area. What whole rows, columns and frames share is
-    taken off each frame against the first, by the means of their difference.
+    taken off each frame against the first, by the means of their difference where nothing passes
+    through.
     """
 
     def __init__(self, rows: int, columns: int) -> None:
@@ -92,6 +96,7 @@ class SceneFrames:
         self._sum = np.zeros((rows, columns))
         self._squares = np.zeros((rows, columns))
         self._own = np.zeros((rows, columns))
+        self._still_squares = np.zeros((rows, columns))
         self._frames = 0
 
     def add(self, frame: NDArray[Any]) -> None:
@@ -109,12 +114,15 @@ class SceneFrames:
         if self._first is None:
             self._first = samples.copy()
         away = samples - self._first
-        self._sum += away
-        rows = away.mean(axis=1, keepdims=True)
-        away -= rows + away.mean(axis=0) - rows.mean()
-        self._squares += away * away
-        self._frames += 1
+        still = _still(away)
+        away -= _means(away, still, 1)
+        away -= _means(away, still, 0)
         self._own += away
+        away *= away
+        self._squares += away
+        away *= still
+        self._still_squares += away
+        self._frames += 1
 
     def measured(self, *, offset: float = 0.0) -> FramesNoise:
         """The noise of the frames so far; `offset` is the level without light.
@@ -127,10 +135,10 @@ class SceneFrames:
         components = self._cube.measured()
         n = self._frames
         assert self._first is not None
-        rows, columns = self._first.shape
-        # Row and column means took so many degrees of freedom along with them.
-        left = (rows - 1) * (columns - 1) / (rows * columns)
-        variance = (self._squares - self._own**2 / n) / ((n - 1) * left)
+        variance = (self._squares - self._own**2 / n) / (n - 1)
+        # Of that, what went into the means of rows and columns.
+        share = self._still_squares / np.maximum(self._squares, np.finfo(np.float64).tiny)
+        variance = _with_means(variance, variance * share)
         low, high = clipped_ends(picture=self._first)
         step = rounding_step(picture=self._first)
         level, power = _blocks(self._first + self._sum / n), _blocks(variance)
@@ -164,6 +172,49 @@ class SceneFrames:
         )
 
 
+def _still(away: Matrix) -> NDArray[np.bool_]:
+    """Samples that differ from the first frame's as most do: what passes through the scene not."""
+    from_most = np.abs(away - np.median(away))
+    spread = _NORMAL * float(np.median(from_most))
+    if not spread > 0.0:
+        return np.ones(away.shape, bool)
+    return np.asarray(from_most <= _STILL * spread)
+
+
+def _means(away: Matrix, still: NDArray[np.bool_], axis: int) -> Matrix:
+    """Means along an axis of what stands still; of all, where that is less than half."""
+    counts = still.sum(axis=axis, keepdims=True)
+    enough = 2 * counts >= away.shape[axis]
+    of_still = np.sum(away, axis=axis, keepdims=True, where=still) / np.maximum(counts, 1)
+    return np.asarray(np.where(enough, of_still, away.mean(axis=axis, keepdims=True)))
+
+
+def _with_means(variance: Matrix, averaged: Matrix) -> Matrix:
+    """Variances of samples, of those of the samples less the means of their rows and columns.
+
+    Parameters
+    ----------
+    variance : ndarray, shape (rows, columns)
+        Of the samples less these means.
+    averaged : ndarray, shape (rows, columns)
+        The part of it that went into the means.
+
+    Notes
+    -----
+    A sample less the mean of n that it is in has lost 2/n of its own variance, and got 1/n of the
+    mean variance of all n: shot noise of what is bright beside it. Exact for equal variances.
+    """
+    rows, columns = variance.shape
+    whole = averaged / ((1.0 - 1.0 / rows) * (1.0 - 1.0 / columns))
+    return np.asarray(
+        variance
+        + whole * (2.0 / rows + 2.0 / columns)
+        - whole.mean(axis=1, keepdims=True) / columns
+        - whole.mean(axis=0, keepdims=True) / rows
+        - whole.mean() / (rows * columns)
+    )
+
+
 def _blocks(samples: Matrix) -> Vector:
     """Means of blocks of 8 × 8 samples, all of them in one row."""
     rows, columns = (size // SIDE for size in samples.shape)
@@ -184,17 +235,52 @@ def _settled(
     if np.count_nonzero(inside) < _LEAST_BLOCKS:
         return None, chosen, f"fewer than {_LEAST_BLOCKS} blocks of {SIDE} × {SIDE} are not clipped"
     limit = 2.0 * float(special.gammaincinv(freedom / 2.0, _KEPT)) / freedom
-    chosen &= power <= 2.0 * np.median(power[chosen])
-    line = variance_line(level=level[chosen], variance=power[chosen])
+    best: tuple[VarianceLine, NDArray[np.bool_]] | None = None
+    for usual in (np.full_like(power, np.median(power[inside])), _by_level(level, power, inside)):
+        settled = _from(inside & (power <= 2.0 * usual), inside, level, power, limit)
+        if settled is None:
+            continue
+        if best is None or np.count_nonzero(settled[1]) > np.count_nonzero(best[1]):
+            best = settled
+    if best is None:
+        return None, chosen, _it_moves(1.0)
+    line, chosen = best
+    moved = 1.0 - np.count_nonzero(chosen) / np.count_nonzero(inside)
+    if moved > _MOVED:
+        return None, chosen, _it_moves(moved)
+    return line, chosen, ""
+
+
+def _it_moves(share: float) -> str:
+    return f"{share:.0%} of the scene change between the frames: it moves"
+
+
+def _by_level(level: Vector, power: Vector, inside: NDArray[np.bool_]) -> Vector:
+    """Median variance of the blocks of about a block's level: bright ones have more by light alone.
+
+    Where most blocks are dark, that of all blocks would leave out every bright one.
+    """
+    order = np.flatnonzero(inside)[np.argsort(level[inside], kind="stable")]
+    groups = min(max(len(order) // _LEAST_BLOCKS, 1), _MOST_GROUPS)
+    usual = np.zeros_like(power)
+    for group in np.array_split(order, groups):
+        usual[group] = np.median(power[group])
+    return usual
+
+
+def _from(
+    chosen: NDArray[np.bool_],
+    inside: NDArray[np.bool_],
+    level: Vector,
+    power: Vector,
+    limit: float,
+) -> tuple[VarianceLine, NDArray[np.bool_]] | None:
+    """Line and blocks that agree with it, from a first choice; None where too few do."""
     for _ in range(_ROUNDS):
-        before = chosen
-        chosen = inside & (power <= limit * line.over(level))
         if np.count_nonzero(chosen) < _LEAST_BLOCKS:
-            break
+            return None
         line = variance_line(level=level[chosen], variance=power[chosen])
+        before, chosen = chosen, inside & (power <= limit * line.over(level))
         if np.array_equal(before, chosen):
             break
-    moved = 1.0 - np.count_nonzero(chosen) / np.count_nonzero(inside)
-    if moved > _MOVED or np.count_nonzero(chosen) < _LEAST_BLOCKS:
-        return None, chosen, f"{moved:.0%} of the scene change between the frames: it moves"
-    return line, chosen, ""
+    return (line, chosen) if np.count_nonzero(chosen) >= _LEAST_BLOCKS else None
