@@ -27,12 +27,16 @@ from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError, UsageError
 from core.evaluation.work import Work
 from core.physics.measurement.edges.picture_suspicions import why_no_picture
+from core.physics.measurement.noise.clipped_ends import clipped_ends
 from core.physics.measurement.noise.picture_noise import noise_of_picture
+from core.physics.measurement.noise.rounding_step import rounding_step
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
 Matrix = NDArray[np.float64]
 
 _MOST_LEVELS = 24
+_CLIPPED = 0.02  # of a picture's samples, as of an edge's
+_TWO_LEVELS = 2
 _NOTHING = 1e-9  # of a variance: what rounding makes where there is none
 
 
@@ -182,15 +186,15 @@ def fit_known_scene(
     Raises
     ------
     ImagechainError
-        If the picture is not of the network's size, shows another scene, is interlaced or was
-        compressed in blocks, or there are several.
+        If the picture is not of the network's size, shows another scene, is clipped, interlaced
+        or was compressed in blocks, or there are several.
     """
     if len(pictures.samples) != 1:
         raise UsageError(
             f"--known-scene takes one picture, not {len(pictures.samples)}: each has a place of "
             "its own in the scene"
         )
-    reason = why_no_picture(picture=pictures.samples[0])
+    reason = why_no_picture(picture=pictures.samples[0]) or _why_clipped(pictures)
     if reason:
         raise DataError(f"{pictures.text}: {reason}")
     report("noise")
@@ -199,6 +203,24 @@ def fit_known_scene(
     report("parameters")
     result = fit_scene(problem, np.array([middle_of(parameter) for parameter in free]))
     return replace(result, warnings=(*pictures.warnings, *result.warnings))
+
+
+def _why_clipped(pictures: FittedPictures) -> str:
+    """Why a picture as a whole is taken as clipped; empty if it is not."""
+    picture = pictures.samples[0]
+    low, high = pictures.clip_levels or (None, None)
+    if pictures.clip_levels is None:
+        # Steps of a converter give one value again and again where the noise is finer.
+        stepped = rounding_step(picture=picture) is not None
+        if not stepped or len(np.unique(picture)) <= _TWO_LEVELS:
+            low, high = clipped_ends(picture=picture)
+    at_limit = np.zeros(picture.shape, bool)
+    if low is not None:
+        at_limit |= picture <= low
+    if high is not None:
+        at_limit |= picture >= high
+    share = float(at_limit.mean())
+    return f"clipped: {share:.0%} of its samples are at a limit" if share > _CLIPPED else ""
 
 
 def _noise(

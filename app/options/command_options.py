@@ -286,8 +286,8 @@ def _fit(arguments: argparse.Namespace, common: dict[str, Any]) -> Options:
         pictures=file_paths("--to", arguments.to),
         free=tuple(word for words in arguments.free for word in words),
         known_scene=arguments.known_scene,
-        fit_json=file_path("--json", arguments.json),
-        fit_output=file_path("--output", arguments.output),
+        fit_json=named_path("--json", arguments.json, JSON),
+        fit_output=named_path("--output", arguments.output, JSON),
         fit_report=page_path("--report", arguments.report),
         **common,
     )

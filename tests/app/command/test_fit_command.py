@@ -140,6 +140,8 @@ def test_an_edge_down_the_picture_alone_shows_no_blur_along_it(imagechain, cross
         (("--free", "blur.sigma_x_mrad=-1:1"), "a number of at least 0"),
         (("--free", "init.platform"), "only a number that may lie between others"),
         (("--free", "blur.sigma_x_mrad", "blur.sigma_x_mrad"), "given more than once"),
+        (("--free", "blur.sigma_x_mrad", "--json", "fit.txt"), "must end in .json"),
+        (("--free", "blur.sigma_x_mrad", "--output", "net.png"), "must end in .json"),
     ],
 )
 def test_what_cannot_be_free_is_refused_in_one_line(imagechain, files, words, why):

@@ -106,3 +106,23 @@ def test_a_scene_of_another_size_is_refused():
         with pytest.raises(DataError, match=why):
             match.check_same_scene(picture - spots(), Registration(0.0, 0.0, scale, 1.0, 0.0))
     match.check_same_scene(picture - spots(), Registration(0.0, 0.0, 1.9, 1.0, 0.0))
+
+
+@pytest.mark.parametrize("how", ["bright", "dark", "two levels", "whole numbers"])
+def test_a_clipped_picture_is_refused(imagechain, scene, how):
+    taken = np.load(scene / "taken.npy")
+    low, high = np.quantile(taken, (0.1, 0.9))
+    picture = {
+        "bright": taken.clip(max=high),
+        "dark": taken.clip(min=low),
+        "two levels": np.where(taken > high, 3.5, 1.0),
+        "whole numbers": np.rint(taken * 255.0 / high).clip(max=255.0).astype(np.uint8),
+    }[how]
+    np.save(scene / "clipped.npy", picture)
+    done = imagechain(
+        "fit", scene / "net.json", "--to", scene / "clipped.npy", "--known-scene",
+        "--free", "blur.sigma_x_mrad",
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "clipped.npy: clipped: " in done.stderr
+    assert done.stderr.count("\n") == 1
