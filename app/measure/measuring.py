@@ -157,6 +157,7 @@ def measure_pictures(
     edges: list[MeasuredEdge] = []
     previews: list[Preview] = []
     noises: list[PictureNoise] = []
+    no_noise: list[str] = []
     seen: set[bytes] = set()
     repeated: list[int] = []
     for number, picture in enumerate(source.pictures):
@@ -178,10 +179,13 @@ def measure_pictures(
             edges += [replace(edge, why_not=edge.why_not or WITH_LOSS) for edge in own]
             continue
         edges += own
-        noises.append(noise_of_picture(picture=picture, offset=offset, check=check))
+        try:
+            noises.append(noise_of_picture(picture=picture, offset=offset, check=check))
+        except DataError as error:  # numbers too large or too small for it
+            no_noise.append(error.message)
     noise, noise_reason = pooled_noise(noises, offset_dn=offset)
     if not noises:
-        noise_reason = WITH_LOSS
+        noise_reason = no_noise[0] if no_noise else WITH_LOSS
     frames, frames_reason = (None, WITH_LOSS) if lossy else _frames(taken, offset)
     if frames is not None:
         noise, noise_reason = with_frames(noise, noise_reason, frames, offset)

@@ -58,3 +58,14 @@ def test_a_picture_of_yes_and_no_is_clipped(tmp_path):
     measured = measure_files(MeasurePlan((tmp_path / "yes.npy",)))
     assert measured.x is None
     assert "clipped" in measured.reason_x
+
+
+def test_numbers_too_large_for_noise_still_have_an_mtf(tmp_path):
+    np.save(tmp_path / "usual.npy", edge(20.0))
+    np.save(tmp_path / "large.npy", 1e14 * edge(20.0))
+    usual, large = (
+        measure_files(MeasurePlan((tmp_path / f"{name}.npy",))) for name in ("usual", "large")
+    )
+    assert large.x.mtf50 == pytest.approx(usual.x.mtf50, rel=1e-6)
+    assert large.noise is None
+    assert "in another unit" in large.noise_reason
