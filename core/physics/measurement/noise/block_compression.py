@@ -14,24 +14,44 @@ _LEAST_BLOCKS = 60
 _DIFFERS = 0.1  # logarithm of what the blocks' waves and those of shifted blocks differ by
 _CHANCES = 3.0  # times what two sets of shifted blocks differ by
 _SHIFTS = ((4, 4), (2, 6))  # samples down and across
+_TAIL = 4.0  # times the mean of neighbours' differences, at which edges are cut
 
 
 def compressed_in_blocks(*, picture: Matrix) -> bool:
-    """Whether waves of the blocks from the first sample on are rounded, and of others not.
+    """Whether waves of blocks, wherever they begin, are rounded, and of shifted blocks not.
 
     Parameters
     ----------
     picture : ndarray, shape (rows, columns)
-        Samples; the blocks start at its first one, as they do in a file that was not cut since.
+        Samples; blocks begin at the first one, or anywhere in a part of a file.
 
     Notes
     -----
     The compression rounds the waves of its blocks, many to zero. The spread of a wave, and the
     shape of its distribution, by quartiles of its modulus, are then others than in blocks that lie
-    part of a block further, where nothing else makes them differ.
+    part of a block further, where nothing else makes them differ. Where else than at the first
+    sample blocks may begin is where neighbours differ most unlike the rest.
     """
     first = [max(0, (size - _MOST_SIDE) // 2) // SIDE * SIDE for size in picture.shape]
     part = picture[first[0] : first[0] + _MOST_SIDE, first[1] : first[1] + _MOST_SIDE]
+    begin = _begin(part), _begin(part.T)
+    return _rounded(part) or (any(begin) and _rounded(part[begin[0] :, begin[1] :]))
+
+
+def _begin(part: Matrix) -> int:
+    """First row, of the first eight, at which blocks may begin, by neighbours down."""
+    step = np.diff(part, axis=0)
+    step -= step.mean(axis=1, keepdims=True)  # rows have offsets of their own
+    size = np.abs(step, out=step)
+    np.minimum(size, _TAIL * float(size.mean()), out=size)
+    rows = size.mean(axis=1)
+    phases = np.array([rows[k::SIDE].mean() for k in range(min(SIDE, len(rows)))])
+    unlike = np.abs(phases - np.median(phases))
+    return (int(np.argmax(unlike)) + 1) % SIDE
+
+
+def _rounded(part: Matrix) -> bool:
+    """Whether waves of the blocks from the first sample on are rounded."""
     shifts = ((0, 0), *_SHIFTS)
     sets = [picture_blocks(picture=part[down:, across:]) for down, across in shifts]
     if min(len(blocks.level) for blocks in sets) < _LEAST_BLOCKS:
