@@ -20,7 +20,14 @@ PARTS = (
     Part("Begin", ("index", "getting_started")),
     Part(
         "Tutorials",
-        ("infrared_camera", "satellite", "dirsig_scene", "lens_and_mtf", "cluster_study"),
+        (
+            "infrared_camera",
+            "real_camera",
+            "satellite",
+            "dirsig_scene",
+            "lens_and_mtf",
+            "cluster_study",
+        ),
     ),
     Part(
         "Guides",

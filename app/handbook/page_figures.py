@@ -91,13 +91,13 @@ def _measured(samples: NDArray[Any], kind: str, caption: str) -> str:
     source = Source((MeasuredFile("picture", 1, ""),), [picture], *picture.shape)
     measured = measure_pictures(source)
     if kind == "edges":
-        return _png(edges_png(measured, measured.previews[0]), caption)
-    return _png(mtf_png(measured), caption)
+        return _png(edges_png(measured, measured.previews[0]), caption, kind)
+    return _png(mtf_png(measured), caption, kind)
 
 
-def _png(content: bytes, caption: str) -> str:
+def _png(content: bytes, caption: str, kind: str = "shipped") -> str:
     data, text = base64.b64encode(content).decode(), html.escape(caption)
     return (
-        f'<figure class="shipped"><img alt="{text}" src="data:image/png;base64,{data}">'
+        f'<figure class="{kind}"><img alt="{text}" src="data:image/png;base64,{data}">'
         f"<figcaption>{text}</figcaption></figure>"
     )

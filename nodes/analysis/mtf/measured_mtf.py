@@ -52,7 +52,8 @@ class MeasuredMTF(Module, key="measured_mtf", title="Measured MTF", group="Analy
     comes from, along the same direction and up to Nyquist: of all stages from the source on, and of
     a test scene's samples, which are means over their area. How much the scene in a file is blurred
     is not known, and does not count; a picture straight from a file expects nothing. What
-    `row_average` folds back from beyond Nyquist is no part of it. Source: ISO 12233:2023; Tantalo
+    `row_average` folds back from beyond Nyquist is no part of it. `imagechain measure` searches the
+    picture of a real camera for its edges by itself. Source: ISO 12233:2023; Tantalo
     1996, eqs. 5.67 to 5.70 and appendix B.
     """
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from app.handbook.contents import PAGES
 from app.measure.measurement_text import refused_lines
 from app.measure.measuring import Source, measure_pictures
 from app.measure.picture_measurement import MeasuredFile
-from app.measure.refused_edges import in_words, refusal_of
+from app.measure.refused_edges import REFUSALS, in_words, refusal_of
 from core.physics.measurement.edges.edge_search import find_edges
 from edge_truth import gaussian_edge
 
@@ -69,6 +70,11 @@ def test_what_helps_is_told_where_no_edge_is_used():
     both = np.concatenate([edge(0.0), edge()], axis=1)
     assert lines(both)
     assert not [line for line in lines(both) if "what helps" in line]
+
+
+def test_the_handbook_names_every_kind():
+    page = (PAGES / "real_camera.md").read_text(encoding="utf-8")
+    assert not [one.words for one in REFUSALS if one.words not in page]
 
 
 def test_reasons_are_counted_by_kind_the_first_kind_first():
