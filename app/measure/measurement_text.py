@@ -60,7 +60,8 @@ def figure_rows(measured: PictureMeasurement) -> list[Row]:
         *_mtf_rows("y", "along", measured.y, measured.interval_y_mrad, measured.pitch_um),
     ]
     if measured.noise is not None:
-        rows += _noise_rows(measured.noise, measured.unit)
+        alone = "" if measured.flats is None else ", by the picture alone"
+        rows += _noise_rows(measured.noise, measured.unit, alone)
     return rows
 
 
@@ -91,7 +92,7 @@ def _mtf_rows(
     return rows
 
 
-def _noise_rows(noise: NoiseFigures, unit: str) -> list[Row]:
+def _noise_rows(noise: NoiseFigures, unit: str, alone: str) -> list[Row]:
     rows = [("sigma", with_error(noise.sigma, noise.sigma_error), unit, "noise of a sample")]
     for name, words, value in (
         ("row_sigma", "rows", noise.row_sigma), ("column_sigma", "columns", noise.column_sigma),
@@ -105,11 +106,16 @@ def _noise_rows(noise: NoiseFigures, unit: str) -> list[Row]:
         rows.append(("line", amplitude, unit, f"amplitude of the wave of {where}"))
     if noise.gain_e_per_dn is not None:
         gain = with_error(noise.gain_e_per_dn, noise.gain_error)
-        rows.append(("gain", gain, "e-/DN", "electrons of one digital number"))
+        rows.append(("gain", gain, "e-/DN", f"electrons of one digital number{alone}"))
     if noise.read_noise_dn is not None:
         read = with_error(noise.read_noise_dn, noise.read_noise_error)
         rows.append(
-            ("read_noise", read, unit or "DN", f"noise without light, at {noise.offset_dn:.6g}")
+            (
+                "read_noise",
+                read,
+                unit or "DN",
+                f"noise without light, at {noise.offset_dn:.6g}{alone}",
+            )
         )
     return rows
 
@@ -193,10 +199,17 @@ def remarks(measured: PictureMeasurement) -> list[str]:
     if measured.noise is None:
         lines.append(f"no noise: {measured.noise_reason}")
     else:
-        lines += [
-            *measured.noise.remarks,
-            *([measured.noise.reason] if measured.noise.reason else []),
-        ]
+        lines += measured.noise.remarks
+        if measured.noise.reason:
+            # The flat fields' figures stand beside.
+            alone = "" if measured.flats is None else "of the picture alone, "
+            lines.append(f"{alone}{measured.noise.reason}")
+        known = (measured.noise.gain_e_per_dn, measured.noise.read_noise_dn)
+        if None in known and measured.flats is None:
+            lines.append(
+                "what helps for gain and read noise: frames of flat fields at several levels "
+                "(--flats), and without light (--dark)"
+            )
     if measured.picture_count > 1 and measured.frames is None:
         lines.append(f"no noise from frame to frame: {measured.frames_reason}")
     if measured.flats is None and measured.flats_reason:

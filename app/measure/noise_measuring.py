@@ -10,6 +10,7 @@ from core.physics.measurement.noise.frames_noise import FramesNoise
 from core.physics.measurement.noise.picture_noise import PictureNoise
 from core.physics.measurement.noise.power_parts import LineNoise
 
+_SEVERAL = 2
 _STANDS_OUT = 3.0  # standard errors
 _Figure = tuple[float | None, float | None]
 
@@ -49,7 +50,7 @@ def pooled_noise(
         _lines(power.columns for power in powers), min(steps) if steps else None,
         next((power.lines for power in powers if power.lines), ()),
         tuple(level for one in noises for level in one.levels),
-        _missing("; ".join(no_gain), "; ".join(no_read)),
+        _missing(_first(no_gain), _first(no_read)),
         tuple(_once(line for one in noises for line in one.remarks)),
     ), ""  # fmt: skip
 
@@ -82,6 +83,13 @@ def _missing(no_gain: str, no_read: str) -> str:
         return f"no gain and no read noise: {no_gain}"
     parts = (("no gain", no_gain), ("no read noise", no_read))
     return "; ".join(f"{what}: {why}" for what, why in parts if why)
+
+
+def _first(reasons: Sequence[str]) -> str:
+    """The first reason, and that other pictures have others of their own."""
+    if len(reasons) < _SEVERAL:
+        return "".join(reasons)
+    return f"{reasons[0]} (and the like of other pictures)"
 
 
 def _once(texts: Iterable[str]) -> list[str]:
