@@ -38,6 +38,7 @@ from nodes.files.frames.frame_reading import FrameFile, open_frames
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
 _COARSE = 0.5  # of a whole number, below which rounding makes or hides the noise
 _DEPARTS = 0.5  # per cent of the span
+_CHANCE = 8  # samples at an end of a small frame
 _PILED_UP = 0.01  # of the samples at an end: of a normal distribution next to none are
 _FEW = 16  # frames, of which the components in time are hardly known
 Row = tuple[str, float, str, str]
@@ -152,6 +153,8 @@ def _frames(file: FrameFile, check: Callable[[], None]) -> Iterator[Frames]:
 
 def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField) -> None:
     """Levels without noise, or of which mean and noise are cut off."""
+    if not math.isfinite(field.temporal_dn2):
+        raise DataError(f"{file.path}: the numbers are too large for their variance to be known")
     if not field.temporal_dn2 > 0.0:
         raise DataError(
             f"{file.path}: the frames do not differ: the field is saturated, rounding hides the "
@@ -160,9 +163,10 @@ def _refuse_useless(file: FrameFile, good: NDArray[np.float64], field: FlatField
     if not float(np.median(np.abs(good - np.median(good)))) > 0.0:
         return  # of few whole numbers the last is often a frequent one
     for end, what in ((good.min(), "cut off below"), (good.max(), "saturated")):
-        if np.mean(good == end) > _PILED_UP:
+        many = int(np.count_nonzero(good == end))
+        if many > max(_PILED_UP * good.size, _CHANCE):
             raise DataError(
-                f"{file.path}: {100.0 * np.mean(good == end):.2g} % of the samples are {end:.6g}: "
+                f"{file.path}: {100.0 * many / good.size:.2g} % of the samples are {end:.6g}: "
                 f"the field is {what}, its mean and noise are not the camera's"
             )
 

@@ -74,7 +74,8 @@ def netd_words(parser: argparse.ArgumentParser) -> None:
         "apart: two give the SiTF midway between them, three its change too. NETD is the noise "
         "that is random in time, row and column (sigma_tvh); what changes from frame to frame in "
         "whole rows, columns and frames stands beside, and in the sum of all of it. Bad pixels are "
-        "left out, rounding is left in. Example: imagechain netd cold.tif=20C middle.tif=25C "
+        "left out, rounding is left in, and noise slower than the frames together counts as fixed. "
+        "Example: imagechain netd cold.tif=20C middle.tif=25C "
         "hot.tif=30C --output netd.json"
     )
     add(

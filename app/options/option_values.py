@@ -147,7 +147,7 @@ def transfer_path(text: str) -> Path:
 def file_at_temperature(text: str) -> tuple[Path, float]:
     """``FILE=293.15K`` or ``FILE=20C``: a file, and a temperature in kelvin."""
     name, equals, words = text.rpartition("=")
-    number, unit = words[:-1].strip(), words[-1:]
+    number, unit = words[:-1].removesuffix("°").strip(), words[-1:]
     if not (equals and name and unit in _ZERO_K and _NUMBER.fullmatch(number)):
         raise UsageError(
             f"netd {text!r:.120}: give a file and its black body's temperature, FILE=293.15K or "

@@ -26,6 +26,8 @@ def fields(tmp_path):
         np.save(tmp_path / f"{name}.npy", frames(kelvin, seed))
     np.save(tmp_path / "one.npy", frames(300.0, 4)[:1])
     np.save(tmp_path / "small.npy", np.ones((3, 20, 20)))
+    random = np.random.default_rng(7)
+    np.save(tmp_path / "huge.npy", 1e200 * random.standard_normal((3, ROWS, COLUMNS)))
     np.save(tmp_path / "same.npy", np.repeat(frames(300.0, 4)[:1], 5, axis=0))
     np.save(tmp_path / "full.npy", np.minimum(frames(310.0, 5), 3502))
     return tmp_path
@@ -34,7 +36,7 @@ def fields(tmp_path):
 def test_sitf_netd_and_components(imagechain, fields):
     """σ_tvh and rounding, √(9 + 1/12), over 50 numbers of a kelvin; known to 1/√(2·120,000)."""
     done = imagechain(
-        "netd", "hot.npy=303.15K", "cold.npy=20C", "middle.npy=25C",
+        "netd", "hot.npy=303.15K", "cold.npy=20C", "middle.npy=25°C",
         "--output", "n.json", "--output", "n.csv",
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, "")
@@ -102,6 +104,8 @@ def test_the_camera_that_is_simulated_has_the_netd_it_predicts(imagechain, tmp_p
     ("words", "line"),
     [
         (("none.npy=3K", "hot.npy=9K"), "none.npy: no such file"),
+        (("huge.npy=3K", "hot.npy=9K"),
+         "huge.npy: the numbers are too large for their variance to be known"),
         (("one.npy=3K", "hot.npy=9K"),
          "one.npy: holds a single frame; noise in time needs 2 or more"),
         (("hot.npy=300K", "small.npy=310K"),

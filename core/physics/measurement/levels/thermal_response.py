@@ -28,7 +28,7 @@ Mask = NDArray[np.bool_]
 _OF_TIME = ("tvh", "tv", "th", "t")
 _LEAST_RISE = 5.0  # standard errors of the slope
 _CURVED = 3  # temperatures, from which on the curve is known
-_WIDTHS_K = (1.0, 30_000.0)  # c₂/λ: from next to a straight line to 0.5 µm
+_WIDTHS = (3e-3, 100.0)  # c₂/λ over temperature: at 300 K from a straight line to 0.5 µm
 _GRID = 120
 _WIDTH_KNOWN = 1e-9  # of it
 _BAND = 3e-6  # of SiTF, by K² of the span: a band's response is not that of one wavelength
@@ -150,7 +150,7 @@ def thermal_response(fields: Sequence[ThermalField]) -> ThermalResponse:
     falls = np.diff(means)[later] * rise[0] <= 0.0
     if not abs(rise[0]) > _LEAST_RISE * of_rise[0] or falls.any() or (slope * rise[0] <= 0.0).any():
         raise DataError(
-            "the mean does not rise, or fall, with the temperature throughout: "
+            "the mean does not rise, or fall, with the temperature throughout, beyond its noise: "
             + ", ".join(f"{mean:.6g} at {at:.6g} K" for mean, at in zip(means, kelvin, strict=True))
         )
     allowed = np.full(len(slope), _BAND * span**2)
@@ -235,7 +235,7 @@ class _Law:
     @classmethod
     def of_planck(cls, kelvin: Vector, means: Vector) -> _Law:
         """The law of least squares; a straight line where no width is better."""
-        grid = np.geomspace(*_WIDTHS_K, _GRID)
+        grid = np.geomspace(_WIDTHS[0] * kelvin.max(), _WIDTHS[1] * kelvin.min(), _GRID)
         best = int(np.argmin([_left(kelvin, means, width) for width in grid]))
         if best in (0, _GRID - 1):
             return cls.straight(kelvin, means)
