@@ -21,6 +21,7 @@ from core.physics.measurement.noise.picture_blocks import (
 )
 
 Matrix = NDArray[np.float64]
+Vector = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Lines = tuple[PeriodicLine, ...]
 
@@ -67,10 +68,12 @@ def flat_without_lines(
         if flat is None:
             break
         # An edge along an axis is none to the coarse waves, and all to a line's own.
-        across = free.axis_power() / flat.line.over(free.level)
+        model = flat.line.over(free.level)
+        across = free.axis_power() / model
         even = flat.chosen & (across <= _EDGE * np.median(across[flat.chosen]))
         places = tuple((line.across, line.down) for line in lines)
-        lines = _fitted(picture, free, even, places, flat.line.middle)
+        structure = free.mean_power(COARSE) / model + across
+        lines = _fitted(picture, free, even, places, flat.line.middle, structure)
         free = _less(picture, good, blocks, lines, check)
         flat = flat_blocks(blocks=free, at=at, least=least, low=low, high=high)
     return free, flat, lines
@@ -100,6 +103,7 @@ def _fitted(
     chosen: Mask,
     frequencies: tuple[tuple[float, float], ...],
     variance: float,
+    structure: Vector | None = None,
 ) -> Lines:
     return fitted_lines(
         picture=picture,
@@ -107,4 +111,5 @@ def _fitted(
         places=blocks.place[chosen],
         grid=blocks.grid,
         variance=variance,
+        structure=None if structure is None else structure[chosen],
     )

@@ -212,6 +212,7 @@ def fitted_lines(
     places: NDArray[np.intp],
     grid: tuple[int, int],
     variance: float,
+    structure: NDArray[np.float64] | None = None,
 ) -> tuple[PeriodicLine, ...]:
     """Amplitudes and phases of waves in blocks of the picture.
 
@@ -227,16 +228,20 @@ def fitted_lines(
         Rows and columns of blocks.
     variance : float
         Of the white noise.
+    structure : ndarray, optional
+        Power of each place's block that is not of the waves.
 
     Returns
     -------
     tuple of PeriodicLine
-        Those whose power noise alone reaches in one of a thousand pictures, and that quarters of
-        the blocks agree on.
+        Those whose power noise alone reaches in one of a thousand pictures, that quarters of the
+        blocks agree on, and that the half with less structure shows by itself: the tails of a
+        pattern's edges are in the other half alone.
     """
     if not frequencies or not len(places):
         return ()
-    places = places[:: max(1, len(places) // _MOST_BLOCKS)]
+    every = max(1, len(places) // _MOST_BLOCKS)
+    places = places[::every]
     row, column = np.divmod(places, grid[1])
     offsets = np.arange(SIDE)
     y = (row[:, np.newaxis, np.newaxis] * SIDE + offsets[:, np.newaxis]).astype(np.intp)
@@ -253,6 +258,9 @@ def fitted_lines(
             break
     weights, covariance = fit.weights(at)
     parts = fit.quarters(at)
+    plain = np.full(len(at), math.inf)
+    if structure is not None:
+        plain = fit.power_over_noise(at, structure[::every] <= np.median(structure[::every]))
     limit = math.log(0.5 * picture.size / _CHANCE)  # of as many frequencies as there are
     lines = []
     for k, (across, down) in enumerate(at):
@@ -262,6 +270,8 @@ def fitted_lines(
         scatter = float(np.mean(np.abs(parts[:, k] - value) ** 2))
         agreed = scatter <= _AGREE * power + 4.0 * 2.0 * _PARTS * spread
         if not agreed or power <= 2.0 * limit * spread:
+            continue
+        if plain[k] <= -2.0 * math.log(_CHANCE) * variance:
             continue
         amplitude = math.sqrt(power)
         # The phase was fitted about the middle of the picture.
@@ -321,6 +331,15 @@ class _Fit:
             fitted = np.linalg.pinv(matrix.T @ matrix) @ (matrix.T @ self._samples[part].ravel())
             fits.append(fitted[::2] + 1j * fitted[1::2])
         return np.array(fits)
+
+    def power_over_noise(self, at: Matrix, part: Mask) -> NDArray[np.float64]:
+        """Squared amplitudes in part of the blocks over what noise of variance 1 adds to each."""
+        matrix = self._matrix([wave[part] for wave in self._waves(at)])
+        covariance = np.linalg.pinv(matrix.T @ matrix)
+        fitted = covariance @ (matrix.T @ self._samples[part].ravel())
+        spread = np.diag(covariance)
+        own = 0.5 * (spread[::2] + spread[1::2])
+        return np.asarray((fitted[::2] ** 2 + fitted[1::2] ** 2) / own, np.float64)
 
     def _waves(self, at: Matrix) -> list[Matrix]:
         waves = []

@@ -79,6 +79,26 @@ def test_a_grating_in_the_scene_is_no_periodic_line():
     assert "may be a pattern of the scene" in everywhere.remarks[0]
 
 
+def test_bars_all_over_are_a_pattern_of_the_scene():
+    y, x = np.indices((240, 320))
+    noise = 5 * np.random.default_rng(18).standard_normal(x.shape)
+    phase = 2 * math.pi * (0.081 * x + 0.047 * y)
+    bars = 500 + 40 * np.cos(phase) - 9 * np.cos(3 * phase + 0.4) + 3 * np.cos(9 * phase)
+    hum = 6 * np.cos(2 * math.pi * (0.23 * x - 0.11 * y))
+    measured = noise_of_picture(picture=bars + hum + noise)
+    assert measured.sigma == pytest.approx(5.0, rel=0.03)
+    assert [round(line.across, 2) for line in measured.power.lines] == [0.23]
+    assert "3 waves at multiples of one frequency" in measured.remarks[0]
+
+
+def test_tails_of_squares_are_no_periodic_line():
+    y, x = np.indices((300, 400)) / 24.0
+    one, other = np.sin(math.pi * (x + 0.3 * y)), np.sin(math.pi * (y - 0.3 * x))
+    checks = np.tanh(8 * one) * np.tanh(8 * other)
+    picture = 500 + 60 * checks + 5 * np.random.default_rng(19).standard_normal(x.shape)
+    assert noise_of_picture(picture=picture).power.lines == ()
+
+
 def test_flat_areas_far_from_the_mean_level():
     random = np.random.default_rng(16)
     checks = np.sign(np.sin(np.arange(200)) * np.sin(np.arange(160))[:, None])
