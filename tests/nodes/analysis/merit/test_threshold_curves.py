@@ -16,6 +16,7 @@ from nodes.analysis.merit.threshold_curves import Observer, Sensitivity, mdtd_cu
 NETD_K = 0.1
 
 
+@pytest.mark.thorough(always=("0.001-", "1e-09-"))
 @pytest.mark.parametrize("window", ["target", "image"])
 @pytest.mark.parametrize("interval_y_mrad", [1e-3, 1e-6, 1e-9])
 def test_mdtd_of_samples_of_very_different_sides(interval_y_mrad, window):
