@@ -51,8 +51,8 @@ class MtfFile(NyquistReadouts, key="mtf_file", title="MTF File", group="Optics")
     MTF is 0, never extrapolated. A phase is odd in frequency, and taken to go from point to point
     the shorter way. Frequencies are at the focal plane (cyc/mm, by the focal length), in angle, or
     by the pixel (by pitch and focal length). `imagechain measure --csv` writes such a table of the
-    pictures of a camera; it holds the pixel's average too. Without a file nothing is changed. Source: Fritsch
-    and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
+    pictures of a camera; it holds the pixel's average too. Without a file nothing is changed.
+    Source: Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
     """
 
     formulas = (

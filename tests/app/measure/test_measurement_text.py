@@ -45,8 +45,8 @@ def test_figures_of_flat_fields_are_told_from_the_pictures_own(tmp_path):
     flats = []
     for level in (500.0, 4000.0, 9000.0, 15000.0, 22000.0):
         flats.append(tmp_path / f"{level:.0f}.npy")
-        np.save(flats[-1], np.stack([numbers(np.full((64, 64), level)) for _ in range(4)]))
-    np.save(tmp_path / "dark.npy", np.stack([numbers(np.zeros((64, 64))) for _ in range(4)]))
+        np.save(flats[-1], np.stack([numbers(np.full((128, 128), level)) for _ in range(4)]))
+    np.save(tmp_path / "dark.npy", np.stack([numbers(np.zeros((128, 128))) for _ in range(4)]))
     alone = measure_files(MeasurePlan((tmp_path / "edge.npy",)))
     assert any("(--flats)" in line for line in remarks(alone))
     assert not any("alone" in meaning for *_, meaning in figure_rows(alone))
