@@ -13,7 +13,7 @@ import numpy as np
 from app.editor.free_numbers import FreeNumber
 from app.editor.measure.chosen_pictures import Pictures
 from app.editor.measure.viewer_pictures import ViewerPicture
-from core.errors import ImagechainError, UsageError
+from core.errors import DataError, ImagechainError, UsageError
 from core.evaluation.policy import Policy
 from core.evaluation.store import Store
 from core.evaluation.work import Work
@@ -47,6 +47,8 @@ class FitTask:
         The free parameters.
     pictures : tuple of Path, or ViewerPicture
         Files, or what a viewer shows.
+    known_scene : bool
+        Whether the network's source is the scene of the picture.
     """
 
     network: Network
@@ -54,6 +56,7 @@ class FitTask:
     folder: Path
     numbers: tuple[FreeNumber, ...]
     pictures: Pictures
+    known_scene: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +130,7 @@ def fit_to_picture(
         If the network is not complete, nothing is free, or the picture has no edge to fit to.
     """
     # Imported where it is used: the window opens without it.
-    from app.fit.picture_fit import fit_pictures
+    from app.fit.picture_fit import fit_known_scene, fit_pictures
     from core.chain.engine import Engine
     from core.network.validation import check_network
 
@@ -139,9 +142,19 @@ def fit_to_picture(
     report("picture")
     pictures = _pictures(task.pictures)
     check()
-    result = fit_pictures(
-        engine, plan, work, free=free, pictures=pictures, report=report, watch=_Paced(check, watch)
-    )
+    if not task.known_scene:
+        seen = _Paced(check, watch)
+        result = fit_pictures(
+            engine, plan, work, free=free, pictures=pictures, report=report, watch=seen
+        )
+        return _outcome(task, result)
+    if len(pictures.samples) > 1:
+        raise UsageError("a known scene is fitted to one picture, as each has its place in it")
+    try:
+        result = fit_known_scene(engine, plan, work, free=free, pictures=pictures, report=report)
+    except (UsageError, DataError) as error:
+        text = str(error).removeprefix("--known-scene: ")
+        raise UsageError(text.replace("--known-scene", "Known Scene")) from error
     return _outcome(task, result)
 
 

@@ -22,7 +22,7 @@ from app.editor.measure.measure_worker import Check, MeasureWorker
 from app.editor.session import Session
 from app.editor.theme import Theme
 from app.editor.viewers.status_line import StatusLine
-from app.editor.widgets.buttons import tool_button
+from app.editor.widgets.buttons import toggle_button, tool_button
 from app.editor.widgets.flow_layout import FlowLayout
 from core.editing.fields import set_parameter
 from core.editing.operation import Operation, together
@@ -33,6 +33,7 @@ from core.network.network import Network
 _NO_PICTURE = "no picture"
 _NOTHING_FREE = "Right-click a number on a panel: Free for a fit"
 _SAID_HERE = "Fit says here how well the chain meets the picture, and what to be warned of"
+_NO_EDGES = "The picture was fitted as a whole, no edges by themselves"
 _TAKE = "Write all fitted values into the network, as one step that undo takes back"
 
 
@@ -65,6 +66,7 @@ class FitView(QWidget):
         self._default, self._finish_typing = default_pictures, finish_typing
         self._own: Pictures | None = None
         self._fitted_to: Pictures | None = None
+        self._fitted_known = False
         self._run: object | None = None
         self._fits: list[Network] = []  # as fitted, and as the values were taken
         self._edges: dict[str, DrawnEdge] = {}
@@ -98,7 +100,14 @@ class FitView(QWidget):
         for why in barred.values():
             self._say(str(why), failed=True)
             return
-        task = FitTask(network, session.library, session.folder, session.free.all, pictures)
+        task = FitTask(
+            network,
+            session.library,
+            session.folder,
+            session.free.all,
+            pictures,
+            known_scene=self.known.isChecked(),
+        )
         run = self._run = object()
 
         def watch(edges: tuple[DrawnEdge, ...]) -> None:
@@ -109,6 +118,7 @@ class FitView(QWidget):
 
         self._show_outcome(None)
         self._fits, self._fitted_to = [session.document.network], pictures
+        self._fitted_known = task.known_scene
         self._say(f"Fitting to {pictures_name(pictures)} …")
         self.worker.start(job)
         self._show_buttons()
@@ -166,7 +176,7 @@ class FitView(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Draw in other colours."""
         self.theme = theme
-        for part in (self.table, self.chart, self.status):
+        for part in (self.table, self.chart, self.status, self.known):
             part.set_theme(theme)
 
     def sizeHint(self) -> QSize:
@@ -196,6 +206,13 @@ class FitView(QWidget):
         self.fit = tool_button("fit.begin", "Fit", "Fit the free parameters to the picture", self)
         self.stop = tool_button("fit.cancel", "Cancel", "Stop the fit (Esc)", self)
         self.taking = tool_button("fit.take", "Take Values", _TAKE, self)
+        self.known = toggle_button(
+            "fit.known",
+            "Known Scene",
+            "The network's source is the scene of the picture, which is fitted as a whole; else "
+            "ideal edges take its place where the picture has edges",
+            self,
+        )
         self.remove = tool_button(
             "fit.remove", "Remove", "Fix the marked parameter again (Del)", self
         )
@@ -208,7 +225,16 @@ class FitView(QWidget):
         flow = FlowLayout(bar, across=4, down=2)
         flow.setContentsMargins(4, 4, 4, 2)
         for widget in (
-            *(self.file, self.fit, self.stop, self.taking, self.remove, self.name, self.which),
+            *(
+                self.file,
+                self.known,
+                self.fit,
+                self.stop,
+                self.taking,
+                self.remove,
+                self.name,
+                self.which,
+            ),
         ):
             flow.addWidget(widget)
         self.table = FreeTable(self._session, self.theme, self)
@@ -239,6 +265,7 @@ class FitView(QWidget):
     def _connect(self) -> None:
         self.file.clicked.connect(self.file_wanted)
         self.fit.clicked.connect(self.begin)
+        self.known.toggled.connect(self.show_state)
         self.stop.clicked.connect(self.cancel)
         self.taking.clicked.connect(self.take)
         self.remove.clicked.connect(self.table.remove_marked)
@@ -254,7 +281,7 @@ class FitView(QWidget):
         self._session.opened.connect(self.forget)
         self._session.changed.connect(self._changed)
 
-    def show_state(self) -> None:
+    def show_state(self, *_: object) -> None:
         """Show what is free, and the picture."""
         self.table.write()
         pictures = self.pictures
@@ -306,7 +333,8 @@ class FitView(QWidget):
         self._show_edge()
 
     def _show_edge(self, _index: int = 0) -> None:
-        self.chart.show_edge(self._edges.get(self.which.currentText()))
+        why_none = _NO_EDGES if self.outcome is not None and self._fitted_known else ""
+        self.chart.show_edge(self._edges.get(self.which.currentText()), why_none)
 
     def _show_on_the_way(self, run: object, drawn: object) -> None:
         """Edges as the values change: the chosen one, if it is among them."""
@@ -342,6 +370,8 @@ class FitView(QWidget):
             return "to the network as it was before an edit"
         if self._fitted_to is not None and self.pictures != self._fitted_to:
             return f"to {pictures_name(self._fitted_to)}"
+        if self.known.isChecked() != self._fitted_known:
+            return f"with the scene {'' if self._fitted_known else 'not '}known"
         if fitted != {one.place for one in session.free.all}:
             return "while other parameters were free"
         return ""

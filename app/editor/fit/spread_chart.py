@@ -30,10 +30,11 @@ class SpreadChart(ChartWidget):
             "and what the chain gives there"
         )
         self.edge: DrawnEdge | None = None
+        self._why_none = ""
 
-    def show_edge(self, edge: DrawnEdge | None) -> None:
-        """Draw an edge; None draws an empty chart."""
-        self.edge = edge
+    def show_edge(self, edge: DrawnEdge | None, why_none: str = "") -> None:
+        """Draw an edge; None draws an empty chart, with the reason if there is one."""
+        self.edge, self._why_none = edge, why_none
         self.update()
 
     def draw(self, painter: QPainter, area: QRectF) -> None:
@@ -45,6 +46,12 @@ class SpreadChart(ChartWidget):
         chart = Chart(painter, area, x, y, self._theme)
         if edge is not None:
             self._paint(painter, chart, edge, x, y)
+        elif self._why_none:
+            painter.setPen(QColor(self._theme.faint_text))
+            flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+            painter.drawText(
+                chart.frame.adjusted(6, 4, -6, -4).toRect(), int(flags), self._why_none
+            )
 
     def _paint(self, painter: QPainter, chart: Chart, edge: DrawnEdge, x: Axis, y: Axis) -> None:
         samples, line = self._theme.faint_text, self._theme.curves[0]

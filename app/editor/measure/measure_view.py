@@ -325,7 +325,7 @@ class MeasureView(QWidget):
     def _take(self, result: object) -> None:
         if isinstance(result, Path):
             self.message.emit("note", f"wrote {result}")
-            self._say(self._title)
+            self._say_shown()
             self._show_buttons()
             return
         self.measured = result  # type: ignore[assignment] # a measurement

@@ -43,11 +43,13 @@ class MeasureDock(QObject):
         super().__init__(window)
         self._viewers = viewers
         self._window = window
+        self._in_front = False
         self.view = MeasureView(theme)
         area = Qt.DockWidgetArea.BottomDockWidgetArea
         self.dock = add_dock(window, "Measure", "dock.measure", self.view, area)
         self.dock.hide()
         self.dock.visibilityChanged.connect(viewers.name_tabs)
+        self.dock.visibilityChanged.connect(self._shown)
         self.view.file_wanted.connect(self.choose_file)
         self.view.export_wanted.connect(self.choose_target)
         self.view.message.connect(session.message)
@@ -61,8 +63,15 @@ class MeasureDock(QObject):
         self.view.set_theme(theme)
 
     def measure(self) -> None:
-        """Measure what the viewer with the focus shows, or the first that shows something."""
+        """Measure what the viewer with the focus shows, or the first that shows something.
+
+        A measurement of files that is out of sight is brought to the front first: edges may have
+        been chosen in it by hand.
+        """
+        before = isinstance(self.view.source, tuple) and not self._in_front
         self.show()
+        if before:
+            return
         focus = QApplication.focusWidget()
         shown = shown_in(self._viewers.images)
         for number in shown:
@@ -109,6 +118,9 @@ class MeasureDock(QObject):
         dialog.selectFile("measured.html")
         dialog.fileSelected.connect(lambda text: self.view.export(Path(text)))
         show_beside(self._window, dialog)
+
+    def _shown(self, on: bool) -> None:
+        self._in_front = on
 
     def _list_viewers(self) -> None:
         menu = self.view.viewer.menu()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
 
 from app.editor.free_numbers import FreeNumber
+from app.editor.measure.viewer_pictures import picture_of
 from core.editing.fields import set_parameter
 from core.editing.nodes import Rename
 from edge_truth import blur_network, gaussian_edge
@@ -215,3 +217,31 @@ def test_pictures_are_dropped_on_the_docks(fitting, files, two_hands, qtbot):
     before = window.session.document
     assert two_hands.drop_files(measuring.view.canvas, QPoint(9, 9), [files / "net.json"])
     qtbot.waitUntil(lambda: window.session.document is not before)  # networks are opened anywhere
+
+
+def test_a_known_scene_is_fitted_as_a_whole(fitting, files, qtbot):
+    """The picture that a viewer shows is of the network's own scene, with the values it has."""
+    window, view = fitting, fitting.fitting.view
+    viewer = window.viewers.images[1]
+    qtbot.waitUntil(lambda: viewer.picture is not None and viewer.picture.reduced == 1)
+    shown = picture_of(1, viewer)
+    noise = np.random.default_rng(4).normal(0.0, 0.02 * np.ptp(shown.samples), shown.samples.shape)
+    view.choose_pictures(replace(shown, samples=shown.samples + noise))
+    window.session.free.put(FreeNumber("blur", "sigma_x_mrad"))
+    qtbot.mouseClick(view.known, Qt.MouseButton.LeftButton)
+    view.begin()
+    qtbot.waitUntil(lambda: view.outcome is not None)
+    (fitted,) = view.outcome.numbers
+    assert fitted.value == pytest.approx(0.05, abs=3.0 * fitted.sigma)
+    assert view.chart.edge is None
+    assert not view.grab().isNull()
+    qtbot.mouseClick(view.known, Qt.MouseButton.LeftButton)
+    assert view.status.title.text() == "Fitted with the scene known: fit again"
+    qtbot.mouseClick(view.known, Qt.MouseButton.LeftButton)
+    view.choose_pictures((files / "edge.npy", files / "edge_too.npy"))
+    view.begin()
+    qtbot.waitUntil(lambda: "fitted to one picture" in view.status.title.text())
+    np.save(files / "small.npy", np.ones((40, 40)))
+    view.choose_pictures((files / "small.npy",))
+    view.begin()
+    qtbot.waitUntil(lambda: view.status.title.text().startswith("the picture has 40 × 40"))

@@ -163,3 +163,24 @@ def test_the_window_measures_what_a_viewer_shows(window, qtbot):
     assert view.source is None
     assert view.table.topLevelItemCount() == 0
     assert view.status.title.text() == ""
+
+
+def test_the_key_brings_files_that_were_measured_to_the_front(window, qtbot, two_edges):
+    """Else edges that were removed by hand were lost by it."""
+    window.open_first("first_steps")
+    viewer = window.viewers.images[1]
+    qtbot.waitUntil(lambda: viewer.picture is not None and viewer.picture.reduced == 1)
+    view, measure = window.measuring.view, window.actions_by_name["measure"]
+    window.measuring.show()
+    view.measure_files((two_edges,))
+    qtbot.waitUntil(lambda: view.measured is not None)
+    view.switch()
+    kept = view.measured
+    window.measuring.dock.close()
+    measure.trigger()
+    assert view.isVisible()
+    assert not view.worker.busy
+    assert view.measured is kept
+    measure.trigger()
+    qtbot.waitUntil(lambda: view.measured is not kept)
+    assert view.measured.files[0].name.startswith("viewer 1: ")
