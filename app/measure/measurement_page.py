@@ -17,6 +17,7 @@ from app.measure.refused_edges import counted
 from app.report.blocks import Block, Drawn, Grid, Heading, Items, Text
 from app.report.drawing.printed_numbers import number
 from app.report.html_page import html_page
+from core.physics.measurement.edges.edge_pooling import LARGEST_ANGLE_DEG
 
 _MOST_REFUSED = 60
 _LEAST_LEVELS = 3
@@ -160,7 +161,11 @@ def _edge_tables(measured: PictureMeasurement) -> list[Block]:
         blocks += [
             Heading(2, "Edges used"),
             Grid((*_PLACE, "step", "step/noise", "MTF50"), rows, numbers=range(1, 8)),
-            Text("MTF50 in cycles/sample along the edge's normal, with its standard error."),
+            Text(
+                "MTF50 in cycles/sample along the edge's normal, with its standard error. Normals "
+                f"within {LARGEST_ANGLE_DEG:g}° of 0° or 180° are counted as across, of ±90° as "
+                "along; edges of other directions say how the blur turns with direction."
+            ),
         ]
     if refused:
         kinds = counted(edge.why_not for _, edge in refused)

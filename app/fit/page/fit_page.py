@@ -35,7 +35,8 @@ def fit_page(result: FitResult, *, network: str, pictures: tuple[str, ...]) -> s
         Text(
             # No-break spaces: what belongs together stays in one line.
             f"{_fitted(result)}, {misfit.degrees} degrees of freedom, "
-            f"{_CHI2}\N{NO-BREAK SPACE}{number(_short(result.chi2_per_degree))}.",
+            f"{_CHI2}\N{NO-BREAK SPACE}{number(_short(result.chi2_per_degree))} (1: nothing but "
+            "noise is left).",
             "lead",
         ),
         Grid(
@@ -75,7 +76,9 @@ def _pictures(result: FitResult) -> list[Block]:
         Drawn(
             patches_png(result),
             "Patches of the picture as they are, as the fitted network gives them, and the "
-            "difference in standard deviations of the noise; above, the direction of the normal.",
+            "difference in standard deviations of the noise: grain alone where the network is "
+            "right, a pattern along the edge where it lacks something. Above, the direction of the "
+            "normal.",
             "real and simulated patches",
         ),
         Drawn(
