@@ -1052,8 +1052,9 @@ def mtf_file(
     monotone cubic (PCHIP); a table that begins above 0 gets MTF 1 at 0; beyond the last point the
     MTF is 0, never extrapolated. A phase is odd in frequency, and taken to go from point to point
     the shorter way. Frequencies are at the focal plane (cyc/mm, by the focal length), in angle, or
-    by the pixel (by pitch and focal length). Without a file nothing is changed. Source: Fritsch
-    and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
+    by the pixel (by pitch and focal length). `imagechain measure --csv` writes such a table of the
+    pictures of a camera; it holds the pixel's average too. Without a file nothing is changed.
+    Source: Fritsch and Butland 1984, SIAM J. Sci. Stat. Comput. 5, 300 (interpolation).
 
     Parameters
     ----------
@@ -2224,7 +2225,8 @@ def measured_mtf(
     comes from, along the same direction and up to Nyquist: of all stages from the source on, and of
     a test scene's samples, which are means over their area. How much the scene in a file is blurred
     is not known, and does not count; a picture straight from a file expects nothing. What
-    `row_average` folds back from beyond Nyquist is no part of it. Source: ISO 12233:2023; Tantalo
+    `row_average` folds back from beyond Nyquist is no part of it. `imagechain measure` searches the
+    picture of a real camera for its edges by itself. Source: ISO 12233:2023; Tantalo
     1996, eqs. 5.67 to 5.70 and appendix B.
 
     Parameters
