@@ -20,8 +20,8 @@ from app.fit.parameter_search import middle_of
 from app.fit.scene_fit import SceneProblem, fit_scene
 from app.measure.measurement_text import file_warnings, repeated_words
 from app.measure.measuring import measured_file, refuse_small
-from app.measure.picture_loading import is_repeated, open_picture
-from app.measure.picture_measurement import WITH_LOSS, MeasuredFile
+from app.measure.picture_loading import PictureFile, common_limits, is_repeated, open_picture
+from app.measure.picture_measurement import WITH_LOSS
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
 from core.errors import Cancelled, DataError, ImagechainError, UsageError
@@ -75,8 +75,8 @@ def read_pictures(paths: Sequence[Path]) -> FittedPictures:
     ImagechainError
         If one cannot be read or is too small, or its format leaves out fine detail.
     """
-    names, samples, limits = [], [], None
-    files: list[MeasuredFile] = []
+    names, samples = [], []
+    opened: list[PictureFile] = []
     seen: set[bytes] = set()
     repeated = 0
     for path in paths:
@@ -87,17 +87,17 @@ def read_pictures(paths: Sequence[Path]) -> FittedPictures:
                 "stores it without loss"
             )
         refuse_small(str(path), file.rows, file.columns)
-        files.append(measured_file(file))
-        limits = limits or file.limits
+        opened.append(file)
         for number, picture in enumerate(file.pictures()):
             if is_repeated(picture, seen):
                 repeated += 1
                 continue
             names.append(str(path) if file.frames == 1 else f"{path}, frame {number}")
             samples.append(picture)
-    warnings = file_warnings(files)
+    warnings = file_warnings([measured_file(file) for file in opened])
     if repeated:
         warnings.append(repeated_words(repeated))
+    limits = common_limits(opened)
     return FittedPictures(tuple(names), tuple(samples), limits, tuple(warnings))
 
 

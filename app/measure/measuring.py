@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 
 from app.measure.edge_measuring import edges_of, pooled
 from app.measure.noise_measuring import pooled_noise, with_frames
-from app.measure.picture_loading import PictureFile, is_repeated, open_picture, same_size
+from app.measure.picture_loading import (
+    PictureFile,
+    common_limits,
+    is_repeated,
+    open_picture,
+    same_size,
+)
 from app.measure.picture_measurement import (
     BY_HAND,
     WITH_LOSS,
@@ -118,7 +124,7 @@ def measure_files(
     source = Source(
         tuple(measured_file(file) for file in files),
         (picture for file in files for picture in file.pictures()),
-        first.rows, first.columns, first.unit, x, y, first.limits,
+        first.rows, first.columns, first.unit, x, y, common_limits(files),
         _offset(plan, (first.rows, first.columns), check),
     )  # fmt: skip
     measured = measure_pictures(source, check=check, report=report)

@@ -220,6 +220,26 @@ def same_size(files: Sequence[PictureFile]) -> None:
             )
 
 
+def common_limits(files: Sequence[PictureFile]) -> tuple[float, float] | None:
+    """Ends of the numbers of all files; None where not all are whole numbers.
+
+    Raises
+    ------
+    DataError
+        If two have whole numbers of different ends: at those of one the other is clipped nowhere,
+        or everywhere.
+    """
+    known = [(file.path, file.limits) for file in files if file.limits is not None]
+    for path, (low, high) in known:
+        first, ends = known[0]
+        if (low, high) != ends:
+            raise DataError(
+                f"{path} has whole numbers from {low:g} to {high:g}, and {first} from "
+                f"{ends[0]:g} to {ends[1]:g}: give pictures of one camera, stored in one way"
+            )
+    return known[0][1] if len(known) == len(files) else None
+
+
 def is_repeated(picture: Matrix, seen: set[bytes]) -> bool:
     """Whether a picture is the same, sample by sample, as one of those seen; adds it to them."""
     digest = hashlib.blake2b(np.ascontiguousarray(picture).data, digest_size=16).digest()

@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from app.fit.free_parameter import free_parameters
 from app.fit.picture_fit import FittedPictures, fit_known_scene, fit_pictures, read_pictures
-from app.measure.picture_loading import limits_of
 from core.errors import ParameterError, UsageError
 from core.evaluation.policy import Policy, Precision
 from imagechain.building.chain import Chain
 from imagechain.building.chain import open as open_chain
 from imagechain.building.fitted_chain import FittedChain
-from imagechain.building.picture_arrays import frames_of_arrays
+from imagechain.building.picture_arrays import frames_of_arrays, limits_of_arrays
 from imagechain.common.plain_errors import plain_errors
 
 File = str | PathLike[str]
@@ -125,6 +124,6 @@ def _pictures(to: Any) -> tuple[tuple[str, ...], FittedPictures]:
         for name, own in zip(names, frames_of_arrays(given), strict=True)
         for frame in own
     ]
-    limits = limits_of(np.asarray(given[0]).dtype)
+    limits = limits_of_arrays(given)
     taken = FittedPictures(tuple(n for n, _ in frames), tuple(f for _, f in frames), limits)
     return names, taken

@@ -8,7 +8,6 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from app.measure.measuring import (
@@ -18,11 +17,10 @@ from app.measure.measuring import (
     measure_files,
     measure_pictures,
 )
-from app.measure.picture_loading import limits_of
 from app.measure.picture_measurement import MeasuredFile, PictureMeasurement
 from core.errors import DataError, UsageError
 from core.physics.sampling.detector_sampling import interval_mrad
-from imagechain.building.picture_arrays import frames_of_arrays
+from imagechain.building.picture_arrays import frames_of_arrays, limits_of_arrays
 from imagechain.common.plain_errors import plain_errors
 from imagechain.results.measured_pictures import MeasuredPictures
 
@@ -97,7 +95,7 @@ def _of_arrays(
     interval = None
     if fov_x_deg is not None:
         interval = interval_mrad(fov_deg=fov_x_deg, samples=columns, name="fov_x_deg")
-    limits = limits_of(np.asarray(pictures[0]).dtype)
+    limits = limits_of_arrays(pictures)
     source = Source(
         tuple(files), frames, rows, columns, "", interval, interval, limits, offset_dn=offset_dn
     )

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.measure.picture_loading import limits_of
 from core.errors import DataError
 
 _FRAMES = 3  # dimensions
@@ -22,6 +23,12 @@ def frames_of_arrays(pictures: Sequence[Any]) -> list[list[NDArray[np.float64]]]
         An array is no picture, or has samples that are not finite.
     """
     return [_frames(np.asarray(picture), number) for number, picture in enumerate(pictures, 1)]
+
+
+def limits_of_arrays(pictures: Sequence[Any]) -> tuple[float, float] | None:
+    """Ends of whole numbers, where all arrays have the same."""
+    ends = {limits_of(np.asarray(picture).dtype) for picture in pictures}
+    return ends.pop() if len(ends) == 1 else None
 
 
 def _frames(array: NDArray[Any], number: int) -> list[NDArray[np.float64]]:

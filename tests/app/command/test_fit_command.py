@@ -200,6 +200,16 @@ def test_numbers_that_follow_the_eye_and_a_picture_given_twice_are_named(imagech
     assert "1 edge fitted" in done.stdout
 
 
+def test_pictures_that_are_stored_in_two_ways_are_refused(imagechain, files):
+    """The ends of the first one's numbers would clip the other."""
+    for name, kind in (("bytes", np.uint8), ("whole", np.uint16)):
+        np.save(files / f"{name}.npy", np.rint(np.load(files / "edge.npy") / 20.0).astype(kind))
+    words = ("--to", "bytes.npy", "whole.npy", "--free", "blur.sigma_x_mrad")
+    done = imagechain("fit", "net.json", *words)
+    assert done.returncode == 2
+    assert "whole.npy has whole numbers from 0 to 65535, and bytes.npy from 0 to 255" in done.stderr
+
+
 def test_a_picture_of_one_level_shows_no_known_scene(imagechain, files):
     np.save(files / "level.npy", np.full((64, 64), 5.0))
     words = ("--to", "level.npy", "--free", "blur.sigma_x_mrad", "--known-scene")

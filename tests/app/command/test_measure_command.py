@@ -156,6 +156,9 @@ def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
         (("none.tif",), "none.tif: no such file"),
         (("a.npy", "b.npy"),
          "b.npy has 20 × 30 samples, and a.npy 200 × 160: give pictures of one camera"),
+        (("whole.npy", "bytes.npy"),
+         "bytes.npy has whole numbers from 0 to 255, and whole.npy from 0 to 65535: give pictures "
+         "of one camera, stored in one way"),
         (("small.npy",),
          "small.npy: 20 × 9 samples are too few to be measured; at least 16 × 16 are needed"),
         (("nan.npy",), "nan.npy: 1 sample is not finite (NaN or infinite), the first (nan)"
@@ -188,6 +191,8 @@ def test_what_is_refused(imagechain, tmp_path, words, line):
     np.save(tmp_path / "light.npy", np.full((2, *a.shape), 500.0))
     np.save(tmp_path / "colours.npy", np.ones((40, 30, 3)))
     np.save(tmp_path / "b.npy", np.zeros((30, 20)))
+    for name, kind in (("whole", np.uint16), ("bytes", np.uint8)):
+        np.save(tmp_path / f"{name}.npy", np.rint(edge(6.0, SIGMA_X, 1)).astype(kind))
     np.save(tmp_path / "small.npy", np.zeros((9, 20)))
     bad = np.zeros((30, 20))
     bad[3, 4] = 1e300
