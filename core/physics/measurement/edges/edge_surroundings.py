@@ -176,6 +176,8 @@ def least_contrast(length: float) -> float:
 
 
 def _contrast_reason(contrast: float, noise_sigma: float, length: float) -> str:
+    if not contrast > 0.0:
+        return "too little contrast: farther from it, its bright side is no brighter than the other"
     times = contrast / max(noise_sigma, 1e-300)
     return (
         f"too little contrast: {times:.2g} times the noise, of at least "

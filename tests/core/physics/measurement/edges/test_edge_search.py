@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.special import erf
 
 from core.physics.measurement.edges.edge_mtf import measure_edge
 from core.physics.measurement.edges.edge_pooling import pooled_mtf
@@ -115,6 +116,17 @@ def test_disc():
 
 def test_little_contrast():
     assert not [edge for edge in find_edges(picture=noisy_edge(noise=3.0)) if edge.used]
+
+
+def test_a_side_that_falls_below_the_other_has_no_contrast_in_figures():
+    """Without noise, how many times the noise it is would be a number without end."""
+    y, x = np.mgrid[0:96, 0:96].astype(float)
+    away = (x - 48.3) * math.cos(0.1) + (y - 48.0) * math.sin(0.1)
+    beyond = np.clip(away, 0.0, None)
+    picture = 125.0 + 25.0 * erf(away / 0.9) - 80.0 * (1.0 - np.exp(-beyond / 2.0))
+    reasons = [edge.why_not for edge in find_edges(picture=picture)]
+    assert any("no brighter than the other" in reason for reason in reasons)
+    assert not any("e+" in reason for reason in reasons)
 
 
 def test_soft_edge_beside_a_sharp_one():
