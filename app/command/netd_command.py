@@ -36,7 +36,7 @@ from nodes.files.common.file_format import JSON
 from nodes.files.frames.frame_reading import FrameFile, open_frames
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
-_COARSE = 0.5  # of a whole number, below which rounding makes or hides the noise
+_COARSE = 0.5  # of the converter's step, below which rounding makes or hides the noise
 _DEPARTS = 0.5  # per cent of the span
 _CHANCE = 8  # samples at an end of a small frame
 _PILED_UP = 0.01  # of the samples at an end: of a normal distribution next to none are
@@ -242,10 +242,11 @@ def _remarks(measured: Measured) -> list[str]:
         lines.append(f"{bad} bad pixels are left out")
     for path, field in files:
         random = field.noise.variances.tvh
-        if field.field.whole_numbers and random < _COARSE**2:
+        step = field.field.step_dn
+        if random < (_COARSE * step) ** 2:
             lines.append(
-                f"warning: {path.name}: noise of {math.sqrt(max(random, 0.0)):.2g} of a whole "
-                "number: rounding makes or hides it, and NETD is not the camera's"
+                f"warning: {path.name}: noise of {math.sqrt(max(random, 0.0)) / step:.2g} of the "
+                "converter's step: rounding makes or hides it, and NETD is not the camera's"
             )
         if field.field.structure_share > _MOSTLY:
             lines.append(

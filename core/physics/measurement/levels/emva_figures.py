@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 
 from core.physics.measurement.levels.flat_field import FlatField
 
-_LEAST_DARK_DN2 = (
-    0.24  # temporal variance in the dark, below which rounding hides it (the standard)
-)
+_LEAST_DARK = 0.24  # steps², below which rounding hides the dark noise (the standard)
 
 
 @dataclass(frozen=True)
@@ -84,7 +82,7 @@ def emva_figures(
         noisiest = max(levels, key=lambda level: level.temporal_dn2)
         capacity = gain * (noisiest.mean_dn - offset_dn)
     if dark is not None:
-        least = _LEAST_DARK_DN2 if dark.whole_numbers else 0.0
+        least = _LEAST_DARK * dark.step_dn**2
         threshold = gain * math.sqrt(max(dark.temporal_dn2, least)) + 0.5
     known = capacity is not None and capacity > 0.0 and threshold is not None
     kinds: list[Callable[[FlatField], float]] = [

@@ -15,7 +15,8 @@ _FAR = 8.0  # robust deviations beyond which a pixel is a bad one: a normal one 
 _NORMAL = 1.4826  # deviation over the median of absolute deviations, of a normal distribution
 _ROUNDED = 1e-6  # of the level, by which pixels alike may differ in samples that are not whole
 _REACHES = 3.0  # deviations below the mean
-_ROUNDING_DN2 = 1.0 / 12.0
+_ROUNDING = 1.0 / 12.0  # variance of it, in steps squared
+_LARGEST_WHOLE = 2.0**53
 _BLOCK, _LEAST_BLOCKS = 8, 4
 
 
@@ -33,8 +34,9 @@ class FlatField:
         Variance among the pixels' means in time, less what temporal noise leaves in these.
     frames, pixels, bad : int
         How many frames, pixels that count, and bad ones.
-    whole_numbers : bool
-        Whether all samples are whole: rounded by a converter.
+    step_dn : float
+        Of the converter: the largest whole number that the samples are apart by multiples of; 0 of
+        samples that are not whole.
     least_dn : float
         The least sample.
     structure_dn2 : float
@@ -51,7 +53,7 @@ class FlatField:
     frames: int
     pixels: int
     bad: int
-    whole_numbers: bool
+    step_dn: float
     least_dn: float
     structure_dn2: float = 0.0
     rows_dn2: float = 0.0
@@ -77,9 +79,8 @@ class FlatField:
 
     @property
     def unrounded_dn2(self) -> float:
-        """Temporal variance less that of rounding to whole numbers (Bennett 1948)."""
-        rounding = _ROUNDING_DN2 if self.whole_numbers else 0.0
-        return max(self.temporal_dn2 - rounding, 0.0)
+        """Temporal variance less that of rounding to steps (Bennett 1948)."""
+        return max(self.temporal_dn2 - _ROUNDING * self.step_dn**2, 0.0)
 
 
 class FlatFrames:
@@ -98,6 +99,8 @@ class FlatFrames:
         self._levels = 0.0
         self._frames = 0
         self._whole = True
+        self._step = 0
+        self._origin: float | None = None
         self._least = math.inf
 
     def add(self, frame: NDArray[Any]) -> None:
@@ -114,7 +117,11 @@ class FlatFrames:
                 f"{self._sum.shape[0]} × {self._sum.shape[1]}"
             )
         samples = frame.astype(np.float64)
-        self._whole = self._whole and bool((samples == np.rint(samples)).all())
+        self._whole = self._whole and _is_whole(samples)
+        self._origin = float(samples[0, 0]) if self._origin is None else self._origin
+        if self._whole and self._step != 1:  # 12 bits are often stored as 16, 16 apart
+            steps = (samples - self._origin).astype(np.int64)
+            self._step = int(np.gcd(self._step, np.gcd.reduce(steps, axis=None)))
         self._least = min(self._least, float(samples.min()))
         # A lamp flickers: whole frames differ. (A median of whole numbers would jump by one.)
         level = float(samples.mean())
@@ -167,11 +174,16 @@ class FlatFrames:
             n,
             pixels,
             good.size - pixels,
-            self._whole,
+            float(max(self._step, 1)) if self._whole else 0.0,
             self._least,
             structure_variance(usual),
             *line_variances(usual),
         )
+
+
+def _is_whole(samples: NDArray[np.float64]) -> bool:
+    """Whether all samples are whole numbers that double precision has exactly."""
+    return bool((samples == np.rint(samples)).all() and np.abs(samples).max() < _LARGEST_WHOLE)
 
 
 def structure_variance(means: NDArray[np.float64]) -> float:

@@ -152,6 +152,30 @@ def test_temporal_noise_where_the_level_lies_between_two_whole_numbers(noise, of
     assert measured.temporal_dn2 == pytest.approx(noise**2 + 1 / 12, rel=0.03)
 
 
+@pytest.mark.parametrize("apart", [1, 16])
+def test_rounding_is_taken_off_by_the_converters_step(apart):
+    """12 bits of 2.6 electrons stored as 16 bits: K/16, the same read noise of 2.3 electrons.
+
+    Without its step, the rounding of 0.75 electrons would leave 2.42; σ is known to 0.15 %.
+    """
+    camera = Camera(gain=2.6, read_e=2.3, well_e=10_500.0, dsnu_e=0.5, prnu=0.004, bits=12)
+
+    def stored(electrons, seed):
+        taken = FlatFrames(*camera.shape)
+        for frame in camera.frames(electrons, 40, seed):
+            taken.add(frame.astype(np.int64) * apart)
+        return taken.measured()
+
+    dark, lit = stored(0, 3), [stored(level, level) for level in (200, 1000, 3000, 6000)]
+    made = photon_transfer(levels=lit, dark=dark)
+    assert dark.step_dn == apart
+    assert made.gain_e_per_dn == pytest.approx(2.6 / apart, rel=0.01)
+    assert made.read_noise_e == pytest.approx(2.3, rel=0.015)
+    assert made.emva.sensitivity_threshold_e == pytest.approx(
+        np.sqrt(2.3**2 + 2.6**2 / 12) + 0.5, rel=0.015
+    )
+
+
 def test_dark_frames_that_end_at_zero_count_for_nothing():
     """Of read noise of 6 numbers about 2, half of what is below is cut off."""
     camera = Camera(offset=2.0)
