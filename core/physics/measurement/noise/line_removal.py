@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.physics.measurement.noise.flat_blocks import FlatBlocks, flat_blocks
+from core.physics.measurement.noise.line_patterns import scene_pattern
 from core.physics.measurement.noise.periodic_lines import (
     PeriodicLine,
     fitted_lines,
@@ -40,8 +42,8 @@ def flat_without_lines(
     low: float | None,
     high: float | None,
     check: Callable[[], None],
-) -> tuple[PictureBlocks, FlatBlocks | None, Lines]:
-    """Blocks without periodic lines, the flat ones of them, and the lines.
+) -> tuple[PictureBlocks, FlatBlocks | None, Lines, Lines]:
+    """Blocks without periodic lines, the flat ones of them, these lines, and those of the scene.
 
     Parameters
     ----------
@@ -53,6 +55,10 @@ def flat_without_lines(
         As `flat_blocks` takes them.
     check : callable
         Called between steps; may raise to stop.
+
+    Notes
+    -----
+    Waves of a pattern of the scene are not taken off: they are few of many, and end where it does.
     """
     lines: Lines = ()
     frequencies = line_frequencies(picture=picture, check=check)
@@ -76,7 +82,15 @@ def flat_without_lines(
         lines = _fitted(picture, free, even, places, flat.line.middle, structure)
         free = _less(picture, good, blocks, lines, check)
         flat = flat_blocks(blocks=free, at=at, least=least, low=low, high=high)
-    return free, flat, lines
+    pattern: Lines = ()
+    if flat is not None and lines:
+        sigma = math.sqrt(max(flat.line.middle, 0.0))
+        pattern = scene_pattern(lines=lines, sigma=sigma, shape=picture.shape)
+    if pattern:
+        lines = tuple(line for line in lines if line not in pattern)
+        free = _less(picture, good, blocks, lines, check)
+        flat = flat_blocks(blocks=free, at=at, least=least, low=low, high=high)
+    return free, flat, lines, pattern
 
 
 def _less(

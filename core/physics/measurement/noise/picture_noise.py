@@ -17,7 +17,6 @@ from core.errors import DataError
 from core.physics.measurement.noise.block_compression import compressed_in_blocks
 from core.physics.measurement.noise.clipped_ends import clipped_ends, samples_that_count
 from core.physics.measurement.noise.flat_blocks import FlatBlocks
-from core.physics.measurement.noise.line_patterns import scene_pattern
 from core.physics.measurement.noise.line_removal import flat_without_lines
 from core.physics.measurement.noise.periodic_lines import PeriodicLine
 from core.physics.measurement.noise.picture_blocks import (
@@ -166,10 +165,11 @@ def noise_of_picture(
     if enough and _still(blocks):
         return _nothing(_hidden(step), mean, step, blocks)
     lines: tuple[PeriodicLine, ...] = ()
+    pattern = lines
     flat = None
     if enough:
         hidden = 0.0 if step is None else (_COARSE_STEPS**2 + 1.0 / 12.0) * step**2
-        blocks, flat, lines = flat_without_lines(
+        blocks, flat, lines, pattern = flat_without_lines(
             picture=picture,
             good=good,
             blocks=blocks,
@@ -187,7 +187,7 @@ def noise_of_picture(
             step,
             blocks,
         )
-    return _measured(blocks, flat, lines, picture.shape, mean, step, offset, check)
+    return _measured(blocks, flat, lines, pattern, mean, step, offset, check)
 
 
 def _still(blocks: PictureBlocks) -> bool:
@@ -207,7 +207,7 @@ def _measured(
     blocks: PictureBlocks,
     flat: FlatBlocks,
     lines: tuple[PeriodicLine, ...],
-    shape: tuple[int, int],
+    pattern: tuple[PeriodicLine, ...],
     mean: float,
     step: float | None,
     offset: float,
@@ -262,15 +262,13 @@ def _measured(
         )
         gain = read = None, None, reason
     sigma = math.sqrt(at_mean)
-    pattern = scene_pattern(lines=lines, sigma=sigma, shape=shape)
     if pattern:
-        lines = tuple(line for line in lines if line not in pattern)
         remarks.append(
             f"{len(pattern)} waves at multiples of one frequency, the strongest of "
             f"{pattern[0].amplitude:.3g}, are above the noise: a pattern of the scene, and no "
             "periodic noise"
         )
-    elif strong:
+    if strong:
         remarks.append(
             f"a periodic line of {lines[0].amplitude:.3g} is far above the noise: it may be a "
             "pattern of the scene"
