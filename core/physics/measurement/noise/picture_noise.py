@@ -265,8 +265,7 @@ def _measured(
     if pattern:
         remarks.append(
             f"{len(pattern)} waves at multiples of one frequency, the strongest of "
-            f"{pattern[0].amplitude:.3g}, are above the noise: a pattern of the scene, and no "
-            "periodic noise"
+            f"{pattern[0].amplitude:.3g}, are a pattern of the scene, and no periodic noise"
         )
     if strong:
         remarks.append(
@@ -313,6 +312,12 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
             "the noise of the flattest areas falls towards fine waves (coarse, middle and fine "
             f"ones have power {1 + structure.coarse:.2f} : {1 + structure.middle:.2f} : 1): it was "
             "blurred after it arose, or texture is everywhere"
+        )
+    if structure.middle < -_WHITE - 3.0 * structure.middle_error:
+        return (
+            "the noise of the flattest areas rises towards fine waves (middle and fine ones have "
+            f"power {1 + structure.middle:.2f} : 1): it was sharpened, or a fine pattern lies over "
+            "it that was not found"
         )
     if abs(flat.lean) > _WHITE + 3.0 * flat.lean_error:
         first, then = ("rows", "columns") if flat.lean > 0.0 else ("columns", "rows")

@@ -171,6 +171,14 @@ def test_noise_blurred_after_it_arose(scene):
         assert "blurred" in noise.sigma_reason or "texture" in noise.sigma_reason
 
 
+def test_noise_sharpened_after_it_arose(scene):
+    picture = Sensor(bits=None).picture(scene, seed=9)
+    around = sum(np.roll(picture, step, axis) for step in (-1, 1) for axis in (0, 1))
+    noise = noise_of_picture(picture=1.8 * picture - 0.2 * around)
+    assert noise.sigma is None
+    assert "rises towards fine waves" in noise.sigma_reason
+
+
 @pytest.mark.parametrize("cut", [(0, 0), (3, 5), (0, 6)])
 def test_compressed_by_jpeg(scene, cut):
     image = pytest.importorskip("PIL.Image")
