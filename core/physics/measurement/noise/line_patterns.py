@@ -5,13 +5,14 @@ from __future__ import annotations
 from core.physics.measurement.noise.periodic_lines import PeriodicLine
 
 _MOST = 9  # times the frequency of the pattern
+_TWO = 2  # lines of a pattern that is strong; weak ones may be two by chance
 _BINS = 0.5  # of the spectrum, by which a multiple may be missed
 
 
 def scene_pattern(
     *, lines: tuple[PeriodicLine, ...], sigma: float, shape: tuple[int, int]
 ) -> tuple[PeriodicLine, ...]:
-    """Lines at whole multiples of one frequency, where the strongest is above the noise.
+    """Lines at whole multiples of one frequency: three, or two and the strongest above the noise.
 
     Parameters
     ----------
@@ -28,7 +29,7 @@ def scene_pattern(
     sample; what electronics pick up is mostly one wave, or weak. The fundamental itself may be too
     low to be looked for.
     """
-    if not lines or lines[0].amplitude <= sigma:
+    if not lines:
         return ()
     best: tuple[PeriodicLine, ...] = ()
     for order in range(1, _MOST + 1):
@@ -36,7 +37,8 @@ def scene_pattern(
         family = tuple(line for line in lines if _is_multiple(line, base, order, shape))
         if len(family) > max(1, len(best)):
             best = family
-    return best
+    enough = _TWO if lines[0].amplitude > sigma else _TWO + 1
+    return best if len(best) >= enough else ()
 
 
 def _is_multiple(
