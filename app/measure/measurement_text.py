@@ -32,6 +32,7 @@ _GAMMA = {
 }
 NYQUIST = 0.5  # cycles per sample
 _MOST_REASONS = 8
+_ABOVE_ONE, _LEAST_ABOVE = 3.0, 0.02  # standard errors, and of an MTF
 _FEW = 2  # edges, that others do not confirm
 _SCATTERED = 1.5  # times their own errors
 _PLACES = 7  # after the point, or before it: beyond, powers of ten
@@ -181,6 +182,11 @@ def remarks(measured: PictureMeasurement) -> list[str]:
             continue
         if curve.mtf50 is None:
             lines.append(f"no MTF50 {words}: the MTF does not fall to one half")
+        if np.any(curve.mtf > 1.0 + np.maximum(_ABOVE_ONE * curve.sigma, _LEAST_ABOVE)):
+            lines.append(
+                f"the MTF {words} exceeds 1: the picture was sharpened, and the MTF is that of the "
+                "sharpened picture"
+            )
         if curve.edges <= _FEW:
             many = "one edge" if curve.edges == 1 else f"{curve.edges} edges"
             others = sum(edge.used for edge in measured.edges) - curve.edges

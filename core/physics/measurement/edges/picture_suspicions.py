@@ -17,6 +17,8 @@ _SURE_OF_BLOCKS, _SURE_EITHER = 7.0, 2.5  # across and down together, and either
 _RANKED = 4  # parts of a picture, whose steps are ranked
 _LEAST_SHIFT = 0.12  # samples
 _LEAST_SIDE = 48
+_MOSAIC = 0.5  # logarithm of what the fine detail of one diagonal has over that of the other
+_LEAST_DETAIL = 0.1  # of its mean, added where detail may be none
 
 
 def why_no_picture(*, picture: NDArray[np.floating]) -> str:
@@ -30,8 +32,8 @@ def why_no_picture(*, picture: NDArray[np.floating]) -> str:
     Returns
     -------
     str
-        That its odd and even rows are shifted (interlaced), or that it has borders of blocks of
-        8 × 8 samples (JPEG).
+        That its odd and even rows are shifted (interlaced), that it was made of a mosaic of
+        colour filters, or that it has borders of blocks of 8 × 8 samples (JPEG).
     """
     if min(picture.shape) < _LEAST_SIDE:
         return ""
@@ -40,6 +42,13 @@ def why_no_picture(*, picture: NDArray[np.floating]) -> str:
         return (
             f"interlaced: its odd rows lie {abs(shift):.2g} samples beside the even ones; measure "
             "one field"
+        )
+    mosaic, mosaic_error = mosaic_detail(picture=picture)
+    if abs(mosaic) > max(_MOSAIC, _SURE * mosaic_error):
+        return (
+            "interpolated: samples of one colour of a chessboard have "
+            f"{math.exp(abs(mosaic) / 2.0):.2g} times the fine detail of the others', as where a "
+            "mosaic of colour filters was filled in; measure samples of one filter"
         )
     sure = [block_steps(picture=view) for view in (picture, picture.T)]
     if min(sure) > _SURE_EITHER and math.hypot(*sure) > _SURE_OF_BLOCKS:
@@ -70,6 +79,40 @@ def row_shift(*, picture: NDArray[np.floating]) -> tuple[float, float]:
         products[k] = -np.sum(odd[:, np.newaxis] * off[:, 1:-1] * slope)
         squares[k] = np.sum(slope**2)
     return _ratio(products, squares)
+
+
+def mosaic_detail(*, picture: NDArray[np.floating]) -> tuple[float, float]:
+    """How much finer detail has one diagonal of each 2 × 2 samples than the other, and its error.
+
+    Returns
+    -------
+    float, float
+        Difference of the logarithms, summed over the two samples of a diagonal, and the standard
+        error of it, from strips of rows.
+
+    Notes
+    -----
+    Detail is what a sample departs from the mean of its four neighbours, its median over the
+    picture. Samples that were made of their neighbours have less. Rows or columns of two
+    amplifiers differ too, but then both diagonals have one of each.
+    """
+    rows = picture.shape[0]
+    tops = np.linspace(0, (rows - 4) // 2, _STRIPS + 1).astype(np.intp) * 2
+    strips = []
+    for k in range(_STRIPS):
+        part = np.asarray(picture[tops[k] : tops[k + 1] + 4], np.float64)
+        around = part[:-2, 1:-1] + part[2:, 1:-1] + part[1:-1, :-2] + part[1:-1, 2:]
+        detail = np.abs(part[1:-1, 1:-1] - around / 4.0)
+        least = _LEAST_DETAIL * float(detail.mean())
+        if not least > 0.0:
+            continue
+        logs = [
+            [math.log(float(np.median(detail[i::2, j::2])) + least) for j in (0, 1)] for i in (0, 1)
+        ]
+        strips.append(logs[0][0] + logs[1][1] - logs[0][1] - logs[1][0])
+    if len(strips) < _STRIPS // 2:
+        return 0.0, math.inf
+    return float(np.mean(strips)), float(np.std(strips, ddof=1)) / math.sqrt(len(strips))
 
 
 def block_steps(*, picture: NDArray[np.floating]) -> float:
