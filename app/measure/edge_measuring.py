@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from app.measure.picture_measurement import FREQUENCIES, MeasuredEdge, MtfCurve
+from app.measure.picture_measurement import BY_HAND, FREQUENCIES, MeasuredEdge, MtfCurve
 from app.measure.refused_edges import in_words
 from core.errors import DataError
 from core.physics.measurement.edges.edge_found import FoundEdge
@@ -83,6 +83,9 @@ def _no_edge(near: Sequence[MeasuredEdge], direction: str) -> str:
             f"no straight edge whose normal lies within {LARGEST_ANGLE_DEG:g}° of {direction} "
             f"({across}) was seen"
         )
+    if removed := sum(edge.why_not == BY_HAND for edge in near):
+        many = "1 edge" if removed == 1 else f"{removed} edges"
+        return f"{many} that would give it {'is' if removed == 1 else 'are'} {BY_HAND}"
     if len(near) == 1:
         return f"the one edge that would give it cannot be used: {near[0].why_not}"
     words = in_words(edge.why_not for edge in near)

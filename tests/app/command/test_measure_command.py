@@ -161,6 +161,9 @@ def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
          "of one camera, stored in one way"),
         (("small.npy",),
          "small.npy: 20 × 9 samples are too few to be measured; at least 16 × 16 are needed"),
+        (("colours.npy",),
+         "colours.npy: 3 × 30 samples are too few to be measured; at least 16 × 16 are needed"
+         "; of an array (rows, columns, colours) give one colour, (rows, columns)"),
         (("nan.npy",), "nan.npy: 1 sample is not finite (NaN or infinite), the first (nan)"
          " at row 3, column 4"),
         (("far.npy",), "far.npy: samples from 0 to 1e+300 cannot be measured; allowed: up to "
@@ -194,6 +197,7 @@ def test_what_is_refused(imagechain, tmp_path, words, line):
     for name, kind in (("whole", np.uint16), ("bytes", np.uint8)):
         np.save(tmp_path / f"{name}.npy", np.rint(edge(6.0, SIGMA_X, 1)).astype(kind))
     np.save(tmp_path / "small.npy", np.zeros((9, 20)))
+    np.save(tmp_path / "colours.npy", np.zeros((40, 30, 3)))
     bad = np.zeros((30, 20))
     bad[3, 4] = 1e300
     np.save(tmp_path / "far.npy", bad)

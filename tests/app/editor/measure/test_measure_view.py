@@ -75,6 +75,13 @@ def test_an_edge_is_clicked_removed_and_used_again(measured, qtbot):
     assert view.measured.x.mtf50 == pytest.approx(truth, abs=4.0 * view.measured.x.mtf50_sigma)
     assert edge_look(view.measured.edges[second])[0] == REMOVED
     assert view.remove.text() == "Use Edge Again"
+    first = next(place for place in used if place != second)
+    view.choose(first)
+    view.switch()
+    texts = [view.figures.item(row, 0).text() for row in range(view.figures.rowCount())]
+    assert "No MTF across: 2 edges that would give it are removed by hand." in texts
+    view.switch()
+    view.choose(second)
     qtbot.keyClick(view.table, Qt.Key.Key_Space)
     assert view.measured.x.mtf50 == both.mtf50
     assert edge_look(view.measured.edges[second])[0] == USED
