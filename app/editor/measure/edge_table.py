@@ -126,6 +126,19 @@ def _cells(place: int, edge: MeasuredEdge) -> tuple[str, str, str, str]:
     )
 
 
+def edge_words(place: int, edge: MeasuredEdge) -> str:
+    """An edge in a line: its MTF50, or why it is not used."""
+    found = edge.found
+    angle = f"{found.angle_deg:.1f}".replace("-", "\N{MINUS SIGN}")
+    where = f"edge {place + 1}, normal at {angle}°, {found.length:.0f} samples long"
+    if edge.curve is None:
+        return f"{where}, not used: {edge.why_not}"
+    half = "" if edge.curve.mtf50 is None else f", MTF50 {edge.curve.mtf50:.3f}"
+    if edge.curve.mtf50 is not None and edge.curve.mtf50_sigma is not None:
+        half += f" ± {edge.curve.mtf50_sigma:.3f}"
+    return where + half + ("" if edge.used else f", {edge.why_not}")
+
+
 class FigureTable(CopiedTable):
     """Figures of a measurement; Ctrl+C copies them."""
 

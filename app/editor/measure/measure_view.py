@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QComboBox, QSplitter, QTabWidget, QVBoxLayout, QWidget
 
+from app.editor.measure.band_box import BandBox
 from app.editor.measure.chosen_pictures import PictureDrops, Pictures, pictures_name
 from app.editor.measure.edge_canvas import EdgeCanvas
-from app.editor.measure.edge_table import EdgeTable, FigureTable
+from app.editor.measure.edge_table import EdgeTable, FigureTable, edge_words
 from app.editor.measure.measure_worker import Check, MeasureWorker
 from app.editor.measure.mtf_chart import MtfChart
 from app.editor.measure.viewer_pictures import ViewerPicture
@@ -20,6 +21,7 @@ from app.editor.theme import Theme
 from app.editor.viewers.status_line import StatusLine
 from app.editor.widgets.buttons import menu_button, toggle_button, tool_button
 from app.editor.widgets.flow_layout import FlowLayout
+from core.errors import UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -67,6 +69,7 @@ class MeasureView(QWidget):
         self._shown: _Measuring | None = None
         self._coming: _Measuring | None = None
         self._now: Network | None = None
+        self._files: tuple[Path, ...] = ()
         self.worker = MeasureWorker(self)
         self.drops = PictureDrops(self, self.measure_files)
         self._build()
@@ -83,7 +86,7 @@ class MeasureView(QWidget):
 
     def measure_viewer(self, picture: ViewerPicture, network: Network) -> None:
         """Measure what a viewer shows of a network, which is the one that is open."""
-        self._now = network
+        self._now, self._files = network, ()
 
         def job(check: Check, report: Callable[[str], None]) -> PictureMeasurement:
             # Imported where it is used: the window opens without it.
@@ -105,11 +108,25 @@ class MeasureView(QWidget):
 
     def measure_files(self, paths: tuple[Path, ...]) -> None:
         """Measure pictures, or files of frames, of one camera together."""
+        self._files = paths
+        with QSignalBlocker(self.band):
+            self.band.choose_none()
+        self._measure_band()
+
+    def _measure_band(self, *_: object) -> None:
+        """Measure the band of the files that were chosen last."""
+        paths, band = self._files, self.band.band
+        if not paths:
+            return
 
         def job(check: Check, report: Callable[[str], None]) -> PictureMeasurement:
             from app.measure.measuring import MeasurePlan, measure_files
 
-            return measure_files(MeasurePlan(paths), check=check, report=report)
+            plan = MeasurePlan(paths, band=band)
+            try:
+                return measure_files(plan, check=check, report=report)
+            except UsageError as error:
+                raise UsageError(str(error).replace("--band", "Band")) from error
 
         self._begin(_Measuring(pictures_name(paths), paths), job)
 
@@ -242,6 +259,7 @@ class MeasureView(QWidget):
         self.pictures.setObjectName("measure.pictures")
         self.pictures.setAccessibleName("Which of the pictures is shown")
         self.pictures.setToolTip("Which of the pictures is shown")
+        self.band = BandBox(self)
         bar = QWidget(self)
         flow = FlowLayout(bar, across=4, down=2)
         flow.setContentsMargins(4, 4, 4, 2)
@@ -254,7 +272,7 @@ class MeasureView(QWidget):
             self.fit,
             self.write,
         )
-        for widget in (*buttons, self.pictures):
+        for widget in (*buttons, self.band, self.pictures):
             flow.addWidget(widget)
         self.canvas = EdgeCanvas(self.theme, self)
         self.chart = MtfChart(self.theme, self)
@@ -288,6 +306,7 @@ class MeasureView(QWidget):
 
     def _connect(self) -> None:
         self.file.clicked.connect(self.file_wanted)
+        self.band.valueChanged.connect(self._measure_band)
         self.write.clicked.connect(self.export_wanted)
         self.stop.clicked.connect(self.cancel)
         self.remove.clicked.connect(self.switch)
@@ -396,6 +415,7 @@ class MeasureView(QWidget):
     def _show_buttons(self) -> None:
         edge, busy = self.edge, self.worker.busy
         self.stop.setEnabled(busy)
+        self.band.setEnabled(bool(self._files))
         self.write.setEnabled(self.measured is not None and not busy)
         self.fit.setEnabled(self.measured is not None)
         self.remove.setEnabled(edge is not None and edge.curve is not None)
@@ -415,16 +435,3 @@ class MeasureView(QWidget):
 
     def _say(self, text: str, *, failed: bool = False) -> None:
         self.status.show_text(text, failed=failed)
-
-
-def edge_words(place: int, edge: MeasuredEdge) -> str:
-    """An edge in a line: its MTF50, or why it is not used."""
-    found = edge.found
-    angle = f"{found.angle_deg:.1f}".replace("-", "\N{MINUS SIGN}")
-    where = f"edge {place + 1}, normal at {angle}°, {found.length:.0f} samples long"
-    if edge.curve is None:
-        return f"{where}, not used: {edge.why_not}"
-    half = "" if edge.curve.mtf50 is None else f", MTF50 {edge.curve.mtf50:.3f}"
-    if edge.curve.mtf50 is not None and edge.curve.mtf50_sigma is not None:
-        half += f" ± {edge.curve.mtf50_sigma:.3f}"
-    return where + half + ("" if edge.used else f", {edge.why_not}")

@@ -191,3 +191,25 @@ def test_the_key_brings_files_that_were_measured_to_the_front(window, qtbot, two
     measure.trigger()
     qtbot.waitUntil(lambda: view.measured is not kept)
     assert view.measured.files[0].name.startswith("viewer 1: ")
+
+
+def test_a_band_of_a_file_is_chosen(view, qtbot, two_edges, tmp_path):
+    picture = np.load(two_edges)
+    cube = np.stack([picture, picture[::-1]], axis=-1).astype("<f4")
+    cube.tofile(tmp_path / "cube.img")
+    (tmp_path / "cube.img.hdr").write_text(
+        "ENVI\nsamples = 240\nlines = 160\nbands = 2\ndata type = 4\ninterleave = bip\n"
+        "byte order = 0\nwavelength = {8.0, 9.0}\nwavelength units = Micrometers\n"
+    )
+    assert not view.band.isEnabled()
+    view.measure_files((tmp_path / "cube.img",))
+    qtbot.waitUntil(lambda: not view.worker.busy)
+    assert view.status.title.text().endswith("name the one to measure, Band 0 to 1")
+    view.band.setValue(1)
+    qtbot.waitUntil(lambda: view.measured is not None)
+    assert view.measured.x.edges == 2
+    assert np.array_equal(view.measured.previews[0].samples, cube[..., 1])
+    view.measure_files((two_edges,))
+    assert view.band.value() == -1
+    qtbot.waitUntil(lambda: not view.worker.busy)
+    assert view.source == (two_edges,)
