@@ -128,7 +128,8 @@ class MeasureView(QWidget):
             except UsageError as error:
                 raise UsageError(str(error).replace("--band", "Band")) from error
 
-        self._begin(_Measuring(pictures_name(paths), paths), job)
+        of = "" if band is None else f", band {band}"
+        self._begin(_Measuring(pictures_name(paths) + of, paths), job)
 
     def export(self, path: Path) -> None:
         """Write the results in the background: .json, .csv or .html, by the name."""

@@ -209,6 +209,7 @@ def test_a_band_of_a_file_is_chosen(view, qtbot, two_edges, tmp_path):
     qtbot.waitUntil(lambda: view.measured is not None)
     assert view.measured.x.edges == 2
     assert np.array_equal(view.measured.previews[0].samples, cube[..., 1])
+    assert view.status.title.text().startswith("cube.img, band 1: ")
     view.measure_files((two_edges,))
     assert view.band.value() == -1
     qtbot.waitUntil(lambda: not view.worker.busy)
