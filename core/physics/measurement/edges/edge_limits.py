@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import isotonic_regression
 
 from core.physics.measurement.edges.edge_clipping import (
     FADED,
@@ -20,6 +19,7 @@ from core.physics.measurement.edges.edge_clipping import (
 )
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_samples import EdgeSamples, edge_samples
+from core.physics.numerics.rising_values import nearest_rising
 
 Vector = NDArray[np.float64]
 
@@ -261,7 +261,7 @@ def _disorder(distance: Vector, value: Vector) -> float:
     if len(value) < _LEAST_FREE:
         return 0.0
     rising = value[np.argsort(distance, kind="stable")]
-    return float(np.std(rising - isotonic_regression(rising).x))
+    return float(np.std(rising - nearest_rising(values=rising)))
 
 
 def _has_noise(distance: Vector, value: Vector, extremes: tuple[float, float]) -> bool:
@@ -286,7 +286,7 @@ def _is_corner(value: Vector, outward: Vector, limit: float, least: float) -> bo
     step = float(np.median(value[outward < -_BESIDE])) - limit
     if step == 0.0:
         return False
-    share = isotonic_regression(value[order] - limit, increasing=False).x / step
+    share = -nearest_rising(values=(limit - value[order]) / step)
     half, tenth = (float(place[int(np.argmax(share <= level))]) for level in (0.5, 0.1))
     return end - tenth < least * (tenth - half)
 
