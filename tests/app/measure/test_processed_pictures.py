@@ -45,7 +45,7 @@ def test_noise_of_a_sharpened_picture_is_withheld(taken, amount):
     picture = taken + amount * (taken - ndimage.gaussian_filter(taken, 1.0))
     sharpened = measured(picture)
     assert sharpened.noise is None
-    assert "sharpened after it arose" in sharpened.noise_reason
+    assert "sharpened" in sharpened.noise_reason
 
 
 def test_an_mtf_above_one_is_called_that_of_a_sharpened_picture(taken):
@@ -63,7 +63,7 @@ def test_a_mosaic_of_filters_that_was_filled_in_is_refused(taken, colour):
     filled = ndimage.convolve(taken * kept, np.array(weights) / 4.0)
     result = measured(filled)
     assert result.x is None
-    assert "interpolated: " in result.reason_x
+    assert "interpolated (" in result.reason_x
 
 
 def test_two_amplifiers_in_turn_are_no_mosaic(taken):

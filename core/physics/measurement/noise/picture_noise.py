@@ -51,6 +51,7 @@ _SMALLEST, _LARGEST = 1e-12, 1e15  # numbers whose squares single precision hold
 _WHITE = 0.1  # by which middle waves may exceed fine ones
 _LEAST_UNEVEN = 0.3  # of the blocks, where the noise of one place does not vouch for another's
 _COARSE_UNEVEN = 0.5  # by which coarse waves may exceed fine ones there
+_LACKING, _SURE = 0.08, 4.0  # of the fine waves' power, and standard errors of chance
 # Sigma is given where it is known to 3 % with a confidence of 95 %.
 _WITHIN, _CONFIDENCE = 0.03, 1.96
 
@@ -318,6 +319,11 @@ def _refusal(blocks: PictureBlocks, flat: FlatBlocks) -> str:
             "the noise of the flattest areas rises towards fine waves (middle and fine ones have "
             f"power {1 + structure.middle:.2f} : 1): it was sharpened, or a fine pattern lies over "
             "it that was not found"
+        )
+    if structure.coarse < -max(_LACKING, _SURE * structure.coarse_error):
+        return (
+            "the noise of the flattest areas rises towards fine waves (coarse ones have "
+            f"{1 + structure.coarse:.2f} of their power): it was sharpened after it arose"
         )
     if abs(flat.lean) > _WHITE + 3.0 * flat.lean_error:
         first, then = ("rows", "columns") if flat.lean > 0.0 else ("columns", "rows")
