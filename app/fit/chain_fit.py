@@ -24,7 +24,8 @@ from app.fit.noise_levels import NoiseProblem
 from app.fit.parameter_search import apart, hops, inner, middle_of, starts
 from app.fit.patch import Patch
 from app.fit.spread_table import SpreadTable, period_for
-from app.fit.surroundings import MARGIN, reaching_in
+from app.fit.surroundings import reaching_in
+from app.fit.window import MARGIN
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.patch import Patch, patch_of
-from app.fit.surroundings import window_about
+from app.fit.window import window_about
 from app.measure.refused_edges import in_words
 from core.physics.measurement.edges.edge_found import FoundEdge
 from core.physics.measurement.edges.edge_samples import edge_samples

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from app.fit.chain_fit import ChainFit
 from app.fit.errors.even_profile import Refit, profiled_spread
 from app.fit.identifiability import Combination, Identified, identified
-from app.fit.scene_match import SceneFit
+from app.fit.known_scene.scene_match import SceneFit
 from core.physics.measurement.noise.variance_levels import LevelVariance
 
 Vector = NDArray[np.float64]

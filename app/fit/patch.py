@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.surroundings import Window
+from app.fit.window import Window
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.intp]

@@ -13,9 +13,9 @@ from app.fit.chain_fit import ChainFit, end_of, scales_of
 from app.fit.chain_transfer import ChainAt
 from app.fit.fit_result import FitResult, result_of
 from app.fit.free_parameter import FreeParameter
+from app.fit.known_scene.scene_match import OWN, Registration, SceneFit, SceneMatch
 from app.fit.misfit import Misfit
 from app.fit.parameter_search import places
-from app.fit.scene_match import OWN, Registration, SceneFit, SceneMatch
 from core.chain.realize import realize
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work

@@ -9,63 +9,22 @@ that constraint, and what of it the chain spreads into the edge's samples is no 
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from core.physics.measurement.edges.edge_found import FoundEdge
-
-if TYPE_CHECKING:
-    from app.fit.edge_fit import EdgesAt
-    from app.fit.patch import Patch
-    from app.fit.spread_table import SpreadTable
+from app.fit.edge_fit import EdgesAt
+from app.fit.patch import Patch
+from app.fit.spread_table import SpreadTable
+from app.fit.window import MARGIN, Window
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-MARGIN = 32  # samples about an edge, beyond which nothing is looked at
 # After the first: at a frequency that the chain passes to a share t, (1 − t)³ is left, and of what
 # comes back into the edge at most a tenth; further ones raise noise for little.
 _PASSES = 2
 _IN_PERIOD = 0.45  # of a spread's period, to which its table is used
-
-
-@dataclass(frozen=True)
-class Window:
-    """A part of a picture; beyond its frame the nearest samples stand.
-
-    Parameters
-    ----------
-    samples : ndarray
-        Shape (rows, columns).
-    top, left : int
-        Row and column of the first sample in the picture.
-    """
-
-    samples: Matrix
-    top: int
-    left: int
-
-
-def window_about(*, picture: Matrix, edge: FoundEdge) -> Window:
-    """The picture about an edge, a margin wide, in a shape that is good to transform."""
-    (x1, y1), (x2, y2) = edge.ends
-    wide = edge.reach + MARGIN
-    first, count = [], []
-    for one, other in ((y1, y2), (x1, x2)):
-        start = math.floor(min(one, other) - wide)
-        first.append(start)
-        count.append(scipy.fft.next_fast_len(math.ceil(max(one, other) + wide) + 1 - start, True))
-    rows, columns = (
-        np.clip(start + np.arange(many), 0, length - 1)
-        for start, many, length in zip(first, count, picture.shape, strict=True)
-    )
-    samples = np.asarray(picture[np.ix_(rows, columns)], np.float64)
-    return Window(samples, first[0], first[1])
 
 
 def reaching_in(

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from app.fit.edge_fit import EdgesAt
 from app.fit.fit_result import FitResult, NoiseComparison
-from app.fit.scene_match import SceneFit
+from app.fit.known_scene.scene_match import SceneFit
 from app.report.drawing.picture_drawing import COLOURS, figure
 
 Matrix = NDArray[np.float64]

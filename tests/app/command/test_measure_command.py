@@ -174,9 +174,6 @@ def test_a_picture_without_an_edge_says_so(imagechain, tmp_path):
          "cannot write none/m.csv: there is no folder none"),
         (("a.npy", "--flats", "a.npy"),
          "a.npy: holds a single frame; a flat field needs 2 or more"),
-        (("colours.npy",), "colours.npy: 3 × 30 samples are too few to be measured; at least "
-         "16 × 16 are needed; of an array (rows, columns, colours) give one colour, "
-         "(rows, columns)"),
         (("a.npy", "--dark", "light.npy"), "a.npy: its mean level, 130, is not above the level "
          "without light, 500: give frames without light as --dark, or the number as --offset-dn"),
         (("a.npy", "--offset-dn", "1e300"), "a.npy: its mean level, 130, is not above the level "

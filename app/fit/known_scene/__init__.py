@@ -1,0 +1,1 @@
+"""How a picture of a known scene lies over the network's."""
