@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.fit.chain_fit import ChainFit, end_of, scales_of
-from app.fit.chain_transfer import ChainAt
+from app.fit.chain_transfer import ChainAt, final_image
 from app.fit.fit_result import FitResult, result_of
 from app.fit.free_parameter import FreeParameter
+from app.fit.known_scene.moved_scene import FineSource, fine_source
 from app.fit.known_scene.scene_match import OWN, Registration, SceneFit, SceneMatch
 from app.fit.misfit import Misfit
-from app.fit.parameter_search import places
+from app.fit.parameter_search import middle_of, places
+from app.run.transfer_chain import find_chain
 from core.chain.realize import realize
 from core.errors import Cancelled, DataError, ImagechainError
 from core.evaluation.work import Work
@@ -27,7 +29,11 @@ Vector = NDArray[np.float64]
 _STEP = 2e-3  # of a parameter's scale, for differences
 _STEPS, _SETTLED = 30, 1e-4  # of the sum of squares, relative to noise
 _WEIGHTINGS = 2  # times that the noise of what is left gives new weights
+_MOVE = 0.02  # samples, for derivatives by place
 _COARSE = 2  # of the places of a parameter, every so many is looked at first
+
+
+_IN_PLACE = Registration()
 
 
 class SceneProblem:
@@ -41,20 +47,34 @@ class SceneProblem:
         self.evaluations = 0
         self._chain, self._work = chain, work
         self._held: dict[tuple[float, ...], Matrix] = {}
+        plan = chain.plan([middle_of(parameter) for parameter in free])
+        self._source = fine_source(
+            chain.engine, plan, sources=find_chain(plan).sources, final=final_image(plan)
+        )
 
-    def simulated(self, values: Vector) -> Matrix:
-        """The network's picture without noise.
+    @property
+    def why_after(self) -> str:
+        """Why the sampled picture is moved though its source is finer; empty where it is not."""
+        return self._source if isinstance(self._source, str) else ""
+
+    def simulated(self, values: Vector, how: Registration = _IN_PLACE) -> Matrix:
+        """The network's picture without noise, of its scene in its place, or moved and scaled.
 
         Raises
         ------
         DataError
             If it is of another size than the real one.
         """
-        key = tuple(float(value) for value in values)
+        source = self._source
+        moved = isinstance(source, FineSource) and how.place != _IN_PLACE.place
+        key = (*map(float, values), *(how.place if moved else _IN_PLACE.place))
         made = self._held.get(key)
         if made is None:
             self.evaluations += 1
-            image = self._chain.image(list(key))
+            plan = self._chain.plan([float(value) for value in values])
+            if isinstance(source, FineSource) and moved:
+                plan = source.moved(plan, how)
+            image = final_image(plan)
             shape = self.match.picture.shape
             if image.shape != shape:
                 raise DataError(
@@ -68,21 +88,38 @@ class SceneProblem:
             self._held[key] = made
         return made
 
+    def registered(self, values: Vector, how: Registration) -> Matrix:
+        """The network's picture where the real one has it, gain and offset included."""
+        if isinstance(self._source, FineSource):
+            return how.gain * self.simulated(values, how) + how.offset
+        return self.match.registered(self.simulated(values), how)
+
     def residual(self, values: Vector, how: Registration) -> Vector:
         """Weighted waves of the real picture less the registered one."""
-        registered = self.match.registered(self.simulated(values), how)
-        return self.match.waves(self.match.picture - registered)
+        return self.match.waves(self.match.picture - self.registered(values, how))
+
+    def own_columns(self, values: Vector, how: Registration) -> list[Vector]:
+        """Derivatives of the registered waves by shift, scale, gain and offset."""
+        if not isinstance(self._source, FineSource):
+            return self.match.columns(self.simulated(values), how)
+        here = self.simulated(values, how)
+        made = []
+        for place, step in enumerate((_MOVE, _MOVE, 2.0 * _MOVE / max(here.shape))):
+            other = how.moved(np.eye(OWN)[place] * step)
+            change = how.gain * (self.simulated(values, other) - here) / step
+            made.append(self.match.waves(change))
+        return [*made, self.match.waves(here), self.match.waves(np.ones_like(here))]
 
     def columns(self, values: Vector, how: Registration) -> list[Vector]:
         """Derivatives of the registered waves, by the parameters within their ranges."""
         made = []
-        here = self.match.registered(self.simulated(values), how)
+        here = self.registered(values, how)
         scales = scales_of(self.free, values)
         for index, parameter in enumerate(self.free):
             step = _STEP * float(scales[index])
             other = values.copy()
             other[index] += step if values[index] + step <= parameter.high else -step
-            there = self.match.registered(self.simulated(other), how)
+            there = self.registered(other, how)
             made.append(self.match.waves(there - here) / (other[index] - values[index]))
         return made
 
@@ -94,12 +131,12 @@ def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
     values = _looked_around(problem, start, how)
     values, how, residual = _downhill(problem, values, how)
     for _ in range(_WEIGHTINGS):
-        registered = problem.match.registered(problem.simulated(values), how)
-        problem.match = problem.match.reweighted(problem.match.picture - registered)
+        left = problem.match.picture - problem.registered(values, how)
+        problem.match = problem.match.reweighted(left)
         values, how, residual = _downhill(problem, values, how)
-    registered = problem.match.registered(problem.simulated(values), how)
+    registered = problem.registered(values, how)
     problem.match.check_same_scene(problem.match.picture - registered, how)
-    scene = problem.match.columns(problem.simulated(values), how)
+    scene = problem.own_columns(values, how)
     own, _ = np.linalg.qr(np.column_stack(scene))
     jacobian = np.column_stack(problem.columns(values, how))
     jacobian -= own @ (own.T @ jacobian)
@@ -135,18 +172,26 @@ def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
     )
     whole = SceneFit(
         problem.match.picture,
-        problem.match.registered(problem.simulated(values), how),
+        registered,
         problem.match.noise_sigma,
         how,
     )
-    return replace(result, notes=(*result.notes, note), scene=whole)
+    warnings = result.warnings
+    if problem.why_after:
+        warnings = (
+            *warnings,
+            f"{problem.why_after}, so that its picture is moved after it was sampled: unless the "
+            "real one lies in register with it, or is not aliased, the values are off by more than "
+            "their errors",
+        )
+    return replace(result, notes=(*result.notes, note), warnings=warnings, scene=whole)
 
 
 def _settled_registration(problem: SceneProblem, values: Vector, how: Registration) -> Registration:
     """Shift, scale, gain and offset that fit best with these values."""
     for _ in range(_STEPS):
         residual = problem.residual(values, how)
-        columns = np.column_stack(problem.match.columns(problem.simulated(values), how))
+        columns = np.column_stack(problem.own_columns(values, how))
         step = _solved(columns, residual, 0.0)
         how = how.moved(step)
         gained = float((columns @ step) @ (columns @ step))
@@ -161,7 +206,7 @@ def _looked_around(problem: SceneProblem, start: Vector, how: Registration) -> V
 
     def cost(values: Vector) -> float:
         try:
-            made = problem.match.registered(problem.simulated(values), replace(how, gain=1.0))
+            made = problem.registered(values, replace(how, gain=1.0))
         except Cancelled:
             raise
         except ImagechainError:
@@ -197,7 +242,7 @@ def _downhill(
         columns = np.column_stack(
             [
                 *problem.columns(values, how),
-                *problem.match.columns(problem.simulated(values), how),
+                *problem.own_columns(values, how),
             ]
         )
         improved = False

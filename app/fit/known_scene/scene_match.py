@@ -50,6 +50,11 @@ class Registration:
     gain: float = 1.0
     offset: float = 0.0
 
+    @property
+    def place(self) -> tuple[float, float, float]:
+        """Shifts and scale."""
+        return self.shift_x, self.shift_y, self.scale
+
     def moved(self, by: Vector) -> Registration:
         """Each changed by so much."""
         names = ("shift_x", "shift_y", "scale", "gain", "offset")
