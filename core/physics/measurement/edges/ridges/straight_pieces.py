@@ -21,6 +21,7 @@ _LARGEST_BEND = 2.5  # samples, of a piece's ends
 _POINTS = 0.7  # a sample of length, at least: one row or column each, at 45°
 _MOST_CHAINS = 3000  # of each sectors; twice as many as find_edges looks at
 _INNER = 0.9  # of a chain's length, where it may be parted
+_RIDGE = 1e-12  # of points at both ends alone, bend and offset are one
 _SHARED = 0.3  # of its points, above which a piece repeats a longer one
 _NEIGHBOURS = [(0, 1), (1, -1), (1, 0), (1, 1), (0, 2), (1, -2), (1, 2), (2, -1), (2, 0), (2, 1)]
 
@@ -196,11 +197,13 @@ def _parted(points: RidgePoints, chain: Index, least_length: float) -> list[Piec
             continue
         place = (along - centre) / (length / 2.0)
         powers = np.stack([np.ones(len(place)), place, place**2])
-        offset, tilt, bend = np.linalg.solve(powers @ powers.T, powers @ away)
+        products = powers @ powers.T + _RIDGE * len(place) * np.eye(3)
+        offset, tilt, bend = np.linalg.solve(products, powers @ away)
         off = np.abs(away - offset - tilt * place - bend * powers[2])
         if float(off.max()) > _OFF or abs(bend) > _LARGEST_BEND:
-            chord = np.where(np.abs(place) < _INNER, np.abs(away), -1.0)
-            at = along[np.argmax(chord)]
+            inner = np.abs(place) < _INNER
+            # Of a chain that has its points at both ends alone, its middle parts these.
+            at = along[np.argmax(np.where(inner, np.abs(away), -1.0))] if inner.any() else centre
             waiting.extend([part[along < at], part[along >= at]])
             continue
         pieces.append(
