@@ -41,7 +41,7 @@ def test_the_camera_as_it_is():
     [
         (Scene(background=5000), CAMERA, "no straight edge"),
         (scene(-2000, 2), CAMERA, "clipped"),
-        (scene(), replace(CAMERA, jpeg_quality=75), "JPEG"),
+        (scene(), replace(CAMERA, jpeg_quality=75), "compressed"),
         (scene(), replace(CAMERA, field_shift=2.0), "interlaced"),
     ],
     ids=["flat", "clipped", "jpeg", "interlaced"],
