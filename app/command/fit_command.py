@@ -54,7 +54,7 @@ def fit_network(options: Options, cancel: threading.Event | None = None) -> None
                 plan,
                 work,
                 free=free,
-                pictures=read_pictures(options.pictures),
+                pictures=read_pictures(options.pictures, band=options.band),
                 report=progress,
             )
         if options.fit_json is not None:

@@ -67,8 +67,8 @@ class FittedPictures:
         return ", ".join(self.names[:3]) + (" …" if len(self.names) > 3 else "")
 
 
-def read_pictures(paths: Sequence[Path]) -> FittedPictures:
-    """All frames of the files, which may differ in size.
+def read_pictures(paths: Sequence[Path], *, band: int | None = None) -> FittedPictures:
+    """All frames of the files, which may differ in size; of a file of bands one of them.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def read_pictures(paths: Sequence[Path]) -> FittedPictures:
     seen: set[bytes] = set()
     repeated = 0
     for path in paths:
-        file = open_picture(path)
+        file = open_picture(path, band=band)
         if file.is_lossy:
             raise DataError(
                 f"{path}: {WITH_LOSS}, and nothing is fitted to it; give the picture as the camera "

@@ -284,6 +284,7 @@ def _fit(arguments: argparse.Namespace, common: dict[str, Any]) -> Options:
         "fit",
         arguments.network,
         pictures=file_paths("--to", arguments.to),
+        band=whole_number("--band", arguments.band),
         free=tuple(word for words in arguments.free for word in words),
         known_scene=arguments.known_scene,
         fit_json=named_path("--json", arguments.json, JSON),

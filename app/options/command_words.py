@@ -216,6 +216,7 @@ def fit_words(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="the network's source is the scene of the picture: fit the whole picture to it",
     )
+    add("--band", action=Once, metavar="N", help="band or colour to fit to, counted from 0")
     add("--json", action=Once, metavar="FILE", help="write parameters, errors and correlations")
     add("--output", action=Once, metavar="FILE", help="write the network with the fitted values")
     add(

@@ -32,6 +32,7 @@ def fit(
     to: Picture | Sequence[Picture],
     free: str | Sequence[str] | Mapping[str, tuple[float, float] | None],
     known_scene: bool = False,
+    band: int | None = None,
     precision: Precision = "single",
     tolerance: float | None = None,
     threads: int = 0,
@@ -50,6 +51,8 @@ def fit(
         own.
     known_scene : bool
         Whether the chain's source is the scene of the picture, which is fitted as a whole then.
+    band : int, optional
+        Band or colour of files with several.
     precision : "single" or "double"
         Of pictures and spectra.
     tolerance : float, optional
@@ -70,7 +73,7 @@ def fit(
     own = chain if isinstance(chain, Chain) else open_chain(chain)
     engine, plan = own.planned()
     parameters = free_parameters(_texts(free), plan.network, engine.library, option="free")
-    names, pictures = _pictures(to)
+    names, pictures = _pictures(to, band)
     carried_out = fit_known_scene if known_scene else fit_pictures
     result = carried_out(
         engine, plan, engine.work(Policy(precision, tolerance, threads)), free=parameters,
@@ -105,7 +108,7 @@ def _texts(free: Any) -> list[str]:
     return texts
 
 
-def _pictures(to: Any) -> tuple[tuple[str, ...], FittedPictures]:
+def _pictures(to: Any, band: int | None) -> tuple[tuple[str, ...], FittedPictures]:
     """Names for a title, and the frames of all files or of all arrays."""
     one = isinstance(to, str | PathLike | np.ndarray)
     if not one and not isinstance(to, Sequence):
@@ -115,9 +118,11 @@ def _pictures(to: Any) -> tuple[tuple[str, ...], FittedPictures]:
         raise UsageError("to: give a picture, a file or an array")
     if all(isinstance(one, str | PathLike) for one in given):
         paths = [Path(fspath(one)) for one in given]
-        return tuple(map(str, paths)), read_pictures(paths)
+        return tuple(map(str, paths)), read_pictures(paths, band=band)
     if any(isinstance(one, str | PathLike) for one in given):
         raise UsageError("to: give files or arrays, not both")
+    if band is not None:
+        raise UsageError("band goes with files: arrays have none")
     names = tuple(f"array {number}" for number in range(1, len(given) + 1))
     frames = [
         (name, frame)

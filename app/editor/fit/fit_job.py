@@ -218,7 +218,13 @@ def _pictures(pictures: Pictures) -> FittedPictures:
     from app.fit.picture_fit import FittedPictures, read_pictures
 
     if not isinstance(pictures, ViewerPicture):
-        return read_pictures(pictures)
+        try:
+            return read_pictures(pictures)
+        except ImagechainError as error:
+            text, band, _ = str(error).partition(": name the one to measure, --band")
+            if not band:
+                raise
+            raise UsageError(f"{text}: show one of them in a viewer, and fit to that") from error
     return FittedPictures((pictures.name,), (np.asarray(pictures.samples, np.float64),))
 
 

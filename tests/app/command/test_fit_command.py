@@ -216,3 +216,21 @@ def test_a_picture_of_one_level_shows_no_known_scene(imagechain, files):
     done = imagechain("fit", "net.json", *words)
     assert done.returncode == 2
     assert "does not show the network's scene" in done.stderr
+
+
+def test_one_band_of_several_is_fitted(imagechain, files):
+    edge = np.load(files / "edge.npy")
+    bands = np.stack([np.full_like(edge, 5.0), edge])
+    bands.astype("<f4").tofile(files / "two.img")
+    (files / "two.img.hdr").write_text(
+        f"ENVI\nsamples = {edge.shape[1]}\nlines = {edge.shape[0]}\nbands = 2\ndata type = 4\n"
+        "interleave = bsq\nbyte order = 0\nwavelength = {4.0, 5.0}\n",
+        encoding="utf-8",
+    )
+    words = ("fit", "net.json", "--to", "two.img", "--free", "blur.sigma_x_mrad")
+    done = imagechain(*words, "--band", "1")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "blur.sigma_x_mrad" in done.stdout
+    without = imagechain(*words)
+    assert without.returncode == 2
+    assert "two.img has 2 bands: name the one to measure, --band 0 to 1" in without.stderr
