@@ -22,6 +22,9 @@ CANCELLING: dict[str, tuple[str | float, ...]] = {
     "mean": ("minimum", "maximum"),
     "mean_difference": ("max_error",),
     "error_percent": (1.0,),
+    # Of a spread that is symmetric one way.
+    "centre_x_mrad": ("centre_y_mrad",),
+    "centre_y_mrad": ("centre_x_mrad",),
 }
 # A picture with the phases of a star: those of components that the star has not are rounding's.
 UNDETERMINED = {"second.minimum", "second.maximum"}
@@ -116,8 +119,8 @@ def _short(value: Any) -> Any:
 def differences(part: str, stored: Statistics, present: Statistics, tolerance: float) -> list[str]:
     """Where two statistics of a part differ by more than rounding can; empty where they agree.
 
-    A number may differ by the tolerance times the largest magnitude of its picture or column, or
-    times its own if it is a read-out.
+    A number may differ by the tolerance times the largest magnitude of its picture or column, of a
+    phase times a radian at least, or times its own if it is a read-out.
     """
     if stored.keys() != present.keys():
         names = sorted(stored.keys() ^ present.keys())
@@ -129,7 +132,8 @@ def differences(part: str, stored: Statistics, present: Statistics, tolerance: f
             if value.keys() != present[name].keys():
                 lines.append(f"{place}: empty in one of both")
                 continue
-            scale = _largest(value)
+            # A phase of nothing but rounding is small beside a radian, not beside itself.
+            scale = max(_largest(value), 1.0 if ".ptf_" in name else 0.0)
             for moment in value:
                 lines += _beyond(
                     f"{place} {moment}", value[moment], present[name][moment], tolerance * scale

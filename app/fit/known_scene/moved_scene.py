@@ -12,12 +12,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from app.fit.known_scene.scene_match import Registration
 from core.chain.engine import Engine, Plan
 from core.chain.wires import Image
-from core.evaluation.recipes import Step
+from core.evaluation.recipes import Step, ends_lineage
 from core.evaluation.work import Work
 from core.lineage.step_lineage import source_step
 
@@ -27,8 +26,11 @@ _ORDER = 5
 _OUTSIDE = "reflect"  # as the frame goes on in the chain
 
 
+@ends_lineage
 def spline_factors(work: Work, scene: NDArray[np.floating]) -> Matrix:  # noqa: ARG001
     """Factors of the splines through a scene's samples."""
+    from scipy import ndimage
+
     values = np.asarray(scene, np.float64)
     return np.asarray(ndimage.spline_filter(values, _ORDER, mode=_OUTSIDE), np.float64)
 
@@ -38,6 +40,8 @@ def moved_scene(
     work: Work, factors: Matrix, *, shift_x: float, shift_y: float, scale: float
 ) -> NDArray[np.floating]:
     """The scene moved right and down by so many of its samples, and scaled about its middle."""
+    from scipy import ndimage
+
     middle = (np.array(factors.shape) - 1.0) / 2.0
     start = middle - (middle + np.array([shift_y, shift_x])) / scale
     moved = ndimage.affine_transform(

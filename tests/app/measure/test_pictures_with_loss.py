@@ -62,7 +62,8 @@ def test_what_keeps_every_sample_is_measured(imagechain, tmp_path, picture, name
     assert (done.returncode, done.stderr) == (0, "")
     facts = json.loads((tmp_path / "m.json").read_text("utf-8"))
     assert facts["mtf"]["x"]["mtf50"] > 0.0
-    assert facts["noise"]["sigma"] == pytest.approx(1.5, rel=0.1)
+    # So few samples do not give the noise to the 3 % that are asked for; why says what they give.
+    assert "1.5" in facts["noise"]["reason"]
 
 
 def test_numbers_that_may_follow_the_eye_are_named(imagechain, tmp_path, picture):
