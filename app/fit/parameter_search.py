@@ -18,6 +18,7 @@ _PLACES = 13
 _WIDE = 30.0  # an end over the other, from which on places are equal factors apart
 _FAR = 1000.0  # times the present value, beyond which the end of a range says nothing
 _DECADES_KNOWN, _DECADES_UNKNOWN = 1.5, 4.0  # about the present value, or about 1
+_SHARES = 1e-4, 0.3  # of a range to both sides of 0, in equal factors
 _ROUNDS = 2
 _DRAWN = 32  # sets for each parameter beyond the first
 _APART = 0.3  # of a value, between starts
@@ -32,7 +33,11 @@ def places(parameter: FreeParameter) -> Vector:
     scale = abs(now) if now else 1.0
     if low > 0.0 and high / low >= _WIDE and high / low <= _FAR:
         return np.geomspace(low, high, _PLACES)
-    if high - low <= _FAR * scale:
+    if low < 0.0 < high and not now:
+        # Such as ±20 waves of defocus: most of it is far beyond what any picture shows.
+        shares = np.geomspace(*_SHARES, _PLACES)
+        return np.sort(np.concatenate([low * shares, high * shares]))
+    if high - low <= (_WIDE if low < 0.0 else _FAR) * scale:
         inside = (high - low) * 1e-3
         grid = np.linspace(low + inside, high - inside, _PLACES)
         if not now or low > 0.0:

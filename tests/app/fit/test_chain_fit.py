@@ -11,6 +11,7 @@ from app.fit.chain_fit import EdgeProblem
 from app.fit.chain_transfer import ChainAt
 from app.fit.edges_in_picture import edges_in
 from app.fit.free_parameter import free_parameters
+from app.fit.parameter_search import places
 from core.chain.engine import Engine
 from core.evaluation.policy import Policy
 from core.network.parsing import parse_network
@@ -36,3 +37,14 @@ def test_parameters_are_sorted_whatever_the_band(sigma_mrad):
     problem.sort_out(np.array([sigma_mrad, 3.0]))
     assert problem.shown == {0}
     assert problem.noisy == frozenset()
+
+
+def test_starts_are_near_0_where_a_range_goes_far_to_both_sides():
+    """Of ±20 waves of defocus most is far beyond what any picture shows, and slow to evaluate."""
+    library = standard_library()
+    network = blur_network(optics=("diffraction_mtf", {"aperture_mm": 40.0}))
+    made = parse_network(json.dumps(network), library=library, name_of_source="optics")
+    (defocus,) = free_parameters(["optics.defocus_waves"], made, library)
+    tried = np.abs(places(defocus))
+    assert np.count_nonzero(tried < 1.0) > 0.6 * len(tried)
+    assert 0.2 * defocus.high < tried.max() < 0.5 * defocus.high
