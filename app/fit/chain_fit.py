@@ -359,7 +359,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
     alike = [pair for pair in ends if 2.0 * (pair[1] - ends[0][1]) < _SAME]
     values, best = max(alike, key=lambda pair: _inside(free, pair[0]))
     rivals = [v for v, cost in ends if 2.0 * (cost - best) < _RIVAL]
-    values, unsigned = _positive(problem, values)
+    values, unsigned = positive(free, problem.cost, values)
     scales = scales_of(free, values)
     table, edges = problem.fitted(values)
     shared = len(free), len(problem.noisy)
@@ -383,7 +383,7 @@ def fit_chain(problem: EdgeProblem) -> ChainFit:
         tuple(end_of(p, float(v), float(s)) for p, v, s in zip(free, values, scales, strict=True)),
         problem.evaluations + thin.evaluations,
         unsigned,
-        tuple(_positive(problem, v)[0] for v in apart(rivals)[1:]),
+        tuple(positive(free, problem.cost, v)[0] for v in apart(rivals)[1:]),
         problem.shown,
         rests_on,
     )
@@ -398,15 +398,17 @@ def _inside(free: Sequence[FreeParameter], values: Vector) -> float:
     )
 
 
-def _positive(problem: EdgeProblem, values: Vector) -> tuple[Vector, tuple[int, ...]]:
+def positive(
+    free: Sequence[FreeParameter], cost: Callable[[Vector], float], values: Vector
+) -> tuple[Vector, tuple[int, ...]]:
     """Positive values where the sign changes nothing, as that of a defocus; and which these are."""
     unsigned = []
-    for index, parameter in enumerate(problem.free):
+    for index, parameter in enumerate(free):
         if not (parameter.low < -abs(values[index]) < 0.0 and abs(values[index]) < parameter.high):
             continue
         other = values.copy()
         other[index] = -other[index]
-        if abs(problem.cost(other) - problem.cost(values)) < _SAME:
+        if abs(cost(other) - cost(values)) < _SAME:
             unsigned.append(index)
             values = values if values[index] > 0.0 else other
     return values, tuple(unsigned)

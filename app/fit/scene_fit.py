@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.fit.chain_fit import ChainFit, end_of, scales_of
+from app.fit.chain_fit import ChainFit, end_of, positive, scales_of
 from app.fit.chain_transfer import ChainAt, final_image
 from app.fit.fit_result import FitResult, result_of
 from app.fit.free_parameter import FreeParameter
@@ -134,6 +134,19 @@ def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
         left = problem.match.picture - problem.registered(values, how)
         problem.match = problem.match.reweighted(left)
         values, how, residual = _downhill(problem, values, how)
+
+    def cost(other: Vector) -> float:
+        try:
+            settled = _settled_registration(problem, other, how)
+            left = problem.residual(other, settled)
+        except Cancelled:
+            raise
+        except ImagechainError:
+            return math.inf
+        return float(left @ left)
+
+    values, unsigned = positive(problem.free, cost, values)
+    residual = problem.residual(values, how)
     registered = problem.registered(values, how)
     problem.match.check_same_scene(problem.match.picture - registered, how)
     scene = problem.own_columns(values, how)
@@ -152,18 +165,8 @@ def fit_scene(problem: SceneProblem, start: Vector) -> FitResult:
             end_of(p, float(v), float(s))
             for p, v, s in zip(problem.free, values, scales, strict=True)
         ),
-        problem.evaluations,
+        problem.evaluations, unsigned,
     )  # fmt: skip
-
-    def cost(other: Vector) -> float:
-        try:
-            settled = _settled_registration(problem, other, how)
-            left = problem.residual(other, settled)
-        except Cancelled:
-            raise
-        except ImagechainError:
-            return math.inf
-        return float(left @ left)
 
     result = result_of(fit, cost)
     note = (

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from app.fit.chain_fit import EdgeProblem
+from app.fit.chain_fit import EdgeProblem, positive
 from app.fit.chain_transfer import ChainAt
 from app.fit.edges_in_picture import edges_in
 from app.fit.free_parameter import free_parameters
@@ -48,3 +48,15 @@ def test_starts_are_near_0_where_a_range_goes_far_to_both_sides():
     tried = np.abs(places(defocus))
     assert np.count_nonzero(tried < 1.0) > 0.6 * len(tried)
     assert 0.2 * defocus.high < tried.max() < 0.5 * defocus.high
+
+
+def test_a_value_is_positive_where_its_sign_changes_nothing():
+    library = standard_library()
+    network = blur_network(optics=("diffraction_mtf", {"aperture_mm": 40.0}))
+    made = parse_network(json.dumps(network), library=library, name_of_source="optics")
+    free = free_parameters(["optics.defocus_waves", "optics.aperture_mm"], made, library)
+    values = np.array([-0.3, 30.0])
+    same, unsigned = positive(free, lambda v: float(100.0 * v[0] ** 2), values)
+    assert (same.tolist(), unsigned) == ([0.3, 30.0], (0,))
+    other, unsigned = positive(free, lambda v: float(100.0 * (v[0] + 0.3) ** 2), values)
+    assert (other.tolist(), unsigned) == ([-0.3, 30.0], ())
