@@ -1,4 +1,4 @@
-"""The words of the commands that measure a camera by frames of uniform fields, with their help."""
+"""The words of the commands that measure a camera by its pictures, with their help."""
 
 from __future__ import annotations
 
@@ -8,6 +8,82 @@ from typing import Any
 from app.options.command_words import Once
 from app.options.option_values import TRANSFERS
 from nodes.files.common.file_format import suffixes
+
+
+def measure_words(parser: argparse.ArgumentParser) -> None:
+    """``imagechain measure``."""
+    add: Any = parser.add_argument
+    parser.description = (
+        "Measure pictures of a camera, real or simulated: edges that can be used are searched for "
+        "in each, and the MTF measured across every one of them, with its standard error (ISO "
+        "12233), and pooled across and along; of edges that are not used, why not. Noise is that "
+        "of flat areas. Several pictures of one size, or files of frames, are taken as of one "
+        "camera: their edges are pooled, and where they show the same scene, their noise is split "
+        "by time, rows and columns."
+    )
+    parser.epilog = (
+        "A picture of red, green and blue is measured by its luminance (0.2126 R + 0.7152 G + "
+        "0.0722 B of the numbers as stored), one of other bands by --band. Of one compressed with "
+        "loss, as JPEG, no figure is given. What could not be measured is absent, with the reason. "
+        "Photograph a straight edge between a dark and a bright area, turned by about 5°, not "
+        "clipped, and store its numbers as they are: imagechain handbook real_camera has how, and "
+        "what the figures mean. "
+        "Example: imagechain measure picture.tif --report measured.html --csv mtf.csv"
+    )
+    add(
+        "pictures",
+        metavar="PICTURE",
+        nargs="+",
+        help="a picture of any format that is read, or frames: .npy (frames, rows, columns), TIFF "
+        "of a page each, ENVI of bands without wavelengths",
+    )
+    add("--json", action=Once, metavar="FILE", help="write everything that was measured, as .json")
+    add(
+        "--csv",
+        action=Once,
+        metavar="FILE",
+        help="write the pooled MTF as a .csv table that the module MTF File reads",
+    )
+    add(
+        "--report",
+        action=Once,
+        metavar="FILE",
+        help="write a page, .html, with the edges drawn on the picture",
+    )
+    add("--band", action=Once, metavar="N", help="band or colour to measure, counted from 0")
+    add(
+        "--fov-x-deg",
+        action=Once,
+        metavar="DEG",
+        help="field of view across, for frequencies in cycles/mrad (default: the header's)",
+    )
+    add(
+        "--pitch-um",
+        action=Once,
+        metavar="UM",
+        help="from one pixel to the next on the detector, for frequencies in cycles/mm",
+    )
+    add(
+        "--flats",
+        action="extend",
+        nargs="+",
+        default=[],
+        metavar="FILE",
+        help="frames of flat fields, a file for each level, for the photon transfer curve (see "
+        "imagechain photon-transfer --help)",
+    )
+    add(
+        "--dark",
+        action=Once,
+        metavar="FILE",
+        help="frames without light, of the same exposure: for the read noise",
+    )
+    add(
+        "--offset-dn",
+        action=Once,
+        metavar="DN",
+        help="the number of no light, where there are no dark frames (default: 0)",
+    )
 
 
 def photon_transfer_words(parser: argparse.ArgumentParser) -> None:

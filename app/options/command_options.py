@@ -10,13 +10,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, NoReturn, cast
 
-from app.options.camera_words import netd_words, photon_transfer_words
+from app.options.camera_words import measure_words, netd_words, photon_transfer_words
 from app.options.command_words import (
     bench_words,
     edit_words,
     fit_words,
     handbook_words,
-    measure_words,
     network_words,
     place_words,
     run_words,

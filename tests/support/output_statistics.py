@@ -22,6 +22,7 @@ CANCELLING: dict[str, tuple[str | float, ...]] = {
     "mean": ("minimum", "maximum"),
     "mean_difference": ("max_error",),
     "error_percent": (1.0,),
+    "estimated_error": (1.0,),  # of a transfer function
     # Of a spread that is symmetric one way.
     "centre_x_mrad": ("centre_y_mrad",),
     "centre_y_mrad": ("centre_x_mrad",),
