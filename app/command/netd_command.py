@@ -33,7 +33,7 @@ from core.physics.measurement.levels.thermal_response import (
 from core.physics.noise.noise_components import COMPONENTS
 from core.physics.noise.noise_cube import NoiseCube
 from nodes.files.common.file_format import JSON
-from nodes.files.frames.frame_reading import FrameFile, open_frames
+from nodes.files.frames.frame_reading import FrameFile, check_one_camera, open_frames
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
 _COARSE = 0.5  # of the converter's step, below which rounding makes or hides the noise
@@ -76,7 +76,7 @@ def measure_netd(options: Options, cancel: threading.Event | None = None) -> Non
 
     paths = [path for path, _ in options.thermal_fields]
     files = [open_frames(path) for path in paths]
-    _check(files)
+    check_one_camera(files, of_one="noise in time")
     with Staging(None, paths) as staging:
         for path in options.outputs:
             staging.claim(path)
@@ -99,19 +99,6 @@ def measure_netd(options: Options, cancel: threading.Event | None = None) -> Non
     print(columns(_levels(measured), right=range(1, 13)))
     for line in _remarks(measured):
         print(in_line(line))
-
-
-def _check(files: Sequence[FrameFile]) -> None:
-    """Refuse files of which no noise in time can be had, or of several cameras."""
-    first = files[0]
-    for file in files:
-        if file.frames < 2:
-            raise DataError(f"{file.path}: holds a single frame; noise in time needs 2 or more")
-        if (file.rows, file.columns) != (first.rows, first.columns):
-            raise DataError(
-                f"{file.path}: holds frames of {file.rows} × {file.columns} samples, and "
-                f"{first.path} of {first.rows} × {first.columns}: give those of one camera"
-            )
 
 
 def _fields(

@@ -6,7 +6,6 @@ import csv
 import io
 import json
 import threading
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,12 +16,12 @@ from app.options.progress import Progress
 from app.run.readout_tables import columns, number_text
 from app.run.staging import Staging
 from core.atomic import write_text
-from core.errors import Cancelled, DataError
+from core.errors import Cancelled
 from core.names import in_line
 from core.physics.measurement.levels.flat_field import FlatField, FlatFrames
 from core.physics.measurement.levels.photon_transfer import PhotonTransfer, photon_transfer
 from nodes.files.common.file_format import JSON
-from nodes.files.frames.frame_reading import FrameFile, open_frames
+from nodes.files.frames.frame_reading import FrameFile, check_one_camera, open_frames
 
 _MOSTLY = 0.5  # of the fixed pattern, from which on that is the field's more than the pixels'
 
@@ -52,7 +51,7 @@ def measure_photon_transfer(options: Options, cancel: threading.Event | None = N
     """
     flats = [open_frames(path) for path in options.flats]
     dark = None if options.dark is None else open_frames(options.dark)
-    _check(flats, dark)
+    check_one_camera([*flats, *([dark] if dark is not None else [])], of_one="a flat field")
     with Staging(None, [*options.flats, *filter(None, [options.dark])]) as staging:
         for path in options.outputs:
             staging.claim(path)
@@ -73,20 +72,6 @@ def measure_photon_transfer(options: Options, cancel: threading.Event | None = N
     print(columns([_LEVEL_HEAD, *_levels(made)], right=(1, 2, 3, 4)))
     for line in (*_remarks(curve, options), *_textures(made)):
         print(in_line(line))
-
-
-def _check(flats: Sequence[FrameFile], dark: FrameFile | None) -> None:
-    """Refuse files of which no curve can be made."""
-    files = [*flats, *([dark] if dark is not None else [])]
-    first = files[0]
-    for file in files:
-        if file.frames < 2:
-            raise DataError(f"{file.path}: holds a single frame; a flat field needs 2 or more")
-        if (file.rows, file.columns) != (first.rows, first.columns):
-            raise DataError(
-                f"{file.path}: holds frames of {file.rows} × {file.columns} samples, and "
-                f"{first.path} of {first.rows} × {first.columns}: give those of one camera"
-            )
 
 
 def _field(file: FrameFile, progress: Progress, cancel: threading.Event | None) -> FlatField:

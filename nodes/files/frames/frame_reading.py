@@ -8,14 +8,14 @@ from __future__ import annotations
 import contextlib
 import mmap
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from core.errors import FileError
+from core.errors import DataError, FileError
 from nodes.files.arrays import is_npy, mapped_npy
 from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import Samples, delivered_dtype
@@ -199,3 +199,29 @@ def _shape(layout: TiffLayout) -> tuple[object, ...]:
 def _words(layout: TiffLayout) -> str:
     kind = np.dtype(layout.numpy_kind).name
     return f"{layout.rows} × {layout.columns} samples of {kind}"
+
+
+def check_one_camera(files: Sequence[FrameFile], *, of_one: str) -> None:
+    """Refuse files of which no noise in time can be had, or of several cameras.
+
+    Parameters
+    ----------
+    files : sequence of FrameFile
+        What was opened, in order.
+    of_one : str
+        What is said of a file with a single frame.
+
+    Raises
+    ------
+    DataError
+        With the first file that is at fault.
+    """
+    first = files[0]
+    for file in files:
+        if file.frames < 2:
+            raise DataError(f"{file.path}: holds a single frame; {of_one} needs 2 or more")
+        if (file.rows, file.columns) != (first.rows, first.columns):
+            raise DataError(
+                f"{file.path}: holds frames of {file.rows} × {file.columns} samples, and "
+                f"{first.path} of {first.rows} × {first.columns}: give those of one camera"
+            )
