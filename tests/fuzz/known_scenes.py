@@ -39,7 +39,7 @@ KINDS = ("rectangles", "letters", "leaves", "discs", "star")  # nothing at the f
 
 
 def drawn(seed, *, shifted):
-    """A camera, its picture, and the fine cells of its scene with how far they are out of place."""
+    """A camera, its picture, and the fine cells of its scene, out of place if they are to be."""
     rng = np.random.default_rng([seed, 5])
     camera, full = drawn_camera(rng)
     while camera.motion or camera.electronics:
@@ -49,7 +49,7 @@ def drawn(seed, *, shifted):
     cells = _points(render(scene, ROWS, COLUMNS, fine=FINE, margin=MARGIN).level)
     by = rng.integers(-2 * FINE, 2 * FINE + 1, 2) if shifted else np.zeros(2, int)
     top, left = MARGIN * FINE + by
-    return camera, picture, cells[top : top + ROWS * FINE, left : left + COLUMNS * FINE], -by / FINE
+    return camera, picture, cells[top : top + ROWS * FINE, left : left + COLUMNS * FINE]
 
 
 def _points(cells):
@@ -60,7 +60,7 @@ def _points(cells):
 
 def fitted(seed, *, shifted):
     """The true values of a camera's parameters, and the fit's result."""
-    camera, picture, cells, _ = drawn(seed, shifted=shifted)
+    camera, picture, cells = drawn(seed, shifted=shifted)
     network, truth = network_of(camera)
     rng = np.random.default_rng([seed, 9])
     count = min(len(truth), int(rng.integers(1, 4)))
