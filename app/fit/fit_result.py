@@ -147,12 +147,13 @@ def result_of(
         )
         for i, p in enumerate(fit.free)
     )
+    seen = "edges" if fit.patches else "picture"
     warnings = (
         *_unknown(fit, known),
         *_other_solutions(fit, rivals),
         *_at_ends(fit, known),
         *(
-            f"{fit.free[i].port}: its sign changes nothing in the edges; it is given as positive"
+            f"{fit.free[i].port}: its sign changes nothing in the {seen}; it is given as positive"
             for i in fit.unsigned
             if i not in undetermined
         ),
