@@ -169,6 +169,25 @@ def test_total_with_electronics_at_nyquist(shipped_report):
     assert not re.search(r"\de-1[0-9]", re.sub(r"base64,[^\"]*", "", made.page))
 
 
+def test_warnings_are_those_of_the_run(imagechain, shipped_report, tmp_path):
+    found = shipped_report("kodak_kir310").facts["warnings"]
+    assert len(found) == 3
+    assert {caution["node"] for caution in found} <= set(
+        shipped_report("kodak_kir310").facts["nodes"]
+    )
+
+
+def test_what_was_skipped_is_named_at_its_node(imagechain, write, small, tmp_path):
+    def skipped():
+        assert imagechain("run", write(small), "--report", "r.json").returncode == 0
+        report = json.loads((tmp_path / "r.json").read_text())
+        return [skip["kind"] for skip in report["skipped"]["blur"]]
+
+    assert "identity" not in skipped()
+    small["nodes"]["blur"]["params"] = {"sigma_x_mrad": 0.0, "sigma_y_mrad": 0.0}
+    assert "identity" in skipped()
+
+
 def test_pupils(shipped_report):
     page = shipped_report("pupils").page
     assert "<h2>Pupils</h2>" in page

@@ -57,6 +57,16 @@ def test_one_alone_saves_again_and_again(file, library):
         assert named(file) == f"version {number}"
 
 
+def test_another_file_is_written_whatever_became_of_the_own_one(file, library, tmp_path):
+    one, two = opened(file, library), opened(file, library)
+    one.do(set_network_field("name", "one"))
+    one.save()
+    two.do(set_network_field("name", "two"))
+    two.save(tmp_path / "other.json")
+    assert named(file) == "one"
+    assert named(tmp_path / "other.json") == "two"
+
+
 def test_a_change_within_one_tick_of_the_clock_is_noticed(file, library):
     """Of the same size, and at the same time to the nanosecond."""
     document = opened(file, library)

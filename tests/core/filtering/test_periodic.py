@@ -74,3 +74,32 @@ def test_the_blocks_of_rows_leave_no_mark(monkeypatch, leans, factor_y, factor_x
     blocks = fine.reshape(rows // factor_y, factor_y, columns // factor_x, factor_x)
     expected = blocks.mean(axis=(1, 3))
     assert np.abs(filtered - expected).max() <= 1e-12 * np.abs(expected).max()
+
+
+def between(frame, at, axis):
+    """The trigonometric polynomial through the samples of an axis, at other places."""
+    size = frame.shape[axis]
+    number = np.fft.fftfreq(size, 1 / size)
+    waves = np.exp(2j * np.pi * np.outer(at, number) / size)
+    waves[:, 2 * np.abs(number) == size] = np.cos(np.pi * at)[:, None]
+    return np.tensordot(waves, np.fft.fft(frame, axis=axis), (1, axis)).real / size
+
+
+@pytest.mark.parametrize(("factor_y", "factor_x"), [(1, 3), (3, 1), (5, 3), (2, 3), (5, 6)])
+def test_thinning_takes_the_middles_of_blocks(factor_y, factor_x):
+    rows, columns = 30, 36
+    frame = np.random.default_rng(4).uniform(20, 60, (rows, columns))
+    work = Work(Policy(precision="double"), Store())
+    filtered = periodic_filter(
+        work,
+        periodic_spectrum(work, frame),
+        Product((BLUR, LATE)),
+        Grid(rows, columns, INTERVAL_X, INTERVAL_Y),
+        factor_x,
+        factor_y,
+        average=False,
+    )
+    fine = by_definition(frame, leans=False)
+    across = between(fine, np.arange(0, columns, factor_x) + (factor_x - 1) / 2, 1).T
+    expected = between(across, np.arange(0, rows, factor_y) + (factor_y - 1) / 2, 0)
+    assert np.abs(filtered - expected).max() <= 1e-12 * np.abs(expected).max()

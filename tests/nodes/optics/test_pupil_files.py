@@ -134,3 +134,14 @@ def test_the_radius_that_was_taken_is_read_out(tmp_path, pupil, expected):
     assert plan.nodes["pupil"].declaration.readouts[0].unit == "samples"
     found = engine.readouts(plan, "pupil", engine.work(Policy(precision="double")))
     assert found == {"aperture_radius": pytest.approx(expected, abs=1e-9)}
+
+
+def test_the_amplitude_of_a_file_is_relative_to_its_largest(tmp_path):
+    array = np.zeros((64, 64))
+    array[20:30, 20:40], array[30:40, 20:40] = 0.5, 0.2
+    np.save(tmp_path / "pupil.npy", array)
+    pupil = {"shape": "file", "path": "pupil.npy"}
+    engine = Engine(standard_library())
+    plan = engine.plan(linked_network({"pupil": ("exit_pupil", pupil)}), folder=tmp_path)
+    found = engine.value(plan, "pupil.pupil", engine.work(Policy(precision="double")))
+    np.testing.assert_allclose(np.abs(found), 2 * array, rtol=1e-12)

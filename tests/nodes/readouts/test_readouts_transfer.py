@@ -85,6 +85,12 @@ CASES = [
         {"mtf_at_nyquist_x": abs(TRANSFER) ** 500, "mtf_at_nyquist_y": 1.0},
     ),
     (
+        # Packets one sample apart: at the samples' Nyquist frequency they turn by half a wave.
+        "charge_eff_mtf",
+        {"detectors_per_line": 500, "efficiency": 1 - LOST, "nyquist": "image"},
+        {"mtf_at_nyquist_x": ((1 - LOST) / (1 + LOST)) ** 500, "mtf_at_nyquist_y": 1.0},
+    ),
+    (
         "charge_eff_phase",
         {"detectors_per_line": 500, "efficiency": 1 - LOST, "nyquist": "detector"},
         {"ptf_at_nyquist_x": 500 * cmath.phase(TRANSFER)},
