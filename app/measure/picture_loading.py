@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from app.measure.picture_measurement import Gamma
 from core.errors import DataError, UsageError
 from core.physics.sampling.detector_sampling import interval_mrad
-from nodes.files.arrays import mapped_npy
+from nodes.files.arrays import npy_header
 from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import PictureInfo
 from nodes.files.formats import NPY, TIFF, format_of
@@ -157,7 +157,7 @@ def _of_frames(path: Path, frames: FrameFile, info: PictureInfo | None) -> Pictu
         path, frames.rows, frames.columns, frames.frames, 0, "", frames.unit or "", x, y,
         limits_of(frames.dtype),
         gamma="" if info is None else _gamma(info), is_lossy=info is not None and info.lossy,
-        is_stack=frames.kind == "npy" and mapped_npy(frames.path).ndim > _FLAT,
+        is_stack=frames.kind == "npy" and len(npy_header(frames.path).shape) > _FLAT,
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from core.errors import FileError
 from core.modules.library_type import Library
 from core.network.file import format_network, parse_network, save_network
 from core.network.network import Network
-from nodes.files.arrays import mapped_npy, write_npy
+from nodes.files.arrays import npy_header, whole_npy, write_npy
 from nodes.files.frames.envi_frames import envi_header_text
 from nodes.files.frames.frame_series import FrameSeries
 from nodes.files.frames.frame_writing import header_beside_frames
@@ -88,7 +88,7 @@ def _refuse_anothers(file: Path, held: HeldSamples, own: set[str]) -> None:
     if not file.exists() or file.name in own:
         return
     try:
-        same = _is_plain(held) and _equal(mapped_npy(file), held.samples)
+        same = _is_plain(held) and _holds(file, held.samples)
     except FileError:
         same = False
     if not same:
@@ -98,8 +98,10 @@ def _refuse_anothers(file: Path, held: HeldSamples, own: set[str]) -> None:
         )
 
 
-def _equal(stored: NDArray[Any], samples: NDArray[Any]) -> bool:
-    return stored.dtype == samples.dtype and np.array_equal(stored, samples)
+def _holds(file: Path, samples: NDArray[Any]) -> bool:
+    header = npy_header(file)
+    same = header.dtype == samples.dtype and header.shape == samples.shape
+    return same and np.array_equal(whole_npy(file), samples)
 
 
 def _is_plain(held: HeldSamples) -> bool:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 import tokenize
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,7 +25,8 @@ from nodes.files.common.picture_info import (
     Samples,
     delivered_dtype,
 )
-from nodes.files.common.size_limits import refuse_oversized, refuse_oversized_text
+from nodes.files.common.size_limits import oversized, refuse_oversized, refuse_oversized_text
+from nodes.files.common.stored_bytes import stored_bytes
 
 # numpy evaluates the header as a Python literal, and lets pass whatever that raises.
 _HEADER_FAULTS = (
@@ -38,7 +41,12 @@ _HEADER_FAULTS = (
     tokenize.TokenError,
 )
 _NPY_MAGIC = b"\x93NUMPY"
-_BLOCK_SAMPLES = 1 << 26  # read at a time
+_BLOCK_SAMPLES = 1 << 18  # read at a time, so that they stay in a core's cache
+_LONGEST_HEADER = 1 << 16
+_VERSIONS: Mapping[tuple[int, int], Callable[..., Any]] = {
+    (1, 0): np.lib.format.read_array_header_1_0,
+    (2, 0): np.lib.format.read_array_header_2_0,
+}
 
 
 def is_npy(path: Path) -> bool:
@@ -49,12 +57,12 @@ def is_npy(path: Path) -> bool:
 def read_npy_info(path: str | os.PathLike[str]) -> PictureInfo:
     """Read shape and type of a ``.npy`` file; errors as `read_npy`."""
     file = readable_file(path)
-    mapped = mapped_npy(file)
-    return _info(file, mapped.shape, mapped.dtype, "npy")
+    header = npy_header(file)
+    return _info(file, header.shape, header.dtype, "npy")
 
 
 def read_npy(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.empty) -> Samples:
-    """Read one band of a ``.npy`` file by way of a memory map.
+    """Read one band of a ``.npy`` file, block by block.
 
     Parameters
     ----------
@@ -78,17 +86,13 @@ def read_npy(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.e
         is not 2-D or 3-D, is empty of samples, or has no such band.
     """
     file = readable_file(path)
-    mapped = mapped_npy(file)
-    info = _info(file, mapped.shape, mapped.dtype, "npy")
+    header = npy_header(file)
+    info = _info(file, header.shape, header.dtype, "npy")
     if empty is np.empty:
         refuse_oversized(info)
     band = checked_band(band, info.bands, file)
-    read = empty(mapped.shape[:2], delivered_dtype(mapped.dtype))
-    step = max(1, _BLOCK_SAMPLES // max(1, mapped[:1].size))
-    for top in range(0, len(mapped), step):
-        # Mapped anew each time: what has been read does not stay in the process's memory.
-        samples = mapped_npy(file)[top : top + step]
-        read[top : top + step] = samples if samples.ndim == 2 else samples[:, :, band]
+    read = empty(header.shape[:2], delivered_dtype(header.dtype))
+    fill_plane(read, file, header, axis=2, index=band)
     return read
 
 
@@ -257,19 +261,85 @@ def write_curves(path: str | os.PathLike[str], columns: Mapping[str, ArrayLike])
     write_text(path, "\n".join(lines) + "\n")
 
 
-def mapped_npy(path: Path) -> NDArray[Any]:
-    """The array of a ``.npy`` file, mapped into memory; errors as `read_npy`."""
-    if not is_npy(path):
-        raise FileError(f"{path}: is not a .npy file; it must begin with \\x93NUMPY")
+@dataclass(frozen=True)
+class NpyHeader:
+    """What a ``.npy`` file says of its samples, and where they begin."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    fortran_order: bool
+    offset_bytes: int
+
+
+def npy_header(path: Path) -> NpyHeader:
+    """Read the header of a ``.npy`` file and check it against the file's length.
+
+    Raises
+    ------
+    FileError
+        As `read_npy`.
+    """
+    with stored_bytes(path) as content:
+        if content[: len(_NPY_MAGIC)] != _NPY_MAGIC:
+            raise FileError(f"{path}: is not a .npy file; it must begin with \\x93NUMPY")
+        start = io.BytesIO(content[:_LONGEST_HEADER])
+        length = len(content)
     try:
-        mapped = np.load(path, mmap_mode="r", allow_pickle=False)
+        read = _VERSIONS.get(np.lib.format.read_magic(start))
+        if read is None:
+            raise ValueError("its version is not known")
+        shape, fortran_order, dtype = read(start)
     except _HEADER_FAULTS as error:
-        if "objects" in str(error):
-            raise FileError(
-                f"{path}: holds Python objects; allowed: an array of numbers"
-            ) from error
-        raise FileError(f"{path}: is damaged or truncated: {error}") from error
-    return np.asarray(mapped)
+        raise FileError(f"{path}: is damaged or truncated: its header cannot be read") from error
+    if dtype.hasobject:
+        raise FileError(f"{path}: holds Python objects; allowed: an array of numbers")
+    needed = start.tell() + math.prod(shape) * dtype.itemsize
+    if min(shape, default=0) < 0 or needed > length:
+        raise FileError(
+            f"{path}: is damaged or truncated: {length} bytes cannot hold an array of shape {shape}"
+        )
+    return NpyHeader(shape, dtype, fortran_order, start.tell())
+
+
+def fill_plane(
+    plane: NDArray[Any], path: Path, header: NpyHeader, *, axis: Literal[0, 2], index: int
+) -> None:
+    """Fill (rows, columns) with those of an array at one index of its first or last axis.
+
+    An array of two axes is the plane itself. Errors as `read_npy`.
+    """
+    shape = header.shape
+    if header.fortran_order:  # in C order the axes are the other way round
+        shape, plane, axis = shape[::-1], plane.T, 0 if axis else 2
+    lines, wide, every = (*shape, 1)[:3]
+    first, part = 0, 0
+    if len(shape) == 3 and axis == 0:
+        (_, lines, wide), every = shape, 1
+        first = index * lines * wide
+    elif len(shape) == 3:
+        part = index
+    line = wide * every
+    if reason := oversized(1, line, header.dtype):
+        raise FileError(f"{path}: a line of {reason}")
+    step = max(1, _BLOCK_SAMPLES // max(1, line))
+    as_stored = every == 1 and plane.dtype == header.dtype and plane.flags.c_contiguous
+    block = np.empty((min(step, lines), line), header.dtype)
+    with stored_bytes(path) as content:
+        for top in range(0, lines, step):
+            rows = plane[top : top + step] if as_stored else block[: min(step, lines - top)]
+            content.fill(rows, header.offset_bytes + (first + top * line) * header.dtype.itemsize)
+            if not as_stored:
+                plane[top : top + step] = rows[:, part::every]
+
+
+def whole_npy(path: Path) -> NDArray[Any]:
+    """The array of a ``.npy`` file, of any number of axes; errors as `read_npy`."""
+    header = npy_header(path)
+    shape = header.shape[::-1] if header.fortran_order else header.shape
+    array = np.empty(shape, header.dtype)
+    with stored_bytes(path) as content:
+        content.fill(array, header.offset_bytes)
+    return array.T if header.fortran_order else array
 
 
 def _info(path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], kind: str) -> PictureInfo:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import mmap
-import struct
 import zlib
 from pathlib import Path
 
 from core.errors import FileError
+from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
 from nodes.files.headers.fits_header import check_sums, read_fits_header
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
@@ -23,21 +22,13 @@ def refuse_damaged(path: Path) -> None:
     That is a PNG with a broken chunk, a FITS whose sums do not fit, a JPEG that was cut off: its
     decoder fills what is missing with grey and reports nothing.
     """
-    try:
-        with (
-            path.open("rb") as file,
-            mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
-        ):
-            if content[:8] == _PNG_SIGNATURE:
-                _check_png(content, path)
-            elif content[:9] == _FITS_START:
-                check_sums(read_fits_header(path))
-            elif content[:3] == _JPEG_START and content.rfind(_JPEG_END) < content.rfind(
-                _JPEG_SCAN
-            ):
-                raise FileError(f"{path}: this JPEG file is truncated: its end marker is missing")
-    except (OSError, ValueError) as error:
-        raise FileError(f"{path}: cannot be read: {error}") from error
+    with stored_bytes(path) as content:
+        if content[:8] == _PNG_SIGNATURE:
+            _check_png(content, path)
+        elif content[:9] == _FITS_START:
+            check_sums(read_fits_header(path))
+        elif content[:3] == _JPEG_START and content.rfind(_JPEG_END) < content.rfind(_JPEG_SCAN):
+            raise FileError(f"{path}: this JPEG file is truncated: its end marker is missing")
 
 
 def png_bit_depth(head: bytes) -> int | None:
@@ -47,15 +38,16 @@ def png_bit_depth(head: bytes) -> int | None:
     return head[24]
 
 
-def _check_png(content: mmap.mmap, path: Path) -> None:
+def _check_png(content: StoredBytes, path: Path) -> None:
     place = len(_PNG_SIGNATURE)
     while place + 12 <= len(content):
-        length, kind = struct.unpack_from(">I4s", content, place)
+        length, kind = content.unpack(">I4s", place)
         end = place + 12 + length
         if end > len(content):
             break
-        with memoryview(content) as view, view[place + 4 : end - 4] as covered:
-            checksum = zlib.crc32(covered)
+        checksum = 0
+        for covered in content.pieces(place + 4, end - 4):
+            checksum = zlib.crc32(covered, checksum)
         if checksum != int.from_bytes(content[end - 4 : end], "big"):
             name = kind.decode("ascii", "replace")
             raise FileError(f"{path}: this PNG file is damaged: wrong checksum in chunk {name}")

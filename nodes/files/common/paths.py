@@ -7,6 +7,7 @@ import stat
 from pathlib import Path
 
 from core.errors import FileError
+from nodes.files.common.stored_bytes import stored_bytes
 
 
 def readable_file(path: str | os.PathLike[str]) -> Path:
@@ -58,11 +59,8 @@ def _status(text: str) -> os.stat_result:
 
 def first_bytes(path: Path, count: int) -> bytes:
     """Return the first `count` bytes of `path`, fewer when the file is shorter."""
-    try:
-        with path.open("rb") as file:
-            return file.read(count)
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from error
+    with stored_bytes(path) as content:
+        return content[:count]
 
 
 def checked_band(band: int, bands: int, path: Path) -> int:

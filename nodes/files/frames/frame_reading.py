@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import mmap
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -16,10 +14,11 @@ from typing import Any, Literal
 import numpy as np
 
 from core.errors import DataError, FileError
-from nodes.files.arrays import is_npy, mapped_npy
+from nodes.files.arrays import fill_plane, is_npy, npy_header
 from nodes.files.common.paths import readable_file
 from nodes.files.common.picture_info import Samples, delivered_dtype
 from nodes.files.common.size_limits import oversized
+from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
 from nodes.files.formats import NPY, TIFF
 from nodes.files.headers.envi import band_of, info_of
 from nodes.files.headers.envi_header import is_envi, read_layout
@@ -73,11 +72,11 @@ class FrameFile:
             yield samples
 
     def _of_npy(self) -> Iterator[Samples]:
+        header = npy_header(self.path)
         for number in range(self.frames):
-            # Mapped anew: what was read of a mapping counts as memory of the process.
-            mapped = mapped_npy(self.path)
-            frame = mapped if mapped.ndim == 2 else mapped[number]
-            yield np.array(frame, delivered_dtype(mapped.dtype), order="C")
+            frame = np.empty((self.rows, self.columns), delivered_dtype(header.dtype))
+            fill_plane(frame, self.path, header, axis=0, index=number)
+            yield frame
 
     def _of_envi(self) -> Iterator[Samples]:
         layout = read_layout(self.path)
@@ -85,7 +84,7 @@ class FrameFile:
             yield band_of(layout, number)
 
     def _of_tiff(self) -> Iterator[Samples]:
-        with _mapped_tiff(self.path) as content:
+        with stored_bytes(self.path) as content:
             for layout in _pages(content, self.path):
                 yield channel_of(content, layout, self.path)
 
@@ -122,23 +121,24 @@ def tiff_pages(path: Path) -> int:
     """
     file = readable_file(path)
     try:
-        with _mapped_tiff(file) as content:
+        with stored_bytes(file) as content:
             return sum(1 for _ in directories(content))
     except (KeyError, ValueError, struct.error) as error:
         raise FileError(f"{path}: this TIFF file is damaged: its directories: {error}") from error
 
 
 def _npy(path: Path) -> FrameFile:
-    mapped = mapped_npy(path)
-    if mapped.dtype.kind not in "buif":
-        raise FileError(f"{path}: holds samples of type {mapped.dtype}; allowed: real numbers")
-    if mapped.ndim not in (2, 3) or 0 in mapped.shape:
+    header = npy_header(path)
+    shape, dtype = header.shape, header.dtype
+    if dtype.kind not in "buif":
+        raise FileError(f"{path}: holds samples of type {dtype}; allowed: real numbers")
+    if len(shape) not in (2, 3) or 0 in shape:
         raise FileError(
-            f"{path}: holds an array of shape {mapped.shape}; allowed: (frames, rows, columns), "
+            f"{path}: holds an array of shape {shape}; allowed: (frames, rows, columns), "
             "none of them 0"
         )
-    frames, rows, columns = mapped.shape if mapped.ndim == 3 else (1, *mapped.shape)
-    return FrameFile(path, "npy", frames, rows, columns, mapped.dtype, None)
+    frames, rows, columns = shape if len(shape) == 3 else (1, *shape)
+    return FrameFile(path, "npy", frames, rows, columns, dtype, None)
 
 
 def _envi(path: Path) -> FrameFile:
@@ -151,7 +151,7 @@ def _envi(path: Path) -> FrameFile:
 
 def _tiff(path: Path) -> FrameFile:
     unit = read_info(path).unit
-    with _mapped_tiff(path) as content:
+    with stored_bytes(path) as content:
         frames, first = 0, None
         for layout in _pages(content, path):
             frames += 1
@@ -168,13 +168,7 @@ def _tiff(path: Path) -> FrameFile:
     )
 
 
-@contextlib.contextmanager
-def _mapped_tiff(path: Path) -> Iterator[mmap.mmap]:
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-        yield content
-
-
-def _pages(content: mmap.mmap, path: Path) -> Iterator[TiffLayout]:
+def _pages(content: StoredBytes, path: Path) -> Iterator[TiffLayout]:
     """How each page is cut into strips, once it is known to be a plain picture of one channel."""
     try:
         for number, place in enumerate(directories(content), start=1):
@@ -186,8 +180,6 @@ def _pages(content: mmap.mmap, path: Path) -> Iterator[TiffLayout]:
                     "deflate"
                 )
             yield layout
-            if hasattr(content, "madvise"):  # not on every system
-                content.madvise(mmap.MADV_DONTNEED)  # it would count as memory of the process
     except (KeyError, ValueError, struct.error) as error:
         raise FileError(f"{path}: this TIFF file is damaged: its directories: {error}") from error
 

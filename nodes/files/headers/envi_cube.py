@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import FileError
 from core.scratch.allocation import Empty
 from core.threads import ForEach, in_turn
+from nodes.files.common.stored_bytes import stored_bytes
 from nodes.files.headers.envi_header import EnviLayout
 
 Array = NDArray[Any]
@@ -166,10 +166,7 @@ def row_blocks(layout: Layout, bands: int) -> Iterator[slice]:
 
 
 def sample_block(layout: Layout, rows: slice, bands: Array, dtype: np.dtype[Any]) -> Array:
-    """Samples of some rows, (bands, rows·columns), NaN where they are missing.
-
-    They are read, not mapped: a mapped file that another program cuts short ends the process.
-    """
+    """Samples of some rows, (bands, rows·columns), NaN where they are missing."""
     stored = _stored_rows(layout, rows, bands)
     if layout.interleave == "bil":
         stored = stored[:, bands].transpose(1, 0, 2)
@@ -190,24 +187,15 @@ def _stored_rows(layout: Layout, rows: slice, bands: Array) -> Array:
         return layout.samples[bands, rows]
     count = rows.stop - rows.start
     columns, every = layout.columns, layout.bands
-    try:
-        with layout.data.open("rb") as file:
-            if layout.interleave == "bsq":
-                stored = np.empty((len(bands), count, columns), layout.dtype)
-                for place, band in enumerate(bands):
-                    first = (int(band) * layout.rows + rows.start) * columns
-                    _read_into(stored[place], file, layout, first)
-                return stored
-            inner = (every, columns) if layout.interleave == "bil" else (columns, every)
-            stored = np.empty((count, *inner), layout.dtype)
-            _read_into(stored, file, layout, rows.start * columns * every)
-    except OSError as error:
-        raise FileError(f"{layout.data}: cannot be read: {error}") from error
+    start, size = layout.offset_bytes, layout.dtype.itemsize
+    with stored_bytes(layout.data) as file:
+        if layout.interleave == "bsq":
+            stored = np.empty((len(bands), count, columns), layout.dtype)
+            for place, band in enumerate(bands):
+                first = (int(band) * layout.rows + rows.start) * columns
+                file.fill(stored[place], start + first * size)
+            return stored
+        inner = (every, columns) if layout.interleave == "bil" else (columns, every)
+        stored = np.empty((count, *inner), layout.dtype)
+        file.fill(stored, start + rows.start * columns * every * size)
     return stored
-
-
-def _read_into(samples: Array, file: Any, layout: EnviLayout, first: int) -> None:
-    """Fill an array with the file's samples from one of them on."""
-    file.seek(layout.offset_bytes + first * layout.dtype.itemsize)
-    if file.readinto(samples.reshape(-1).view(np.uint8)) != samples.nbytes:
-        raise FileError(f"{layout.data}: ends before its last sample")

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
+from nodes.files.common.stored_bytes import stored_bytes
 
 _BLOCK, _CARD = 2880, 80
 _MOST_BLOCKS = 20_000
-_BLOCKS_SUMMED = 4096
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EDed][-+]?\d+)?")
 _TEXT = re.compile(r"'((?:[^']|'')*)'")
 
@@ -80,19 +80,16 @@ def read_fits_header(path: Path) -> FitsHeader:
         The header has no end, contradicts itself on its samples, or has a value that is no number.
     """
     cards: dict[str, str] = {}
-    try:
-        with path.open("rb") as file:
-            for block in range(1, _MOST_BLOCKS + 1):
-                content = file.read(_BLOCK)
-                for place in range(0, len(content), _CARD):
-                    card = content[place : place + _CARD].decode("latin-1")
-                    if card.rstrip() == "END":
-                        return _header(path, cards, block * _BLOCK)
-                    _add(cards, card, path)
-                if len(content) < _BLOCK:
-                    break
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from error
+    with stored_bytes(path) as file:
+        for start in range(0, _MOST_BLOCKS * _BLOCK, _BLOCK):
+            content = file[start : start + _BLOCK]
+            for place in range(0, len(content), _CARD):
+                card = content[place : place + _CARD].decode("latin-1")
+                if card.rstrip() == "END":
+                    return _header(path, cards, start + _BLOCK)
+                _add(cards, card, path)
+            if len(content) < _BLOCK:
+                break
     raise FileError(f"{path}: this FITS file is damaged or truncated: its header has no END")
 
 
@@ -105,15 +102,11 @@ def refuse_unsupported(path: Path) -> None:
         There is none in it, as where pictures are in extensions; it departs from the standard; its
         samples are of another type, or lie along more than three axes; or as of `read_fits_header`.
     """
-    try:
-        with path.open("rb") as file:
-            if file.read(len(_START)) != _START:
-                return
-            header = read_fits_header(path)
-            file.seek(header.length)
-            extension = file.read(len(_EXTENSION)) == _EXTENSION
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from error
+    with stored_bytes(path) as file:
+        if file[: len(_START)] != _START:
+            return
+        header = read_fits_header(path)
+        extension = file[header.length : header.length + len(_EXTENSION)] == _EXTENSION
     simple = header.cards.get("SIMPLE", "")
     if simple != "T":
         # Which rule of the standard is not kept is written nowhere: any sample may mean another.
@@ -243,10 +236,8 @@ def _data_bytes(header: FitsHeader) -> int:
 def _ones_sum(header: FitsHeader, start: int, size: int) -> int:
     """Sum of words of 32 bits in ones' complement, what lacks at the end taken as zeros."""
     total = 0
-    with header.path.open("rb") as file:
-        file.seek(start)
-        while size > 0 and (content := file.read(min(size, _BLOCKS_SUMMED * _BLOCK))):
-            size -= len(content)
+    with stored_bytes(header.path) as file:
+        for content in file.pieces(start, min(start + size, len(file))):
             words = np.frombuffer(content + bytes(-len(content) % 4), ">u4")
             total = _folded(total + int(words.sum(dtype=np.uint64)))
     return total

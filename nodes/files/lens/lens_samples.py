@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import FileError
-from nodes.files.arrays import is_npy, mapped_npy
+from nodes.files.arrays import is_npy, npy_header, whole_npy
 from nodes.files.common.file_format import BLANKS, CSV
 from nodes.files.common.paths import checked_band, readable_file
 from nodes.files.lens.listing import read_listing
@@ -53,14 +53,14 @@ def describe_lens_samples(path: Path, band: int = 0) -> LensSamples:
         rows, columns = listing.matrix.shape
         named = (listing.wavelength_um, listing.spacing_um)
         return _within_limits(file, LensSamples(rows, columns, False, *named))
-    mapped = mapped_npy(file) if is_npy(file) else None
-    if mapped is not None and mapped.dtype.kind == "c":
-        if mapped.ndim != 2 or 0 in mapped.shape:
+    header = npy_header(file) if is_npy(file) else None
+    if header is not None and header.dtype.kind == "c":
+        if len(header.shape) != 2 or 0 in header.shape:
             raise FileError(
-                f"{file}: holds a complex array of shape {mapped.shape}; allowed: (rows, columns)"
+                f"{file}: holds a complex array of shape {header.shape}; allowed: (rows, columns)"
             )
         checked_band(band, 1, file)
-        return _within_limits(file, LensSamples(mapped.shape[0], mapped.shape[1], True))
+        return _within_limits(file, LensSamples(*header.shape, is_complex=True))
     info = read_info(file)
     checked_band(band, info.bands, file)
     return _within_limits(file, LensSamples(info.rows, info.columns, bands=info.bands))
@@ -83,7 +83,7 @@ def read_lens_samples(path: Path, band: int = 0) -> NDArray[Any]:
     if _is_listing(path):
         return read_listing(path).matrix
     if described.is_complex:
-        return np.array(mapped_npy(path), np.complex128)
+        return whole_npy(path).astype(np.complex128, order="C")
     return np.asarray(read_pixels(path, band), np.float64)
 
 

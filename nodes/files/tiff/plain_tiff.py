@@ -8,7 +8,6 @@ sections 2, 14 and 15; Adobe, TIFF Technical Note 3 (2005), floating-point predi
 
 from __future__ import annotations
 
-import mmap
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from core.errors import FileError
 from core.scratch.allocation import Empty
 from nodes.files.common.picture_info import PictureInfo, Samples, delivered_dtype
+from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
 from nodes.files.tiff.tiff_deflate import each_block, unpacked
 from nodes.files.tiff.tiff_layout import DEFLATES, NONE, Block, TiffLayout, read_tiff_layout
 
@@ -52,7 +52,7 @@ def read_channel(
     path: Path, expected: tuple[int, int, int], band: int, *, empty: Empty = np.empty
 ) -> Samples | None:
     """Read one channel of a picture of that many rows, columns and channels; else as above."""
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+    with stored_bytes(path) as content:
         layout = read_tiff_layout(content, path)
         if layout.compression not in (NONE, *DEFLATES):
             raise FileError(
@@ -68,7 +68,7 @@ def read_channel(
 
 
 def channel_of(
-    content: mmap.mmap,
+    content: StoredBytes,
     layout: TiffLayout,
     path: Path,
     band: int = 0,
@@ -104,12 +104,12 @@ def _predictors(kind: str) -> tuple[int, ...]:
     return (1, 2, 3) if kind.startswith("f") else (1, 2)
 
 
-def _raw(content: mmap.mmap, layout: TiffLayout, block: Block, path: Path) -> bytes:
+def _raw(content: StoredBytes, layout: TiffLayout, block: Block, path: Path) -> bytes:
     """Bytes of the rows of a block."""
     expected = block.lengths[0]
     if layout.compression != NONE:
         return unpacked(content, block, path)[:expected]
-    raw = content[block.place : block.place + block.size][:expected]
+    raw = content[block.place : block.place + min(block.size, expected)]
     if len(raw) != expected:
         raise FileError(
             f"{path}: this TIFF file is damaged: strip or tile {block.number} holds {len(raw)} "

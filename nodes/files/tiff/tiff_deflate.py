@@ -6,7 +6,6 @@ Source: Deutsch, RFC 1950 (1996), Adler-32.
 
 from __future__ import annotations
 
-import mmap
 import os
 import zlib
 from collections.abc import Callable, Iterable
@@ -14,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from core.errors import FileError
+from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
 from nodes.files.tiff.tiff_layout import DEFLATES, Block, compression_of, read_tiff_layout
 
 _STEP_BYTES = 1 << 24
@@ -22,7 +22,7 @@ _THREADS = 4
 
 def is_deflated(path: Path) -> bool:
     """Whether the first picture of a TIFF file is packed by deflate."""
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+    with stored_bytes(path) as content:
         return compression_of(content, path) in DEFLATES
 
 
@@ -34,7 +34,7 @@ def check_deflate(path: Path) -> None:
     FileError
         A block is damaged, has another length than its rows, or lies beyond the end of the file.
     """
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+    with stored_bytes(path) as content:
         blocks = read_tiff_layout(content, path).blocks
         each_block(lambda block: _unpack(content, block, path, None), blocks)
 
@@ -52,7 +52,7 @@ def each_block(work: Callable[[Block], None], blocks: Iterable[Block]) -> None:
             pass
 
 
-def unpacked(content: mmap.mmap, block: Block, path: Path) -> bytes:
+def unpacked(content: StoredBytes, block: Block, path: Path) -> bytes:
     """The bytes of a block, whole and with the right checksum.
 
     Raises
@@ -65,21 +65,22 @@ def unpacked(content: mmap.mmap, block: Block, path: Path) -> bytes:
     return parts[0] if len(parts) == 1 else b"".join(parts)
 
 
-def _unpack(content: mmap.mmap, block: Block, path: Path, parts: list[bytes] | None) -> None:
+def _unpack(content: StoredBytes, block: Block, path: Path, parts: list[bytes] | None) -> None:
     where = f"{path}: this TIFF file is damaged: strip or tile {block.number}"
     if block.place + block.size > len(content):
         raise FileError(f"{where} lies beyond the end of the file")
     # Bounded, so that a few damaged bytes cannot use up all memory.
     most = max(block.lengths, default=None)
     stream, length = zlib.decompressobj(), 0
-    packed = content[block.place : block.place + block.size]
     try:
-        while packed and not stream.eof and (most is None or length <= most):
-            part = stream.decompress(packed, _STEP_BYTES)
-            length += len(part)
-            packed = stream.unconsumed_tail
-            if parts is not None:
-                parts.append(part)
+        for packed in content.pieces(block.place, block.place + block.size):
+            left = packed
+            while left and not stream.eof and (most is None or length <= most):
+                part = stream.decompress(left, _STEP_BYTES)
+                length += len(part)
+                left = stream.unconsumed_tail
+                if parts is not None:
+                    parts.append(part)
     except zlib.error as error:
         reason = "its checksum is wrong" if "incorrect data check" in str(error) else str(error)
         raise FileError(f"{where}: {reason}") from error

@@ -5,12 +5,12 @@ Source: Adobe, TIFF Revision 6.0 (1992), sections 3 and 15.
 
 from __future__ import annotations
 
-import mmap
 import struct
 from dataclasses import dataclass
 from pathlib import Path
 
 from core.errors import FileError
+from nodes.files.common.stored_bytes import StoredBytes, stored_bytes
 from nodes.files.tiff.tiff_directory import Tags, byte_order, read_tags
 
 NONE, DEFLATES = 1, (8, 32946)
@@ -64,7 +64,7 @@ class TiffLayout:
     blocks: tuple[Block, ...]
 
 
-def compression_of(content: mmap.mmap, path: Path) -> int:
+def compression_of(content: StoredBytes, path: Path) -> int:
     """Number of the compression; errors as `read_tiff_layout`."""
     try:
         return read_tags(content).get(_COMPRESSION, (NONE,))[0]
@@ -84,7 +84,7 @@ def refuse_predictor(path: Path) -> None:
     FileError
         Naming predictor and packing; or that the directory is damaged.
     """
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+    with stored_bytes(path) as content:
         packing = _UNPREDICTED.get(compression_of(content, path))
         predictor = next(iter(read_tags(content).get(_PREDICTOR, ())), 1)
     if packing is not None and predictor != 1:
@@ -94,7 +94,7 @@ def refuse_predictor(path: Path) -> None:
         )
 
 
-def read_tiff_layout(content: mmap.mmap, path: Path, directory: int | None = None) -> TiffLayout:
+def read_tiff_layout(content: StoredBytes, path: Path, directory: int | None = None) -> TiffLayout:
     """Read a directory, the first one if its place is not given.
 
     Raises

@@ -7,6 +7,7 @@ from child_process import run_program
 from core.errors import DataError, FileError, ParameterError
 from core.memory import usable_bytes
 from nodes.files import arrays
+from nodes.files.frames.frame_reading import open_frames
 from nodes.files.read import check_finite, read_info, read_pixels
 
 
@@ -37,6 +38,19 @@ def test_npy_of_every_real_type(tmp_path, dtype, wanted, order):
     assert np.array_equal(read, truth.astype(wanted))
     info = read_info(tmp_path / "a.npy")
     assert (info.rows, info.columns, info.bands, info.kind) == (3, 4, 1, "npy")
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_planes_of_an_npy_of_three_axes_read_in_small_blocks(tmp_path, monkeypatch, order):
+    """Bands are its last axis, frames its first, in either order of the file."""
+    monkeypatch.setattr(arrays, "_BLOCK_SAMPLES", 7)
+    truth = np.random.default_rng(0).random((3, 4, 5))
+    np.save(tmp_path / "a.npy", np.asarray(truth, order=order))
+    for band in range(5):
+        assert np.array_equal(read_pixels(tmp_path / "a.npy", band), truth[:, :, band])
+    frames = list(open_frames(tmp_path / "a.npy").each())
+    assert np.array_equal(frames, truth)
+    assert np.array_equal(arrays.whole_npy(tmp_path / "a.npy"), truth)
 
 
 def test_npy_band(tmp_path):

@@ -278,6 +278,16 @@ def test_pictures_damaged_at_random(tmp_path):
     assert done.stderr == ""
 
 
+def test_files_cut_short_while_they_are_read_do_not_end_the_process():
+    """A short seed; of mapped files, one in ten ended it."""
+    command = [sys.executable, "tests/fuzz/shrinking_files.py", "--count", "80", "--seed", "3"]
+    done = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "refused" in done.stdout, "no file was cut short in time"
+
+
 def test_the_budget_is_of_the_memory_that_a_container_leaves(monkeypatch):
     shape = {"rows": 1000, "columns": 500, "bands": 1, "dtype": "float32", "kind": "tiff"}
     empty = dict.fromkeys(

@@ -1,0 +1,96 @@
+"""Bytes of a file, read when they are needed and never mapped into memory.
+
+A mapped file that another program cuts short ends the process (SIGBUS).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import stat
+import struct
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import FileError
+
+_STEP_BYTES = 1 << 20
+
+
+class StoredBytes:
+    """A file as a sequence of bytes, which several threads may read."""
+
+    def __init__(self, path: Path, file: BinaryIO) -> None:
+        self.path = path
+        self._file = file
+        self._length = os.fstat(file.fileno()).st_size
+        self._lock = threading.Lock()
+
+    def __len__(self) -> int:
+        return self._length
+
+    def __getitem__(self, part: slice) -> bytes:
+        """Bytes from one place to another; fewer where the file ends."""
+        start, stop, _ = part.indices(self._length)
+        with self._lock:
+            self._file.seek(start)
+            return self._file.read(max(0, stop - start))
+
+    def unpack(self, form: str, place: int) -> tuple[Any, ...]:
+        """Numbers as `struct` has them; `struct.error` beyond the end of the file."""
+        return struct.unpack(form, self[place : place + struct.calcsize(form)])
+
+    def pieces(self, start: int, stop: int) -> Iterator[bytes]:
+        """The bytes between two places in turn, so that they are never in memory together."""
+        for place in range(start, stop, _STEP_BYTES):
+            yield self[place : min(stop, place + _STEP_BYTES)]
+
+    def rfind(self, wanted: bytes) -> int:
+        """Where these few bytes stand last; -1 where nowhere."""
+        for start in range((self._length - 1) // _STEP_BYTES * _STEP_BYTES, -1, -_STEP_BYTES):
+            found = self[start : start + _STEP_BYTES + len(wanted) - 1].rfind(wanted)
+            if found >= 0:
+                return start + found
+        return -1
+
+    def fill(self, samples: NDArray[Any], place: int) -> None:
+        """Fill a contiguous array with the bytes from `place` on.
+
+        Raises
+        ------
+        FileError
+            The file ends before, perhaps because it was cut short meanwhile.
+        """
+        left = samples.reshape(-1).view(np.uint8).data
+        with self._lock:
+            self._file.seek(place)
+            while left:
+                count = self._file.readinto(left)  # type: ignore[attr-defined]
+                if not count:
+                    raise FileError(f"{self.path}: ends before its last sample")
+                left = left[count:]
+
+
+@contextlib.contextmanager
+def stored_bytes(path: Path) -> Iterator[StoredBytes]:
+    """Open a regular file; what another program put in its place meanwhile is refused.
+
+    Raises
+    ------
+    FileError
+        It cannot be opened or read, also from within the block; or is a pipe, a device or the like.
+    """
+    # Without O_NONBLOCK a pipe would be waited for.
+    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    try:
+        with os.fdopen(os.open(path, flags), "rb") as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise FileError(f"{path}: is not a regular file")
+            yield StoredBytes(path, file)
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror or error}") from error
