@@ -29,7 +29,8 @@ class Header:
     `channels`: names of a colour picture's channels, of which the image is one; empty for a picture
     of one channel. `bands`: of the file, of which the image is one; 1 where it is made of several.
     `not_applied`: fields that would change the samples, which are as stored. `wavelengths_assumed`:
-    it gives wavelengths without their unit, which are taken as µm.
+    it gives wavelengths without their unit, which are taken as µm. `absent_chunks`: files of a Zarr
+    store that are not there, whose samples count as missing.
     """
 
     fov_x_deg: float | None = None
@@ -41,6 +42,7 @@ class Header:
     unit_named: bool = False
     bands: int = 1
     wavelengths_assumed: bool = False
+    absent_chunks: int = 0
 
 
 def _bound(factors: Iterable[Factor]) -> tuple[Recipe, ...]:

@@ -183,6 +183,7 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
                 unit_named=bool(info.unit),
                 bands=1 if spectral else info.bands,
                 wavelengths_assumed=info.wavelengths_assumed,
+                absent_chunks=info.absent_chunks,
             ),
         )
 
@@ -243,6 +244,17 @@ class ReadImage(Module, key="read_image", title="Read Image", group="Input and o
         return Caution(
             f"the header has {' and '.join(fields)}, and the samples are read as they are stored",
             "give the gain as scale, and the unit that it makes; an offset needs a converted file",
+        )
+
+    @warning
+    def chunks_not_there(self, outputs: ImageOutput) -> Caution | None:
+        """A Zarr store that lacks files."""
+        count = outputs.image.header.absent_chunks
+        if not count:
+            return None
+        return Caution(
+            f"{count} chunks of the store are not there: their samples count as missing",
+            "copy the store again, if it should be whole",
         )
 
     @warning

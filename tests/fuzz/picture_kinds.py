@@ -26,6 +26,7 @@ class Made:
     truth: Array
     guarded: tuple[Span, ...] = ()
     beside: dict[str, bytes] = field(default_factory=dict)
+    store: str = ""  # the folder that is read, where the file is one of many in it
 
 
 def tiff(folder: Path, rng: np.random.Generator) -> Made:
@@ -126,6 +127,38 @@ def npy(folder: Path, rng: np.random.Generator) -> Made:
     return Made("npy", ".npy", path.read_bytes(), truth)
 
 
+def zarr(folder: Path, rng: np.random.Generator) -> Made:
+    """A chunk of a store, with its description and the other chunks beside it; no checksum."""
+    import numcodecs
+    import zarr as library
+
+    truth = _samples(rng, str(rng.choice(["uint8", "int16", "float", "double"])), 1)[:, :, 0]
+    version, how = int(rng.choice([2, 3])), {}
+    if version == 2:
+        choices = (None, numcodecs.GZip(), numcodecs.Zlib(), numcodecs.Blosc(), numcodecs.LZ4())
+    else:
+        codecs = library.codecs
+        choices = (None, codecs.GzipCodec(), codecs.BloscCodec(), codecs.ZstdCodec())
+        if rng.random() < 0.3:
+            how["shards"] = (32, 32)
+    place = folder / "made.zarr"
+    packing = int(rng.integers(len(choices)))
+    array = library.create_array(
+        place, shape=truth.shape, chunks=(16, 16), dtype=truth.dtype, zarr_format=version,
+        compressors=choices[packing], overwrite=True, **how,
+    )  # fmt: skip
+    array[...] = truth
+    files = {
+        f".zarr/{file.relative_to(place)}": file.read_bytes()
+        for file in sorted(place.rglob("*"), key=lambda file: file.name not in _STORE_TEXTS)
+        if file.is_file()
+    }
+    chosen = str(rng.choice([name for name in files if Path(name).name not in _STORE_TEXTS]))
+    content = files.pop(chosen)
+    return Made(f"zarr {version}", chosen, content, truth, (), files, ".zarr")
+
+
+_STORE_TEXTS = ("zarr.json", ".zarray")
 KINDS: dict[str, tuple[float, Callable[[Path, np.random.Generator], Made]]] = {
     "tiff": (0.5, tiff),
     "png": (0.1, png),
@@ -133,6 +166,7 @@ KINDS: dict[str, tuple[float, Callable[[Path, np.random.Generator], Made]]] = {
     "fits": (0.1, fits),
     "envi": (0.1, envi),
     "npy": (0.05, npy),
+    "zarr": (0.1, zarr),
 }
 
 

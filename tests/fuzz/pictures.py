@@ -11,9 +11,14 @@ import argparse
 import hashlib
 import multiprocessing
 import os
+import re
+import shutil
 import sys
 import tempfile
+import warnings
 from collections import Counter
+from dataclasses import replace
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -71,16 +76,18 @@ class Reader:
         return verdict, f"exit code {code}"
 
     def close(self) -> None:
-        """End the process."""
+        """End the process: by itself, so that it leaves nothing behind, else killed."""
+        self._pipe.close()
+        self._process.join(2)
         self._process.kill()
         self._process.join(10)
-        self._pipe.close()
 
 
 def _serve(pipe: Connection) -> None:
     from core.errors import ImagechainError
     from nodes.files.read import read_info, read_pixels
 
+    warnings.simplefilter("ignore")  # libraries' own
     while True:
         try:
             path = pipe.recv()
@@ -107,9 +114,10 @@ def damaged(made: Made, rng: np.random.Generator) -> tuple[Made, bool]:
     content = bytearray(made.content)
     text = dict(made.beside)
     choice = rng.random()
-    if made.beside and choice < 0.8:
-        (name,) = text
-        text[name] = _mutated_text(text[name], rng, b"\n")
+    if made.beside and choice < (0.5 if made.store else 0.8):
+        name = next(iter(text))
+        mutated = _mutated_json if made.store else partial(_mutated_text, end=b"\n")
+        text[name] = mutated(text[name], rng)
         return _changed(made, bytes(content), text), False
     if made.kind.startswith("fits") and choice < 0.6:
         head = _mutated_cards(bytes(content[:2880]), rng)
@@ -122,7 +130,8 @@ def damaged(made: Made, rng: np.random.Generator) -> tuple[Made, bool]:
         for place in places:
             content[place] = int(rng.integers(256))
     else:
-        return _changed(made, bytes(content[: int(rng.integers(1, len(content)))]), text), False
+        least = 0 if made.store else 1
+        return _changed(made, bytes(content[: int(rng.integers(least, len(content)))]), text), False
     touched = [place for place in places if content[place] != made.content[place]]
     covered = all(any(a <= place < b for a, b in made.guarded) for place in touched)
     return _changed(made, bytes(content), text), bool(touched) and covered
@@ -138,7 +147,7 @@ def _place(made: Made, rng: np.random.Generator) -> int:
 
 
 def _changed(made: Made, content: bytes, beside: dict[str, bytes]) -> Made:
-    return Made(made.kind, made.suffix, content, made.truth, made.guarded, beside)
+    return replace(made, content=content, beside=beside)
 
 
 _VALUES = (
@@ -168,6 +177,19 @@ def _mutated_text(text: bytes, rng: np.random.Generator, end: bytes) -> bytes:
     return end.join(lines)
 
 
+def _mutated_json(text: bytes, rng: np.random.Generator) -> bytes:
+    """A number or word of the description of a store changed, or one byte of it."""
+    found = list(re.finditer(rb'"[^"]*"|-?[0-9.]+|null|true|false', text))
+    if rng.random() < 0.2:
+        raw = bytearray(text)
+        raw[rng.integers(len(raw))] = int(rng.integers(256))
+        return bytes(raw)
+    place = found[rng.integers(len(found))]
+    other = found[rng.integers(len(found))][0]
+    values = (b"0", b"-1", b"1", b"7", b"99999999999", b"1.5", b'"x"', b"null", b"[]", b"{}", other)
+    return text[: place.start()] + values[rng.integers(len(values))] + text[place.end() :]
+
+
 def _mutated_cards(head: bytes, rng: np.random.Generator) -> bytes:
     """Another value for a keyword, a keyword added, or a byte changed; still 2880 bytes."""
     cards = [head[at : at + 80] for at in range(0, 2880, 80)]
@@ -190,10 +212,12 @@ def _mutated_cards(head: bytes, rng: np.random.Generator) -> bytes:
 
 def judged(made: Made, covered: bool, readers: list[Reader], folder: Path) -> tuple[str, str]:
     """Verdict on a damaged file, and the text that goes with it."""
-    path = folder / f"damaged{made.suffix}"
-    path.write_bytes(made.content)
-    for name, content in made.beside.items():
-        (folder / f"damaged{name}").write_bytes(content)
+    shutil.rmtree(folder / f"damaged{made.store or '.zarr'}", ignore_errors=True)
+    for name, content in {**made.beside, made.suffix: made.content}.items():
+        file = folder / f"damaged{name}"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(content)
+    path = folder / f"damaged{made.store or made.suffix}"
     answers = [reader.read(path) for reader in readers]
     for kind, text in answers:
         if kind in FAULTS:
@@ -246,9 +270,12 @@ def fuzz(
                     print(f"{seed}/{index} {made.kind}: {verdict}: {text}", flush=True)
                     if keep is not None:
                         keep.mkdir(parents=True, exist_ok=True)
-                        (keep / f"{seed}-{index}{made.suffix}").write_bytes(broken.content)
-                        for suffix, content in broken.beside.items():
-                            (keep / f"{seed}-{index}{suffix}").write_bytes(content)
+                        for suffix, content in {
+                            **broken.beside, broken.suffix: broken.content
+                        }.items():  # fmt: skip
+                            file = keep / f"{seed}-{index}{suffix}"
+                            file.parent.mkdir(parents=True, exist_ok=True)
+                            file.write_bytes(content)
     finally:
         for reader in readers:
             reader.close()

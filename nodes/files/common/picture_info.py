@@ -48,6 +48,8 @@ class PictureInfo:
         The file names no unit of its wavelengths, which are taken as µm.
     lossy
         The file's compression leaves out what the eye would not miss.
+    absent_chunks
+        Files of a Zarr store that are not there, whose samples are missing.
     """
 
     path: Path
@@ -67,6 +69,7 @@ class PictureInfo:
     shares_um: tuple[float, ...] | None = None
     wavelengths_assumed: bool = False
     lossy: bool = False
+    absent_chunks: int = 0
 
 
 def delivered_dtype(stored: np.dtype[Any]) -> np.dtype[Any]:

@@ -53,6 +53,17 @@ def oversized(
     )
 
 
+def oversized_file(length: int) -> str:
+    """Why a file that is read whole does not fit; empty where it does."""
+    memory = usable_bytes()
+    if not memory or length <= _SHARE * memory:
+        return ""
+    return (
+        f"a file of {_gb(length)}; allowed on this machine: {_gb(_SHARE * memory)}, half of the "
+        "memory this process may use"
+    )
+
+
 def refuse_oversized_text(path: Path) -> None:
     """Refuse a text that takes more than half of the memory the process may use.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
+import stat
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,9 +13,11 @@ from core.errors import FileError
 from core.file_lock import take
 from core.leftovers import FOLDER_PREFIX, LOCK, new_mark, sweep
 from nodes.files.common.paths import readable_file
+from nodes.files.common.size_limits import oversized_file
 
 _ALLOWED = "allowed: a new name, or a store to replace"
 _MARKS = ("zarr.json", ".zarray", ".zgroup")  # version 3, arrays and groups of version 2
+_METADATA = (*_MARKS, ".zattrs", ".zmetadata")
 
 
 def is_store(path: Path) -> bool:
@@ -47,15 +50,18 @@ def store_state(folder: Path) -> tuple[int, int]:
     Raises
     ------
     FileError
-        It cannot be looked through.
+        It cannot be looked through, or holds something else than folders and regular files.
     """
-    size = newest_ns = 0
-    try:
-        for status in _states(folder):
-            size, newest_ns = size + status.st_size, max(newest_ns, status.st_mtime_ns)
-    except OSError as error:
-        raise FileError(f"{folder}: {error.strerror or error}") from error
-    return size, newest_ns
+    states = list(_states(folder))
+    return sum(one.st_size for _, one in states), max(one.st_mtime_ns for _, one in states)
+
+
+def count_chunks(folder: Path) -> int:
+    """How many files of samples are in the folder of an array; errors as `store_state`."""
+    return sum(
+        stat.S_ISREG(status.st_mode) and path.rpartition(os.sep)[2] not in _METADATA
+        for path, status in _states(folder)
+    )
 
 
 @contextlib.contextmanager
@@ -104,14 +110,25 @@ def _exchange(target: Path, place: Path) -> None:
         raise
 
 
-def _states(folder: Path) -> Iterator[os.stat_result]:
-    waiting = [folder]
-    while waiting:
-        current = waiting.pop()
-        yield current.stat()
-        with os.scandir(current) as entries:
-            for entry in entries:
-                if entry.is_dir(follow_symlinks=False):
-                    waiting.append(Path(entry.path))
-                else:
-                    yield entry.stat()
+def _states(folder: Path) -> Iterator[tuple[str, os.stat_result]]:
+    """Folders and files by path; a pipe or a device, which could be read for ever, is refused."""
+    waiting = [os.fspath(folder)]
+    try:
+        while waiting:
+            current = waiting.pop()
+            yield current, Path(current).stat()
+            with os.scandir(current) as entries:
+                for entry in entries:
+                    if entry.is_dir(follow_symlinks=False):
+                        waiting.append(entry.path)
+                        continue
+                    status = entry.stat()
+                    if not stat.S_ISREG(status.st_mode):
+                        raise FileError(
+                            f"{entry.path}: is no regular file; a store holds these and folders"
+                        )
+                    if too_long := oversized_file(status.st_size):
+                        raise FileError(f"{entry.path}: {too_long}")
+                    yield entry.path, status
+    except OSError as error:
+        raise FileError(f"{folder}: {error.strerror or error}") from error

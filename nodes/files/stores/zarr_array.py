@@ -3,15 +3,16 @@
 Versions 2 and 3, with any packing that the library knows. Rows and columns are found by the names
 of the dimensions where the store gives them (y and x, lines and samples, latitude and longitude,
 …), else they are the first two; a third dimension is that of bands. In a group the one array of
-two or three dimensions is read. A chunk that is not there stands for the store's fill value, as the
-format has it. Samples equal to an attribute ``_FillValue`` or ``missing_value`` are NaN;
-``scale_factor`` and ``add_offset`` are not applied. Source: Zarr core specification, version 3.1
-(2025); CF Metadata Conventions 1.11, section 2.5.
+two or three dimensions is read. Samples equal to an attribute ``_FillValue`` or ``missing_value``
+are NaN, and so are those of a chunk whose file is not there. Stores of our own have a file for
+every chunk: one that lacks a file is damaged. ``scale_factor`` and ``add_offset`` are not applied.
+Source: Zarr core specification, version 3.1 (2025); CF Metadata Conventions 1.11, section 2.5.
 """
 
 from __future__ import annotations
 
 import importlib.util
+import itertools
 import math
 import os
 from collections.abc import Iterator, Mapping
@@ -24,19 +25,19 @@ from numpy.typing import NDArray
 
 from core.errors import FileError
 from core.scratch.allocation import Empty
-from nodes.files.common.paths import checked_band
+from nodes.files.common.paths import checked_band, first_bytes
 from nodes.files.common.picture_info import MetadataValue, PictureInfo, Samples, delivered_dtype
 from nodes.files.common.size_limits import oversized, refuse_oversized
 from nodes.files.headers.header_fields import header_fields
-from nodes.files.stores.store_folder import atomic_store, readable_picture
+from nodes.files.stores.store_folder import (
+    atomic_store,
+    count_chunks,
+    readable_picture,
+    store_state,
+)
 
 Array = NDArray[Any]
 
-# What the library raises on stores that are damaged, or packed by what is not installed.
-_FAULTS = (
-    OSError, ValueError, TypeError, KeyError, IndexError, AttributeError, RuntimeError,
-    NotImplementedError, ImportError, MemoryError, OverflowError,
-)  # fmt: skip
 _ROWS = ("y", "row", "rows", "line", "lines", "lat", "latitude", "northing", "along_track")
 _COLUMNS = (
     "x", "column", "columns", "col", "sample", "samples", "lon", "longitude", "easting",
@@ -44,6 +45,7 @@ _COLUMNS = (
 )  # fmt: skip
 _V2_NAMES = "_ARRAY_DIMENSIONS"  # as xarray has it
 _MISSING = ("_FillValue", "missing_value")
+_WHOLE = "every_chunk_written"  # an attribute of our own stores
 _SCALING = (("scale_factor", 1.0), ("add_offset", 0.0))
 _READ_SAMPLES = 1 << 22  # at a time, at least one chunk
 _CHUNK = 1024  # rows and columns of a chunk that is written
@@ -53,6 +55,7 @@ _CHUNK = 1024  # rows and columns of a chunk that is written
 class _Opened:
     """An array with what is known of it, its dimensions in the order (rows, columns[, bands])."""
 
+    folder: Path
     array: Any
     attributes: Mapping[str, Any]
     axes: tuple[int, ...]
@@ -64,6 +67,36 @@ class _Opened:
     @property
     def chunks(self) -> tuple[int, ...]:
         return tuple(int(self.array.chunks[axis]) for axis in self.axes)
+
+    @property
+    def stored(self) -> tuple[int, ...]:
+        """Sizes of what a file holds, in the array's own order: a chunk, or a shard of chunks."""
+        return tuple(map(int, self.array.shards or self.array.chunks))
+
+    @property
+    def absent(self) -> int:
+        """How many of these files are not there."""
+        grid = zip(map(int, self.array.shape), self.stored, strict=True)
+        return max(0, math.prod(-(-size // of) for size, of in grid) - count_chunks(self.folder))
+
+    def files(
+        self, rows: slice, columns: slice, band: int
+    ) -> Iterator[tuple[str, tuple[slice, slice]]]:
+        """Names of the files that hold these samples, and the rows and columns of each."""
+        part = [slice(band, band + 1)] * len(self.axes)
+        part[self.axes[0]], part[self.axes[1]] = rows, columns
+        sizes = self.stored
+        along = (
+            range(one.start // size, -(-one.stop // size))
+            for one, size in zip(part, sizes, strict=True)
+        )
+        for place in itertools.product(*along):
+            first = [index * size for index, size in zip(place, sizes, strict=True)]
+            down, across = (
+                slice(max(first[axis], part[axis].start), first[axis] + sizes[axis])
+                for axis in self.axes[:2]
+            )
+            yield self.array.metadata.encode_chunk_key(place), (down, across)
 
     def part(self, rows: slice, columns: slice, band: int) -> Array:
         """Samples of a band as they are stored, rows first."""
@@ -121,15 +154,40 @@ def read_band(path: str | os.PathLike[str], band: int = 0, *, empty: Empty = np.
     samples = empty((info.rows, info.columns), dtype)
     missing = _missing_value(opened.attributes)
     for rows, columns in _parts(info.rows, info.columns, (high, wide), _READ_SAMPLES):
+        absent = list(_absent(opened, rows, columns, band))
         try:
             part = opened.part(rows, columns, band)
-        except _FAULTS as error:
+        except Exception as error:  # each packing has errors of its own
             where = f"rows {rows.start} to {rows.stop}, columns {columns.start} to {columns.stop}"
             raise FileError(f"{path}: {where} cannot be read: {_line(error)}") from error
         samples[rows, columns] = part
         if missing is not None:
             samples[rows, columns][part == missing] = math.nan
+        for place in absent:
+            samples[place] = math.nan
     return samples
+
+
+def _absent(
+    opened: _Opened, rows: slice, columns: slice, band: int
+) -> Iterator[tuple[slice, slice]]:
+    """Rows and columns of the chunks whose files are not there; refuses damage seen without them.
+
+    Blosc takes the length of what it unpacks from the chunk, and reads on in memory beyond one that
+    was cut short.
+    """
+    packing = type(next(iter(opened.array.compressors[-1:]), None)).__name__
+    is_blosc = opened.array.shards is None and packing.startswith("Blosc")
+    for name, place in opened.files(rows, columns, band):
+        file = opened.folder / name
+        if not file.exists():
+            if opened.attributes.get(_WHOLE) is True:
+                raise FileError(f"{opened.folder}: is damaged: its chunk {name} is missing")
+            yield place
+        elif is_blosc:
+            length = int.from_bytes(first_bytes(file, 16)[12:], "little")
+            if length != file.stat().st_size:
+                raise FileError(f"{opened.folder}: is damaged: its chunk {name} is cut short")
 
 
 def write_store(
@@ -166,7 +224,10 @@ def write_store(
             chunks=chunk,
             dtype=(dtype or samples.dtype).newbyteorder("<"),
             compressors=None,  # noise packs by a tenth, in many times the time
-            attributes={"units" if key == "unit" else key: it for key, it in metadata.items()},
+            attributes={
+                _WHOLE: True,
+                **{"units" if key == "unit" else key: it for key, it in metadata.items()},
+            },
             dimension_names=("y", "x"),
             config={"write_empty_chunks": True},  # what is not there was not written
         )
@@ -198,6 +259,7 @@ def _library(path: Path) -> Any:
 
 def _opened(folder: Path) -> _Opened:
     zarr = _library(folder)
+    store_state(folder)  # refuses what could be read for ever
     try:
         stored = zarr.open(folder, mode="r")
         group: Mapping[str, Any] = {}
@@ -213,8 +275,14 @@ def _opened(folder: Path) -> _Opened:
             (stored,) = pictures.values()
         attributes = {**group, **stored.attrs.asdict()}
         named = getattr(stored.metadata, "dimension_names", None) or attributes.get(_V2_NAMES)
-        return _Opened(stored, attributes, _axes(folder, stored.shape, named))
-    except _FAULTS as error:
+        axes = _axes(folder, stored.shape, named)
+        opened = _Opened(folder / stored.path, stored, attributes, axes)
+        if min(*opened.chunks, *opened.stored) < 1:
+            raise FileError(f"{folder}: is damaged: its chunks have the shape {opened.stored}")
+        return opened
+    except FileError:
+        raise
+    except Exception as error:  # of a damaged store, or a packing that is not installed
         raise FileError(f"{folder}: cannot be read as a Zarr store: {_line(error)}") from error
 
 
@@ -261,6 +329,7 @@ def _info(folder: Path, opened: _Opened) -> PictureInfo:
         not_applied=tuple(
             key for key, neutral in _SCALING if attributes.get(key, neutral) != neutral
         ),
+        absent_chunks=opened.absent,
     )
 
 

@@ -1,7 +1,9 @@
 """Zarr stores against the library's own reading and writing, chunk by chunk."""
 
+import os
 import resource
 
+import numcodecs
 import numpy as np
 import pytest
 import zarr
@@ -107,6 +109,76 @@ def test_damage_is_one_line(tmp_path):
         read_info(path)
     with pytest.raises(FileError, match=r"holds an array of shape \(4,\); allowed: "):
         read_info(stored(tmp_path / "b.zarr", np.zeros(4), chunks=(2,)))
+
+
+def test_a_lost_chunk_of_our_own_store_is_damage(tmp_path, monkeypatch):
+    monkeypatch.setattr(zarr_array, "_CHUNK", 16)
+    write_store(tmp_path / "a.zarr", np.ones((40, 20), np.float32), {})
+    (tmp_path / "a.zarr" / "c" / "1" / "1").unlink()
+    with pytest.raises(FileError, match=r"a\.zarr: is damaged: its chunk c/1/1 is missing"):
+        read_pixels(tmp_path / "a.zarr")
+
+
+@pytest.mark.parametrize(
+    "how",
+    [{"chunks": (1, 4, 8)}, {"chunks": (3, 2, 2), "shards": (3, 4, 8)}, {"zarr_format": 2}],
+)
+@pytest.mark.parametrize("samples", [30, 1 << 20])
+def test_a_chunk_that_is_not_there_is_missing_samples(tmp_path, monkeypatch, how, samples):
+    """Bands first, then rows: of a plane of zeros the library writes no chunk."""
+    monkeypatch.setattr(zarr_array, "_READ_SAMPLES", samples)
+    how = {"chunks": (1, 4, 8), **how}
+    cube = 1 + RNG.random((3, 11, 13)).astype(np.float32)
+    cube[:, 4:8, 8:] = 0.0
+    names = ("t", "y", "x")
+    if "zarr_format" in how:
+        how["attributes"] = {"_ARRAY_DIMENSIONS": list(names)}
+    else:
+        how["dimension_names"] = names
+    path = stored(tmp_path / "a.zarr", cube, **how)
+    truth = np.where(cube[1] == 0.0, np.nan, cube[1])
+    assert read_info(path).absent_chunks == 3 // how.get("shards", how["chunks"])[0]
+    np.testing.assert_array_equal(read_pixels(path, 1), truth)
+
+
+@pytest.mark.parametrize("packing", ["gzip", "zlib", "blosc"])
+@pytest.mark.parametrize("content", [b"", b"\x1f\x8b\x08", bytes(range(256)) * 9])
+def test_damaged_chunks_of_every_packing_are_refused(tmp_path, packing, content):
+    packings = {"gzip": numcodecs.GZip(), "zlib": numcodecs.Zlib(), "blosc": numcodecs.Blosc()}
+    path = tmp_path / "a.zarr"
+    how = {"chunks": (10, 10), "zarr_format": 2, "compressors": packings[packing]}
+    stored(path, RNG.random((20, 20)), **how)
+    (path / "1.0").write_bytes(content)
+    with pytest.raises(FileError, match=r"a\.zarr: .*(cannot be read|is cut short)"):
+        read_pixels(path)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_chunk_of_blosc_cut_short_is_refused(tmp_path, version):
+    """It would be unpacked from memory that lies behind it."""
+    packing = {2: numcodecs.Blosc(), 3: zarr.codecs.BloscCodec()}[version]
+    how = {"chunks": (10, 10), "zarr_format": version, "compressors": packing}
+    path = stored(tmp_path / "a.zarr", RNG.random((20, 20)), **how)
+    chunk = path / {2: "1.0", 3: "c/1/0"}[version]
+    chunk.write_bytes(chunk.read_bytes()[:-9])
+    with pytest.raises(FileError, match=r"a\.zarr: is damaged: its chunk .* is cut short"):
+        read_pixels(path)
+
+
+@pytest.mark.parametrize("name", ["c/1/0", "scene.zarr/zarr.json", "new"])
+def test_pipes_devices_and_linked_folders_in_a_store_are_refused(tmp_path, name):
+    path = stored(tmp_path / "a.zarr", np.ones((20, 20)), chunks=(10, 10))
+    place = path / name
+    for put in (
+        lambda: os.mkfifo(place),
+        lambda: place.symlink_to("/dev/zero"),
+        lambda: place.symlink_to(tmp_path),
+    ):
+        place.parent.mkdir(exist_ok=True)
+        place.unlink(missing_ok=True)
+        put()
+        with pytest.raises(FileError, match=rf"{name}: is no regular file"):
+            read_pixels(path)
 
 
 def test_without_the_package(tmp_path, monkeypatch):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import zarr
 
 from core.errors import DataError, FileError, ParameterError
 from core.modules.library_type import library_of
@@ -116,6 +117,17 @@ def test_wavelengths_without_unit_are_warned_of(tmp_path, bands):
         said.append([str(caution) for caution in bench.engine.warnings(bench.plan, bench.work)])
     assert any("no unit of them: they are read as µm" in line for line in said[0])
     assert not any("µm" in line for line in said[1])
+
+
+def test_chunks_that_a_store_lacks_are_warned_of(tmp_path):
+    stored = zarr.create_array(tmp_path / "a.zarr", shape=(40, 40), chunks=(5, 20), dtype="f4")
+    stored[10:] = 3.0
+    bench = reading(tmp_path, path="a.zarr", missing="zero")
+    said = [str(caution) for caution in bench.engine.warnings(bench.plan, bench.work)]
+    assert any("4 chunks of the store are not there" in line for line in said)
+    assert bench.value("in.image").sum() == 3.0 * 30 * 40
+    with pytest.raises(DataError, match="400 samples are not finite"):
+        reading(tmp_path, path="a.zarr").value("in.image")
 
 
 def test_stated_band_of_a_plain_picture(tmp_path):
