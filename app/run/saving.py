@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.run.png import encode_png, grey_levels
-from core.atomic import write_bytes, write_text
+from core.atomic import atomic_file, write_bytes, write_text
 from core.chain.realize import realize
 from core.chain.results import CurveData, TableData
 from core.chain.wires import Context, Curve, Image, Table
@@ -26,6 +26,8 @@ from nodes.files.common.digital_numbers import integer_type
 from nodes.files.common.file_format import CSV, ENVI_FRAMES, ZARR, Format, suffixes
 from nodes.files.curve_text import columns_text, is_plain
 from nodes.files.formats import PNG, SAVED, WRITTEN, written_format
+from nodes.files.frames.frame_series import FrameSeries
+from nodes.files.frames.frame_writing import frame_format, header_beside_frames, write_frames
 from nodes.files.read import check_finite
 from nodes.files.stores.zarr_array import check_zarr, write_store
 from nodes.files.write import write_picture
@@ -116,18 +118,25 @@ def real_array(made: Array, work: Work) -> Array:
 def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
     """Write a real array in the format of the suffix; integers from its least to greatest sample.
 
-    Digital numbers are written as they are, in TIFF as integers.
+    Digital numbers are written as they are, in TIFF as integers. ENVI has its header beside it.
 
     Raises
     ------
+    UsageError
+        No format has this suffix.
     ImagechainError
         From the writer.
     """
     kind = written_format(path)
     if ZARR.matches(path):
         write_store(path, array, metadata)
-    elif kind is None:
+    elif ENVI_FRAMES.matches(path):
+        _save_envi(path, array, metadata)
+    elif CSV.matches(path):
         write_matrix(path, array)
+    elif kind is None:
+        words = " ".join(suffixes(*SAVED, ENVI_FRAMES, ZARR))
+        raise UsageError(f"{path}: a picture is written as {words}")
     elif kind.stores_floats:
         whole = integer_type(array, metadata.get("unit", ""), kind.dtypes)
         if whole is not None:
@@ -141,6 +150,17 @@ def save_array(path: Path, array: Array, metadata: dict[str, Any]) -> None:
             write_bytes(path, encode_png(levels))
         else:
             write_picture(path, levels, dtype=kind.dtypes[0], metadata=metadata)
+
+
+def _save_envi(path: Path, array: Array, metadata: dict[str, Any]) -> None:
+    kind = frame_format(path)
+    assert kind is not None
+    assert kind.beside is not None
+    rows, columns = array.shape
+    series = FrameSeries(1, rows, columns, array.dtype.newbyteorder("<"), metadata)
+    with atomic_file(path) as temporary:
+        write_frames(temporary, kind, series, [array])
+    write_text(header_beside_frames(path), kind.beside(series))
 
 
 def metadata_of(image: Image, shape: tuple[int, ...]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.run.evaluation import Evaluation, TimedWork, evaluate
 from app.run.output import find_output
-from app.run.saving import check_suffix, real_array, save_value
+from app.run.saving import check_suffix, cube_of, is_cube, real_array, save_value
 from app.run.way_of_running import blocks_of, way_of_running
 from core.chain.engine import Engine, Plan
 from core.chain.frame_sequence import at_frame
@@ -33,6 +33,7 @@ from imagechain.results.chain_picture import Picture, PictureValues
 from imagechain.results.readout_table import ReadoutTable, readout_table
 from imagechain.results.run_options import Origin, RunOptions
 from imagechain.results.stage_curves import StageCurves, curves_along, curves_of
+from nodes.files.frames.frame_writing import header_beside_frames
 from nodes.files.read import check_finite
 
 
@@ -107,8 +108,8 @@ class Result:
         Parameters
         ----------
         path : path
-            ``.npy``, ``.exr``, ``.tif``, ``.png``, ``.csv`` or ``.zarr``; ``.img`` of a picture
-            with bands.
+            ``.npy``, ``.exr``, ``.tif``, ``.png``, ``.csv``, ``.zarr`` or ``.img``, which holds all
+            bands of a picture, with its header beside it.
         port : str, optional
             ``NODE.PORT``; default the picture that the chain delivers.
         """
@@ -119,6 +120,9 @@ class Result:
         if self._options.frames is not None and isinstance(value, Image):
             raise UsageError(f"{target}: several frames are written by the command, run --frames")
         save_value(value, target, self._work, port=name, region=region)
+        if isinstance(value, Image) and is_cube(value, target):
+            cube = cube_of(value, self._work.policy, region)
+            cube.write_header(header_beside_frames(target))
         return target
 
     # Figures

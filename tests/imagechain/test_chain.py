@@ -14,6 +14,7 @@ import imagechain as ic
 from command_line import run_here
 from core.network.file import load_network
 from core.scratch.scratch_disk import is_on_disk
+from nodes.files.read import read_info, read_pixels
 from nodes.library import standard_library
 
 SNR = "electronics.amplifier_snr"
@@ -334,6 +335,28 @@ def test_macros_expressions_and_bands_pass_through():
     assert pickle.loads(pickle.dumps(blurred)).run().image().tobytes() == truth.image().tobytes()
 
 
+@pytest.mark.parametrize("name", ["a.img", "b.bsq"])
+def test_a_picture_is_saved_as_envi_with_its_header(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    result = built(ic.scene(pixels(), fov_x_deg=1, fov_y_deg=1)).run()
+    for save in (result.save, result.picture().save):
+        save(name)
+        info = read_info(name)
+        assert (info.kind, info.unit) == ("envi", result.picture().unit)
+        np.testing.assert_array_equal(read_pixels(name), result.image())
+        Path(f"{name}.hdr").unlink()
+
+
+@pytest.mark.parametrize("name", ["a.nc", "a.fits", "a.jpg", "a.bil", "a.bip", "a.txt", "a"])
+def test_a_picture_is_not_saved_under_an_unknown_suffix(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    result = built(ic.scene(pixels(), fov_x_deg=1, fov_y_deg=1)).run()
+    for save in (result.save, result.picture().save):
+        with pytest.raises(ic.UsageError, match=r"written as .*\.tif .*\.npy .*\.csv"):
+            save(name)
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_cube_from_an_array_is_that_of_a_file(tmp_path, monkeypatch):
     xarray = pytest.importorskip("xarray")
     monkeypatch.chdir(tmp_path)
@@ -358,6 +381,10 @@ def test_a_cube_from_an_array_is_that_of_a_file(tmp_path, monkeypatch):
     again = ic.scene(array.transpose("x", "y", "wavelength"))
     np.testing.assert_array_equal(again.samples.samples, picture.cube())
     assert again.samples.wavelengths_um == picture.wavelengths_um
+    chain.run(precision="double").save("again.img")
+    info = read_info("again.img")
+    assert (info.bands, info.unit, info.wavelengths_um[1:3]) == (4, "W/m^2/sr/um", (3.9, 4.2))
+    np.testing.assert_allclose(read_pixels("again.img", 1), cube[2], rtol=1e-15)
     with pytest.raises(ic.DataError, match="wavelengths_um has 4 numbers for 5 bands"):
         ic.scene(cube, wavelengths_um=waves[1:])
     with pytest.raises(ic.DataError, match="has no wavelengths"):
